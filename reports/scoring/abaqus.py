@@ -129,8 +129,15 @@ def _region_with_pressure(path: Path, blocks: Sequence[_Block], mapping: Mapping
 def _columns(
     path: Path, blocks: Sequence[_Block], mapping: Mapping, notes: list[str]
 ) -> dict[Quantity, Array]:
-    """Quantities of the report's blocks, one row for each frame and node that lies on the contact
-    surface, in the scene's units and our signs; `notes` gets what was left out.
+    """Pressure, shear, slip, x, frame and time of a report, one row for each frame and each node on
+    the contact surface, in the scene's units and signs.
+
+    Parameters
+    ----------
+    blocks
+        the report's tables, each of one frame
+    notes
+        gets a sentence on what was left out
     """
     frames = list(dict.fromkeys((block.step, block.frame) for block in blocks))
     rows = _rows_of_nodes(path, blocks, mapping, frames)
@@ -220,32 +227,35 @@ def _lies_on_surface(rows: pd.DataFrame) -> pd.Series[bool]:
 
 
 def _blocks(path: Path) -> Iterator[_Block]:
-    """The tables of a report that have rows, in its order; each with its step, frame, kind of place
-    and region from the lines above it.
+    """The tables of an Abaqus report that have rows, in its order; each with its step, its frame,
+    where its values were taken (nodes, centroids), and its region, from the lines above it.
+
+    A table begins below a line of dashes and ends at an empty line.
     """
     header_values = dict.fromkeys(("step", "frame", "where", "region"), "")
     lines_above: list[str] = []  # lines since the last empty one: headings, if dashes come
     names: list[str] = []
     rows: list[list[float]] = []
-    line_of_dashes = row_count = 0
+    line_of_dashes = 0  # 0 while none has been passed
+    row_count = 0
     with path.open(encoding="utf-8", errors="replace") as stream:
-        for number, line in enumerate(
+        for line_number, line in enumerate(
             chain(iter(lambda: stream.readline(_LONGEST + 1), ""), [""]), 1
         ):
             if len(line) > _LONGEST:
                 raise InputError(
-                    f"{path}, line {number}: more than {_LONGEST:,} characters are no row of a"
+                    f"{path}, line {line_number}: more than {_LONGEST:,} characters are no row of a"
                     " report"
                 )
-            text = line.rstrip()
-            if line_of_dashes and text:
+            stripped_line = line.rstrip()
+            if line_of_dashes and stripped_line:
                 row_count += 1
                 if row_count > _MOST_ROWS:
                     raise InputError(
                         f"{path}: more than {_MOST_ROWS:,} rows; report the contact surface alone"
                     )
-                names = names or _names(text, lines_above)
-                rows.append(_numbers(f"{path}, line {number}", text, names))
+                names = names or _names(stripped_line, lines_above)
+                rows.append(_numbers(f"{path}, line {line_number}", stripped_line, names))
             elif rows:
                 yield _Block(
                     **header_values, names=names, values=np.array(rows), line=line_of_dashes
@@ -254,13 +264,13 @@ def _blocks(path: Path) -> Iterator[_Block]:
                 names = []
                 rows = []
                 line_of_dashes = 0
-            elif not text:
+            elif not stripped_line:
                 lines_above = lines_above if line_of_dashes else []
-            elif re.fullmatch(r"\s*-{12,}", text) and lines_above:
-                line_of_dashes = number
+            elif re.fullmatch(r"\s*-{12,}", stripped_line) and lines_above:
+                line_of_dashes = line_number
             else:
-                lines_above.append(text)
-                match = _HEADER.match(text)
+                lines_above.append(stripped_line)
+                match = _HEADER.match(stripped_line)
                 if match:
                     header_words = match.groupdict()
                     header_values |= {

@@ -191,7 +191,9 @@ def _own_bodies(judgement: Judgement) -> Iterator[Diagnosis]:
 
 
 def _mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
-    """A finding where the difference lies within two elements of the edges of contact or stick."""
+    """The finding that the mesh is too coarse at the edges: where the squared difference within two
+    elements of an edge of contact or stick is far larger than elsewhere. Nothing otherwise.
+    """
     from scipy.stats import f as f_distribution
 
     discrepancy = judgement.discrepancy
@@ -201,12 +203,12 @@ def _mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
     predicted_values, is_near = prediction
     fit = Fit((), (), predicted_values, discrepancy.residuals(predicted_values))
     share_left_by_mesh = share_left(fit, judgement.no_cause, judgement.channels)
-    values = np.array(
+    residuals_of_channels = np.array(
         [judgement.no_cause.residuals[channel].values for channel in judgement.channels]
     )
-    contact = judgement.no_cause.residuals[PRESSURE].is_inside
-    values_near = values[:, contact & is_near].ravel()
-    values_far = values[:, contact & ~is_near].ravel()
+    is_in_contact = judgement.no_cause.residuals[PRESSURE].is_inside
+    values_near = residuals_of_channels[:, is_in_contact & is_near].ravel()
+    values_far = residuals_of_channels[:, is_in_contact & ~is_near].ravel()
     ratio_of_squares = np.mean(values_near**2) / max(float(np.mean(values_far**2)), ROUND_OFF)
     chance = float(f_distribution.sf(ratio_of_squares, len(values_near), len(values_far)))
     if share_left_by_mesh > MOST_LEFT or ratio_of_squares < MOST_LEFT**-2 or chance > CHANCE:
@@ -280,19 +282,21 @@ def _names_of(fit: Fit) -> str:
 
 
 def _left_by_each(judgement: Judgement) -> Iterator[str]:
-    """A sentence on what each cause that was tried alone leaves of the difference, the least first;
-    of those that gain more than chance would.
+    """A sentence with each known fault that was fitted alone: the share of the difference that it
+    leaves unexplained, smallest first. Faults that explain no more than chance would are left out.
     """
     least_left: dict[str, float] = {}
     for fit in judgement.search.fit_by_question.values():
         if fit is None or len(fit.causes) != 1:
             continue
         (cause,) = fit.causes
-        left = share_left(fit, judgement.no_cause, (cause.channel,))
-        if left < 1 and by_chance(fit, judgement.no_cause, (cause.channel,)) < CHANCE:
-            least_left[cause.key] = min(left, least_left.get(cause.key, 1.0))
-    ranked = sorted(least_left.items(), key=lambda item: item[1])
-    shares_in_words = ", ".join(f"{WORDS['names'][key]} {left:.0%}" for key, left in ranked)
+        share = share_left(fit, judgement.no_cause, (cause.channel,))
+        if share < 1 and by_chance(fit, judgement.no_cause, (cause.channel,)) < CHANCE:
+            least_left[cause.key] = min(share, least_left.get(cause.key, 1.0))
+    causes_by_share = sorted(least_left.items(), key=lambda item: item[1])
+    shares_in_words = ", ".join(
+        f"{WORDS['names'][key]} {share:.0%}" for key, share in causes_by_share
+    )
     if shares_in_words:
         yield (
             f"each alone leaves of the difference (pressure, or shear): {shares_in_words}; all"

@@ -47,8 +47,9 @@ class Step:
 
 
 def evidence(comparison: Comparison) -> tuple[Step, ...]:
-    """What the rows of a result show, in five steps: what was read, equilibrium, resolution, laws
-    of contact, shape. None for a result without a contact.
+    """What a result shows about itself and beside the reference, in five steps, each with its title
+    and a sentence: what was read, equilibrium, resolution, laws of contact, shape. Empty for a
+    result without a contact.
     """
     discrepancy = discrepancy_of(comparison)
     if discrepancy is None:
@@ -65,13 +66,14 @@ def evidence(comparison: Comparison) -> tuple[Step, ...]:
 def _reading(comparison: Comparison) -> str:
     """In words which tractions a result has, at how many points and instants, and their range."""
     result_cycle = comparison.found
-    shear = "pressure alone"
+    fields_in_words = "pressure alone"
     if not np.isnan(result_cycle.shear).all():
-        shear = "pressure and shear"
+        fields_in_words = "pressure and shear"
     if np.isfinite(result_cycle.slip).any():
-        shear += ", slip"
+        fields_in_words += ", slip"
     return (
-        f"{shear} at {len(result_cycle.x)} points from x = {minus(f'{result_cycle.x[0]:.4g}')} to"
+        f"{fields_in_words} at {len(result_cycle.x)} points from x ="
+        f" {minus(f'{result_cycle.x[0]:.4g}')} to"
         f" {minus(f'{result_cycle.x[-1]:.4g}')} and {len(result_cycle.time)} instants of the"
         " last cycle"
     )
@@ -85,26 +87,30 @@ def _equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
     if not is_loaded.any():
         return
     x = discrepancy.x
-    pressure = np.trapezoid(discrepancy.result_tractions[PRESSURE], x, axis=1)[is_loaded]
+    sum_of_pressure = np.trapezoid(discrepancy.result_tractions[PRESSURE], x, axis=1)[is_loaded]
     normal_load = discrepancy.normal_load[is_loaded]
     ratio = discrepancy.resultant_ratio
-    sum_in_words = f"the sum of p is {ratio:.4g} P ({_range(pressure / normal_load)} by instants)"
+    sum_in_words = (
+        f"the sum of p is {ratio:.4g} P ({_range(sum_of_pressure / normal_load)} by instants)"
+    )
     if abs(ratio - 1) < _BALANCED:
         sum_in_words += ", so that no load, thickness or unit of it is wrong"
     yield sum_in_words
     friction = discrepancy.comparison.scene.friction.coefficient
     if discrepancy.sheared and friction:
-        shear = np.trapezoid(discrepancy.result_tractions[SHEAR], x, axis=1)[is_loaded]
+        sum_of_shear = np.trapezoid(discrepancy.result_tractions[SHEAR], x, axis=1)[is_loaded]
         tangential_load = discrepancy.comparison.expected.tangential_load[discrepancy.rows][
             is_loaded
         ]
         largest_difference = float(
-            np.max(np.abs(shear - tangential_load) / (friction * normal_load))
+            np.max(np.abs(sum_of_shear - tangential_load) / (friction * normal_load))
         )
         yield f"the sum of q differs from Q by {largest_difference:.2g} f P at most"
     if not discrepancy.unsymmetric:
         moment = np.trapezoid(x * discrepancy.result_tractions[PRESSURE], x, axis=1)[is_loaded]
-        largest_eccentricity = float(np.max(np.abs(moment / pressure))) / discrepancy.half_width
+        largest_eccentricity = (
+            float(np.max(np.abs(moment / sum_of_pressure))) / discrepancy.half_width
+        )
         yield f"the centre of p is {_rounded(largest_eccentricity):.2g} a_ref from x = 0 at most"
 
 
@@ -128,15 +134,14 @@ def _resolution(discrepancy: Discrepancy) -> Iterator[str]:
     scatter.
     """
     comparison = discrepancy.comparison
-    in_contact = discrepancy.in_contact(discrepancy.reference_tractions)[discrepancy.loaded].sum(
-        axis=1
-    )
-    if len(in_contact):
-        yield f"{_range(in_contact)} points in contact at an instant"
+    is_in_contact = discrepancy.in_contact(discrepancy.reference_tractions)
+    points_in_contact = is_in_contact[discrepancy.loaded].sum(axis=1)
+    if len(points_in_contact):
+        yield f"{_range(points_in_contact)} points in contact at an instant"
     yield f"{discrepancy.elements:.3g} spacings over a_ref"
     if discrepancy.sheared and comparison.scene.friction.coefficient:
-        slips = np.isin(comparison.found.state, (SLIP_FORWARD, SLIP_REVERSE)).sum(axis=1)
-        yield f"{_range(slips)} points in slip"
+        points_in_slip = np.isin(comparison.found.state, (SLIP_FORWARD, SLIP_REVERSE)).sum(axis=1)
+        yield f"{_range(points_in_slip)} points in slip"
     residuals = discrepancy.residuals(discrepancy.reference_tractions)
     scatter = [_rounded(residual.noise**0.5) for residual in residuals]
     scatter_in_words = (
@@ -170,10 +175,8 @@ def _shape(discrepancy: Discrepancy) -> Iterator[str]:
     """Phrases on the shape of the tractions beside the reference's: peak and width of the pressure,
     size of the shear.
     """
-    result_tractions, expected_tractions = (
-        discrepancy.result_tractions,
-        discrepancy.reference_tractions,
-    )
+    result_tractions = discrepancy.result_tractions
+    expected_tractions = discrepancy.reference_tractions
     ratio_of_peaks = result_tractions[PRESSURE].max() / expected_tractions[PRESSURE].max()
     yield f"peak of p {ratio_of_peaks:.4g} times the reference's"
     widths = [

@@ -76,7 +76,9 @@ class FieldFrame:
 
 def read_frames(path: str | Path) -> list[FieldFrame]:
     """Every instant of a .vtu, .vtk or .pvd file, in the order of time where times are stated.
-    Bodies of one instant in files of their own stay parts with fields of their own; see `joined`.
+
+    An instant holds one part for each file that a .pvd collection names at its time, such as one
+    for each body; a part is a mesh with its fields.
 
     Raises
     ------
@@ -148,7 +150,9 @@ def _broken(path: Path, reason: str) -> InputError:
 
 
 def _parts(paths: Sequence[Path]) -> list[FieldPart]:
-    """The mesh and fields of each of these files, in their order."""
+    """The mesh and the fields of each of some VTK files, in their order. InputError for a suffix
+    that no reader takes, and for a file that is too large.
+    """
     for path in paths:
         if path.suffix.lower() not in _SUFFIXES:
             raise InputError(
@@ -205,8 +209,14 @@ def _last(paths: Sequence[Path], output: bytes) -> tuple[Path, str]:
 
 
 def _part(path: Path, prefix: str, arrays: dict[str, NDArray[Any]]) -> FieldPart:
-    """Mesh and fields of one file, from the arrays of `vtk_files.arrays_of` whose names begin with
-    `prefix`.
+    """Mesh and fields of one file, from the arrays that the reader of VTK files has written.
+
+    Parameters
+    ----------
+    prefix
+        what the names of this file's arrays begin with, such as "0."
+    arrays
+        name -> array: points, blocks of cells, values at points and values of cells
     """
     dimensions = arrays[f"{prefix}dimensions"].tolist()
     blocks = range(len(dimensions))
@@ -216,13 +226,18 @@ def _part(path: Path, prefix: str, arrays: dict[str, NDArray[Any]]) -> FieldPart
         path.name,
         arrays[f"{prefix}points"],
         tuple(
-            (dimension, arrays[f"{prefix}cells.{number}"])
-            for number, dimension in enumerate(dimensions)
+            (dimension, arrays[f"{prefix}cells.{block_number}"])
+            for block_number, dimension in enumerate(dimensions)
         ),
-        {name: arrays[f"{prefix}point.{k}"] for k, name in enumerate(point_names)},
         {
-            name: tuple(arrays[f"{prefix}cell.{k}.{number}"] for number in blocks)
-            for k, name in enumerate(cell_names)
+            name: arrays[f"{prefix}point.{field_number}"]
+            for field_number, name in enumerate(point_names)
+        },
+        {
+            name: tuple(
+                arrays[f"{prefix}cell.{field_number}.{block_number}"] for block_number in blocks
+            )
+            for field_number, name in enumerate(cell_names)
         },
     )
 

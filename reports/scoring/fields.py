@@ -205,15 +205,16 @@ def _order(path: Path, name: str, values: Array) -> tuple[int, int, str]:
     """Places of sigma_yy and sigma_xy among the components of the stress field `name`, `values` (n,
     components), and that order in words. InputError where so many components are not understood.
     """
-    count = values.shape[1]
-    if count not in _YY_XY:
+    n_components = values.shape[1]
+    if n_components not in _YY_XY:
         raise InputError(
-            f"{path}: {name} has {count} components, and {', '.join(map(str, sorted(_YY_XY)))} are"
+            f"{path}: {name} has {n_components} components, and"
+            f" {', '.join(map(str, sorted(_YY_XY)))} are"
             " understood"
         )
-    if count == 4 and np.any(values[:, 1]) and np.array_equal(values[:, 1], values[:, 2]):
+    if n_components == 4 and np.any(values[:, 1]) and np.array_equal(values[:, 1], values[:, 2]):
         return 3, 1, "rows of 2 x 2, since the second and third are equal"
-    return _YY_XY[count]
+    return _YY_XY[n_components]
 
 
 def _parts_with(
@@ -304,14 +305,17 @@ def _surface(path: Path, mesh: FieldPart, mapping: Mapping) -> tuple[Integers, s
 
 
 def _marked_rows(path: Path, mesh: FieldPart, surface: str) -> Integers:
-    """Rows of points that a field marks, of points or of cells.
+    """Numbers of the mesh points that a field of the file marks as the contact surface; a field of
+    cells marks all points of its cells. InputError where it marks none.
 
-    `surface` is NAME, for where the field is not 0, or NAME=VALUE. A set that meshio writes into a
-    VTU is -1 outside and counts from 0 inside: where -1 occurs it is what is not marked.
+    `surface` is NAME, for where the field is not 0, or NAME=VALUE. In a set that meshio wrote into
+    a VTU unmarked points have -1: where -1 occurs, it stands in place of 0.
     """
     name, equal_sign, value = surface.partition("=")
     fault = f"{path}: surface = {surface!r}"
-    fields: Fields[str, tuple[Array, ...]] = {n: (v,) for n, v in mesh.point_fields.items()}
+    fields: Fields[str, tuple[Array, ...]] = {
+        field_name: (values,) for field_name, values in mesh.point_fields.items()
+    }
     points_of_blocks: list[Integers] = [np.arange(len(mesh.points))]
     if name not in fields:
         fields = mesh.cell_fields
@@ -325,13 +329,13 @@ def _marked_rows(path: Path, mesh: FieldPart, surface: str) -> Integers:
     if any(block.ndim != 1 for block in blocks):
         raise InputError(f"{fault}: {name} is a vector and can't mark a surface")
     try:
-        mark = float(value) if equal_sign else None
+        marking_value = float(value) if equal_sign else None
     except ValueError as reason:
         raise InputError(f"{fault}: {value!r} is no number") from reason
-    no_mark = -1.0 if any(np.any(block == -1) for block in blocks) else 0.0
+    value_outside = -1.0 if any(np.any(block == -1) for block in blocks) else 0.0
     marked_points = []
     for points_of_block, block in zip(points_of_blocks, blocks, strict=True):
-        is_marked = block != no_mark if mark is None else block == mark
+        is_marked = block != value_outside if marking_value is None else block == marking_value
         marked_points.append(points_of_block[is_marked].ravel())
     rows = np.unique(np.concatenate(marked_points))
     if not len(rows):

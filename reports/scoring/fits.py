@@ -313,11 +313,18 @@ def gain_by_chance(
     square_left: float, square_before: float, count: int, *, sizes: int, sizes_before: int = 0
 ) -> float:
     """Probability that noise alone brings the mean square of `count` values from `square_before`
-    down to `square_left`.
+    down to `square_left` when a cause is fitted to them.
 
-    Of `sizes` that were fitted (`sizes_before` of them earlier) by the F test. A prediction without
-    a size leaves the share e of the squares of n values by chance with a probability of about
-    e^(n/2); there are some ten of them, so that it is counted a hundredfold less severely.
+    Parameters
+    ----------
+    sizes, sizes_before
+        number of fitted parameters with the cause, and before it
+
+    Notes
+    -----
+    The F test. A cause without a parameter leaves the share e of the squares of n values by chance
+    with a probability of about e^(n/2); there are some ten of them, so that it is counted a
+    hundredfold less severely.
     """
     from scipy.stats import f as f_distribution
 
@@ -328,10 +335,14 @@ def gain_by_chance(
     n_fitted = sizes - sizes_before
     if n_fitted < 1:
         return float((square_left / square_before) ** (count / 2)) * _WITHOUT_SIZE
-    freedom = count - sizes
-    if freedom < 1:
+    degrees_of_freedom = count - sizes
+    if degrees_of_freedom < 1:
         return 1.0
-    return float(f_distribution.sf(gain / n_fitted / (square_left / freedom), n_fitted, freedom))
+    return float(
+        f_distribution.sf(
+            gain / n_fitted / (square_left / degrees_of_freedom), n_fitted, degrees_of_freedom
+        )
+    )
 
 
 def are_apart(left: float, least: float, count: int, *, is_noise: bool) -> bool:

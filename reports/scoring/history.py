@@ -178,7 +178,8 @@ def _errors_of_rule(surface: SurfaceResult, scene: Scene, history: History) -> t
 
 
 def _by_time(surface: SurfaceResult, stated_time: Array, scene: Scene, *, sure: bool) -> History:
-    """The instants at the times that the file states.
+    """Loads and places on the scene's path of a result's instants, by the times that its file
+    states.
 
     InputError where these times are not on the path, or where loads and sums of pressure there are
     not the scene's; `sure` sets how closely the sums must agree.
@@ -373,23 +374,23 @@ def _samples(path: LoadPath, cycles: int) -> Array:
 def _times_in_order(
     times: Array, path: LoadPath, scene: Scene, loads: Loads, largest_load: float
 ) -> Array:
-    """Ascending times, (n_steps,), one for each pair of loads: among `times` (n,) those places on
-    the path that are near to the loads and cost least in all.
+    """Find the time on the load path of each instant of a result by its loads P and Q: ascending
+    times (n_steps,), near to the loads, and with even steps where several places are as near.
 
-    A place costs the square of its distance, over that of the instant that lies farthest from the
-    path, `_DISTANCE` times; a step the square of its length over the mean one. So of places that
-    are equally near, to and fro on one line or in one revolution after another, the evenest are
-    taken: two instants alike on both sides of a turn of the loads are one on each side. Noise next
-    to a turn may put an instant before the last one, by a small part of a revolution.
+    Of `times` (n,), samples of the path, those are chosen that cost least in all. A place costs the
+    square of its distance, over that of the instant that lies farthest from the path, `_DISTANCE`
+    times; a step the square of its length over the mean one. So of places that are equally near, to
+    and fro on one line or in one revolution after another, the evenest are taken: two instants
+    alike on both sides of a turn of the loads are one on each side. Noise next to a turn may put an
+    instant before the last one, by a small part of a revolution.
     """
     normal_load, tangential_load = path.at(times)
     squared_distances = [
         _squares(normal_load - p, tangential_load - q) / largest_load**2
         for p, q in zip(*loads, strict=True)
     ]
-    largest_misfit = (
-        max(float(squares_of_instant.min()) for squares_of_instant in squared_distances) + _SAME**2
-    )
+    least_squares = [float(squares_of_instant.min()) for squares_of_instant in squared_distances]
+    largest_misfit = max(least_squares) + _SAME**2
     duration = times[-1] - times[0]
     mean_step = duration / len(squared_distances)
     step_back = (path.period or duration) / _BACK
@@ -430,9 +431,17 @@ def _nearest(squares: Array) -> Places:
 
 
 def _chords(p_difference: Array, q_difference: Array) -> tuple[Array, Array]:
-    """For the chords between neighbouring samples at (across, up), (..., n): the point of each
-    chord nearest to the origin, as a share of the chord, and its squared distance, (..., n - 1)
-    each.
+    """The point nearest to the origin on each chord between neighbouring samples of a path.
+
+    Parameters
+    ----------
+    p_difference, q_difference
+        (..., n) coordinates of the samples: P and Q minus the loads that are sought
+
+    Returns
+    -------
+    share, square
+        (..., n - 1) place of the point as a share of the chord, and its squared distance
     """
     start_x = p_difference[..., :-1]
     start_y = q_difference[..., :-1]
@@ -441,9 +450,9 @@ def _chords(p_difference: Array, q_difference: Array) -> tuple[Array, Array]:
     square_of_length = chord_x**2 + chord_y**2
     divisor = np.where(square_of_length > 0, square_of_length, 1.0)
     share_at_foot = np.clip(-(start_x * chord_x + start_y * chord_y) / divisor, 0.0, 1.0)
-    return share_at_foot, (start_x + share_at_foot * chord_x) ** 2 + (
-        start_y + share_at_foot * chord_y
-    ) ** 2
+    foot_x = start_x + share_at_foot * chord_x
+    foot_y = start_y + share_at_foot * chord_y
+    return share_at_foot, foot_x**2 + foot_y**2
 
 
 def _squares(p_difference: Array, q_difference: Array) -> Array:

@@ -320,10 +320,11 @@ class Judgement:
         return all(fit is None or self._better(pair, fit, (PRESSURE,)) for fit in fits_alone)
 
     def _of_model(self, fits: Sequence[Fit]) -> list[tuple[Cause, ...]]:
-        """Causes to try with bodies too small, or faces that sink into each other, in place of the
-        factor of E*, loads or x that does best: both change widths as these do.
+        """Combinations of causes to try next, in each of which a fault of the model (bodies too
+        small, faces that sink into each other) takes the place of a wrong factor of E*, loads or x.
 
-        None where that factor is exact.
+        Both change the contact's width alike. `fits` are the fits of such factors. Empty where the
+        best factor explains everything exactly.
         """
         if not fits:
             is_noise = self.no_cause.is_noise((PRESSURE,))
@@ -376,10 +377,8 @@ class Judgement:
         if share_left(fit, fit_before, (SHEAR,)) > _ALONE:
             return False
         weight = self.discrepancy.weight
-        sums, sums_predicted = (
-            np.sum(weight * shear, axis=1)
-            for shear in (self.discrepancy.result_tractions[SHEAR], fit.predicted[SHEAR])
-        )
+        sums = np.sum(weight * self.discrepancy.result_tractions[SHEAR], axis=1)
+        sums_predicted = np.sum(weight * fit.predicted[SHEAR], axis=1)
         square_of_sums = float(sums_predicted @ sums_predicted)
         if not square_of_sums:
             return False

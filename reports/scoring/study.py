@@ -112,7 +112,9 @@ class Study:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """What the table of a mesh study shows, and what a reader must not miss."""
+        """Sentences below the table of a mesh study: the element size of each mesh and where it is
+        from, what the limit at h = 0 does not cover, and the notes of the study.
+        """
         sizes = ", ".join(
             f"{level.name}: {level.size:.4g} ({level.source_of_size})" for level in self.levels
         )
@@ -132,20 +134,20 @@ class Study:
         """
         return {
             "levels": [
-                {"name": one.name, "element_size": one.size, "from": one.source_of_size}
-                for one in self.levels
+                {"name": level.name, "element_size": level.size, "from": level.source_of_size}
+                for level in self.levels
             ],
             "metrics": {
-                line.metric.key: {
-                    "values": line.values,
-                    "order": line.extrapolation.order,
-                    "kind": line.extrapolation.kind,
-                    "at_zero": line.extrapolation.value,
-                    "uncertainty": line.extrapolation.uncertainty,
-                    "mesh": line.mesh,
-                    "rule": line.extrapolation.rule,
+                row.metric.key: {
+                    "values": row.values,
+                    "order": row.extrapolation.order,
+                    "kind": row.extrapolation.kind,
+                    "at_zero": row.extrapolation.value,
+                    "uncertainty": row.extrapolation.uncertainty,
+                    "mesh": row.mesh,
+                    "rule": row.extrapolation.rule,
                 }
-                for line in self.lines
+                for row in self.lines
             },
             "notes": self.notes,
         }
@@ -173,15 +175,14 @@ def study(levels: Sequence[Level], notes: Sequence[str] = ()) -> Study:
                 f" ({fine_level.source_of_size}): state sizes under [element_sizes] of a mapping,"
                 " or leave one out"
             )
-    lines = (_line(metric, levels_by_size) for metric in levels_by_size[0].comparison.metrics)
+    rows = (_line(metric, levels_by_size) for metric in levels_by_size[0].comparison.metrics)
     all_notes = list(notes)
     if len(levels_by_size) == 2:
         all_notes.append(
             "Two meshes show no order: second order is assumed, with three times the uncertainty."
         )
-    return Study(
-        levels_by_size, tuple(line for line in lines if line is not None), tuple(all_notes)
-    )
+    known_rows = tuple(row for row in rows if row is not None)
+    return Study(levels_by_size, known_rows, tuple(all_notes))
 
 
 def _line(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:

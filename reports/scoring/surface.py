@@ -244,20 +244,22 @@ def one_plane(points: Array, chosen: Integers) -> tuple[Integers, float, list[st
     >>> rows.tolist(), depth, notes
     ([1, 0], 1.0, ['the model is 1 thick: the tractions are those of its plane z = 0, one of 2'])
     """
-    depth = points[chosen, 2]
-    order = np.argsort(depth, kind="stable")
+    z_of_rows = points[chosen, 2]
+    order_of_z = np.argsort(z_of_rows, kind="stable")
     plane_number = np.empty(len(chosen), np.int64)
-    plane_number[order] = np.concatenate(
-        [[0], np.cumsum(np.diff(depth[order]) > SAME * extent(points))]
+    plane_number[order_of_z] = np.concatenate(
+        [[0], np.cumsum(np.diff(z_of_rows[order_of_z]) > SAME * extent(points))]
     )
-    fullest = int(np.argmax(np.bincount(plane_number)))  # the lowest where several hold as many
-    is_in_plane = plane_number == fullest
+    fullest_plane = int(
+        np.argmax(np.bincount(plane_number))
+    )  # the lowest where several hold as many
+    is_in_plane = plane_number == fullest_plane
     rows = chosen[is_in_plane]
     rows = rows[np.argsort(points[rows, 0], kind="stable")]
     if not plane_number.any():
         return rows, 0.0, []
-    height_of_plane = float(depth[is_in_plane].min())
-    thickness = float(np.ptp(depth))
+    height_of_plane = float(z_of_rows[is_in_plane].min())
+    thickness = float(np.ptp(z_of_rows))
     note = (
         f"the model is {thickness:.6g} thick: the tractions are those of its plane z ="
         f" {height_of_plane:.6g},"

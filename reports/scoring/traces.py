@@ -108,10 +108,11 @@ def outliers(comparison: Comparison) -> list[Diagnosis]:
     """
     result_cycle = comparison.found
     values_in_words = [
-        f"{name} {getattr(result_cycle, name)[k, i]:.6g} at instant {k + 1} of the last cycle (time"
-        f" {result_cycle.time[k]:.6g}), x = {result_cycle.x[i]:.6g}"
+        f"{name} {getattr(result_cycle, name)[instant, point]:.6g} at instant {instant + 1} of"
+        f" the last cycle (time"
+        f" {result_cycle.time[instant]:.6g}), x = {result_cycle.x[point]:.6g}"
         for name, mask in comparison.isolated.items()
-        for k, i in np.argwhere(mask)
+        for instant, point in np.argwhere(mask)
     ]
     if not values_in_words:
         return []
@@ -131,9 +132,8 @@ def full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
         return
     result_cycle = comparison.found
     reference_cycle = comparison.expected
-    is_pressed = (result_cycle.pressure > 0.01 * comparison.scales.pressure) & comparison.judged[
-        :, None
-    ]
+    has_pressure = result_cycle.pressure > 0.01 * comparison.scales.pressure
+    is_pressed = has_pressure & comparison.judged[:, None]
     should_stick = (
         is_pressed
         & (reference_cycle.state == STICK)
@@ -141,10 +141,10 @@ def full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     )
     coulomb_limit = friction * result_cycle.pressure
     at_limit = np.abs(np.abs(result_cycle.shear) - coulomb_limit) <= _ON_LIMIT * coulomb_limit
-    count = int(should_stick.sum())
-    if not count or at_limit[is_pressed].mean() < _ALL_SLIP:
+    n_sticking = int(should_stick.sum())
+    if not n_sticking or at_limit[is_pressed].mean() < _ALL_SLIP:
         return
-    share_at_limit = float((should_stick & at_limit).sum()) / count
+    share_at_limit = float((should_stick & at_limit).sum()) / n_sticking
     if share_at_limit < _ALL_SLIP:
         return
     stick_half_width = float(np.nanmax(np.diff(reference_cycle.stick_edges, axis=1))) / 2
@@ -152,7 +152,7 @@ def full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
         width=stick_half_width / comparison.scales.half_width
     )
     evidence = (
-        f"|q| is f p at {share_at_limit:.0%} of the {count} points and instants at which the"
+        f"|q| is f p at {share_at_limit:.0%} of the {n_sticking} points and instants at which the"
         " reference sticks"
     )
     yield Diagnosis("full_slip", sentence, (evidence,), 1.0)
@@ -247,8 +247,8 @@ def alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     is_inside = residual.is_inside
     all_three_inside = is_inside[:, :-2] & is_inside[:, 1:-1] & is_inside[:, 2:]
     # Of one instant: a mesh errs alike at all.
-    count = int(all_three_inside.sum(axis=1).max())
-    if not count or discrepancy.is_within(PRESSURE):
+    n_points = int(all_three_inside.sum(axis=1).max())
+    if not n_points or discrepancy.is_within(PRESSURE):
         return
     values = residual.values
     smooth_values = (values[:, :-2] + 2 * values[:, 1:-1] + values[:, 2:])[all_three_inside] / 4
@@ -256,10 +256,10 @@ def alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     mean_square = float(np.mean(values[:, 1:-1][all_three_inside] ** 2))
     ratio = float(np.mean(neighbour_changes**2)) / 2 / mean_square
     share_left = float(np.sqrt(np.mean(smooth_values**2) / mean_square))
-    if share_left > _LEFT_OF_ALTERNATION or (ratio - 1) * np.sqrt(count) < _ALTERNATES:
+    if share_left > _LEFT_OF_ALTERNATION or (ratio - 1) * np.sqrt(n_points) < _ALTERNATES:
         return
     evidence = (
-        f"{count} points of an instant have both neighbours in contact; their means over three"
+        f"{n_points} points of an instant have both neighbours in contact; their means over three"
         f" points leave {share_left:.0%} of the difference",
     )
     yield Diagnosis("alternating", WORDS["others"]["alternating"], evidence, 1 - share_left)

@@ -229,8 +229,8 @@ class Predictions:
         return scene
 
     def _times_of(self, variant: Variant, scene: Scene) -> Array:
-        """Times (k,) of the load path at which a result with the variant's faults is: later by its
-        delay, or in the first cycle in place of the steady one.
+        """Times of the load path whose tractions a result with the variant's faults has at its k
+        instants: later by a delay, or in the first cycle in place of the steady one.
         """
         discrepancy = self.discrepancy
         path = scene.load.path()
@@ -302,8 +302,9 @@ def _tractions(
 
 
 def _steps(scene: Scene, instants: Array) -> tuple[Array, NDArray[np.intp]]:
-    """Loads P and Q (n, 2) of fine steps along the path, up to its second cycle, and the rows (k,)
-    of `instants` among them. Instants of a cycle are those of the second one, which is steady.
+    """Loads P and Q of fine steps along the load path, (n, 2), and for each of the `instants` (k,)
+    the number of its step. The steps go up to the end of the second cycle, in which instants of a
+    cycle are looked for, since it is steady.
     """
     path = scene.load.path()
     if path.period is None:
@@ -336,24 +337,24 @@ def _of_blocks(discrepancy: Discrepancy, scene: Scene, share: float) -> BodyEffe
 
 
 def _without_memory(scene: Scene, x: Array, time: Array) -> Tractions:
-    """Tractions as if each load were the first one, Cattaneo's loading: q = sign(Q) f [p(x, P) -
-    p(x, P - |Q|/f)].
+    """Tractions (2, k, n), p and q, at points x and at the given times, as if each load were the
+    first one, without memory of those before (Cattaneo): q = sign(Q) f [p(x, P) - p(x, P - |Q|/f)].
 
     Raises
     ------
     InputError
         Where the contact slides as a whole.
     """
-    f = scene.friction.coefficient
-    normal_load, tangential_load = (
-        np.asarray(load)[:, None] for load in scene.load.path().at(time)
-    )
-    stick_load = normal_load - np.abs(tangential_load) / f
+    friction = scene.friction.coefficient
+    loads = scene.load.path().at(time)
+    normal_load = np.asarray(loads[0])[:, None]
+    tangential_load = np.asarray(loads[1])[:, None]
+    stick_load = normal_load - np.abs(tangential_load) / friction
     if not np.all(stick_load > 0):
         raise InputError("the loads slide")
     contact = contact_of(scene.profile, scene.material)
     pressure = contact.pressure(x, normal_load)
-    shear = np.sign(tangential_load) * f * (pressure - contact.pressure(x, stick_load))
+    shear = np.sign(tangential_load) * friction * (pressure - contact.pressure(x, stick_load))
     return np.array([pressure, shear])
 
 
@@ -386,11 +387,11 @@ def _long_steps(discrepancy: Discrepancy, scene: Scene, x: Array, *, of_ends: bo
     for normal_load, tangential_load in np.transpose(path.at(times)).tolist():
         corner = (normal_load, polygon[-1][1])
         end_of_step = (normal_load, tangential_load)
-        for load_pair in (corner, end_of_step) if normal_load > polygon[-1][0] else (end_of_step,):
-            if (
-                max(abs(load_pair[0] - polygon[-1][0]), abs(load_pair[1] - polygon[-1][1]))
-                > least_change
-            ):
+        is_rising = normal_load > polygon[-1][0]
+        for load_pair in (corner, end_of_step) if is_rising else (end_of_step,):
+            normal_change = abs(load_pair[0] - polygon[-1][0])
+            tangential_change = abs(load_pair[1] - polygon[-1][1])
+            if max(normal_change, tangential_change) > least_change:
                 polygon.append(load_pair)
         polygon_times.append(float(len(polygon) - 1))  # a polygon takes one unit of time a leg
     scene_of_polygon = scene.vary(load=PolygonLoad(initial_loading=tuple(polygon[1:])))
@@ -460,7 +461,7 @@ def _of_other_sign(value: Any) -> Any:
         case LineOfAction():
             return value.vary(x=-value.x, height=-value.height)
         case tuple():
-            return tuple(-one for one in value)
+            return tuple(-number for number in value)
         case _ if callable(value):
             return lambda time: -value(time)
     return -value
