@@ -101,11 +101,11 @@ def nearest_to_sliding(scene: Scene) -> _NearestToSliding:
 
 
 def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
-    """Load segments among which |Q|/(f P) is largest, and of each whether it is initial loading,
-    cycle or path.
+    """The load segments among which |Q|/(f P) can be largest, each with the part of the path that
+    it belongs to: "initial loading", "cycle" or "path".
 
-    All of a load path; of the rows of a record, which may be millions, two steps of each block:
-    that with the largest ratio and that with the largest P, both of which are at rows.
+    Of a load path all segments. Of a record of loads, which may have millions of rows, two steps
+    between rows in each block of rows: that with the largest ratio and that with the largest P.
     """
     load = scene.load
     if not isinstance(load, TimeSeriesLoad):
@@ -119,19 +119,18 @@ def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
     legs: list[tuple[LoadSegment, str]] = []
     for first_of_block in range(0, len(rows) - 1, _BLOCK):
         block = rows[first_of_block : first_of_block + _BLOCK + 1]
-        normal_load, tangential_load = (
-            np.stack([block[:-1, column], block[1:, column]], axis=1) for column in (1, 2)
-        )
+        normal_load = np.stack([block[:-1, 1], block[1:, 1]], axis=1)
+        tangential_load = np.stack([block[:-1, 2], block[1:, 2]], axis=1)
         ratio = np.max(_ratio(normal_load, tangential_load, scene.friction.coefficient), axis=1)
-        highest_ratio = np.argmax(ratio)
-        highest_load = np.argmax(np.max(normal_load, axis=1))
-        for k in np.unique([highest_ratio, highest_load]).tolist():
-            start, *loads_before = block[k].tolist()
-            end, *loads_after = block[k + 1].tolist()
+        row_of_highest_ratio = np.argmax(ratio)
+        row_of_highest_load = np.argmax(np.max(normal_load, axis=1))
+        for row in np.unique([row_of_highest_ratio, row_of_highest_load]).tolist():
+            start, *loads_before = block[row].tolist()
+            end, *loads_after = block[row + 1].tolist()
             leg = StraightSegment(
                 start, end, (loads_before[0], loads_before[1]), (loads_after[0], loads_after[1])
             )
-            legs.append((leg, name_of_later if first_of_block + k > 0 else name_of_first))
+            legs.append((leg, name_of_later if first_of_block + row > 0 else name_of_first))
     return legs
 
 
@@ -257,8 +256,8 @@ def _ratio(normal_load: Array, tangential_load: Array, friction: float) -> Array
 
 
 def _highest(leg: LoadSegment, value_at: Callable[[Array], Array]) -> tuple[float, float]:
-    """(largest value, its time) on one load segment: the best of its samples, then twice the best
-    of closer samples around it. `value_at` gives the value at times (n,).
+    """The largest value of a function of time on one load segment, and its time: the best of some
+    samples, then twice the best of closer samples around it. `value_at` gives values at times (n,).
     """
     time = sampled(leg, _SAMPLES)
     for _ in range(3):
@@ -591,11 +590,10 @@ def bulk_and_tilt(scene: Scene) -> _BulkAndTilt | None:
         radius = scene.profile.radius
         modulus = composite_modulus(scene.material)
         half_width = np.sqrt(4 * radius * load[is_pressed] / (np.pi * modulus))
-        middle = (
-            moment[is_pressed] / load[is_pressed]
-            if path.moment_given
-            else -radius * tilt[is_pressed]
-        )
+        if path.moment_given:
+            middle = moment[is_pressed] / load[is_pressed]
+        else:
+            middle = -radius * tilt[is_pressed]
         shift_over_half_width = middle / half_width
         largest_shift = float(shift_over_half_width[np.argmax(np.abs(shift_over_half_width))])
     largest_strain = float(np.max(np.abs(strain)))

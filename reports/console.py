@@ -47,8 +47,8 @@ class TimeLeft:
         self._total = 0
 
     def words(self, count: int, total: int | None) -> str:
-        """In words, how long the rest of a part of a job takes, of which `count` of `total` steps
-        are done. Empty before anything can be said of it.
+        """How long a part of a job will still take, in words ("9 s left"), after `count` of `total`
+        steps. Empty while too few steps are done to foretell it, or where `total` is None.
 
         >>> clock = iter([0.0, 0.0, 3.0]).__next__
         >>> left = TimeLeft(clock)
@@ -171,12 +171,12 @@ class Stages:
 
         def report(count: int, total: int | None, text: str) -> None:
             nonlocal time_of_last_line
-            words = time_left.words(count, total)
+            words_on_time_left = time_left.words(count, total)
             if time.perf_counter() - time_of_last_line >= _LINE_EVERY:
                 time_of_last_line = time.perf_counter()
-                steps = f"{count} of {total} {steps_noun}" if total else ""
-                parts = ", ".join(filter(None, (text, steps, words)))
-                self.console.print(Text(f"  {name}: {parts}"))
+                steps_in_words = f"{count} of {total} {steps_noun}" if total else ""
+                phrases = ", ".join(filter(None, (text, steps_in_words, words_on_time_left)))
+                self.console.print(Text(f"  {name}: {phrases}"))
 
         yield report
 
@@ -206,10 +206,21 @@ def show(parts: Iterable[Part]) -> None:
 
 
 def show_table(
-    title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], right: Sequence[int] = ()
+    title: str,
+    columns: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    flush_right: Sequence[int] = (),
 ) -> None:
-    """Print a table on stdout, no word broken where that can be; columns whose numbers are in
-    `right` are set flush right.
+    """Print a table on stdout, so narrow that no word is broken where the terminal is wide enough.
+
+    Parameters
+    ----------
+    columns
+        heads of the columns
+    rows
+        cells, as many as columns
+    flush_right
+        numbers of the columns, from 0 on, that are set flush right
     """
     console = Console(highlight=False)
     table_rows = [list(row) for row in rows]
@@ -220,20 +231,20 @@ def show_table(
     full_widths = _widths([columns, *table_rows], sys.maxsize)
     if widths_without_blanks == full_widths != widths_with_blanks:
         widths_with_blanks = []  # rather no blanks than cells of two lines
-    blank = 0 if widths_without_blanks and not widths_with_blanks else 1
+    n_blanks = 0 if widths_without_blanks and not widths_with_blanks else 1
     table = Table(
         title=Text(_printable(title)),
         title_justify="left",
         title_style="bold",
         pad_edge=False,
-        padding=(0, blank),
+        padding=(0, n_blanks),
     )
     widths: Sequence[int | None] = (
         widths_with_blanks or widths_without_blanks or [None] * len(columns)
     )
-    for number, (column, column_width) in enumerate(zip(columns, widths, strict=True)):
-        justify: Literal["right", "left"] = "right" if number in right else "left"
-        table.add_column(column, justify=justify, overflow="fold", width=column_width)
+    for column_number, (head, column_width) in enumerate(zip(columns, widths, strict=True)):
+        justify: Literal["right", "left"] = "right" if column_number in flush_right else "left"
+        table.add_column(head, justify=justify, overflow="fold", width=column_width)
     for row in table_rows:
         cells_of_row = map(_wrapped, row, widths)
         table.add_row(*map(_coloured, cells_of_row))
@@ -259,9 +270,13 @@ def _widths(rows: Sequence[Sequence[str]], total_width: int) -> list[int]:
     if sum(widths) > total_width:
         return []
     while width_left := total_width - sum(widths):
-        narrow_columns = [k for k, width in enumerate(widths) if width < full_widths[k]]
-        for k in narrow_columns[:width_left]:
-            widths[k] += 1
+        narrow_columns = [
+            column_number
+            for column_number, width in enumerate(widths)
+            if width < full_widths[column_number]
+        ]
+        for column_number in narrow_columns[:width_left]:
+            widths[column_number] += 1
     return widths
 
 
@@ -307,8 +322,8 @@ def _wrapped(cell: str, width: int | None) -> str:
 
 
 def _coloured(cell: str) -> Text:
-    """A cell as text with its verdict in colour, where the terminal has any; brackets are taken
-    literally.
+    """A cell of a table as text for the terminal: green, red or yellow where it is a verdict such
+    as "within" or "no", as it is otherwise. Brackets are no mark-up.
     """
     style = {
         "within": "green",

@@ -281,18 +281,18 @@ class Options:
         >>> Options(order=1, quiet=True).command("run", "hertz-paper", Path("out/first"))
         'halfplane run hertz-paper --order 1 --out out/first'
         """
-        words = ["halfplane", name, *([operand] if operand else [])]
+        command_words = ["halfplane", name, *([operand] if operand else [])]
         for option in fields(self):
             value = getattr(self, option.name)
             if value == option.default or option.name in ("out", "json", "quiet", "verbose"):
                 continue
             name = option.name.strip("_").replace("_", "-")
             if isinstance(value, bool):
-                words.append(f"--{name}" if value else f"--no-{name}")
+                command_words.append(f"--{name}" if value else f"--no-{name}")
             else:
                 values = value if isinstance(value, tuple) else (value,)
-                words += [f"--{name}", *map(str, values)]
-        return shlex.join([*words, "--out", str(out)])
+                command_words += [f"--{name}", *map(str, values)]
+        return shlex.join([*command_words, "--out", str(out)])
 
     def settings(self) -> "tuple[MeshSettings, SolverSettings]":
         """Settings of mesh and solver from these options; InputError for a value out of range.
@@ -304,13 +304,10 @@ class Options:
         from halfplane_fe import SolverSettings
         from meshes import MeshSettings
 
-        mesh_values, solver_values = (
-            self.stated(_FINITE_ELEMENTS & kind.__dataclass_fields__.keys())
-            for kind in (MeshSettings, SolverSettings)
-        )
-        return replace(MeshSettings.preset(self.preset), **mesh_values), SolverSettings(
-            **solver_values
-        )
+        mesh_values = self.stated(_FINITE_ELEMENTS & MeshSettings.__dataclass_fields__.keys())
+        solver_values = self.stated(_FINITE_ELEMENTS & SolverSettings.__dataclass_fields__.keys())
+        mesh = replace(MeshSettings.preset(self.preset), **mesh_values)
+        return mesh, SolverSettings(**solver_values)
 
 
 _NAMES = [option.name for option in fields(Options)]
@@ -592,7 +589,7 @@ def share_of(text: str) -> float:
         return math.nan
 
 
-def requested_tolerances(texts: Sequence[str]) -> dict[str, float]:
+def requested_tolerances(option_texts: Sequence[str]) -> dict[str, float]:
     """Metric key -> tolerance, from the texts after `--tolerance`.
 
     `5%` is for W, p0, a and c together, `KEY=VALUE` for one metric; the last of a key counts.
@@ -610,35 +607,36 @@ def requested_tolerances(texts: Sequence[str]) -> dict[str, float]:
     {'dissipation': 0.03, 'largest_pressure': 0.05, 'largest_half_width': 0.05, 'permanent_stick':
     0.05}
     """
-    if not texts:
+    if not option_texts:
         return {}
     from reports.comparison.metrics import METRICS
     from scenes import InputError
     from scenes.frozen import did_you_mean
 
     tolerances: dict[str, float] = {}
-    for requested in texts:
-        key, equals, value_in_words = requested.rpartition("=")
+    for option_text in option_texts:
+        key, equals, share_in_words = option_text.rpartition("=")
         if equals and key not in METRICS:
             known_names = list(METRICS)
             raise InputError(
-                f"--tolerance {requested}: unknown metric {key!r};{did_you_mean(key, known_names)}"
+                f"--tolerance {option_text}: unknown metric"
+                f" {key!r};{did_you_mean(key, known_names)}"
                 f" there are {', '.join(known_names)}"
             )
-        is_unjudged = bool(equals) and value_in_words.strip() == "none"
-        value = math.inf if is_unjudged else share_of(value_in_words)
-        if not is_unjudged and not 0 < value < math.inf:
+        is_unjudged = bool(equals) and share_in_words.strip() == "none"
+        share = math.inf if is_unjudged else share_of(share_in_words)
+        if not is_unjudged and not 0 < share < math.inf:
             raise InputError(
-                f"--tolerance {requested}: write a share above 0, such as 5% or 0.05, or one of a"
+                f"--tolerance {option_text}: write a share above 0, such as 5% or 0.05, or one of a"
                 " metric: dissipation=3%; dissipation=none leaves it unjudged"
             )
-        if not is_unjudged and value >= 1 and not value_in_words.endswith("%"):
-            alternatives = f"{key}{equals}{value:g}%, or {key}{equals}{100 * value:g}%"
+        if not is_unjudged and share >= 1 and not share_in_words.endswith("%"):
+            alternatives = f"{key}{equals}{share:g}%, or {key}{equals}{100 * share:g}%"
             raise InputError(
-                f"--tolerance {requested}: a number without % is a share, and this is"
-                f" {100 * value:g} %; write {alternatives}"
+                f"--tolerance {option_text}: a number without % is a share, and this is"
+                f" {100 * share:g} %; write {alternatives}"
             )
-        tolerances |= dict.fromkeys([key] if equals else _COMMON, value)
+        tolerances |= dict.fromkeys([key] if equals else _COMMON, share)
     return tolerances
 
 
@@ -710,13 +708,15 @@ app = App(
 )
 
 
-def _function_of(row: _Command) -> Callable[..., int]:
-    """The function that the command-line library calls for one command of the table: its signature
-    has the command's operands, and its options one by one.
+def _function_of(command_row: _Command) -> Callable[..., int]:
+    """The function that the command-line library calls for one command, made from its row in the
+    table of commands. Its signature has the command's operands, then its options as keywords; its
+    help texts are annotations. It calls the command's work, prints the answer and returns the exit
+    code.
     """
     option_by_name = {option.name: option for option in fields(Options)}
     parameters = []
-    for operand in row.operands:
+    for operand in command_row.operands:
         kind = Parameter.POSITIONAL_ONLY if operand.alone else Parameter.POSITIONAL_OR_KEYWORD
         default = Parameter.empty if operand.default is ... else operand.default
         help_words = Words(help=operand.words)
@@ -725,12 +725,12 @@ def _function_of(row: _Command) -> Callable[..., int]:
                 operand.name, kind, default=default, annotation=Annotated[operand.kind, help_words]
             )
         )
-    for option_name in row.options:
+    for option_name in command_row.options:
         option = option_by_name[option_name.rstrip("!")]
         default = Parameter.empty if option_name.endswith("!") else option.default
         annotation: Any = option.type
-        if option.name in row.words:
-            help_words = Words(help=row.words[option.name], group="Parameters")
+        if option.name in command_row.words:
+            help_words = Words(help=command_row.words[option.name], group="Parameters")
             annotation = Annotated[option.type, help_words]
         parameters.append(
             Parameter(option.name, Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
@@ -741,32 +741,32 @@ def _function_of(row: _Command) -> Callable[..., int]:
         bound_arguments = signature.bind(*operands, **options)
         bound_arguments.apply_defaults()
         values = dict(bound_arguments.arguments)
-        subjects = [values.pop(operand.name) for operand in row.operands]
+        subjects = [values.pop(operand.name) for operand in command_row.operands]
         chosen_options = Options(**values)
-        module, _, name = row.does.partition(":")
+        module, _, name = command_row.does.partition(":")
         work = getattr(import_module(f"reports.{module}"), name)
-        return _print_answer(row, work(*subjects, chosen_options), chosen_options)
+        return _print_answer(command_row, work(*subjects, chosen_options), chosen_options)
 
     command.__signature__ = signature  # type: ignore[attr-defined]
     return command
 
 
-def _print_answer(row: _Command, answer: Answer, options: Options) -> int:
-    """Print the answer of a command: lines and tables, or with --json one document whose numbers
-    are finite or null. No other place prints. Returns the exit code.
+def _print_answer(command_row: _Command, answer: Answer, options: Options) -> int:
+    """Print the answer of a command and return its exit code: lines and tables for the terminal, or
+    with --json one document whose numbers are finite or null. No other function prints answers.
     """
     if options.json and answer.content is not None:
         from reports.comparison.json_values import strict
 
         content = {
             "format": FORMAT,
-            "command": answer.command or row.name,
+            "command": answer.command or command_row.name,
             "exit_code": answer.code,
             "scene": answer.scene,
             "result": answer.content(),
         }
         say(json.dumps(strict(content), allow_nan=False, indent=1))
-    elif not (options.quiet and row.silent):
+    elif not (options.quiet and command_row.silent):
         show(answer.parts)
     return answer.code
 
@@ -886,11 +886,9 @@ def _report_fault(fault: Exception, tokens: list[str], signals_received: Sequenc
         cure = "ask for a coarser mesh, fewer steps or fewer instants"
         return _refused(f"there is not enough memory for this{cause}; {cure}{_notes_of(fault)}")
     if isinstance(fault, OSError):  # that no door has words for
-        place = (
-            f"{_one_line(os.fsdecode(fault.filename))}: "
-            if isinstance(fault.filename, str | bytes)
-            else "a file: "
-        )
+        place = "a file: "
+        if isinstance(fault.filename, str | bytes):
+            place = f"{_one_line(os.fsdecode(fault.filename))}: "
         return _refused(
             f"cannot read or write {place}{fault.strerror or _one_line(str(fault))}; mend that and"
             f" run the command again{_notes_of(fault)}"
@@ -1000,17 +998,20 @@ def _misspelt(fault: CycloptsError) -> str:
         and not fault.argument.tokens
     ):
         # A word of its own in capitals, as in the help; an option as it is written.
-        in_place = fault.argument.field_info.kind is not fault.argument.field_info.KEYWORD_ONLY
-        name = fault.argument.name.removeprefix("--").upper() if in_place else fault.argument.name
+        field_info = fault.argument.field_info
+        name = fault.argument.name
+        if field_info.kind is not field_info.KEYWORD_ONLY:
+            name = name.removeprefix("--").upper()
         return f"{command}: {name} is missing; {help_of_command} shows what it takes"
     return f"{' '.join(str(fault).split()).rstrip('.')}; {help_of_command} shows what it takes"
 
 
 def _suggestion_for_unused(fault: UnusedCliTokensError, chain: Sequence[str]) -> str:
-    """What was meant by words that a command does not take, with a blank behind it; "" where
-    nothing is near. `chain` is the command with its own commands.
+    """A suggestion for an error message on words that a command does not take ("did you mean ...?
+    "), ending in a blank; "" where no known word is near.
 
-    `sweep` takes a misspelt command of its own for a study, and what follows is left over.
+    `chain` is the command with the names of its subcommands. The command `sweep` takes a misspelt
+    subcommand for the name of a study, so that the words behind it are what is left over.
     """
     tokens_of_command = (fault.root_input_tokens or [])[len(chain) :]
     if not tokens_of_command:

@@ -86,8 +86,8 @@ def fields(job: Job) -> Answer:
         return json.dumps(strict(content), allow_nan=False, indent=1) + "\n"
 
     def noted_snapshots() -> Generator[Snapshot, None, None]:
-        """Snapshots on their way to disk: what is stated of each is noted, those of named instants
-        are kept for stills.
+        """The snapshots one by one, as they are written: the values stated of each are collected,
+        and those of the instants named by --at are kept for pictures.
         """
         times_of_stills = {instant.time for instant in chosen_instants}
         for instant, snapshot in zip(instants, files.snapshots_of(solution, instants), strict=True):
@@ -147,31 +147,43 @@ def _parts(
     files: Sequence[str],
     notes: Sequence[str],
     measures: Sequence[dict[str, Any]],
-    file: str,
+    pvd_file: str,
 ) -> Iterator[Part]:
     """What the terminal shows of field output: a row for each instant with its largest nodal stress
     (of many instants the worst alone), notes, fatigue measures, what was written.
+
+    Parameters
+    ----------
+    instants
+        stated values of each instant, as in fields.json
+    files
+        names of the files that were written
+    measures
+        largest value of each fatigue measure in each body; empty without any
+    pvd_file
+        path of the collection that ParaView opens
     """
     from reports.field_output.files import NO_PEAK
     from reports.units import load_unit, units
 
-    _, length, stress = units(scene)
-    load = load_unit(scene)
+    _, unit_of_length, unit_of_stress = units(scene)
+    unit_of_load = load_unit(scene)
     instants_listed = instants
     if len(instants) > _ROWS:
         instants_listed = [max(instants, key=lambda row: row["largest_nodal_von_mises"]["value"])]
-    rows = [_row_of_instant(instant) for instant in instants_listed]
-    heads = (
+    rows_of_instants = [_row_of_instant(instant) for instant in instants_listed]
+    heads_of_instants = (
         "instant",
         "time",
-        f"P [{load}]",
-        f"Q [{load}]",
-        f"nodal von Mises [{stress}]",
-        f"tension at the edge [{stress}]",
+        f"P [{unit_of_load}]",
+        f"Q [{unit_of_load}]",
+        f"nodal von Mises [{unit_of_stress}]",
+        f"tension at the edge [{unit_of_stress}]",
     )
-    yield Sheet(scene.title or scene.name, heads, rows, (1, 2, 3))
+    yield Sheet(scene.title or scene.name, heads_of_instants, rows_of_instants, (1, 2, 3))
     yield (
-        f"places x, y in {length}, on the undeformed bodies; tension: the largest stress along a"
+        f"places x, y in {unit_of_length}, on the undeformed bodies; tension: the largest stress"
+        f" along a"
         " face at an edge of contact"
     )
     yield NO_PEAK
@@ -181,10 +193,10 @@ def _parts(
             " fields/fields.json"
         )
     yield from notes
-    vtu_files = sum(name.endswith(".vtu") for name in files)
-    pictures = sum(name.endswith(".svg") for name in files)
+    n_vtu_files = sum(name.endswith(".vtu") for name in files)
+    n_pictures = sum(name.endswith(".svg") for name in files)
     yield (
-        f"written: {vtu_files} VTU files, {pictures} pictures, and what they are in"
+        f"written: {n_vtu_files} VTU files, {n_pictures} pictures, and what they are in"
         " fields/fields.json"
     )
     if measures:
@@ -193,18 +205,20 @@ def _parts(
             "theory",
             "finite elements",
             "difference",
-            f"at (x, y) [{length}]",
+            f"at (x, y) [{unit_of_length}]",
         )
-        rows_of_measures = _largest_measures(measures, stress)
+        rows_of_measures = _largest_measures(measures, unit_of_stress)
         yield Sheet("Measures of fatigue", heads_of_measures, rows_of_measures, (1, 2, 3))
         yield (
             "linear elastic stress of contact and bulk stress, planes that contain z; places beside"
             " the contact: fatigue.csv"
         )
-    yield file
+    yield pvd_file
 
 
-def _largest_measures(measures: Sequence[dict[str, Any]], stress: str) -> list[tuple[str, ...]]:
+def _largest_measures(
+    measures: Sequence[dict[str, Any]], unit_of_stress: str
+) -> list[tuple[str, ...]]:
     """Rows of a table: each fatigue measure, its largest value by theory and by finite elements,
     their difference and place. Of the two bodies that in which the finite elements have more.
     """
@@ -212,18 +226,20 @@ def _largest_measures(measures: Sequence[dict[str, Any]], stress: str) -> list[t
 
     rows: list[tuple[str, ...]] = []
     for name in dict.fromkeys(row["measure"] for row in measures):
-        of_measure = [row for row in measures if row["measure"] == name]
-        largest_row = max(of_measure, key=lambda row: row["finite_elements"]["value"])
-        theory = largest_row["theory"]["value"]
-        elements = largest_row["finite_elements"]["value"]
-        unit = "–" if name == "Fatemi-Socie" else stress
-        difference = f"{100 * (elements / theory - 1):+.2f} %" if theory else "–"
+        rows_of_measure = [row for row in measures if row["measure"] == name]
+        largest_row = max(rows_of_measure, key=lambda row: row["finite_elements"]["value"])
+        value_of_theory = largest_row["theory"]["value"]
+        value_of_elements = largest_row["finite_elements"]["value"]
+        unit = "–" if name == "Fatemi-Socie" else unit_of_stress
+        difference = (
+            f"{100 * (value_of_elements / value_of_theory - 1):+.2f} %" if value_of_theory else "–"
+        )
         place_in_words = f"{_place(largest_row['finite_elements'])}, {largest_row['body']}"
         rows.append(
             (
                 f"{name} [{unit}]",
-                f"{theory:.4g}",
-                f"{elements:.4g}",
+                f"{value_of_theory:.4g}",
+                f"{value_of_elements:.4g}",
                 minus(difference),
                 place_in_words,
             )
@@ -275,14 +291,9 @@ def _draw(
 
         folder.mkdir()
         contact_edge = float(np.nanmax(solution.contact_edges))
-        names = [
-            _write_picture(
-                mesh(
-                    solution.bodies, reference_scales(solution).half_width, contact_edge, named=True
-                ),
-                folder,
-            )
-        ]
+        half_width = reference_scales(solution).half_width
+        picture_of_mesh = mesh(solution.bodies, half_width, contact_edge, named=True)
+        names = [_write_picture(picture_of_mesh, folder)]
         scales = scales_of([snapshot for _, snapshot in stills])
         for number, (instant, snapshot) in enumerate(stills):
             report(number + 1, len(stills) + 1, f"time {snapshot.time:.6g}")

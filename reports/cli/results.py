@@ -38,14 +38,8 @@ def score(result: str | None, options: Options) -> Answer:
     from scenes import ConvergenceError, InputError
 
     if options.mapping_example:
-        return Answer(
-            WITHIN,
-            [
-                (resources.files("reports") / "templates" / "mapping.toml")
-                .read_text("utf-8")
-                .rstrip()
-            ],
-        )
+        example_file = resources.files("reports") / "templates" / "mapping.toml"
+        return Answer(WITHIN, [example_file.read_text("utf-8").rstrip()])
     if result is None:
         raise InputError("score: name the result to score, a file or a folder of files")
     if options.scene is None:
@@ -99,7 +93,8 @@ def _folder_of(path: Path, is_loop: bool) -> Path:
     Raises
     ------
     InputError
-        Where it does: x.csv and x.rpt have one stem, and so have a/x.csv and b/x.csv.
+        Where the folder holds the score of another file already: x.csv and x.rpt have one stem, and
+        so have a/x.csv and b/x.csv.
     """
     from reports.folder import default_folder
     from scenes import InputError
@@ -165,8 +160,11 @@ def _score_tractions(
 
 
 def _with_inputs(report: Report, mapping: Mapping, stages: Stages) -> Report:
-    """The report with what the scene's uncertain inputs do to theory. A result that may be a
-    measurement is held against theory with that uncertainty.
+    """The report with the uncertainty that the scene's uncertain inputs give to theory, and with
+    the comparison of a measured result with theory within that uncertainty.
+
+    The report as it is where the scene states no uncertain input; without the comparison where the
+    result is a solution of this program.
     """
     from dataclasses import replace
 
@@ -252,7 +250,9 @@ def _score_shown(report: Report, page: str) -> Iterator[Part]:
         yield read_in_words(report.comparison.result.engine, report.read_as)
     yield from verdict_shown(report)
     yield from _inputs_shown(report)
-    labels_on_points = [m.label for m in report.comparison.headlines if m.is_on_points_of_result]
+    labels_on_points = [
+        metric.label for metric in report.comparison.headlines if metric.is_on_points_of_result
+    ]
     if labels_on_points:
         yield (
             f"Differences at the points and instants of the result: {'; '.join(labels_on_points)}."
@@ -325,9 +325,8 @@ def diff(a: str, b: str, options: Options) -> Answer:
     # Compared with itself where there is nothing yet: that is how an unknown key of --tolerance is
     # found.
     difference_to_b = difference(findings, findings_before or findings, tolerances)
-    write_baseline(
-        findings, path, {**(findings_before.tolerances if findings_before else {}), **tolerances}
-    )
+    tolerances_before = findings_before.tolerances if findings_before else {}
+    write_baseline(findings, path, {**tolerances_before, **tolerances})
     last_sentence = (
         f"{b}: {len(findings.figures)} values of {findings.scene.name or findings.source} accepted"
     )
@@ -346,31 +345,25 @@ def _difference_parts(change: Difference) -> Iterator[Part]:
     """
     from reports.comparison.findings import SAME
 
-    listed_rows = [
-        _cells(row)
-        for row in change.rows
-        if not (row.verdict == SAME and (row.difference == 0 or row.a == row.b))
-    ]
+    listed_rows = []
+    for row in change.rows:
+        is_identical = row.verdict == SAME and (row.difference == 0 or row.a == row.b)
+        if not is_identical:
+            listed_rows.append(_cells(row))
     title = f"{change.scene}: A = {change.a}, B = {change.b}"
-    yield (
-        Sheet(
-            title, ("value", "A", "B", "B − A", "tolerance", "verdict"), listed_rows, (1, 2, 3, 4)
-        )
-        if listed_rows
-        else title
-    )
+    heads = ("value", "A", "B", "B − A", "tolerance", "verdict")
+    yield Sheet(title, heads, listed_rows, (1, 2, 3, 4)) if listed_rows else title
     if n_identical := len(change.rows) - len(listed_rows):
         yield (
             f"{n_identical} values are the same to the last digit and not listed (--json has them)"
         )
     yield from change.notes
     different_rows = [row.key for row in change.rows if row.verdict != SAME]
-    all_same_in_words = f"all {len(change.rows)} values are the same within tolerance"
     if different_rows:
         names = ", ".join(different_rows)
         yield f"{len(change.rows)} values, {len(different_rows)} differ: {names}"
     else:
-        yield all_same_in_words
+        yield f"all {len(change.rows)} values are the same within tolerance"
 
 
 def _cells(row: Row) -> tuple[str, ...]:

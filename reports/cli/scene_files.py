@@ -45,11 +45,14 @@ def init(file: Path, options: Options) -> Answer:
     if file.suffix != ".toml":
         raise InputError(f"{file}: a commented scene is written as .toml; name the file so")
     _refuse_taken(file)
-    text = scene_text(copied_name) if copied_name else example(options.bodies, options.profile)
+    scene_file_text = (
+        scene_text(copied_name) if copied_name else example(options.bodies, options.profile)
+    )
     companions: dict[Path, str] = {}
     if copied_name:
         companions = {
-            file.parent / name: text for name, text in scene_companions(copied_name).items()
+            file.parent / name: scene_file_text
+            for name, scene_file_text in scene_companions(copied_name).items()
         }
     for path in companions:
         if path.exists():
@@ -58,19 +61,22 @@ def init(file: Path, options: Options) -> Answer:
                 f" {file.name}"
             )
     with ExitStack() as undo:
-        for path, content in {file: text.replace("FILE.toml", str(file)), **companions}.items():
+        for path, file_text in {
+            file: scene_file_text.replace("FILE.toml", str(file)),
+            **companions,
+        }.items():
             try:
                 with path.open("x", encoding="utf-8") as stream:
                     undo.callback(path.unlink, missing_ok=True)
-                    stream.write(content)
+                    stream.write(file_text)
             except OSError as reason:
                 _refuse_taken(path, reason)
                 raise InputError(
                     f"{path}: the file can't be written: {reason.strerror}; name another place"
                 ) from reason
         undo.pop_all()
-    names = ", ".join(path.name for path in companions)
-    companions_in_words = f" (with {names})" if names else ""
+    names_of_companions = ", ".join(path.name for path in companions)
+    companions_in_words = f" (with {names_of_companions})" if names_of_companions else ""
     sentences = []
     if copied_name:
         sentences.append(
@@ -336,13 +342,14 @@ def _answer_of_theory(scene: Scene, source: str) -> ContactSolution:
 
 
 def _loop_read(scene: Scene, options: Options) -> dict[str, tuple[tuple[str, str], ...]]:
-    """How the table of --loop was read, as (quantity, words) pairs by its path; empty without
-    one.
+    """How the table of the measured loop named by --loop was read: path -> pairs of a quantity and
+    words on its column. Empty without --loop.
 
     Raises
     ------
     InputError
-        As `score --as loop` does for the scene, the mapping and the table.
+        For a scene without a closed loop, for a mapping or a table that can't be read, and for
+        --mapping without --loop.
     """
     from scenes import InputError
 
@@ -360,7 +367,9 @@ def _loop_read(scene: Scene, options: Options) -> dict[str, tuple[tuple[str, str
 
 # -------------------------------------------------------------------------- the library, the schema
 def show(name: str, options: Options) -> Answer:
-    """The command `scenes`: list the library, or state all about one scene."""
+    """The command `scenes`: list the scenes of the library that have the requested tags, or state
+    all about the scene `name`, which may be a file.
+    """
     from scenes import InputError
 
     if name and options.tag:
@@ -423,17 +432,17 @@ def _details(scene: Scene) -> Iterator[str]:
     sections += [("tags", ", ".join(scene.tags)), ("question", question(scene))]
     sentences = (bodies_in_words(scene), unlike_materials(scene), idealisation(scene))
     sections.append(("bodies", " ".join(filter(None, sentences))))
-    limits = (
+    limits_in_words = (
         ", ".join(f"{key.replace('_', ' ')} {value:g}" for key, value in tolerance_of_metric)
         or "none: nothing is judged"
     )
-    sections.append(("tolerances", limits))
+    sections.append(("tolerances", limits_in_words))
     if companions := _companions(scene):
         sections.append(("files", ", ".join(companions)))
     sections += [("expected", text) for text in expected_lines or ["no number"]]
-    for head, text in sections:
+    for heading, text in sections:
         yield from textwrap.wrap(
-            text, max(width(), 40), initial_indent=f"{head:<12}", subsequent_indent=" " * 12
+            text, max(width(), 40), initial_indent=f"{heading:<12}", subsequent_indent=" " * 12
         )
 
 
@@ -445,7 +454,9 @@ def _companions(scene: Scene) -> list[str]:
 
 
 def _record(scene: Scene) -> dict[str, Any]:
-    """All about one scene, for JSON."""
+    """All about one scene as a JSON object: name, title, purpose, source, tags, expected numbers
+    and tolerances first, then the question in words, its files, and what the scene states besides.
+    """
     from reports.comparison.words import question
 
     content = scene.model_dump(mode="json")

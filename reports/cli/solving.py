@@ -71,24 +71,24 @@ class Job:
 
 
 def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
-    """Make a command out of `work`, which solves a job: read the scene, claim the output folder,
-    turn failures into answers with their exit codes.
+    """Make a command out of `work`, which solves a job: the command reads the scene, claims the
+    output folder, calls `work`, and turns failures into answers with their exit codes.
 
-    What was solved before a failure or an interruption is kept in the folder. A file of somebody
-    else there is refused before anything is solved: `_written_by` knows what the command will
-    write.
+    What was solved before a failure or an interruption is kept in the folder. Where the folder
+    holds a file of somebody else that the command would write over, it is refused before anything
+    is solved.
     """
 
     @wraps(work)
     def command(scene: str, options: Options) -> Answer:
+        """Solve the scene that is named and write the answer; keep what was solved if it fails."""
         from reports.comparison.words import summary_rows
         from reports.folder import claim, default_folder
         from scenes import ConvergenceError, InputError, Interrupted
 
         scene_read = read(scene, driven=work.__name__ in ("exact", "fe", "run"))
-        folder = claim(
-            options.out or default_folder(scene_read.name), _written_by(work.__name__, scene_read)
-        )
+        names_of_files = _written_by(work.__name__, scene_read)
+        folder = claim(options.out or default_folder(scene_read.name), names_of_files)
         try:
             return work(Job(scene, scene_read, options, folder, Stages(options.quiet)))
         except InputError as fault:
@@ -103,11 +103,8 @@ def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
             partial_solution = stop.partial
             if partial_solution is None or len(partial_solution.time) < 2:
                 raise KeyboardInterrupt from stop
-            path = write_solution(
-                partial_solution,
-                folder,
-                name="" if partial_solution.record.converged else "partial",
-            )
+            stem = "" if partial_solution.record.converged else "partial"
+            path = write_solution(partial_solution, folder, name=stem)
             complain(
                 f"halfplane: {stop}; what was solved is kept in {path}"
                 f" ({len(partial_solution.time) - 1} steps)"
@@ -133,8 +130,8 @@ def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
 
 
 def _written_by(command: str, scene: Scene) -> tuple[str, ...]:
-    """Names of the files that a command writes to its folder, whatever comes of it; a failure or an
-    interruption leaves those named "partial".
+    """Names of all files that a command may write to its folder: those of its answer, and those
+    named "partial" that a failure or an interruption leaves.
     """
     from reports.folder import RESULTS, files_of_a_solution
 
@@ -251,8 +248,8 @@ _LONG_RECORD = 200
 
 
 def _reason_for_no_budget(scene: Scene) -> str:
-    """Why the uncertainty of the answer for real bodies is measured on request only: the record is
-    long. "" where it is measured anyway.
+    """The reason why the uncertainty of the answer for real bodies is not measured without
+    --budget: the scene's record of loads is long. "" where it is measured.
     """
     from scenes import TimeSeriesLoad
 
@@ -569,8 +566,8 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
 
 
 def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
-    """Headline, table of absolute values, causes and verdict of a report, for the terminal; in
-    short unless `verbose`.
+    """What the terminal shows first of a comparison: headline, table of the values of both
+    solutions, causes of the difference and verdict; in short forms unless `verbose`.
     """
     from reports.comparison.words import (
         first_cells,
@@ -601,8 +598,8 @@ def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
 
 
 def _topics_left_out(report: Report, findings: Sequence[Finding]) -> Iterator[Part]:
-    """For a terminal without --verbose: warnings about the record of loads, and a line on what the
-    page says besides, by how each note begins.
+    """What a terminal without --verbose shows last: warnings about the record of loads, and a line
+    that lists what is only on the page: notes by their first words, expected numbers met or missed.
     """
     from reports.measured import check_record, record_in_words
 
@@ -785,8 +782,8 @@ def _answer_alone(
     findings = list(expected_numbers(scene, (solution,)))
     if inputs is None:
         inputs = _effects_of_inputs(job)
-    laws = certificates(solution)
-    admissible = solution.record.converged and all(law.holds for law in laws)
+    law_checks = certificates(solution)
+    admissible = solution.record.converged and all(check.holds for check in law_checks)
     code = WITHIN if admissible and all(finding.met for finding in findings) else OUTSIDE
     values_of_rig = {}
     if job.scene.load.is_driven:
@@ -801,7 +798,7 @@ def _answer_alone(
         yield path
 
     def json_content() -> dict[str, Any]:
-        content_of_solution = solution_content(solution, laws)
+        content_of_solution = solution_content(solution, law_checks)
         return {
             "passed": code == WITHIN,
             "admissible": admissible,
@@ -879,10 +876,10 @@ def _elements_of_rig(job: Job) -> tuple[ContactSolution | None, dict[str, Any]]:
         complain(f"halfplane: {job.scene.name}: {refusal}")
         return None, {"refused": refusal}
     path = write_solution(solution, job.folder, states_loads=False)
-    laws = certificates(solution)
-    content = solution_content(solution, laws)
+    law_checks = certificates(solution)
+    content = solution_content(solution, law_checks)
     return solution, {
-        "admissible": solution.record.converged and all(law.holds for law in laws),
+        "admissible": solution.record.converged and all(check.holds for check in law_checks),
         **{name: content[name] for name in _OF_ONE_ENGINE if name in content},
         "file": str(path),
     }

@@ -114,8 +114,12 @@ def score_file(
     against: Against = "exact",
     tolerances: dict[str, float] | None = None,
 ) -> Report:
-    """Score a result in a file, without likely causes: a NetCDF file of this program as it is, any
-    other through `mapping`, which states names, units and signs.
+    """Score a result in a file: compare it with a reference that is solved here. Likely causes of
+    the difference are not looked for.
+
+    A NetCDF file of this program is read as it is; for any other `mapping` states names of columns,
+    units and signs. `against` is "exact" for half-plane theory, "fe" for finite elements;
+    `tolerances` are limits by metric.
     """
     if path.suffix.lower() == OWN and path.is_file():
         return score_solution(
@@ -167,8 +171,11 @@ def score_surface(
     sure_of_times: bool = True,
     tolerances: dict[str, float] | None = None,
 ) -> Report:
-    """Score an external result in the common form of all readers, units and signs guessed where
-    `mapping` states none; without likely causes.
+    """Score a result that another program computed, as a reader of files returned it: compare it
+    with a reference that is solved here. Likely causes of the difference are not looked for.
+
+    Units and signs are guessed where `mapping` states none. `sure_of_times` says that the result's
+    times are those of the scene's load path; else they may be given up for the loads.
     """
     path_solution = whole_path(scene)
     solution, guesses = contact_solution(
@@ -259,14 +266,11 @@ def _refuse_beside(solution: ContactSolution, reference: ContactSolution) -> Non
     """InputError where no point of a result can be judged: all lie outside the reference's contact,
     or its instants have none.
     """
-    left_edges, right_edges = (
-        np.interp(solution.time, reference.time, np.nan_to_num(edge))
-        for edge in reference.contact_edges.T
-    )
-    if (
-        np.any((solution.x > left_edges[:, None]) & (solution.x < right_edges[:, None]))
-        or not solution.pressure.any()
-    ):
+    edges = np.nan_to_num(reference.contact_edges)
+    left_edges = np.interp(solution.time, reference.time, edges[:, 0])
+    right_edges = np.interp(solution.time, reference.time, edges[:, 1])
+    lies_in_contact = (solution.x > left_edges[:, None]) & (solution.x < right_edges[:, None])
+    if np.any(lies_in_contact) or not solution.pressure.any():
         return
     source = solution.settings.get("source", solution.engine)
     if np.all(left_edges >= right_edges):

@@ -83,8 +83,9 @@ class Cause:
 
 
 def _moments(discrepancy: Discrepancy) -> tuple[float, float, float]:
-    """Pressure of the result beside that of the reference: ratio of the sums, ratio of the widths,
-    and distance of the centroids [length].
+    """How the pressure of the result compares with the reference's, over all points and instants:
+    the ratio of the sums, the ratio of the widths (standard deviations in x), and the distance
+    between the centroids [length]. 1, 1, 0 where either has no pressure.
     """
     moments = []
     for pressure in (
@@ -150,10 +151,9 @@ def _of_shear_alone(discrepancy: Discrepancy) -> Sequence[float]:
     """
     if not _slips(discrepancy):
         return ()
-    sums, sums_of_reference = (
-        np.sum(discrepancy.weight * shear, axis=1)
-        for shear in (discrepancy.result_tractions[SHEAR], discrepancy.reference_tractions[SHEAR])
-    )
+    weight = discrepancy.weight
+    sums = np.sum(weight * discrepancy.result_tractions[SHEAR], axis=1)
+    sums_of_reference = np.sum(weight * discrepancy.reference_tractions[SHEAR], axis=1)
     square_of_sums = float(sums_of_reference @ sums_of_reference)
     ratio = float(sums @ sums_of_reference) / square_of_sums if square_of_sums else 0.0
     return (_away_from_zero(np.log(ratio)),) if ratio > 0 else ()

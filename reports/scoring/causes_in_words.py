@@ -49,9 +49,17 @@ def _figures(cause: Cause, size: float) -> dict[str, float]:
 
 
 def sentence_of(discrepancy: Discrepancy, cause: Cause, size: float, fit: Fit) -> str:
-    """A sentence that names a cause (a known fault) of this size, and says what to do about it."""
+    """The sentence of a page that names a known fault of a result and says what to do about it.
+
+    Parameters
+    ----------
+    size
+        fitted size of the fault; of a factor it is the logarithm
+    fit
+        the fit with this cause and perhaps another one
+    """
     factor = float(np.exp(size))
-    figures = {
+    numbers_in_sentence = {
         **_figures(cause, size),
         "steps": float(len(discrepancy.comparison.found.time) - 1),
         "height": _height(size),
@@ -64,8 +72,10 @@ def sentence_of(discrepancy: Discrepancy, cause: Cause, size: float, fit: Fit) -
         return _of_mesh(discrepancy, alone=len(fit.causes) == 1)
     label = key_of_sentence(cause, size)
     if cause.key == "stiffness":
-        return FAULTS[label].format(**figures | {"likely": _likely_stiffness(discrepancy, factor)})
-    return FAULTS[label].format(**figures)
+        return FAULTS[label].format(
+            **numbers_in_sentence | {"likely": _likely_stiffness(discrepancy, factor)}
+        )
+    return FAULTS[label].format(**numbers_in_sentence)
 
 
 def _height(share: float) -> float:
@@ -77,14 +87,9 @@ def _of_mesh(discrepancy: Discrepancy, *, alone: bool) -> str:
     """The sentence for a result whose only visible fault is that it has nodal forces of a coarse
     mesh; `alone` if no other cause is named.
     """
-    most_carrying = int(
-        np.max(
-            np.sum(
-                discrepancy.result_tractions[0] > 1e-3 * np.max(discrepancy.result_tractions[0]),
-                axis=1,
-            )
-        )
-    )
+    pressure = discrepancy.result_tractions[0]
+    carries_load = pressure > 1e-3 * np.max(pressure)
+    most_carrying = int(np.max(np.sum(carries_load, axis=1)))
     sentence = WORDS["others"]["coarse_mesh"].format(
         elements=discrepancy.elements,
         carrying=most_carrying,

@@ -49,11 +49,11 @@ def influence(scene: Scene, middle: Array, width: float) -> Array:
 
 
 def pressure_on_layer(scene: Scene, x: Array, normal_load: Array, layer: float) -> Array:
-    """Pressure (k, n) at x under loads P (k,), of half-planes whose faces sink into each other by p
-    times `layer` [length/stress].
+    """Pressure at points x (n,) under each of the loads P (k,), (k, n), of half-planes covered by a
+    soft layer: the faces sink into each other by `layer` times p [length/stress].
 
-    A p + layer p = approach - gap in the cells that are closed, where p adds up to P; cells that
-    pull are opened until none does.
+    On cells A p + layer p = approach - gap where they are closed, A being the influence matrix, and
+    p adds up to P. Cells that pull are opened until none does.
     """
     contact = contact_of(scene.profile, scene.material)
     half_width_of_cells = _REACH_OF_LAYER * float(contact.half_width(normal_load.max()))
@@ -97,25 +97,44 @@ def shear_by_coupling(
     slope = 2 * beta / composite_modulus(scene.material)
     displacement_by_pressure = slope * cell_width * (np.cumsum(pressure, axis=1) - pressure / 2)
     coulomb_limit = scene.friction.coefficient * pressure
-    change = np.array(
-        _shear_history(matrix, cell_width, coulomb_limit, loads[:, 1], displacement_by_pressure)
-    ) - np.array(
-        _shear_history(matrix, cell_width, coulomb_limit, loads[:, 1], 0 * displacement_by_pressure)
+    tangential_load = loads[:, 1]
+    with_coupling = _shear_history(
+        matrix, cell_width, coulomb_limit, tangential_load, displacement_by_pressure
     )
+    without_coupling = _shear_history(
+        matrix, cell_width, coulomb_limit, tangential_load, 0 * displacement_by_pressure
+    )
+    change = np.array(with_coupling) - np.array(without_coupling)
     return np.array([np.interp(x, cell_centres, row, left=0.0, right=0.0) for row in change[rows]])
 
 
 def _shear_history(
-    matrix: Array, width: float, limit: Array, tangential_load: Array, pushed: Array
+    matrix: Array,
+    width: float,
+    coulomb_limit: Array,
+    tangential_load: Array,
+    displacement_by_pressure: Array,
 ) -> list[Array]:
-    """Shear after each step; `pushed` (n_steps, n) is the displacement by the pressure."""
+    """Shear of n cells after each load step, (n,) each; slip is kept from step to step.
+
+    Parameters
+    ----------
+    matrix, width
+        (n, n) displacement of the cells by a unit shear of each; width of a cell [length]
+    coulomb_limit
+        (n_steps, n) Coulomb limit f p
+    tangential_load
+        (n_steps,) Q
+    displacement_by_pressure
+        (n_steps, n) relative displacement that the pressure makes along x [length]
+    """
     slip = np.zeros(len(matrix))
     shears = []
     for step, force in enumerate(tangential_load):
         shear, shift = _shear_of_state(
-            matrix, width, limit[step], slip - pushed[step], float(force)
+            matrix, width, coulomb_limit[step], slip - displacement_by_pressure[step], float(force)
         )
-        slip = shift - matrix @ shear + pushed[step]
+        slip = shift - matrix @ shear + displacement_by_pressure[step]
         shears.append(shear)
     return shears
 

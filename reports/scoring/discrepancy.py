@@ -116,26 +116,23 @@ class Discrepancy:
 
     @cached_property
     def resultant_ratio(self) -> float:
-        """Sum of the result's pressures over x, over P, in the mean of the loaded instants; NaN
-        without one.
+        """Integral of the result's pressure over x, divided by the load P: about 1 where the result
+        is in equilibrium. It is the median over the loaded instants; NaN where there is none.
 
-        Of P and of the same sum over the reference's pressures it takes the nearer one: nodal
-        forces over the elements add up to P on any mesh, pressures at points to the sum of
-        theory's. Where the points end within the contact of the reference, and not within that of
-        the result, P counts.
+        It is compared with P and with the same integral over the reference's pressure, and the
+        ratio nearer to 1 counts: nodal forces over element lengths add up to P on any mesh,
+        pressures at points to the integral of theory's. Where the points end within the contact of
+        the reference, and not within that of the result, only P counts.
         """
         if not self.loaded.any():
             return float("nan")
         sums = np.trapezoid(self.result_tractions[PRESSURE], self.x, axis=1)[self.loaded]
-        sums_of_reference = np.trapezoid(self.reference_tractions[PRESSURE], self.x, axis=1)[
-            self.loaded
-        ]
+        sums_of_reference = np.trapezoid(self.reference_tractions[PRESSURE], self.x, axis=1)
         ratio_to_load = float(np.median(sums / self.normal_load[self.loaded]))
-        if self._ends_in_contact(self.reference_tractions) and not self._ends_in_contact(
-            self.result_tractions
-        ):
+        reference_is_cut_off = self._ends_in_contact(self.reference_tractions)
+        if reference_is_cut_off and not self._ends_in_contact(self.result_tractions):
             return ratio_to_load
-        ratio_to_reference = float(np.sum(sums) / np.sum(sums_of_reference))
+        ratio_to_reference = float(np.sum(sums) / np.sum(sums_of_reference[self.loaded]))
         return min((ratio_to_load, ratio_to_reference), key=lambda ratio: abs(ratio - 1))
 
     def _ends_in_contact(self, tractions: Tractions) -> bool:
@@ -250,8 +247,10 @@ class Residual:
         return (1, 0) if len(self.values) >= _FEWEST_INSTANTS else (1,)
 
     def _differences(self, axis: int) -> tuple[float, int]:
-        """Half the mean squared difference of neighbours in contact along an axis, and how many
-        pairs there are; where there is none, the mean square itself and 0.
+        """Half the weighted mean square of the difference between neighbouring values, both in
+        contact, and the number of such pairs. Without a pair: the mean square of the values, and 0.
+
+        `axis` 0 takes neighbours in time, 1 neighbours in x.
         """
         is_inside = np.moveaxis(self.is_inside, axis, -1)
         weight = np.moveaxis(self.weight, axis, -1)
@@ -299,27 +298,28 @@ def pair(of_pressure: float, of_shear: float) -> Array:
 
 
 def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
-    """What is to be explained of a comparison: tractions of result and reference at some loaded
-    instants, with weights. None where the result has no instant with a contact or not one number.
+    """The tractions of result and reference that a diagnosis compares: at most so many instants of
+    the last cycle, evenly chosen, with a weight for each point and instant.
+
+    A value that is missing or stands out alone is replaced by the reference's, with weight 0. None
+    where the result has no instant with a contact, or not one number.
     """
-    usable_instants = np.flatnonzero(
-        comparison.judged if comparison.judged.any() else comparison.touching
-    )
+    is_usable = comparison.judged if comparison.judged.any() else comparison.touching
+    usable_instants = np.flatnonzero(is_usable)
     if not len(usable_instants):
         return None
-    count = min(len(usable_instants), _MOST_INSTANTS)
-    places = np.linspace(0, len(usable_instants) - 1, count).round().astype(int)
+    n_instants = min(len(usable_instants), _MOST_INSTANTS)
+    places = np.linspace(0, len(usable_instants) - 1, n_instants).round().astype(int)
     rows = usable_instants[np.unique(places)]
-    expected_tractions, result_tractions = (
-        np.array([side.pressure[rows], side.shear[rows]])
-        for side in (comparison.expected, comparison.found)
-    )
+    reference_cycle = comparison.expected
+    result_cycle = comparison.found
+    expected_tractions = np.array([reference_cycle.pressure[rows], reference_cycle.shear[rows]])
+    result_tractions = np.array([result_cycle.pressure[rows], result_cycle.shear[rows]])
     has_shear = not np.isnan(result_tractions[SHEAR]).all()
     if not has_shear:  # a file without shear: it counts for nothing
         result_tractions[SHEAR] = np.nan_to_num(expected_tractions[SHEAR])
-    is_known = np.isfinite(expected_tractions).all(axis=0) & np.isfinite(result_tractions).all(
-        axis=0
-    )
+    is_known = np.isfinite(expected_tractions).all(axis=0)
+    is_known &= np.isfinite(result_tractions).all(axis=0)
     isolated = comparison.isolated
     is_known &= ~(isolated["pressure"] | isolated["shear"])[rows]
     if not is_known.any():
@@ -328,7 +328,7 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
     if tractions_with_bodies is not None:
         expected_tractions = tractions_with_bodies
         result_tractions = np.where(is_known, result_tractions, expected_tractions)
-    weight = is_known * shares(comparison.found.time[rows])[:, None] * shares(comparison.found.x)
+    weight = is_known * shares(result_cycle.time[rows])[:, None] * shares(result_cycle.x)
     expected_tractions = np.nan_to_num(expected_tractions)
     return Discrepancy(
         comparison,

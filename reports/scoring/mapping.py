@@ -210,8 +210,8 @@ def find_column(
 
 
 def _how_to_name(quantity: str, names: Sequence[str]) -> str:
-    """How to say in a mapping which column holds a quantity, as a phrase; with the lines to write
-    where a column is nearly called like it.
+    """A phrase for an error message that says how to name the column of a quantity in a mapping:
+    with the very lines to write where one of the column `names` is spelt nearly like the quantity.
     """
     by_plain_name = {plain(name): name for name in names}
     near_names = [
@@ -236,7 +236,7 @@ def listed(names: Sequence[str]) -> str:
 
 def converted(mapping: Mapping, quantity: Quantity, values: Array) -> Array:
     """Values of a file in the scene's unit and the project's signs, as far as the mapping states
-    them: times factor and sign, loads over the thickness, places less the offset.
+    them: times factor and sign; loads divided by the thickness; x and y minus the offset.
 
     >>> converted(Mapping(x_offset=2.0), "x", np.array([2.0, 3.0])).tolist()
     [0.0, 1.0]
@@ -265,23 +265,23 @@ def converted(mapping: Mapping, quantity: Quantity, values: Array) -> Array:
 
 
 def conversion_in_words(mapping: Mapping, quantity: Quantity) -> str:
-    """The quantity that a column holds, and what `converted` does to its values, in words: factor,
-    sign, thickness, offset.
+    """Name of the quantity that a column holds, and in words what is done to its values on reading:
+    times a factor, sign turned, divided by the thickness, minus an offset.
 
     >>> conversion_in_words(Mapping(thickness=2.0), "normal_load")
     'normal load, divided by the thickness 2'
     >>> conversion_in_words(Mapping(), "slip")
     'slip'
     """
-    change_per_unit = converted(mapping, quantity, np.ones(1)) - converted(
+    change_for_one = converted(mapping, quantity, np.ones(1)) - converted(
         mapping, quantity, np.zeros(1)
     )
     is_load = quantity in ("normal_load", "tangential_load")
     thickness = mapping.thickness if is_load else 1.0
     phrases = []
-    if abs(change_per_unit[0]) * thickness != 1:
-        phrases.append(f"times {abs(change_per_unit[0]) * thickness:g}")
-    if change_per_unit[0] < 0:
+    if abs(change_for_one[0]) * thickness != 1:
+        phrases.append(f"times {abs(change_for_one[0]) * thickness:g}")
+    if change_for_one[0] < 0:
         phrases.append("sign turned")
     if thickness != 1:
         phrases.append(f"divided by the thickness {thickness:g}")

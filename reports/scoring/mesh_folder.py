@@ -47,11 +47,11 @@ def score_folder(
             reports.append(report)
             levels.append(level)
     if not levels:
-        further_faults = (
-            f" ({len(faults) - 1} other files of the folder can't be scored either)"
-            if len(faults) > 1
-            else ""
-        )
+        further_faults = ""
+        if len(faults) > 1:
+            further_faults = (
+                f" ({len(faults) - 1} other files of the folder can't be scored either)"
+            )
         raise InputError(f"{next(iter(faults.values()))}{further_faults}")
     unscored = tuple(
         UnscoredFile(name, str(fault).replace(str(folder / name), name))

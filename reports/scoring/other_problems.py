@@ -270,9 +270,8 @@ def _sharp_punch(discrepancy: Discrepancy) -> ProblemFit | None:
         return None
     largest_half_width = float(closed_form.half_widths.max())
     least_half_width = float(closed_form.half_widths.min())
-    if least_half_width < largest_half_width - 2 * float(
-        np.diff(discrepancy.x).max()
-    ):  # the edges of a punch do not move
+    largest_spacing = float(np.diff(discrepancy.x).max())
+    if least_half_width < largest_half_width - 2 * largest_spacing:
         return None
     return ProblemFit(
         _with(discrepancy, PRESSURE, closed_form.pressure),
@@ -357,26 +356,22 @@ def _several_zones(discrepancy: Discrepancy) -> ProblemFit | None:
 
     None where values are only missing from a table: they take their share of the load with them.
     """
-    result_pressure, reference_pressure = (
-        discrepancy.result_tractions[PRESSURE],
-        discrepancy.reference_tractions[PRESSURE],
-    )
+    result_pressure = discrepancy.result_tractions[PRESSURE]
+    reference_pressure = discrepancy.reference_tractions[PRESSURE]
     largest_pressure = result_pressure.max(axis=1, keepdims=True)
-    is_open = (result_pressure <= _OPEN * largest_pressure) & (
-        reference_pressure > _WELL_INSIDE * reference_pressure.max(axis=1, keepdims=True)
-    )
+    largest_of_reference = reference_pressure.max(axis=1, keepdims=True)
+    is_well_inside = reference_pressure > _WELL_INSIDE * largest_of_reference
+    is_open = (result_pressure <= _OPEN * largest_pressure) & is_well_inside
     gap_lengths = [
         length for is_open_at_instant in is_open for length in _lengths_of_runs(is_open_at_instant)
     ]
     long_gaps = sum(length >= _FEWEST_IN_GAP for length in gap_lengths)
-    load_over_gaps = np.trapezoid(np.where(is_open, reference_pressure, 0.0), discrepancy.x, axis=1)
-    load_over_gaps = load_over_gaps / np.maximum(
-        np.trapezoid(reference_pressure, discrepancy.x, axis=1), 1e-300
-    )
-    if (
-        long_gaps < _FEWEST_GAPS * len(result_pressure)
-        or float(load_over_gaps[discrepancy.loaded].min()) < _LEAST_OVER_GAPS
-    ):
+    pressure_over_gaps = np.where(is_open, reference_pressure, 0.0)
+    load_over_gaps = np.trapezoid(pressure_over_gaps, discrepancy.x, axis=1)
+    load_of_reference = np.trapezoid(reference_pressure, discrepancy.x, axis=1)
+    share_over_gaps = load_over_gaps / np.maximum(load_of_reference, 1e-300)
+    has_few_gaps = long_gaps < _FEWEST_GAPS * len(result_pressure)
+    if has_few_gaps or float(share_over_gaps[discrepancy.loaded].min()) < _LEAST_OVER_GAPS:
         return None
     if abs(discrepancy.resultant_ratio - 1) > _BALANCED:
         return None
@@ -388,7 +383,7 @@ def _several_zones(discrepancy: Discrepancy) -> ProblemFit | None:
         is_open,
         {"gaps": long_gaps / len(result_pressure)},
         (
-            f"over the gaps the reference carries {float(load_over_gaps.max()):.0%} of P; the sum"
+            f"over the gaps the reference carries {float(share_over_gaps.max()):.0%} of P; the sum"
             f" of the pressures is {discrepancy.resultant_ratio:.4g} P all the same",
         ),
     )
@@ -416,11 +411,15 @@ def _not_elastic(discrepancy: Discrepancy) -> ProblemFit | None:
     result_pressure = discrepancy.result_tractions[PRESSURE]
     even_pressure = (result_pressure + _mirrored(result_pressure, discrepancy.x)) / 2
     sums = np.trapezoid(result_pressure, discrepancy.x, axis=1)
-    relative_change, i, j = _most_changed_instants(discrepancy, even_pressure, sums)
-    difference = even_pressure[[i]] - even_pressure[[j]]
+    relative_change, first_instant, second_instant = _most_changed_instants(
+        discrepancy, even_pressure, sums
+    )
+    difference = even_pressure[[first_instant]] - even_pressure[[second_instant]]
     difference = difference / discrepancy.comparison.scales.pressure
     residual_between = Residual(
-        difference, discrepancy.weight[[i]], (even_pressure[[i]] != 0) | (even_pressure[[j]] != 0)
+        difference,
+        discrepancy.weight[[first_instant]],
+        (even_pressure[[first_instant]] != 0) | (even_pressure[[second_instant]] != 0),
     )
     is_smooth = (
         residual_between.noise < _SMOOTH * residual_between.square
@@ -430,12 +429,11 @@ def _not_elastic(discrepancy: Discrepancy) -> ProblemFit | None:
         return None
     # The two instants, each of which the other one would predict.
     swapped_tractions = discrepancy.reference_tractions.copy()
-    swapped_tractions[PRESSURE, i], swapped_tractions[PRESSURE, j] = (
-        even_pressure[j],
-        even_pressure[i],
-    )
+    swapped_tractions[PRESSURE, first_instant] = even_pressure[second_instant]
+    swapped_tractions[PRESSURE, second_instant] = even_pressure[first_instant]
+    ratio_of_sums = sums[first_instant] / sums[second_instant]
     judged_points = np.zeros(result_pressure.shape, dtype=bool)
-    judged_points[[i, j]] = True
+    judged_points[[first_instant, second_instant]] = True
     return ProblemFit(
         _with(discrepancy, PRESSURE, even_pressure),
         swapped_tractions,
@@ -443,10 +441,10 @@ def _not_elastic(discrepancy: Discrepancy) -> ProblemFit | None:
         judged_points,
         {
             "share": relative_change,
-            "first": float(discrepancy.time[i]),
-            "second": float(discrepancy.time[j]),
+            "first": float(discrepancy.time[first_instant]),
+            "second": float(discrepancy.time[second_instant]),
         },
-        (f"the sums of both pressures agree to {abs(sums[i] / sums[j] - 1):.1%}",),
+        (f"the sums of both pressures agree to {abs(ratio_of_sums - 1):.1%}",),
     )
 
 
@@ -459,20 +457,36 @@ def _mirrored(rows: Array, x: Array) -> Array:
 def _most_changed_instants(
     discrepancy: Discrepancy, pressure: Array, sums: Array
 ) -> tuple[float, int, int]:
-    """Of the pairs of loaded instants with the same P and the same sum of the pressures, (k,), that
-    whose `pressure` (k, n) differs most: the difference over the reference's size, and both
-    indices. (0, 0, 0) without such a pair.
+    """The two instants with the same P whose pressures differ most: root mean square difference
+    over that of the reference's pressure, and their indices. (0, 0, 0) without such a pair.
+
+    Parameters
+    ----------
+    pressure
+        (k, n) of the result
+    sums
+        (k,) integrals of the pressure over x, which must agree as P does
     """
     load = discrepancy.normal_load
     reference_size = np.sqrt(np.mean(discrepancy.reference_tractions[PRESSURE] ** 2, axis=1))
     largest_change = (0.0, 0, 0)
-    for i in range(len(pressure)):
-        for j in range(i + 1, len(pressure)):
-            has_same_load = abs(load[i] / load[j] - 1) < _SAME_LOAD
-            has_same_sum = abs(sums[i] / sums[j] - 1) < _SAME_LOAD
-            if discrepancy.loaded[i] and discrepancy.loaded[j] and has_same_load and has_same_sum:
-                change = float(np.sqrt(np.mean((pressure[i] - pressure[j]) ** 2)))
-                largest_change = max(largest_change, (change / float(reference_size[i]), i, j))
+    for first_instant in range(len(pressure)):
+        for second_instant in range(first_instant + 1, len(pressure)):
+            has_same_load = abs(load[first_instant] / load[second_instant] - 1) < _SAME_LOAD
+            has_same_sum = abs(sums[first_instant] / sums[second_instant] - 1) < _SAME_LOAD
+            if (
+                discrepancy.loaded[first_instant]
+                and discrepancy.loaded[second_instant]
+                and has_same_load
+                and has_same_sum
+            ):
+                change = float(
+                    np.sqrt(np.mean((pressure[first_instant] - pressure[second_instant]) ** 2))
+                )
+                largest_change = max(
+                    largest_change,
+                    (change / float(reference_size[first_instant]), first_instant, second_instant),
+                )
     return largest_change
 
 
@@ -484,9 +498,9 @@ def _rolling(discrepancy: Discrepancy) -> ProblemFit | None:
     friction = discrepancy.scene.friction.coefficient
     if discrepancy.unsymmetric or not friction or not discrepancy.sheared:
         return None
-    normal_load, tangential_load = (
-        np.asarray(load)[:, None] for load in discrepancy.scene.load.path().at(discrepancy.time)
-    )
+    loads = discrepancy.scene.load.path().at(discrepancy.time)
+    normal_load = np.asarray(loads[0])[:, None]
+    tangential_load = np.asarray(loads[1])[:, None]
     stick_load = normal_load - np.abs(tangential_load) / friction
     if np.any(stick_load <= 0) or np.all(np.abs(tangential_load) < 1e-9 * normal_load):
         return None
@@ -537,7 +551,8 @@ def _law_of_friction(discrepancy: Discrepancy) -> ProblemFit | None:
     shear = slip_direction * discrepancy.result_tractions[SHEAR]
     if slips.sum() < _FEWEST_IN_SLIP:
         return None
-    p, q = pressure[slips], shear[slips]
+    p = pressure[slips]
+    q = shear[slips]
     coefficient_alone = float(p @ q / (p @ p))
     (constant, slope), *_ = np.linalg.lstsq(np.column_stack([np.ones_like(p), p]), q, rcond=None)
     square_left_by_coefficient = float(np.mean((q - coefficient_alone * p) ** 2))

@@ -27,7 +27,8 @@ _FARTHEST = 1e100  # the square of a larger coordinate would be none
 
 
 def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
-    """All that a file holds, by name; n-th cells are a block of cells of one kind and size.
+    """Mesh and fields of a .vtu or .vtk file, as arrays by name. Cells of one kind and size make a
+    block; the blocks are counted by n, the fields by k.
 
     points : (n_points, 3)
     cells.n : (n_cells, n_nodes) rows of points
@@ -63,25 +64,25 @@ def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
         raise ValueError("a cell names a point that is not there")
     if np.any(np.diff(starts) <= 0):  # a file may even say that a cell has -1
         raise ValueError("a cell has no points")
-    count = grid.GetNumberOfCells()
-    cell_types = np.array([grid.GetCellType(number) for number in range(count)], np.int64)
+    n_cells = grid.GetNumberOfCells()
+    cell_types = np.array([grid.GetCellType(cell) for cell in range(n_cells)], np.int64)
     kinds = np.column_stack([cell_types, np.diff(starts)])
     blocks = [np.flatnonzero((kinds == kind).all(axis=1)) for kind in np.unique(kinds, axis=0)]
-    for number, block in enumerate(blocks):
-        size = kinds[block[0], 1]
-        arrays[f"cells.{number}"] = nodes[starts[block][:, None] + np.arange(size)]
+    for block_number, block in enumerate(blocks):
+        nodes_of_cell = kinds[block[0], 1]
+        arrays[f"cells.{block_number}"] = nodes[starts[block][:, None] + np.arange(nodes_of_cell)]
     arrays["dimensions"] = np.array(
         [grid.GetCell(int(block[0])).GetCellDimension() for block in blocks], np.int64
     )
-    of_points = _numeric_fields(grid.GetPointData(), len(points))
-    arrays["point names"] = np.array(list(of_points), np.str_)
-    for k, values in enumerate(of_points.values()):
-        arrays[f"point.{k}"] = np.asarray(values, float)
-    of_cells = _numeric_fields(grid.GetCellData(), count)
-    arrays["cell names"] = np.array(list(of_cells), np.str_)
-    for k, values in enumerate(of_cells.values()):
-        for number, block in enumerate(blocks):
-            arrays[f"cell.{k}.{number}"] = np.asarray(values, float)[block]
+    point_fields = _numeric_fields(grid.GetPointData(), len(points))
+    arrays["point names"] = np.array(list(point_fields), np.str_)
+    for field_number, values in enumerate(point_fields.values()):
+        arrays[f"point.{field_number}"] = np.asarray(values, float)
+    cell_fields = _numeric_fields(grid.GetCellData(), n_cells)
+    arrays["cell names"] = np.array(list(cell_fields), np.str_)
+    for field_number, values in enumerate(cell_fields.values()):
+        for block_number, block in enumerate(blocks):
+            arrays[f"cell.{field_number}.{block_number}"] = np.asarray(values, float)[block]
     return arrays
 
 
@@ -172,8 +173,8 @@ class _Complaints:
 
 
 def _limit(most_bytes: int, seconds: int) -> None:
-    """From now on this process may grow by so many bytes and compute for so many seconds (POSIX
-    only).
+    """Limit this process from now on: it may grow by `most_bytes` of memory and compute for
+    `seconds` (POSIX only; nothing is limited elsewhere).
     """
     try:
         import resource
@@ -183,11 +184,9 @@ def _limit(most_bytes: int, seconds: int) -> None:
     most_memory = pages * resource.getpagesize() + most_bytes
     for kind, largest_amount in ((resource.RLIMIT_AS, most_memory), (resource.RLIMIT_CPU, seconds)):
         hard_limit = resource.getrlimit(kind)[1]
-        limit = (
-            largest_amount
-            if hard_limit == resource.RLIM_INFINITY
-            else min(largest_amount, hard_limit)
-        )
+        limit = largest_amount
+        if hard_limit != resource.RLIM_INFINITY:
+            limit = min(largest_amount, hard_limit)
         resource.setrlimit(kind, (limit, limit))
 
 
