@@ -46,8 +46,8 @@ class Scale:
     log: bool = False
 
     def place(self, values: ArrayLike) -> Array:
-        """Places along the axis, in units of the drawing, of `values`; NaN where a value has none,
-        as a logarithm of what is not positive.
+        """Places of `values` along the axis, in units of the drawing (pixels). NaN where a value
+        has none: on a logarithmic axis what is not positive.
 
         >>> (
         ...     Scale(0.0, 2.0, 0.0, 100.0).place([0.5]),
@@ -56,13 +56,13 @@ class Scale:
         (array([25.]), array([0.5]))
         """
         numbers = np.asarray(values, dtype=float)
-        low_value = self.low
-        high_value = self.high
+        low_end = self.low
+        high_end = self.high
         if self.log:
             numbers = np.log10(np.where(numbers > 0, numbers, np.nan))
-            low_value = float(np.log10(low_value))
-            high_value = float(np.log10(high_value))
-        share = (numbers - low_value) / (high_value - low_value)
+            low_end = float(np.log10(low_end))
+            high_end = float(np.log10(high_end))
+        share = (numbers - low_end) / (high_end - low_end)
         return np.asarray(self.start + share * (self.end - self.start))
 
     @property
@@ -72,19 +72,18 @@ class Scale:
 
 
 def _ticks(lower_end: float, upper_end: float, count: int = 5, *, log: bool = False) -> list[float]:
-    """Round numbers from low to high, about `count` of them; powers of ten on a logarithmic axis,
-    1, 2, 5 on a short one.
+    """Round numbers between the two ends of an axis, about `count` of them, for its ticks. On a
+    logarithmic axis powers of ten, and 1, 2, 5 where it is short.
 
     >>> _ticks(-1.2, 1.2), _ticks(1e-4, 1.0, log=True), _ticks(0.9, 9.0, log=True)
     ([-1.0, -0.5, 0.0, 0.5, 1.0], [0.0001, 0.001, 0.01, 0.1, 1.0], [1.0, 2.0, 5.0])
     >>> _ticks(-17.0, 17.0, 3)
     [-10.0, 0.0, 10.0]
     """
-    numbers = (
-        _ticks_of_powers(lower_end, upper_end, count)
-        if log
-        else _even_ticks(lower_end, upper_end, count)
-    )
+    if log:
+        numbers = _ticks_of_powers(lower_end, upper_end, count)
+    else:
+        numbers = _even_ticks(lower_end, upper_end, count)
     return [float(f"{number:.12g}") + 0.0 for number in numbers]
 
 
@@ -106,12 +105,12 @@ def _even_ticks(lower_end: float, upper_end: float, count: int) -> list[float]:
     them: multiples of 1, 2, 2.5 or 5 times a power of ten.
     """
     rough_step = (upper_end - lower_end) / count
-    power = 10.0 ** np.floor(np.log10(rough_step))
-    steps = [step * power for step in (1, 2, 2.5, 5, 10)]
-    step_index = next(k for k, step in enumerate(steps) if step >= 0.999 * rough_step)
+    power_of_ten = 10.0 ** np.floor(np.log10(rough_step))
+    steps = [step * power_of_ten for step in (1, 2, 2.5, 5, 10)]
+    step_index = next(index for index, step in enumerate(steps) if step >= 0.999 * rough_step)
     ticks = _multiples(lower_end, upper_end, steps[step_index])
-    # One number says nothing of an axis' scale: then the next finer step, which is below `rough`
-    # and has more than one.
+    # One number says nothing of an axis' scale: then the next finer step, which is below
+    # `rough_step` and has more than one.
     if len(ticks) <= 1 and step_index > 0:
         ticks = _multiples(lower_end, upper_end, steps[step_index - 1])
     return ticks.tolist()
@@ -166,9 +165,8 @@ def limits(
     if zero:
         least_value = min(least_value, 0.0)
         largest_value = max(largest_value, 0.0)
-    range_shown = max(
-        largest_value - least_value, least, 1e-9 * max(abs(least_value), abs(largest_value)), 1e-300
-    )
+    largest_size = max(abs(least_value), abs(largest_value))
+    range_shown = max(largest_value - least_value, least, 1e-9 * largest_size, 1e-300)
     if largest_value - least_value < range_shown:
         middle = (least_value + largest_value) / 2
         least_value = middle - range_shown / 2
@@ -377,8 +375,8 @@ class Panel:
 
     @property
     def frame(self) -> Frame:
-        """The area that the marks lie in, with the scales of both axes; with `equal`, a unit of x
-        is as long as a unit of y.
+        """The part of the panel in which curves and dots are drawn, with the scales of both axes.
+        On a panel with `equal` a unit of x is as long as a unit of y.
         """
         left, top, right, bottom = self.room or self._automatic_room()
         low_x = self.x.low
@@ -459,48 +457,49 @@ class Plate:
     columns: int = 2
 
     def svg(self) -> str:
-        """The whole figure as the text of an SVG document: its legend in rows, beneath it its
-        panels in columns, with colours of their own.
+        """The whole figure as the text of an SVG document that needs no style sheet: its legend,
+        and beneath it its panels in columns.
 
-        A stack is some panels one under the other; stacks fill the columns row by row.
+        Panels that belong together form a stack, one under the other; stacks fill the columns row
+        by row.
         """
         panel_stacks = stacks(self)
         n_columns = min(self.columns, len(panel_stacks))
-        stacks_by_column = [panel_stacks[index::n_columns] for index in range(n_columns)]
+        stacks_by_column = [panel_stacks[column::n_columns] for column in range(n_columns)]
         widths = [_width_of(stacks_of_column) for stacks_of_column in stacks_by_column]
         width = sum(widths)
-        elements, top = self._legend(width)
+        elements, top_of_row = self._legend(width)
         for first_index in range(0, len(panel_stacks), n_columns):
             stacks_of_row = panel_stacks[first_index : first_index + n_columns]
-            bottom_of_row = top
-            for index, stack in enumerate(stacks_of_row):
-                y = top
+            bottom_of_row = top_of_row
+            for column, stack in enumerate(stacks_of_row):
+                top_of_panel = top_of_row
                 for panel in stack:
                     box = {
-                        "x": sum(widths[:index]),
-                        "y": y,
+                        "x": sum(widths[:column]),
+                        "y": top_of_panel,
                         "width": panel.width,
                         "height": panel.height,
                     }
                     elements.append(_panel_svg(panel, alone=True, **box))
-                    y += panel.height
-                bottom_of_row = max(bottom_of_row, y)
-            top = bottom_of_row
-        ground = _element("rect", width=width, height=top, fill="#ffffff")
+                    top_of_panel += panel.height
+                bottom_of_row = max(bottom_of_row, top_of_panel)
+            top_of_row = bottom_of_row
+        background = _element("rect", width=width, height=top_of_row, fill="#ffffff")
         return _element(
             "svg",
-            f"<title>{escape(self.title)}</title>{ground}{''.join(elements)}",
+            f"<title>{escape(self.title)}</title>{background}{''.join(elements)}",
             xmlns="http://www.w3.org/2000/svg",
             width=f"{width:g}",
-            height=f"{top:g}",
-            viewBox=f"0 0 {width:g} {top:g}",
+            height=f"{top_of_row:g}",
+            viewBox=f"0 0 {width:g} {top_of_row:g}",
             font_family="DejaVu Sans, Segoe UI, sans-serif",
             font_size="12",
         )
 
     def _legend(self, width: float) -> tuple[list[str], float]:
-        """Elements of the legend as SVG, in rows no wider than `width`, and the height that they
-        take.
+        """SVG elements of the legend, in rows no wider than `width`, and the height that they take,
+        0 without a legend. An entry is a short line or a patch of its colour, and its text.
         """
         pen = _Pen(Frame(_UNIT, _UNIT, 0, 0), alone=True)
         left = 10.0
@@ -542,8 +541,22 @@ def worded(
     words: str = "",
     **numbers: object,
 ) -> Plate:
-    """A figure of a page, with its title, caption and description from templates/figures.txt. They
-    stand there under `words`, or else under `name`; `numbers` fill them in.
+    """A figure of a page, with title, caption and description taken from templates/figures.txt.
+
+    Parameters
+    ----------
+    name
+        of the figure, and of its CSV file
+    table
+        values drawn, by column, for the CSV file
+    keys
+        entries of the legend
+    columns
+        how many panels stand side by side
+    words
+        name of the texts in templates/figures.txt; `name` by default
+    numbers
+        what is filled into the texts
     """
     text = getattr(template("figures.txt").module, words or name)(**numbers)
     title, caption, alt = str(text).strip().split("\n")
@@ -570,19 +583,32 @@ def colour_scale(
     tick_values: Sequence[float] = (),
     width: float = 480.0,
 ) -> Panel:
-    """A panel that shows what the colours of a map stand for: a strip of colours from the lower to
-    the upper of `ends`, with ticks at `tick_values` or at round numbers. `words` says which
-    quantity.
+    """A panel that shows what the colours of a map stand for: a strip of colours with numbers.
+
+    Parameters
+    ----------
+    ends
+        values at the lower and the upper end of the strip
+    words
+        the quantity, with its unit, for the axis
+    colours
+        name of the range of colours
+    log
+        whether equal lengths are equal ratios
+    tick_values
+        numbers shown; round numbers by default
+    width
+        of the panel [pixels]
     """
     low_end, high_end = ends
     if high_end <= low_end:
         high_end = low_end + (abs(low_end) or 1.0)
-    ticks_shown = [value for value in tick_values if low_end <= value <= high_end]
+    tick_numbers = [value for value in tick_values if low_end <= value <= high_end]
     if not tick_values:
-        ticks_shown = _ticks(low_end, high_end, 4, log=log)
-    middles_of_colours = (np.arange(64) + 0.5) / 64
-    strip = Bitmap(np.arange(64, dtype=np.uint8)[None, :], shades(middles_of_colours, colours))
-    ticks = tuple(zip(ticks_shown, labels(ticks_shown), strict=True))
+        tick_numbers = _ticks(low_end, high_end, 4, log=log)
+    shares_of_scale = (np.arange(64) + 0.5) / 64
+    strip = Bitmap(np.arange(64, dtype=np.uint8)[None, :], shades(shares_of_scale, colours))
+    ticks = tuple(zip(tick_numbers, labels(tick_numbers), strict=True))
     return Panel(
         name,
         Axis(low_end, high_end, words, log, ticks=ticks),
@@ -602,14 +628,14 @@ def _attributes(attributes: Mapping[str, object]) -> str:
     >>> _attributes({"data_label": 'a "b"', "x": 1.5, "class_": ""})
     ' data-label="a &quot;b&quot;" x="1.5"'
     """
-    text = ""
+    attributes_text = ""
     for name, value in attributes.items():
         if value is not None and value != "":
-            value_in_words = str(value)
+            value_text = str(value)
             if isinstance(value, float):
-                value_in_words = f"{value:.2f}".rstrip("0").rstrip(".")
-            text += f' {name.rstrip("_").replace("_", "-")}="{escape(value_in_words)}"'
-    return text
+                value_text = f"{value:.2f}".rstrip("0").rstrip(".")
+            attributes_text += f' {name.rstrip("_").replace("_", "-")}="{escape(value_text)}"'
+    return attributes_text
 
 
 def _element(name: str, content: str = "", /, **attributes: object) -> str:
@@ -623,7 +649,7 @@ def _element(name: str, content: str = "", /, **attributes: object) -> str:
 def _path_of(
     horizontal: ArrayLike, vertical: ArrayLike, tolerance: float = 0.0, passes: int = 0
 ) -> str:
-    """The "d" of an SVG path: a line through places, which a NaN breaks.
+    """The "d" attribute of an SVG path: a line through places, which a NaN breaks.
 
     Places that repeat the one before to a hundredth are left out; of a line longer than
     `_LONG_LINE` so are those that do not show. In each of `passes` every other place goes that lies
@@ -644,50 +670,55 @@ def _path_of(
     y = np.round(np.asarray(vertical, dtype=float), 2)
     is_known = np.isfinite(x) & np.isfinite(y)
     if len(x) > _LONG_LINE:
-        rows = _places_that_show(x, y, is_known)
-        x = x[rows]
-        y = y[rows]
-        is_known = is_known[rows]
+        kept_places = _places_that_show(x, y, is_known)
+        x = x[kept_places]
+        y = y[kept_places]
+        is_known = is_known[kept_places]
     has_moved = np.ones(len(x), dtype=bool)
     has_moved[1:] = (x[1:] != x[:-1]) | (y[1:] != y[:-1]) | ~is_known[:-1]
     starts = is_known & ~np.concatenate([[False], is_known[:-1]])
     is_alone = starts & ~np.concatenate([is_known[1:], [False]])
-    rows = np.flatnonzero(is_known & has_moved)
+    kept_places = np.flatnonzero(is_known & has_moved)
     for _ in range(passes):
-        rows_before = rows[: len(rows) - 2 : 2]
-        middle = rows[1 : len(rows) - 1 : 2]
-        rows_after = rows[2::2]
-        chord_x = x[rows_after] - x[rows_before]
-        chord_y = y[rows_after] - y[rows_before]
-        to_middle_x = x[middle] - x[rows_before]
-        to_middle_y = y[middle] - y[rows_before]
+        place_before = kept_places[: len(kept_places) - 2 : 2]
+        middle_place = kept_places[1 : len(kept_places) - 1 : 2]
+        place_after = kept_places[2::2]
+        chord_x = x[place_after] - x[place_before]
+        chord_y = y[place_after] - y[place_before]
+        to_middle_x = x[middle_place] - x[place_before]
+        to_middle_y = y[middle_place] - y[place_before]
         # twice the area of the triangle is its height times its base, the chord
-        area = np.abs(chord_x * to_middle_y - chord_y * to_middle_x)
-        on_chord = area <= tolerance * np.hypot(chord_x, chord_y)
-        spared = middle[on_chord & ~starts[middle] & ~starts[rows_after]]
-        rows = rows[~np.isin(rows, spared)]
-    path = ""
-    for k in rows.tolist():
-        place = f"{x[k]:g} {y[k]:g}"
-        if is_alone[k]:
-            path += f"M{place}L{place}"
+        twice_the_area = np.abs(chord_x * to_middle_y - chord_y * to_middle_x)
+        on_chord = twice_the_area <= tolerance * np.hypot(chord_x, chord_y)
+        dropped_places = middle_place[on_chord & ~starts[middle_place] & ~starts[place_after]]
+        kept_places = kept_places[~np.isin(kept_places, dropped_places)]
+    path_text = ""
+    for number in kept_places.tolist():
+        place = f"{x[number]:g} {y[number]:g}"
+        if is_alone[number]:
+            path_text += f"M{place}L{place}"
         else:
-            path += f"M{place}" if starts[k] else f"L{place}"
-    return path
+            path_text += f"M{place}" if starts[number] else f"L{place}"
+    return path_text
 
 
 def _places_that_show(x: Array, y: Array, is_known: NDArray[np.bool_]) -> NDArray[np.int_]:
-    """Of a long line through (x, y), (n,), the indices of the places that show: the first, the
-    last, the highest and the lowest of each strip, see `_LONG_LINE`.
+    """Indices of those places of a long line through (x, y), (n,), that can be seen.
+
+    The drawing is cut into upright strips less than a pixel wide. Of the places that follow each
+    other within a strip the first, the last, the highest and the lowest are kept. `is_known` is
+    False where the line is broken.
     """
-    strips = np.where(is_known, np.floor(x / _STRIP), np.nan)
+    strip_of_place = np.where(is_known, np.floor(x / _STRIP), np.nan)
     # of places that follow each other
-    strip = np.concatenate([[0], np.cumsum(strips[1:] != strips[:-1])])
-    by_height = np.lexsort((np.where(is_known, y, 0.0), strip))
-    first_place = np.flatnonzero(np.diff(strip, prepend=-1))
-    last_place = np.append(first_place[1:], len(strip)) - 1
+    strip_number = np.concatenate([[0], np.cumsum(strip_of_place[1:] != strip_of_place[:-1])])
+    order_of_height = np.lexsort((np.where(is_known, y, 0.0), strip_number))
+    first_place = np.flatnonzero(np.diff(strip_number, prepend=-1))
+    last_place = np.append(first_place[1:], len(strip_number)) - 1
     return np.unique(
-        np.concatenate([first_place, last_place, by_height[first_place], by_height[last_place]])
+        np.concatenate(
+            [first_place, last_place, order_of_height[first_place], order_of_height[last_place]]
+        )
     )
 
 
@@ -731,25 +762,26 @@ class _Pen:
         return {"style": ";".join(declared)}
 
     def words(self, x: float, y: float, text: str, css: str, /, **attributes: object) -> str:
-        """The SVG element of a text at a place of the drawing, with its subscripts."""
-        parts = pieces(text)
-        content = ""
+        """The SVG element of a text that begins at (x, y) of the drawing; "p_ref" gets a subscript.
+        `css` names its classes in the style sheet.
+        """
+        text_parts = pieces(text)
+        content_of_element = ""
         was_subscript = False
-        for part, is_subscript in parts if len(parts) > 1 else []:
+        for part, is_subscript in text_parts if len(text_parts) > 1 else []:
             shift: dict[str, object] = {}
             if is_subscript is not was_subscript:
                 shift = {"dy": DOWN if is_subscript else f"-{DOWN}"}
             look_of_subscript = self.look("sub") if is_subscript else {}
             escaped_part = escape(part)
-            content += (
-                _element("tspan", escaped_part, **shift, **look_of_subscript)
-                if shift or look_of_subscript
-                else escaped_part
-            )
+            if shift or look_of_subscript:
+                content_of_element += _element("tspan", escaped_part, **shift, **look_of_subscript)
+            else:
+                content_of_element += escaped_part
             was_subscript = is_subscript
         look = self.look(css, text=True)
         return _element(
-            "text", content or escape(text), x=float(x), y=float(y), **look, **attributes
+            "text", content_of_element or escape(text), x=float(x), y=float(y), **look, **attributes
         )
 
     def data_attributes(self, attributes: Mapping[str, object]) -> dict[str, object]:
@@ -757,7 +789,9 @@ class _Pen:
         return {} if self.alone else {f"data_{name}": value for name, value in attributes.items()}
 
     def draw(self, mark: Mark) -> str:
-        """The SVG element of a mark, whatever its kind."""
+        """The SVG element of one thing that is drawn in a panel: a curve, band, dot, rule, block,
+        bitmap, text, arrow, or a group of these.
+        """
         frame = self.frame
         left, top, right, bottom = frame.box
         match mark:
@@ -787,10 +821,14 @@ class _Pen:
                 return self.block(mark)
             case Bitmap():
                 picture = base64.b64encode(_png(mark.pixels, mark.colours, all_colours=self.alone))
-                address = "data:image/png;base64," + picture.decode()
+                data_address = "data:image/png;base64," + picture.decode()
                 box = {"x": left, "y": top, "width": right - left, "height": bottom - top}
                 return _element(
-                    "image", **box, href=address, preserveAspectRatio="none", **self.look("map")
+                    "image",
+                    **box,
+                    href=data_address,
+                    preserveAspectRatio="none",
+                    **self.look("map"),
                 )
             case Note():
                 return self.note(mark)
@@ -803,8 +841,8 @@ class _Pen:
                 )
 
     def curve(self, mark: Curve) -> str:
-        """The SVG element of a line; in a document of its own with fewer places, for a pointer on a
-        page needs points everywhere.
+        """The SVG element of a curve. On a page it keeps nearly all its points, which the pointer
+        picks; in an SVG file that stands alone those on a straight line are left out.
         """
         tolerance, passes = (0.1, 8) if self.alone else (0.02, 1)
         x = self.frame.x.place(mark.x)
@@ -836,39 +874,45 @@ class _Pen:
         x = float(self.frame.x.place(mark.x))
         y = float(self.frame.y.place(mark.y))
         shift_right, shift_down = mark.shift
-        attributes = {"dx": shift_right or None, "dy": shift_down or None} | self.data_attributes(
-            mark.data
-        )
+        attributes = {"dx": shift_right or None, "dy": shift_down or None}
+        attributes |= self.data_attributes(mark.data)
         anchor = None if mark.anchor == "start" else mark.anchor
-        texts = [
-            self.words(x, y + _LINE * k, line, mark.css, text_anchor=anchor, **attributes)
-            for k, line in enumerate(mark.text.split("\n"))
+        elements = [
+            self.words(x, y + _LINE * line_number, line, mark.css, text_anchor=anchor, **attributes)
+            for line_number, line in enumerate(mark.text.split("\n"))
         ]
-        return "".join(texts)
+        return "".join(elements)
 
     def segments(self, mark: Segments) -> str:
-        """The SVG element of many straight lines as one path. On a page it is in whole numbers, so
-        that another panel can use it again.
+        """The SVG element of many straight lines as one path, such as the lines of a mesh.
+
+        On a page a named path is written once, in whole multiples of a small length, and other
+        panels use it again at their own scale. `mark.name` with the word "again" does so.
         """
         if self.alone or not mark.name:
             return _element("path", d=self.visible(mark) or "M0 0", **self.look(mark.css))
         x_scale = self.frame.x
         zoom = (x_scale.end - x_scale.start) / (x_scale.high - x_scale.low) * _GRAIN
-        x = float(x_scale.place(0.0))
-        y = float(self.frame.y.place(0.0))
-        transform = f"translate({x:.3f} {y:.3f}) scale({zoom:.7g} {-zoom:.7g})"
+        x_of_origin = float(x_scale.place(0.0))
+        y_of_origin = float(self.frame.y.place(0.0))
+        transform = f"translate({x_of_origin:.3f} {y_of_origin:.3f}) scale({zoom:.7g} {-zoom:.7g})"
         name, *repeated = mark.name.split()
         if "again" in repeated:
             return _element("g", _element("use", href=f"#{name}"), transform=transform)
         grains = np.rint(mark.ends / _GRAIN).astype(int)
         starts = grains[:, 0].tolist()
         moves = (grains[:, 1] - grains[:, 0]).tolist()
-        lines = [f"M{x} {y}l{dx} {dy}" for (x, y), (dx, dy) in zip(starts, moves, strict=True)]
+        lines = [
+            f"M{start_x} {start_y}l{move_x} {move_y}"
+            for (start_x, start_y), (move_x, move_y) in zip(starts, moves, strict=True)
+        ]
         path = _element("path", d="".join(lines), id=mark.name, **self.look(mark.css))
         return _element("g", path, transform=transform)
 
     def visible(self, mark: Segments) -> str:
-        """The "d" of an SVG path of those segments that reach into the area."""
+        """The "d" attribute of an SVG path of those straight lines that reach into the panel's
+        area.
+        """
         x = self.frame.x.place(mark.ends[..., 0])
         y = self.frame.y.place(mark.ends[..., 1])
         is_visible = (x.max(axis=1) >= self.frame.x.start) & (x.min(axis=1) <= self.frame.x.end)
@@ -876,8 +920,8 @@ class _Pen:
         pairs_x = np.round(x[is_visible], 2).tolist()
         pairs_y = np.round(y[is_visible], 2).tolist()
         lines = [
-            f"M{x1:g} {y1:g}L{x2:g} {y2:g}"
-            for (x1, x2), (y1, y2) in zip(pairs_x, pairs_y, strict=True)
+            f"M{start_x:g} {start_y:g}L{end_x:g} {end_y:g}"
+            for (start_x, end_x), (start_y, end_y) in zip(pairs_x, pairs_y, strict=True)
         ]
         return "".join(lines)
 
@@ -912,8 +956,8 @@ class _Pen:
         return rectangle + _element("path", d=path, **self.look("hatching"))
 
     def arrow(self, mark: Arrow) -> str:
-        """The SVG elements of a line from the first to the second place, with a head at the
-        second.
+        """The SVG elements of an arrow from mark.start to mark.end: its line, and a filled head
+        whose tip lies at the end.
         """
         start_x, end_x = self.frame.x.place([mark.start[0], mark.end[0]])
         start_y, end_y = self.frame.y.place([mark.start[1], mark.end[1]])
@@ -939,30 +983,32 @@ class _Pen:
         frame = self.frame
         left, top, right, bottom = frame.box
         room_below = frame.height - bottom
-        parts = []
+        elements = []
         for number, text in _tick_pairs(x, frame.x):
             place = float(frame.x.place(number))
-            look = self.look("grid across")
-            parts.append(_element("line", x1=place, x2=place, y1=top, y2=bottom, **look))
+            look_of_grid = self.look("grid across")
+            elements.append(_element("line", x1=place, x2=place, y1=top, y2=bottom, **look_of_grid))
             if room_below > 16:
-                parts.append(
+                elements.append(
                     self.words(place, bottom + 15, text, "tick across", text_anchor="middle")
                 )
         for number, text in _tick_pairs(y, frame.y):
             place = float(frame.y.place(number))
-            look = self.look("grid upright")
-            parts.append(_element("line", x1=left, x2=right, y1=place, y2=place, **look))
-            parts.append(self.words(left - 6, place + 4, text, "tick upright", text_anchor="end"))
+            look_of_grid = self.look("grid upright")
+            elements.append(_element("line", x1=left, x2=right, y1=place, y2=place, **look_of_grid))
+            elements.append(
+                self.words(left - 6, place + 4, text, "tick upright", text_anchor="end")
+            )
         if x.words and room_below > 30:
             middle = (left + right) / 2
-            parts.append(self.words(middle, bottom + 36, x.words, "name", text_anchor="middle"))
+            elements.append(self.words(middle, bottom + 36, x.words, "name", text_anchor="middle"))
         if y.words:
             middle = (top + bottom) / 2
             rotation = f"rotate(-90 12 {middle:g})"
-            parts.append(
+            elements.append(
                 self.words(12, middle, y.words, "name", text_anchor="middle", transform=rotation)
             )
-        return "".join(parts)
+        return "".join(elements)
 
 
 def _tick_pairs(axis: Axis, scale: Scale) -> tuple[tuple[float, str], ...]:
@@ -974,36 +1020,39 @@ def _tick_pairs(axis: Axis, scale: Scale) -> tuple[tuple[float, str], ...]:
 
 
 def _panel_svg(panel: Panel, *, alone: bool = False, **place: object) -> str:
-    """The SVG element of a panel with its axes and marks; with `alone`, for a document without
-    style sheet, at a `place` (x, y, width, height) there.
+    """The SVG element of a panel: its area, its axes, all that is drawn in it, and the lines of
+    text above it.
+
+    With `alone` it is for an SVG file without style sheet, at `place` (x, y, width, height) in it;
+    else for a page, with what the page's script reads.
     """
     frame = panel.frame
     pen = _Pen(frame, alone)
     left, top, right, bottom = frame.box
     area = {"x": left, "y": top, "width": right - left, "height": bottom - top}
     content = "".join(map(pen.draw, panel.marks)) or " "
-    marks = _element("g", content, **({} if alone else {"class_": "marks"}))
-    parts = [marks]
+    drawn_marks = _element("g", content, **({} if alone else {"class_": "marks"}))
+    elements = [drawn_marks]
     if not panel.bare:
         corner = f"M{left:g} {top:g}L{left:g} {bottom:g}L{right:g} {bottom:g}"
-        parts = [
+        elements = [
             _element("clipPath", _element("rect", **area), id=f"clip-{panel.name}"),
             _element("rect", **area, **pen.look("area")),
             pen.axes(panel.x, panel.y),
-            _element("g", marks, clip_path=f"url(#clip-{panel.name})"),
+            _element("g", drawn_marks, clip_path=f"url(#clip-{panel.name})"),
             _element("path", d=corner, **pen.look("axis")),
         ]
-    lines = [(left, panel.title, "title")] if panel.title else []
-    lines += [(24.0, note, "measure") for note in panel.notes]
-    height_of_first = top - 9.0 - _LINE * (len(lines) - 1)
-    for k, (left_end, text, css) in enumerate(lines):
-        parts.append(pen.words(left_end, height_of_first + _LINE * k, text, css))
+    lines_above = [(left, panel.title, "title")] if panel.title else []
+    lines_above += [(24.0, note, "measure") for note in panel.notes]
+    height_of_first = top - 9.0 - _LINE * (len(lines_above) - 1)
+    for line_number, (left_of_line, text, css) in enumerate(lines_above):
+        elements.append(pen.words(left_of_line, height_of_first + _LINE * line_number, text, css))
     box = {"viewBox": f"0 0 {frame.width:g} {frame.height:g}"}
     if alone:
-        return _element("svg", "".join(parts), **box, **place)
+        return _element("svg", "".join(elements), **box, **place)
     return _element(
         "svg",
-        "".join(parts),
+        "".join(elements),
         **box,
         role="img",
         aria_label=panel.alt,

@@ -65,16 +65,16 @@ def shades(values: ArrayLike, name: str = "viridis") -> list[str]:
 
 
 def pieces(text: str) -> list[tuple[str, bool]]:
-    """A text in parts (part, whether it is a subscript); what follows "_" after a symbol of one
-    letter is one.
+    """Cut a text into parts, each with whether it is a subscript: what follows "_" after a symbol
+    of one letter, such as ref in p_ref.
 
     >>> pieces("p/p_ref, q/(f p_ref)")
     [('p/p', False), ('ref', True), (', q/(f p', False), ('ref', True), (')', False)]
     """
     parts = re.split(r"(?<![^\W_])([^\W\d_])_([A-Za-z0-9]+)", text)
     text_parts: list[tuple[str, bool]] = []
-    for k in range(0, len(parts) - 2, 3):
-        text_before, symbol, subscript = parts[k : k + 3]
+    for index in range(0, len(parts) - 2, 3):
+        text_before, symbol, subscript = parts[index : index + 3]
         text_parts += [(text_before + symbol, False), (subscript, True)]
     if parts[-1]:
         text_parts.append((parts[-1], False))
@@ -88,8 +88,8 @@ def marked(text: object) -> Markup:
     p<sub>max</sub>; <code>--budget</code> gives it
     """
     markup = Markup("")
-    for k, piece_of_text in enumerate(re.split("`([^`]+)`", str(text))):
-        if k % 2:
+    for index, piece_of_text in enumerate(re.split("`([^`]+)`", str(text))):
+        if index % 2:
             markup += Markup("<code>{}</code>").format(piece_of_text)
             continue
         for part, is_subscript in pieces(piece_of_text):
@@ -99,8 +99,9 @@ def marked(text: object) -> Markup:
 
 @cache
 def _rules() -> list[tuple[frozenset[str], bool, Mapping[str, str]]]:
-    """The rules of the style sheet: classes that a rule asks for, whether it is for texts, and what
-    it declares; colours are those of light pages.
+    """The rules of the style sheet charts.css, those with the fewest classes first: the classes
+    that an element must have, whether the rule is for texts, and its declarations (name -> value).
+    Colours are those of light pages.
     """
     sheet = (resources.files("reports") / "templates" / "charts.css").read_text("utf-8")
     sheet = re.sub(r"/\*.*?\*/", "", sheet, flags=re.DOTALL)
@@ -178,7 +179,9 @@ class CompiledTemplates(ChoiceLoader):
         name: str,
         globals: MutableMapping[str, Any] | None = None,
     ) -> Template:
-        """The template of this name, from its compiled code where that is stored already."""
+        """The page template called `name`: its code is compiled once, stored beside the package,
+        and read from there the next time. `globals` are names that the template may use.
+        """
         source, filename, uptodate = self.get_source(environment, name)
         module = _CompiledOnce(name, source, lambda: environment.compile(source, name, filename))
         code = module.get_code(name)
@@ -297,8 +300,8 @@ def harmless(cell: str) -> str:
 
 
 def table_text(table: Table) -> str:
-    """A table (name -> column, all of equal length) as CSV text, numbers to the last digit; a cell
-    is empty where there is no such thing.
+    """A table (name -> column, all of equal length) as CSV text, numbers to the last digit. A cell
+    is empty where its number is NaN.
 
     >>> table_text({"x": [0.5, float("nan")], "state": ["stick", "open"]})
     'x,state\\n0.5,stick\\n,open\\n'

@@ -59,18 +59,24 @@ def sketch(scene: Scene, half_width: float) -> Plate:
     half_width
         of the contact, drawn to scale [length]
     """
-    _, length, _ = units(scene)
+    _, unit_of_length, _ = units(scene)
     outlines = {name: outline(scene, name, half_width) for name in ("lower", "upper")}
     frame = _frame(outlines)
     marks: list[Mark] = []
-    for name, points in outlines.items():
+    for name, corners in outlines.items():
         shape = getattr(scene.bodies, name)
-        marks += _body(frame, points, shape, name)
-        marks += _supports(frame, shape, points, 1.0 if name == "lower" else -1.0)
+        marks += _body(frame, corners, shape, name)
+        marks += _supports(frame, shape, corners, 1.0 if name == "lower" else -1.0)
         height_of_label = 16.0 if name == "upper" else frame.height - 6
         marks.append(Note(6.0, height_of_label, _label(scene, name), "word"))
-    level = float(frame.y.place(0.0))
-    marks.append(Curve(frame.x.place([-half_width, half_width]), [level, level], "contact-line"))
+    height_of_face = float(frame.y.place(0.0))
+    marks.append(
+        Curve(
+            frame.x.place([-half_width, half_width]),
+            [height_of_face, height_of_face],
+            "contact-line",
+        )
+    )
     marks += _loads(frame, scene, outlines)
 
     alt = bodies_in_words(scene)
@@ -88,8 +94,8 @@ def sketch(scene: Scene, half_width: float) -> Plate:
     )
     columns: Table = {
         "body": [name for name in outlines for _ in outlines[name]],
-        f"x [{length}]": np.concatenate([points[:, 0] for points in outlines.values()]),
-        f"y [{length}]": np.concatenate([points[:, 1] for points in outlines.values()]),
+        f"x [{unit_of_length}]": np.concatenate([corners[:, 0] for corners in outlines.values()]),
+        f"y [{unit_of_length}]": np.concatenate([corners[:, 1] for corners in outlines.values()]),
     }
     bodies = (scene.bodies.lower, scene.bodies.upper)
     return worded(
@@ -99,7 +105,7 @@ def sketch(scene: Scene, half_width: float) -> Plate:
         columns=1,
         cut=any(isinstance(body, HalfPlane) for body in bodies),
         width=number(2 * half_width),
-        length=length,
+        length=unit_of_length,
         normal=_range_in_words(_normal_loads(scene)),
         tangential=_range_in_words(_tangential_loads(scene)),
         load=load_unit(scene),
@@ -109,8 +115,9 @@ def sketch(scene: Scene, half_width: float) -> Plate:
 
 
 def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
-    """A figure of a profile fitted to measured rows: the levelled trace with the curve, and rows
-    minus curve beside twice their noise. None of a profile that is not fitted.
+    """A figure of a profile fitted to measured rows, in two panels: the trace, levelled by the fit,
+    with the fitted curve; and the residuals, row minus curve, with a band of twice the noise. None
+    for a profile that is not fitted.
 
     Parameters
     ----------
@@ -120,79 +127,85 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
     fit = fit_of(scene)
     if fit is None:
         return None
-    _, length, _ = units(scene)
+    _, unit_of_length, _ = units(scene)
     x = fit.rows.values[:, 0] - fit.centre
     residuals = fit.residuals(scene.profile.height)
     is_fitted = np.isin(np.arange(len(x)), fit.used_rows())
-    count = int(is_fitted.sum())
-    stride = -(-count // _MOST_DOTS)
+    n_fitted = int(is_fitted.sum())
+    stride = -(-n_fitted // _MOST_DOTS)
     drawn_rows = np.flatnonzero(is_fitted)[::stride]
 
-    noise = np.full(count, 2 * fit.noise)
-    marks: list[Mark] = [
-        Band(x[is_fitted], -noise, noise, "band pale-stick"),
+    twice_the_noise = np.full(n_fitted, 2 * fit.noise)
+    marks_of_residuals: list[Mark] = [
+        Band(x[is_fitted], -twice_the_noise, twice_the_noise, "band pale-stick"),
         Rule(0.0, "zero"),
         Rule(-half_width, "cycle-line", upright=True),
         Rule(half_width, "cycle-line", upright=True),
     ]
-    for k in drawn_rows:
-        label = f"x = {x[k]:.4g}, {residuals[k]:.3g} {length}"
-        marks.append(Dot(float(x[k]), float(residuals[k]), "p0", 2.2, label))
+    for row in drawn_rows:
+        label = f"x = {x[row]:.4g}, {residuals[row]:.3g} {unit_of_length}"
+        marks_of_residuals.append(Dot(float(x[row]), float(residuals[row]), "p0", 2.2, label))
     largest_residual = float(np.abs(residuals[is_fitted]).max())
     largest_shown = 1.1 * max(largest_residual, 2.2 * fit.noise)
-    x_axis = Axis(*limits(x[is_fitted], margin=0.02), f"x from the middle  [{length}]")
-    panel = Panel(
+    x_axis = Axis(*limits(x[is_fitted], margin=0.02), f"x from the middle  [{unit_of_length}]")
+    lower_panel = Panel(
         "profile-fit",
         x_axis,
-        Axis(-largest_shown, largest_shown, f"row − fit  [{length}]"),
-        marks,
+        Axis(-largest_shown, largest_shown, f"row − fit  [{unit_of_length}]"),
+        marks_of_residuals,
         "Residuals of the fit",
         height=260.0,
     )
-    height = scene.profile.height(x)
-    trace = height + residuals
+    fitted_height = scene.profile.height(x)
+    levelled_trace = fitted_height + residuals
     spikes = np.array(fit.spikes, dtype=np.int64) - 1
-    order = np.argsort(x)
+    order_of_x = np.argsort(x)
     marks_of_trace: list[Mark] = [
-        Dot(float(x[k]), float(trace[k]), "p0", 2.2, f"row {k + 1}") for k in drawn_rows
+        Dot(float(x[row]), float(levelled_trace[row]), "p0", 2.2, f"row {row + 1}")
+        for row in drawn_rows
     ]
     marks_of_trace += [
-        Dot(float(x[k]), float(trace[k]), "p3", 4.0, f"row {k + 1}: left out") for k in spikes
+        Dot(float(x[row]), float(levelled_trace[row]), "p3", 4.0, f"row {row + 1}: left out")
+        for row in spikes
     ]
-    marks_of_trace.append(Curve(x[order], height[order], "line-1", "fit"))
+    marks_of_trace.append(Curve(x[order_of_x], fitted_height[order_of_x], "line-1", "fit"))
     rows_in_limits = np.union1d(np.flatnonzero(is_fitted), spikes)
     upper_panel = Panel(
         "profile-trace",
         x_axis,
-        Axis(*limits(trace[rows_in_limits], height[is_fitted]), f"h, levelled  [{length}]"),
+        Axis(
+            *limits(levelled_trace[rows_in_limits], fitted_height[is_fitted]),
+            f"h, levelled  [{unit_of_length}]",
+        ),
         marks_of_trace,
         "Trace and fit",
         height=260.0,
     )
     table = {
-        f"x [{length}]": x,
-        f"row, levelled [{length}]": trace,
-        f"fit [{length}]": height,
-        f"row - fit [{length}]": residuals,
+        f"x [{unit_of_length}]": x,
+        f"row, levelled [{unit_of_length}]": levelled_trace,
+        f"fit [{unit_of_length}]": fitted_height,
+        f"row - fit [{unit_of_length}]": residuals,
         "fitted": is_fitted.astype(float),
     }
     return worded(
         "profile_fit",
-        [upper_panel, panel],
+        [upper_panel, lower_panel],
         table,
         columns=1,
         spikes=len(spikes),
         rows=is_fitted.sum(),
         residual=f"{fit.residual:.3g}",
         noise=f"{fit.noise:.3g}",
-        length=length,
+        length=unit_of_length,
         every=drawn_rows[1] - drawn_rows[0],
     )
 
 
 def _frame(outlines: dict[str, Array]) -> Frame:
-    """The area of the sketch of both bodies: one scale in both directions, room above for the loads
-    and all round for supports.
+    """Scales of the sketch of both bodies: the same in both directions, with room above for the
+    arrows of the loads and all round for supports. `outlines` are the outlines of the bodies, (n,
+    2).
     """
     points = np.concatenate(list(outlines.values()))
     left, lower_end = points.min(axis=0)
@@ -245,8 +258,15 @@ def outline(scene: Scene, name: str, half_width: float) -> Array:
 
 
 def _body(frame: Frame, points: Array, shape: Shape, name: str) -> Iterator[Mark]:
-    """Marks of a filled body with its outline. A half-plane has a line along its face alone, for it
-    goes on everywhere else.
+    """What is drawn for a body: its filled area and its outline. A half-plane has a solid line
+    along its face alone, and a broken one where the drawing cuts it off.
+
+    Parameters
+    ----------
+    points
+        (n, 2) outline, from the left end of the face to the right one and round the base [length]
+    name
+        "lower" or "upper"
     """
     x = frame.x.place(points[:, 0])
     y = frame.y.place(points[:, 1])
@@ -261,22 +281,29 @@ def _body(frame: Frame, points: Array, shape: Shape, name: str) -> Iterator[Mark
 
 
 def _supports(frame: Frame, shape: Shape, points: Array, side: float) -> Iterator[Mark]:
-    """Marks of the supports of a body: a rigid plane along the base and along guided sides, with
-    rollers where there are some. `side` is 1 for the lower body, -1 for the upper.
+    """What is drawn for the supports of a body: a hatched rigid plane along its base, and along its
+    sides where they are guided, with rollers between where it may slide. Nothing for a half-plane.
+
+    Parameters
+    ----------
+    points
+        (n, 2) outline of the body [length]
+    side
+        1 for the lower body, -1 for the upper one
     """
     if isinstance(shape, HalfPlane):
         return
-    top = float(frame.y.place(points[0, 1]))
+    y_of_face = float(frame.y.place(points[0, 1]))
     lowest_point = np.argmax(-side * points[:, 1])
     at_base = points[:, 1] == points[lowest_point, 1]
     half_width = float(np.abs(points[at_base, 0]).max())
-    left, right = frame.x.place([-half_width, half_width]).tolist()
-    base = float(frame.y.place(points[lowest_point, 1]))
+    left_x, right_x = frame.x.place([-half_width, half_width]).tolist()
+    y_of_base = float(frame.y.place(points[lowest_point, 1]))
     base_rolls = getattr(shape, "base", "") == "rollers"
-    yield from _plane((left, base), (right, base), (0.0, side), base_rolls)
+    yield from _plane((left_x, y_of_base), (right_x, y_of_base), (0.0, side), base_rolls)
     if getattr(shape, "sides", "") == "guided":
-        yield from _plane((left, base), (left, top), (-1.0, 0.0), rollers=True)
-        yield from _plane((right, base), (right, top), (1.0, 0.0), rollers=True)
+        yield from _plane((left_x, y_of_base), (left_x, y_of_face), (-1.0, 0.0), rollers=True)
+        yield from _plane((right_x, y_of_base), (right_x, y_of_face), (1.0, 0.0), rollers=True)
 
 
 def _plane(
@@ -285,8 +312,8 @@ def _plane(
     outward: tuple[float, float],
     rollers: bool,
 ) -> Iterator[Mark]:
-    """Marks of a rigid plane from `start` to `end`, hatched on its outward side; with rollers
-    between it and the body if wanted.
+    """What is drawn for a rigid plane: a line from `start` to `end`, hatched on the side to which
+    `outward` points, with rollers between it and the body if `rollers`. Places in pixels.
     """
     hatch_length = 10.0  # three times the radius of a roller
     first_point = np.array(start)
@@ -294,25 +321,27 @@ def _plane(
     outward_normal = np.array(outward)
     if rollers:
         shares_of_length = np.linspace(0.08, 0.92, 7)[:, None]
-        for x, y in (
-            first_point
-            + shares_of_length * (last_point - first_point)
-            + outward_normal * hatch_length / 3
-        ):
+        places_on_line = first_point + shares_of_length * (last_point - first_point)
+        centres = places_on_line + outward_normal * hatch_length / 3
+        for x, y in centres:
             yield Dot(float(x), float(y), "roller", hatch_length / 3)
         first_point = first_point + outward_normal * 2 * hatch_length / 3
         last_point = last_point + outward_normal * 2 * hatch_length / 3
     length = np.hypot(*(last_point - first_point))
     direction = (last_point - first_point) / length
-    count = max(int(length / 8), 4)
-    feet = first_point + np.linspace(0, 1, count)[:, None] * (last_point - first_point)
-    tips = feet + 0.7 * hatch_length * (outward_normal - direction)
+    n_hatches = max(int(length / 8), 4)
+    starts_of_hatches = first_point + np.linspace(0, 1, n_hatches)[:, None] * (
+        last_point - first_point
+    )
+    ends_of_hatches = starts_of_hatches + 0.7 * hatch_length * (outward_normal - direction)
     yield Curve([first_point[0], last_point[0]], [first_point[1], last_point[1]], "wall")
-    yield Segments(np.stack([feet, tips], axis=1), "curve hatch")
+    yield Segments(np.stack([starts_of_hatches, ends_of_hatches], axis=1), "curve hatch")
 
 
 def _label(scene: Scene, name: str) -> str:
-    """Kind, sizes, E and nu of a body, as the text beside it in the sketch."""
+    """The text beside a body in the sketch: its kind, its sizes, Young's modulus E and Poisson's
+    ratio nu, with units. `name` is "lower" or "upper".
+    """
     shape = getattr(scene.bodies, name)
     material = getattr(scene.material, name)
     _, length, stress = units(scene)
@@ -326,28 +355,36 @@ def _label(scene: Scene, name: str) -> str:
 
 
 def _loads(frame: Frame, scene: Scene, outlines: dict[str, Array]) -> Iterator[Mark]:
-    """Marks of the loads: arrows of P and Q at the top of the upper body, of its tilt or moment,
-    and of bulk stress at both ends of a body.
+    """What is drawn for the loads: arrows of P and Q at the top of the upper body, a turning arrow
+    for its tilt or moment, and arrows of bulk stress at both ends of a body that has one.
     """
     load = scene.load
-    top = float(frame.y.place(outlines["upper"][:, 1].max())) - 8
-    contact = float(frame.y.place(0.0))
-    line = load.line_of_action
+    y_of_top = float(frame.y.place(outlines["upper"][:, 1].max())) - 8
+    y_of_contact = float(frame.y.place(0.0))
+    line_of_action = load.line_of_action
     # the words below say where it is
-    x = float(np.clip(frame.x.place(line.x if line else 0.0), 80.0, frame.width - 80.0))
-    if line is not None:
-        yield Curve([x, x], [contact - 0.3 * (contact - top), contact], "cycle-line")
-    yield Arrow((x, top - 42), (x, top))
-    yield Note(x - 9, top - 28, "P", "load", "end")
+    x_of_arrow = float(
+        np.clip(
+            frame.x.place(line_of_action.x if line_of_action else 0.0), 80.0, frame.width - 80.0
+        )
+    )
+    if line_of_action is not None:
+        yield Curve(
+            [x_of_arrow, x_of_arrow],
+            [y_of_contact - 0.3 * (y_of_contact - y_of_top), y_of_contact],
+            "cycle-line",
+        )
+    yield Arrow((x_of_arrow, y_of_top - 42), (x_of_arrow, y_of_top))
+    yield Note(x_of_arrow - 9, y_of_top - 28, "P", "load", "end")
     if np.any(_tangential_loads(scene) != 0):
-        yield Arrow((x + 8, top - 8), (x + 58, top - 8))
-        yield Note(x + 63, top - 3, "Q", "load")
+        yield Arrow((x_of_arrow + 8, y_of_top - 8), (x_of_arrow + 58, y_of_top - 8))
+        yield Note(x_of_arrow + 63, y_of_top - 3, "Q", "load")
     # A positive tilt opens the gap at x > 0; a positive moment presses there, and so turns the
     # other way.
     if load.tilt is not None:
-        yield from _turning_arrow((x - 48.0, top - 17.0), 1.0, "α")
+        yield from _turning_arrow((x_of_arrow - 48.0, y_of_top - 17.0), 1.0, "α")
     elif load.moment is not None:
-        yield from _turning_arrow((x - 48.0, top - 17.0), -1.0, "M")
+        yield from _turning_arrow((x_of_arrow - 48.0, y_of_top - 17.0), -1.0, "M")
     for name, stress in (("lower", load.bulk_stress_lower), ("upper", load.bulk_stress_upper)):
         if stress is not None:
             yield from _bulk_arrows(frame, outlines[name])

@@ -28,10 +28,11 @@ _LONGEST_OVER_MEDIAN = 3.0
 
 def budget_bars(budget: ErrorBudget) -> Plate | None:
     """A figure with a stacked bar for each metric that has a tolerance: what each source of error
-    adds to its difference E, over the tolerance.
+    adds to the difference E of the metric, over its tolerance.
 
-    Parts that add lie right of zero, parts that take away left: together they are E. Where the
-    scene states no tolerance at all, the metrics of the first table in per cent. None without any.
+    Contributions that add lie right of zero, those that subtract lie left; their sum is E. Where no
+    metric has a tolerance, the metrics of the page's first table are drawn in per cent. None where
+    there are none.
     """
     with_tolerance = [row for row in budget.budgets if row.metric.tolerance]
     headlines = [row for row in budget.budgets if row.metric.headline]
@@ -81,49 +82,62 @@ def _axis_of_bars(is_judged: bool) -> str:
 
 
 def waterfall(why: Why) -> Plate | None:
-    """A figure that leads from half-plane theory at zero to the finite elements by a bar for each
-    cause, in per cent of theory's dissipation W. None where the difference is not split.
+    """A waterfall figure of the dissipation W: from half-plane theory, at zero, a bar for each
+    cause leads to the finite elements, in per cent of theory's W. None where the difference is not
+    split into causes.
     """
     steps = why.steps
     if not steps:
         return None
-    ends = [100 * (step.start + step.change.value) for step in steps]
+    ends_of_bars = [100 * (step.start + step.change.value) for step in steps]
     total = 100 * why.total.value
     uncertainty = 100 * why.total.uncertainty
     if not math.isfinite(uncertainty):
         uncertainty = 0.0
-    least_value = min(0.0, *ends, total - uncertainty)
-    largest_value = max(0.0, *ends, total + uncertainty)
+    least_value = min(0.0, *ends_of_bars, total - uncertainty)
+    largest_value = max(0.0, *ends_of_bars, total + uncertainty)
     margin = 0.08 * (largest_value - least_value) or 1.0
     axis = Axis(least_value - margin, largest_value + margin, "change of W, per cent", count=8)
     marks: list[Mark] = []
-    notes: list[Mark] = []  # on top of all lines
-    row_count = len(steps) + 1
-    for number, (step, end) in enumerate(zip(steps, ends, strict=True)):
-        row = float(row_count - number - 1)
-        start = 100 * step.start
-        text = f"{step.words}: {percent_of(step.change)}"
-        marks.append(Segments(np.array([[[0.0, row + 0.06], [0.0, row + 0.56]]]), "zero"))
+    labels: list[Mark] = []  # on top of all lines
+    n_rows = len(steps) + 1
+    for step_number, (step, end_of_bar) in enumerate(zip(steps, ends_of_bars, strict=True)):
+        height_of_row = float(n_rows - step_number - 1)
+        start_of_bar = 100 * step.start
+        label = f"{step.words}: {percent_of(step.change)}"
+        marks.append(
+            Segments(np.array([[[0.0, height_of_row + 0.06], [0.0, height_of_row + 0.56]]]), "zero")
+        )
         # from bar to bar, with a gap for the label between
         to_next_bar = np.array(
-            [[[end, row + 0.14], [end, row]], [[end, row - 0.36], [end, row - 0.5]]]
+            [
+                [[end_of_bar, height_of_row + 0.14], [end_of_bar, height_of_row]],
+                [[end_of_bar, height_of_row - 0.36], [end_of_bar, height_of_row - 0.5]],
+            ]
         )
         marks.append(Segments(to_next_bar, "limit"))
-        if end != start:
-            marks.append(Block((start, end), (row + 0.14, row + 0.5), f"term-{number} edge", text))
-        notes.append(Note(axis.low, row + 0.7, text, "tick over", shift=(6.0, 0.0)))
+        if end_of_bar != start_of_bar:
+            marks.append(
+                Block(
+                    (start_of_bar, end_of_bar),
+                    (height_of_row + 0.14, height_of_row + 0.5),
+                    f"term-{step_number} edge",
+                    label,
+                )
+            )
+        labels.append(Note(axis.low, height_of_row + 0.7, label, "tick over", shift=(6.0, 0.0)))
     marks.append(Segments(np.array([[[0.0, 0.06], [0.0, 0.56]]]), "zero"))
     marks += _marks_of_total(0.0, total, uncertainty, max(-axis.low, axis.high))
-    text = f"finite elements/theory − 1: {percent_of(why.total)}"
-    notes.append(Note(axis.low, 0.7, text, "tick over", shift=(6.0, 0.0)))
-    marks += notes
+    label = f"finite elements/theory − 1: {percent_of(why.total)}"
+    labels.append(Note(axis.low, 0.7, label, "tick over", shift=(6.0, 0.0)))
+    marks += labels
     panel = broad_panel(
         "waterfall",
         axis,
-        Axis(0.0, float(row_count), "", count=0),
+        Axis(0.0, float(n_rows), "", count=0),
         marks,
         "From theory to finite elements, step by step",
-        _BAR_HEIGHT * row_count + 60,
+        _BAR_HEIGHT * n_rows + 60,
         room=(20.0, 12.0, 20.0, 46.0),
     )
     table: Table = {
@@ -192,8 +206,17 @@ def _limits_of_bar(lower_edge: float, is_judged: bool) -> Iterator[Mark]:
 def _blocks_of_bar(
     lower_edge: float, stack: _Stack, names: Sequence[str], is_judged: bool
 ) -> Iterator[Mark]:
-    """A block for each part of a stacked bar at the height `lower_edge`: to the right those that
-    add, to the left those that take away.
+    """The blocks of a stacked bar, one for each source of error: to the right of zero those that
+    add, to the left those that subtract. A block without length is left out.
+
+    Parameters
+    ----------
+    lower_edge
+        height at which the bar begins
+    stack
+        lengths of the blocks, in the order of `names`
+    is_judged
+        whether lengths are over the tolerance; else they are per cent
     """
     right_end = 0.0
     left_end = 0.0
@@ -232,52 +255,56 @@ def _budget_table(budgets: Sequence[Budget], term_names: Sequence[str], rest_nam
 def _marks_of_total(
     lower_edge: float, total: float, uncertainty: float, half_width: float
 ) -> Iterator[Mark]:
-    """Marks of a total on a bar: an upright line with a whisker for its uncertainty; an arrow head
-    at the edge of the figure where these reach beyond it.
+    """The total drawn over a bar: an upright line at its value with a whisker for its uncertainty,
+    and an arrow head at the edge of the figure, `half_width` from zero, where these reach beyond
+    it.
     """
-    middle = lower_edge + 0.32
+    height_of_whisker = lower_edge + 0.32
     if abs(total) <= half_width:
         yield Curve([total, total], [lower_edge + 0.06, lower_edge + 0.58], "total")
-    left = max(total - uncertainty, -half_width)
-    right = min(total + uncertainty, half_width)
-    if right > left:
-        yield Curve([left, right], [middle, middle], "whisker")
+    left_end = max(total - uncertainty, -half_width)
+    right_end = min(total + uncertainty, half_width)
+    if right_end > left_end:
+        yield Curve([left_end, right_end], [height_of_whisker, height_of_whisker], "whisker")
     for side in (-1, 1):
         if side * total + uncertainty > half_width:
             tip = side * 0.998 * half_width
             end_of_head = side * 0.985 * half_width
             yield Curve(
-                [end_of_head, tip, end_of_head], [middle - 0.1, middle, middle + 0.1], "whisker"
+                [end_of_head, tip, end_of_head],
+                [height_of_whisker - 0.1, height_of_whisker, height_of_whisker + 0.1],
+                "whisker",
             )
 
 
 def mesh_refinement(budget: ErrorBudget) -> Plate | None:
-    """A figure of the distance of the headline metrics from their limits at size zero, over the
-    element size. None for two meshes, or where no metric converges.
+    """A figure of how the metrics of the page's first table converge: distance of each from its
+    extrapolated value at element size zero, over the element size. None for two meshes, or where no
+    metric converges.
     """
     runs = [run for run in budget.refinements.mesh if not run.failure]
-    curves: dict[str, list[tuple[float, float]]] = {}
+    distances_by_label: dict[str, list[tuple[float, float]]] = {}
     for row in budget.budgets:
         metric = row.metric
-        points = [(run.size, run.values.get(metric.key)) for run in runs]
-        known_rows = [
+        points_of_runs = [(run.size, run.values.get(metric.key)) for run in runs]
+        known_points = [
             (size, float(value))
-            for size, value in points
+            for size, value in points_of_runs
             if value is not None and math.isfinite(value)
         ]
-        if not metric.headline or len(known_rows) < 3:
+        if not metric.headline or len(known_points) < 3:
             continue
-        sizes = tuple(size for size, _ in known_rows)
-        values = tuple(value for _, value in known_rows)
+        sizes = tuple(size for size, _ in known_points)
+        values = tuple(value for _, value in known_points)
         limit = extrapolate(Refinement(sizes, values, 2.0, ROUNDING))
         if limit.kind == "monotone" and limit.value is not None:
-            curves[metric.label] = [
+            distances_by_label[metric.label] = [
                 (size, abs(value - limit.value))
-                for size, value in known_rows
+                for size, value in known_points
                 if value != limit.value
             ]
     axes = "element size, over that of the run", "distance from the value at size zero"
-    return _convergence("mesh_refinement", axes, curves, [run.size for run in runs])
+    return _convergence("mesh_refinement", axes, distances_by_label, [run.size for run in runs])
 
 
 def study_convergence(study: Study) -> Plate | None:
@@ -287,16 +314,16 @@ def study_convergence(study: Study) -> Plate | None:
     None for two meshes, or where no metric converges.
     """
     sizes = [level.size for level in study.levels]
-    curves: dict[str, list[tuple[float, float]]] = {}
-    for line in study.lines:
-        limit = line.extrapolation.value
-        if not line.metric.headline or line.extrapolation.kind != "monotone" or limit is None:
+    distances_by_label: dict[str, list[tuple[float, float]]] = {}
+    for row in study.lines:
+        limit = row.extrapolation.value
+        if not row.metric.headline or row.extrapolation.kind != "monotone" or limit is None:
             continue
-        curves[line.metric.label] = [
-            (size, abs(value - limit)) for size, value in zip(sizes, line.values, strict=True)
+        distances_by_label[row.metric.label] = [
+            (size, abs(value - limit)) for size, value in zip(sizes, row.values, strict=True)
         ]
     axes = "element size at the contact", "distance from the value at h = 0"
-    return _convergence("study", axes, curves, sizes)
+    return _convergence("study", axes, distances_by_label, sizes)
 
 
 def _is_positive(points: Sequence[tuple[float, float]]) -> bool:

@@ -58,6 +58,9 @@ class CycleView:
     """
 
     def __init__(self, comparison: Comparison) -> None:
+        """Take the last cycle of both solutions of a comparison, and choose the instants that
+        figures number, the one that they show first, and the axes that they share.
+        """
         self.comparison = comparison
         self.scene = comparison.scene
         self.scales = comparison.scales
@@ -119,9 +122,22 @@ def difference_in_words(
     unit: str = "",
     counts: NDArray[np.bool_] | None = None,
 ) -> str:
-    """A difference (n,) along x or time (n,) in words: root mean square over the length, the
-    largest value, and its place, for which `place_template` has {}. Where `counts` is False it does
-    not count.
+    """The size of a difference along x or time, in words: its root mean square, its largest value,
+    and the place of that.
+
+    Parameters
+    ----------
+    difference, along
+        (n,) the difference, and the places or times that it is at
+    place_template
+        how the place is written, with {} for its number
+    unit
+        written behind each value
+    counts
+        (n,) False where the difference is left out
+
+    Examples
+    --------
 
     >>> difference_in_words(
     ...     np.array([0.0, -3.0, 0.0]), np.array([0.0, 1.0, 2.0]), "x = {} a_ref", " %"
@@ -132,16 +148,14 @@ def difference_in_words(
     if not is_known.any():
         return "nothing to compare"
     lengths = np.gradient(along) if len(along) > 1 else np.ones(1)
-    rms = np.sqrt(
-        np.average(difference[is_known] ** 2, weights=np.maximum(lengths[is_known], 1e-300))
-    )
+    weights = np.maximum(lengths[is_known], 1e-300)
+    rms = np.sqrt(np.average(difference[is_known] ** 2, weights=weights))
     worst_index = int(np.argmax(np.where(is_known, np.abs(difference), -1.0)))
     place = place_template.format(minus(f"{along[worst_index] + 0.0:.3g}"))
     largest_difference = difference[worst_index] + 0.0
-    return (
-        minus(f"rms {_two_digits(rms)}{unit}, largest {_two_digits(largest_difference)}{unit} at ")
-        + place
-    )
+    rms_text = f"rms {_two_digits(rms)}{unit}"
+    largest_text = f"largest {_two_digits(largest_difference)}{unit}"
+    return minus(f"{rms_text}, {largest_text} at ") + place
 
 
 def _two_digits(value: float) -> str:

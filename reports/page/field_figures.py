@@ -64,14 +64,14 @@ def tractions(view: CycleView) -> Plate:
     """
     instants = [event.index for event in view.chosen_events]
     cells = []
-    for count, event in enumerate(view.chosen_events, start=1):
+    for number, event in enumerate(view.chosen_events, start=1):
         panels = traction_panels(
             view,
             event.index,
             instants,
-            f"event-{count}",
+            f"event-{number}",
             (320.0, 220.0),
-            f"{count}  {event.label}",
+            f"{number}  {event.label}",
         )
         cells.append(Cell(panels, event.index))
     table = {
@@ -82,8 +82,8 @@ def tractions(view: CycleView) -> Plate:
     units_of = {"p": "p_ref", "q": "(f p_ref)"}
     for letter, (field, size) in _traction_fields(view).items():
         for role, cycle in (("reference", view.reference_cycle), ("result", view.result_cycle)):
-            column = f"{letter}_{role}/{units_of[letter]}"
-            table[column] = (getattr(cycle, field)[instants] / size).ravel()
+            column_name = f"{letter}_{role}/{units_of[letter]}"
+            table[column_name] = (getattr(cycle, field)[instants] / size).ravel()
     return worded("tractions", cells, table, traction_keys(view), columns=3)
 
 
@@ -102,8 +102,19 @@ def traction_panels(
     *,
     live: bool = False,
 ) -> tuple[Panel, Panel]:
-    """Two panels: p and q of both engines over x at one instant, and their difference. The axes
-    hold the values at all `instants`; `live` if the page's slider moves the panels.
+    """Two panels: pressure p and shear q of both engines over x at one instant, and the difference
+    of the engines in per cent.
+
+    Parameters
+    ----------
+    instant
+        index of the instant that is drawn
+    instants
+        indices of those whose values the axes must hold, so that panels can be compared
+    size
+        width and height of the upper panel [pixels]
+    live
+        whether the page's slider moves the curves
     """
     width, height = size
     is_drawn = np.abs(view.x) <= view.largest_x * 1.02
@@ -125,18 +136,18 @@ def traction_panels(
     def curve_of(values: Array, css: str, label: str, field: str) -> Curve:
         return Curve(x, values.copy(), css, label, {"field": field} if live else {})
 
-    lines: list[Mark] = [ZERO]
+    traction_marks: list[Mark] = [ZERO]
     for engine_number, engine in enumerate(view.engines):
         for letter in "pq":
             values = traction_pairs[letter][engine_number][0]
             css = f"{engine.look} {letter}"
             label = f"{letter}, {engine.name}"
-            lines.append(curve_of(values, css, label, f"{letter}{engine_number}"))
-    difference_lines: list[Mark] = [ZERO]
+            traction_marks.append(curve_of(values, css, label, f"{letter}{engine_number}"))
+    difference_marks: list[Mark] = [ZERO]
     for letter in "pq":
         values = differences[letter][0]
         label = f"difference of {letter}, %"
-        difference_lines.append(curve_of(values, f"d {letter}", label, f"d{letter}"))
+        difference_marks.append(curve_of(values, f"d {letter}", label, f"d{letter}"))
 
     pressures = traction_pairs["p"]
     is_touching = (pressures[0][0] != 0) | (pressures[1][0] != 0)
@@ -149,7 +160,7 @@ def traction_panels(
         name,
         view.over_x(""),
         Axis(*limits(*all_values, zero=True), "p/p_ref,  q/(f p_ref)"),
-        lines,
+        traction_marks,
         f"Pressure and shear over x. {title}".strip(),
         width,
         height,
@@ -160,7 +171,7 @@ def traction_panels(
         f"{name}-difference",
         view.over_x(),
         Axis(*limits(*differences.values(), zero=True, least=1e-9), "difference, %", count=3),
-        difference_lines,
+        difference_marks,
         f"Result less reference over x. {title}".strip(),
         width,
         0.56 * height + 56,
@@ -208,23 +219,25 @@ def moving_instant(view: CycleView) -> Plate:
 
 
 def _strip_of_states(view: CycleView, engine: EngineView, strip_number: int) -> Iterator[Mark]:
-    """Marks of a strip that shows open, stick and slip of one engine along x; the page's slider
-    recolours it. `strip_number` is its number from the top.
+    """What is drawn for one engine's contact states at the instant shown: a strip along x, coloured
+    by open, stick and slip, with the engine's name. The page's slider recolours it.
+
+    `strip_number` is its number from the top.
     """
     top = 20.0 + 40.0 * strip_number
     bottom = top + 16
     x = engine.cycle.x / view.scales.half_width
-    state = engine.cycle.state[view.shown_instant]
+    state_of_points = engine.cycle.state[view.shown_instant]
     # A state ends midway between two points of different states.
-    ends_of_state = np.flatnonzero(np.diff(state))
+    ends_of_state = np.flatnonzero(np.diff(state_of_points))
     midpoints = (x[ends_of_state + 1] + x[ends_of_state]) / 2
     boundaries = np.clip(midpoints, -view.largest_x, view.largest_x)
     ends = [-view.largest_x, *boundaries.tolist(), view.largest_x]
-    states = state[[0, *(ends_of_state + 1).tolist()]].tolist()
+    states_of_blocks = state_of_points[[0, *(ends_of_state + 1).tolist()]].tolist()
     blocks = []
-    for left, right, code in zip(ends[:-1], ends[1:], states, strict=True):
-        if right > left:
-            blocks.append(Block((left, right), (top, bottom), f"state-{code}"))
+    for left_end, right_end, state_code in zip(ends[:-1], ends[1:], states_of_blocks, strict=True):
+        if right_end > left_end:
+            blocks.append(Block((left_end, right_end), (top, bottom), f"state-{state_code}"))
     yield Note(-view.largest_x, top - 5, engine.name)
     yield Group(tuple(blocks), "strip", {"strip": strip_number, "top": f"{top:g}"})
     yield Block((-view.largest_x, view.largest_x), (top, bottom), "outline")
@@ -317,22 +330,21 @@ def dissipation_density(view: CycleView) -> Plate | None:
         return None
 
     stick_edges = permanent_edges(view.comparison.reference) / scales.half_width
-    lines: list[Mark] = [
+    density_marks: list[Mark] = [
         Rule(float(edge), "stick-line", upright=True) for edge in stick_edges if np.isfinite(edge)
     ]
     for density, key in zip((density_of_reference, density_of_result), view.keys, strict=True):
-        lines.append(Curve(x, density, key.css, key.text))
-    peak_index = int(
-        np.nanargmax(np.where(np.isfinite(density_of_result), density_of_result, -np.inf))
-    )
-    lines.append(Dot(float(x[peak_index]), float(density_of_result[peak_index]), "event"))
-    densities = Panel(
+        density_marks.append(Curve(x, density, key.css, key.text))
+    known_density = np.where(np.isfinite(density_of_result), density_of_result, -np.inf)
+    peak_index = int(np.nanargmax(known_density))
+    density_marks.append(Dot(float(x[peak_index]), float(density_of_result[peak_index]), "event"))
+    density_panel = Panel(
         "work",
         view.over_x(),
         Axis(
             *limits(density_of_reference, density_of_result, zero=True), "w / (A f² P_ref²/a_ref)"
         ),
-        lines,
+        density_marks,
         "Dissipation density over x",
         css="pick",
     )
@@ -343,7 +355,7 @@ def dissipation_density(view: CycleView) -> Plate | None:
     note = difference_in_words(
         difference, x, "x = {} a_ref", " %", (np.abs(x) <= view.largest_x) & dissipates
     )
-    differences = Panel(
+    difference_panel = Panel(
         "work-difference",
         view.over_x(),
         Axis(*limits(difference, zero=True, least=1e-9), "difference, % of the largest"),
@@ -351,16 +363,16 @@ def dissipation_density(view: CycleView) -> Plate | None:
         "Difference of the dissipation density",
         notes=[note],
     )
-    columns = "(A f^2 P_ref^2/a_ref)"
+    unit_in_table = "(A f^2 P_ref^2/a_ref)"
     table = {
         "x": view.result_cycle.x,
         "x/a_ref": x,
-        f"w_reference/{columns}": density_of_reference,
-        f"w_result/{columns}": density_of_result,
+        f"w_reference/{unit_in_table}": density_of_reference,
+        f"w_result/{unit_in_table}": density_of_result,
     }
     return worded(
         "dissipation_density",
-        (densities, differences),
+        (density_panel, difference_panel),
         table,
         (*view.keys, Key("d p", "difference")),
         stretch=view.stretch,

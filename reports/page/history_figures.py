@@ -51,30 +51,30 @@ _LOOP_HEIGHT = 220.0
 
 
 def half_widths(view: CycleView) -> Plate:
-    """A figure of the contact and stick edges of both engines through the cycle, and beside it the
-    difference of their half-widths.
+    """A figure of the contact edges and stick edges of both engines through the cycle, and beside
+    it the difference of the half-widths, result minus reference, both over a_ref.
     """
     half_width = view.scales.half_width
-    lines: list[Curve] = []
+    curves: list[Curve] = []
     keys: list[Key] = []
     table = {"time": view.result_cycle.time}
     half_widths_of: dict[str, list[Array]] = {"contact": [], "stick": []}
     for role, engine in zip(("reference", "result"), view.engines, strict=True):
         for kind, css in (("contact", "p"), ("stick", "q")):
             edges = getattr(engine.cycle, f"{kind}_edges")
-            left, right = edges.T
+            left_edge, right_edge = edges.T
             key = Key(f"{engine.look} {css}", f"{kind} edge, {engine.name}")
             keys.append(key)
-            lines.append(Curve(view.time, left / half_width, key.css, key.text))
-            lines.append(Curve(view.time, right / half_width, key.css, key.text))
-            half_widths_of[kind].append((right - left) / 2 / half_width)
-            table[f"left_{kind}_edges_{role}"] = left
-            table[f"right_{kind}_edges_{role}"] = right
+            curves.append(Curve(view.time, left_edge / half_width, key.css, key.text))
+            curves.append(Curve(view.time, right_edge / half_width, key.css, key.text))
+            half_widths_of[kind].append((right_edge - left_edge) / 2 / half_width)
+            table[f"left_{kind}_edges_{role}"] = left_edge
+            table[f"right_{kind}_edges_{role}"] = right_edge
     upper_panel = Panel(
         "edges",
         view.over_time(),
-        Axis(*limits(*(line.y for line in lines)), X_OVER_A),
-        lines,
+        Axis(*limits(*(line.y for line in curves)), X_OVER_A),
+        curves,
         f"Contact and stick edges through the {view.noun}",
         time="x",
     )
@@ -128,10 +128,11 @@ def _spacing_at_the_edge(cycle: Cycle) -> float:
 
 
 def discrepancies(view: CycleView) -> Plate:
-    """A figure of the metrics that have a value at each instant, through the cycle: over their
-    tolerances, where there are any.
+    """A figure of the differences through the cycle: of each metric with a tolerance the absolute
+    difference at each instant, over its tolerance.
 
-    Where no tolerance was given, those metrics that half-planes are judged by, in per cent.
+    Where no metric has a tolerance it shows, in per cent, those that comparisons between
+    half-planes are judged by.
     """
     metrics = [metric for metric in view.comparison.metrics if metric.series is not None]
     metrics_with_tolerance = [metric for metric in metrics if metric.tolerance is not None]
@@ -139,27 +140,27 @@ def discrepancies(view: CycleView) -> Plate:
     drawn_metrics = metrics_with_tolerance or [
         metric for metric in metrics if metric.key in OWN_TOLERANCES
     ]
-    lines: list[Mark] = []
+    marks: list[Mark] = []
     if is_judged:
-        lines.append(Rule(1.0, "limit"))
+        marks.append(Rule(1.0, "limit"))
     keys = []
     largest_ratio = 0.0
     for metric, css in zip(drawn_metrics, LINE_LOOKS, strict=False):
-        unit_of_share = (metric.tolerance or 1.0) if is_judged else 0.01
-        shares = np.abs(np.asarray(metric.series)) / unit_of_share
-        shares_shown = np.where(view.comparison.judged, shares, np.nan)
-        worst_instant = int(np.nanargmax(shares_shown)) if np.isfinite(shares_shown).any() else 0
-        largest_ratio = max(largest_ratio, float(np.nanmax(shares_shown, initial=0.0)))
-        lines.append(Curve(view.time, shares_shown, css, metric.label))
+        unit_of_ratio = (metric.tolerance or 1.0) if is_judged else 0.01
+        ratios = np.abs(np.asarray(metric.series)) / unit_of_ratio
+        judged_ratios = np.where(view.comparison.judged, ratios, np.nan)
+        worst_instant = int(np.nanargmax(judged_ratios)) if np.isfinite(judged_ratios).any() else 0
+        largest_ratio = max(largest_ratio, float(np.nanmax(judged_ratios, initial=0.0)))
+        marks.append(Curve(view.time, judged_ratios, css, metric.label))
         per_cent = "" if is_judged else " %"
         text = (
-            f"{metric.label}: {shares_shown[worst_instant]:.2g}{per_cent} at"
+            f"{metric.label}: {judged_ratios[worst_instant]:.2g}{per_cent} at"
             f" {view.time[worst_instant]:.3g}"
         )
         keys.append(Key(css, minus(text)))
     if is_judged:
         last_time = float(view.time[-1])
-        lines.append(Note(last_time, 1.0, "tolerance", anchor="end", shift=(-4.0, -5.0)))
+        marks.append(Note(last_time, 1.0, "tolerance", anchor="end", shift=(-4.0, -5.0)))
     if is_judged:
         top = min(max(1.0, largest_ratio), _MOST_TOLERANCES)
         axis_words = "|discrepancy| / tolerance"
@@ -170,7 +171,7 @@ def discrepancies(view: CycleView) -> Plate:
         "errors",
         view.over_time(8),
         Axis(0.0, 1.08 * top, axis_words),
-        lines,
+        marks,
         f"Discrepancy through the {view.noun}",
         time="x",
     )
@@ -196,11 +197,13 @@ def slip_histories(view: CycleView) -> Plate:
     length = units(view.scene)[1]
     names = [f"x = {view.x[point]:.3f} a_ref" for point in points]
     slips = [engine.cycle.slip[:, points] - engine.cycle.slip[0, points] for engine in view.engines]
-    lines = []
-    for look, slip, engine in zip(("wide", "thin"), slips, view.engines, strict=True):
+    curves = []
+    for look, slip_of_engine, engine in zip(("wide", "thin"), slips, view.engines, strict=True):
         for number, name in enumerate(names):
             css = f"{look} point-{number}"
-            lines.append(Curve(view.time, slip[:, number], css, f"{name}, {engine.name}"))
+            curves.append(
+                Curve(view.time, slip_of_engine[:, number], css, f"{name}, {engine.name}")
+            )
     reference_values, result_values = slips
     table = {"time": view.result_cycle.time}
     for number, point in enumerate(points):
@@ -219,7 +222,7 @@ def slip_histories(view: CycleView) -> Plate:
         "slip",
         view.over_time(8),
         Axis(*limits(*slips, zero=True, least=least_slip), f"slip since the start  [{length}]"),
-        lines,
+        curves,
         "Slip of chosen points over time",
         320.0,
         notes=notes,
@@ -259,10 +262,10 @@ def cumulative_work(view: CycleView) -> Plate | None:
 
 
 def load_path(view: CycleView) -> Plate:
-    """A figure of the load path in the P-Q plane: initial loading, cycle, Coulomb limit, numbered
-    instants, a ring at the instant shown.
+    """A figure of the load path in the P-Q plane: initial loading, cycle, Coulomb limit, dots with
+    numbers at chosen instants, and a ring at the instant that the page shows first.
 
-    Beneath it bulk stress, tilt and moment over the cycle, where there are any.
+    Beneath it stand bulk stress, tilt and moment over the cycle, where the scene has them.
     """
     cycle = view.result_cycle
     friction = view.comparison.result.scene.friction.coefficient
@@ -300,10 +303,10 @@ def load_path(view: CycleView) -> Plate:
     if friction:
         keys.append(Key("cone", "|Q| = f P"))
     panels = [panel]
-    for name, title, lines in _beside_the_forces(view):
-        series = [line.values for line in lines]
+    for name, title, lines_of_panel in _beside_the_forces(view):
+        series = [line.values for line in lines_of_panel]
         curves: list[Mark] = [ZERO]
-        curves += [Curve(view.time, line.values, line.css, line.text) for line in lines]
+        curves += [Curve(view.time, line.values, line.css, line.text) for line in lines_of_panel]
         panels.append(
             Panel(
                 name,
@@ -315,7 +318,7 @@ def load_path(view: CycleView) -> Plate:
                 time="x",
             )
         )
-        keys += [Key(line.css, line.text) for line in lines]
+        keys += [Key(line.css, line.text) for line in lines_of_panel]
     table: Table = {
         "time": np.concatenate([part.time for part in parts]),
         "part": [part.name for part in parts for _ in part.time],
@@ -369,8 +372,9 @@ class _Line(NamedTuple):
 
 
 def _beside_the_forces(view: CycleView) -> Iterator[tuple[str, str, list[_Line]]]:
-    """For bulk stress, tilt and moment, as far as a scene has them: name of a panel, words of its
-    axis with the unit, and its lines over time.
+    """What acts beside P and Q over the cycle: for bulk stress, tilt and moment, as far as the
+    scene has them, the name of a panel, the title of its axis with the unit, and its lines over
+    time.
     """
     force, _, stress_unit = units(view.scene)
     cycle = view.result_cycle
@@ -390,8 +394,17 @@ def _beside_the_forces(view: CycleView) -> Iterator[tuple[str, str, list[_Line]]
 def _events(
     panel: Panel, x_values: Array, y_values: Array, events: Sequence[Event]
 ) -> Iterator[Mark]:
-    """Numbered dots on a loop at (across, up), (k,) each, at the chosen instants; the numbers stand
-    outside the loop. A number that would stand on another one is left out.
+    """Dots on a closed loop at chosen instants, with numbers that stand outside the loop. A number
+    that would lie on another one is left out.
+
+    Parameters
+    ----------
+    panel
+        in which the loop is drawn
+    x_values, y_values
+        (k,) coordinates of the loop at all instants
+    events
+        the chosen instants, in the order of their numbers
     """
     x = panel.frame.x.place(x_values)
     y = panel.frame.y.place(y_values)
@@ -416,16 +429,16 @@ def _events(
             )
 
 
-def _outward(x: Array, y: Array, k: int) -> Array:
-    """Unit vector across a line (x, y), (k,) each, at its k-th place, away from the middle of all
-    places.
+def _outward(x: Array, y: Array, place: int) -> Array:
+    """Unit vector across a line at the place of this index, pointing away from the middle of the
+    line. `x`, `y` are the coordinates of its places, (n,) each.
     """
-    place_before = max(k - 1, 0)
-    place_after = min(k + 1, len(x) - 1)
+    place_before = max(place - 1, 0)
+    place_after = min(place + 1, len(x) - 1)
     normal_direction = np.array(
         [y[place_before] - y[place_after], x[place_after] - x[place_before]]
     )
-    from_middle = np.array([x[k] - x.mean(), y[k] - y.mean()])
+    from_middle = np.array([x[place] - x.mean(), y[place] - y.mean()])
     if not np.all(np.isfinite(normal_direction)) or not np.hypot(*normal_direction):
         normal_direction = from_middle
     if normal_direction @ from_middle < 0:
@@ -437,18 +450,26 @@ def _outward(x: Array, y: Array, k: int) -> Array:
 _HALF_NUMBER = np.array([5.0, 7.0])
 
 
-def _within(shift: Array, at: Array, box: tuple[float, float, float, float]) -> Array:
-    """The shift of a number from the place `at` that keeps it in the box (left, top, right,
-    bottom): as it is, else turned round, else shortened.
+def _within(shift: Array, dot_place: Array, box: tuple[float, float, float, float]) -> Array:
+    """Change the shift of a number from its dot so that the number stays in the box.
+
+    Parameters
+    ----------
+    shift
+        (2,) wanted distance of the number from the dot [pixels]; it is mirrored, or else shortened
+    dot_place
+        (2,) place of the dot
+    box
+        left, top, right and bottom end of the box
     """
     left, top, right, bottom = box
     lower_corner = np.array([left, top]) + _HALF_NUMBER
     upper_corner = np.array([right, bottom]) - _HALF_NUMBER
     for sign in ([1, 1], [1, -1], [-1, 1], [-1, -1]):
-        place = at + sign * shift
-        if np.all((lower_corner <= place) & (place <= upper_corner)):
+        number_place = dot_place + sign * shift
+        if np.all((lower_corner <= number_place) & (number_place <= upper_corner)):
             return np.asarray(sign * shift)
-    return np.asarray(np.clip(at + shift, lower_corner, upper_corner) - at)
+    return np.asarray(np.clip(dot_place + shift, lower_corner, upper_corner) - dot_place)
 
 
 def _follower(x: str, x_values: float, y_values: float, css: str) -> Dot:
@@ -463,8 +484,8 @@ def _follower(x: str, x_values: float, y_values: float, css: str) -> Dot:
 
 
 def hysteresis(view: CycleView) -> Plate | None:
-    """A figure of the tangential load over the tangential displacement through the cycle, both
-    engines; beside it sheared, so that the loop opens.
+    """A figure of the loop of Q over the tangential displacement U through the cycle, both engines;
+    and beside it Q over V = U - k Q, whose loop is wide open, k being the compliance of the loop.
 
     None where neither load nor displacement moves, or the result holds no displacement.
     """
@@ -551,8 +572,8 @@ def _loop_panel(view: CycleView, name: str, shift: tuple[str, list[Array]], titl
     """
     letter, (reference_values, result_values) = shift
     loads = [view.reference_cycle.tangential_load, view.result_cycle.tangential_load]
-    stroke = float(np.ptp(reference_values)) or 1.0
-    difference_in_percent = 100 * (result_values - reference_values) / stroke
+    range_of_displacement = float(np.ptp(reference_values)) or 1.0
+    difference_in_percent = 100 * (result_values - reference_values) / range_of_displacement
     fraction = view.result_cycle.fraction
     numbers_and_place = difference_in_words(difference_in_percent, fraction, "{}", " %")
     difference_note = numbers_and_place.rpartition(" at ")[0]
@@ -560,8 +581,10 @@ def _loop_panel(view: CycleView, name: str, shift: tuple[str, list[Array]], titl
         difference_note = ""  # the distance of two places from which U is counted
     loop_extent = "stroke" if letter == "U" else "width"
     marks: list[Mark] = []
-    for key, values, load in zip(view.keys, (reference_values, result_values), loads, strict=True):
-        marks.append(Curve(values, load, key.css, key.text))
+    for key, values, loads_of_engine in zip(
+        view.keys, (reference_values, result_values), loads, strict=True
+    ):
+        marks.append(Curve(values, loads_of_engine, key.css, key.text))
     panel = Panel(
         name,
         Axis(*limits(reference_values, result_values, margin=0.12), title, count=4),

@@ -70,14 +70,14 @@ def solution_figure(solution: ContactSolution, time: float | None = None) -> Fig
     """
     cycle = solution.last_cycle
     step = _step_shown(solution, time)
-    figure, (tractions, states) = _axes(2, (7.0, 6.5))
-    _draw_tractions(tractions, solution, step)
+    figure, (tractions_axes, states_axes) = _axes(2, (7.0, 6.5))
+    _draw_tractions(tractions_axes, solution, step)
     if len(solution.x) > 1 and len(cycle) > 1:
-        _draw_states(states, solution)
-        states.axhline(solution.time[step], color="black", linewidth=0.8)
+        _draw_states(states_axes, solution)
+        states_axes.axhline(solution.time[step], color="black", linewidth=0.8)
     _, length, _ = solution.scene.unit_words
-    states.set_ylabel("time")
-    states.set_xlabel(f"x [{length}]")
+    states_axes.set_ylabel("time")
+    states_axes.set_xlabel(f"x [{length}]")
     return figure
 
 
@@ -193,12 +193,12 @@ def _axes(rows: int, size: tuple[float, float]) -> tuple[Figure, list[Axes]]:
     """
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots(
+    figure, grid_of_axes = plt.subplots(
         rows, 1, figsize=size, sharex=rows > 1, squeeze=False, layout="constrained"
     )
     if "inline" in plt.get_backend():
         plt.close(figure)
-    return figure, [row[0] for row in axes]
+    return figure, [axes_of_row[0] for axes_of_row in grid_of_axes]
 
 
 register(

@@ -134,21 +134,22 @@ class RigMotion:
 
     @cached_property
     def motions(self) -> Indices:
-        """What the contact does in the step that ends at each instant, (k,): stick, partial slip,
-        sliding forward or back, apart. The first instant ends no step.
+        """What the contact does in the step that ends at each instant, (k,), by the codes of
+        `Motion`: stick, partial slip, sliding forward or back, apart. The first instant, which ends
+        no step, has that of its own state.
         """
         normal_load = self.normal_load
         tangential_load = self.tangential_load
-        stick = self.solution.stick_half_width[self.rows]
-        contact = self.solution.contact_half_width[self.rows]
+        stick_half_width = self.solution.stick_half_width[self.rows]
+        contact_half_width = self.solution.contact_half_width[self.rows]
         is_apart = normal_load <= 0
         limit = self.scene.friction.coefficient * normal_load * (1 - _AT_LIMIT)
         slide_direction = np.where(
-            ~is_apart & np.isnan(stick) & (np.abs(tangential_load) >= limit),
+            ~is_apart & np.isnan(stick_half_width) & (np.abs(tangential_load) >= limit),
             np.sign(tangential_load),
             0,
         )
-        sticks = stick >= contact * (1 - _SAME)
+        sticks = stick_half_width >= contact_half_width * (1 - _SAME)
         motions = np.full(len(normal_load), Motion.PARTIAL, dtype=np.int64)
         row_before = np.maximum(np.arange(len(normal_load)) - 1, 0)
         motions[sticks & (slide_direction[row_before] == 0)] = Motion.STICK
@@ -191,18 +192,18 @@ def _loop(rig: RigMotion) -> Plate:
     """A figure of the tangential load Q over the displacement of the contact; over that of the
     actuator too where a spring is between.
     """
-    length = units(rig.scene)[1]
-    load = load_unit(rig.scene)
-    answers = [motion for motion in (rig, rig.elements) if motion is not None]
+    unit_of_length = units(rig.scene)[1]
+    unit_of_load = load_unit(rig.scene)
+    motions = [motion for motion in (rig, rig.elements) if motion is not None]
     columns: dict[str, list[Any]] = {"engine": []}
-    for answer in answers:
-        columns["engine"] += [_engine(answer)] * len(answer.time)
+    for motion in motions:
+        columns["engine"] += [_engine(motion)] * len(motion.time)
     for name, values in (
-        ("time", [answer.time for answer in answers]),
-        (f"P [{load}]", [answer.normal_load for answer in answers]),
-        (f"Q [{load}]", [answer.tangential_load for answer in answers]),
-        (f"U of the contact [{length}]", [answer.contact for answer in answers]),
-        (f"U of the actuator [{length}]", [answer.actuator for answer in answers]),
+        ("time", [motion.time for motion in motions]),
+        (f"P [{unit_of_load}]", [motion.normal_load for motion in motions]),
+        (f"Q [{unit_of_load}]", [motion.tangential_load for motion in motions]),
+        (f"U of the contact [{unit_of_length}]", [motion.contact for motion in motions]),
+        (f"U of the actuator [{unit_of_length}]", [motion.actuator for motion in motions]),
     ):
         columns[name] = np.concatenate(values).tolist()
     has_spring = rig.scene.rig.tangential_stiffness is not None
@@ -271,20 +272,21 @@ def loops(rigs: Sequence[RigMotion]) -> Plate:
 
 
 def _over_time(rig: RigMotion) -> Plate:
-    """A figure over time: Q between the limits of friction, above what the contact does. Beneath,
-    the displacements of actuator and contact, and the distance that the bodies slide.
+    """A figure of a rig over time in two panels. The upper one has Q between the limits of
+    friction, on colours that show what the contact does. The lower one has the displacements of
+    actuator and contact, and the distance that the bodies slide.
     """
-    length = units(rig.scene)[1]
-    load = load_unit(rig.scene)
-    limit = rig.scene.friction.coefficient * rig.normal_load
-    force_range = limits(limit, -limit)
+    unit_of_length = units(rig.scene)[1]
+    unit_of_load = load_unit(rig.scene)
+    friction_limit = rig.scene.friction.coefficient * rig.normal_load
+    force_range = limits(friction_limit, -friction_limit)
     force_marks: list[Mark] = [
         Block((begin, end), force_range, _MOTIONS[motion][0])
         for motion, begin, end in rig.stretches()
     ]
     force_marks += [
-        Curve(rig.time, limit, "cone", "f P"),
-        Curve(rig.time, -limit, "cone", "−f P"),
+        Curve(rig.time, friction_limit, "cone", "f P"),
+        Curve(rig.time, -friction_limit, "cone", "−f P"),
         Curve(rig.time, rig.tangential_load, "c5 bold", "Q"),
     ]
     displacement_curves = [
@@ -292,16 +294,21 @@ def _over_time(rig: RigMotion) -> Plate:
         Curve(rig.time, rig.contact, "c0", "U of the contact"),
         Curve(rig.time, rig.way, "c2 bold", "way that the bodies slide"),
     ]
-    time = Axis(float(rig.time[0]), float(rig.time[-1]), "time")
+    time_axis = Axis(float(rig.time[0]), float(rig.time[-1]), "time")
 
     def panel_of(name: str, y_axis: Axis, marks: Sequence[Mark], alt: str) -> Panel:
-        return Panel(name, time, y_axis, marks, alt, _WIDTH, 300.0, css="broad", time="x")
+        return Panel(name, time_axis, y_axis, marks, alt, _WIDTH, 300.0, css="broad", time="x")
 
     panels = [
-        panel_of("rig-force", Axis(*force_range, f"Q  [{load}]"), force_marks, "Q over time"),
+        panel_of(
+            "rig-force", Axis(*force_range, f"Q  [{unit_of_load}]"), force_marks, "Q over time"
+        ),
         panel_of(
             "rig-way",
-            Axis(*limits(*(curve.y for curve in displacement_curves)), f"displacement  [{length}]"),
+            Axis(
+                *limits(*(curve.y for curve in displacement_curves)),
+                f"displacement  [{unit_of_length}]",
+            ),
             [Rule(0.0, "zero"), *displacement_curves],
             "Displacements over time",
         ),
@@ -312,10 +319,10 @@ def _over_time(rig: RigMotion) -> Plate:
     keys += [Key(*_MOTIONS[motion], patch=True) for motion in Motion if motion in motions_shown]
     columns: Table = {
         "time": rig.time,
-        f"Q [{load}]": rig.tangential_load,
-        f"f P [{load}]": limit,
-        f"way that the bodies slide [{length}]": rig.way,
-        "motion in the step before": [_MOTIONS[Motion(k)][1] for k in rig.motions.tolist()],
+        f"Q [{unit_of_load}]": rig.tangential_load,
+        f"f P [{unit_of_load}]": friction_limit,
+        f"way that the bodies slide [{unit_of_length}]": rig.way,
+        "motion in the step before": [_MOTIONS[Motion(code)][1] for code in rig.motions.tolist()],
     }
     return worded("rig_over_time", panels, columns, keys, columns=1, noun=rig.noun)
 
@@ -421,11 +428,11 @@ def write(rig: RigMotion, out: str | Path, command: str, remarks: Sequence[str])
     """Write the page of a rig and the CSV of each figure to the folder that holds the solution;
     returns the path of the page. `remarks` are sentences on which engine takes the scene.
     """
-    program, digest = script()
-    drawings = (_loop(rig), _over_time(rig))
+    page_script, script_hash = script()
+    plates = (_loop(rig), _over_time(rig))
     summary = summary_rows(rig.solution)
     with filled(out, fresh=("report.html", "figures/")) as folder:
-        write_tables(drawings, folder)
+        write_tables(plates, folder)
         page = template("rig.html").render(
             title=rig.scene.title or rig.scene.name,
             scene=rig.scene,
@@ -434,12 +441,12 @@ def write(rig: RigMotion, out: str | Path, command: str, remarks: Sequence[str])
             rows=rows_of(rig),
             summary=[row for row in summary if row[0] != "note"],
             notes=(*_notes_of(rig), *remarks),
-            drawings=drawings,
+            drawings=plates,
             inputs=rig.inputs,
             input_words=input_words,
             command=command,
-            script=program,
-            script_hash=digest,
+            script=page_script,
+            script_hash=script_hash,
         )
         (folder / "report.html").write_text(page, encoding="utf-8")
     return Path(out) / "report.html"

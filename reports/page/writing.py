@@ -179,8 +179,8 @@ def render(
     live: Mapping[str, Any] | None = None,
     third: Mapping[str, Any] | None = None,
 ) -> str:
-    """The text of the HTML page of a report. Every word that came from outside is escaped, and no
-    script but the page's own may run.
+    """The HTML text of a report's page. Text that came from outside is escaped, and no script but
+    the page's own may run.
 
     Parameters
     ----------
@@ -275,12 +275,14 @@ def _notes(comparison: Comparison) -> list[str]:
 
 
 def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
-    """Texts of a table on the friction work of each solution: the sum of q ds, the closed integral
-    of Q dU with its parts, how far these differ, and the work of every cycle.
+    """Cells of a table on the friction work of each solution, by column: the sum of q ds, the same
+    over its scale, the closed integral of Q dU, the work of bulk stress and of P, how far both ways
+    to the work differ, and the work of every cycle. A dash stands for what a solution does not
+    hold.
     """
 
     def in_digits(value: float | None, digits: int = 8) -> str:
-        """A dash for what a solution does not hold."""
+        """A number to so many digits; a dash for None and NaN."""
         return "–" if value is None or np.isnan(value) else minus(f"{value:.{digits}g}")
 
     reference_on_steps = comparison.polygon_reference
@@ -295,9 +297,8 @@ def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
             work_of_normal_load = 0.0
         difference = "–"
         if dissipation and not np.isnan(loop_work):
-            difference = minus(
-                f"{abs((loop_work + (work_of_normal_load or 0.0)) / dissipation - 1):.1e}"
-            )
+            work_of_loads = loop_work + (work_of_normal_load or 0.0)
+            difference = minus(f"{abs(work_of_loads / dissipation - 1):.1e}")
         yield {
             "name": name,
             "value": in_digits(dissipation),
@@ -479,14 +480,14 @@ def _as_script(content: dict[str, Any]) -> str:
 
 
 def draw(report: Report) -> tuple[Plate, ...]:
-    """Every figure of a report, in the order of the page. Left out are those that need what an
-    external result does not hold.
+    """Every figure of a report, in the order of the page. Figures for which the result lacks the
+    field (slip, dissipation) or the instants are left out.
     """
     comparison = report.comparison
     view = CycleView(comparison)
     half_width = comparison.scales.half_width
     contact_edge = float(np.nanmax(comparison.expected.contact_edges))
-    drawings: list[Plate | None] = [
+    plates: list[Plate | None] = [
         sketch(comparison.scene, half_width),
         fit_residuals(comparison.scene, contact_edge),
         cumulative_work(view),
@@ -501,17 +502,17 @@ def draw(report: Report) -> tuple[Plate, ...]:
         tractions(view),
     ]
     if report.study is not None:
-        drawings.append(study_convergence(report.study))
+        plates.append(study_convergence(report.study))
     if comparison.why is not None:
-        drawings.append(waterfall(comparison.why))
+        plates.append(waterfall(comparison.why))
     if report.budget is not None:
-        drawings += [budget_bars(report.budget), mesh_refinement(report.budget)]
+        plates += [budget_bars(report.budget), mesh_refinement(report.budget)]
     meshes = getattr(comparison.result, "bodies", ())
     if meshes:
         from reports.field_output.pictures import mesh
 
         edge_of_result = float(np.nanmax(comparison.found.contact_edges))
-        drawings.append(mesh(meshes, half_width, edge_of_result))
+        plates.append(mesh(meshes, half_width, edge_of_result))
 
     names_left_out = set()
     for field, name in (
@@ -522,7 +523,7 @@ def draw(report: Report) -> tuple[Plate, ...]:
             names_left_out.add(name)
     if len(view.time) < 2:
         names_left_out |= {"state_map", "half_widths", "slip_history", "errors"}
-    return tuple(drawing for drawing in drawings if drawing and drawing.name not in names_left_out)
+    return tuple(plate for plate in plates if plate and plate.name not in names_left_out)
 
 
 def figure(report: Comparison | Report, name: str) -> str:
