@@ -874,7 +874,7 @@ class _Pen:
         x = float(self.frame.x.place(mark.x))
         y = float(self.frame.y.place(mark.y))
         shift_right, shift_down = mark.shift
-        attributes = {"dx": shift_right or None, "dy": shift_down or None}
+        attributes: dict[str, object] = {"dx": shift_right or None, "dy": shift_down or None}
         attributes |= self.data_attributes(mark.data)
         anchor = None if mark.anchor == "start" else mark.anchor
         elements = [
