@@ -99,11 +99,6 @@ def check_gross_cycle(spring: float) -> None:
     assert np.ptp(result.displacement[cycle]) == pytest.approx(6 * AT_LIMIT, rel=1e-12)
 
 
-@pytest.mark.parametrize("spring", [0.0, 3.0])
-def test_work_of_a_gross_cycle_is_its_closed_form_and_has_no_spring_in_it(spring: float) -> None:
-    check_gross_cycle(spring)
-
-
 def test_first_loading_follows_cattaneo_and_mindlin() -> None:
     force = np.linspace(0.0, 0.99, 12)[1:] * FRICTION
     stick = np.sqrt(1 - force / FRICTION)
@@ -125,10 +120,6 @@ def check_sliding_under_falling_load() -> None:
     assert np.all(result.slide[falling] > 0)
 
 
-def test_the_slide_goes_on_while_the_normal_load_falls() -> None:
-    check_sliding_under_falling_load()
-
-
 def check_nothing_is_remembered_through_separation() -> None:
     """Bodies that were sheared, parted and pressed together again carry no shear."""
     result = followed(
@@ -139,10 +130,6 @@ def check_nothing_is_remembered_through_separation() -> None:
     after = followed([(1.0, 0.5), (0.0, 0.0), (1.0, 0.0), (1.0, 0.3 * AT_LIMIT)])
     expected = again.followed.tangential_load[-1]
     assert after.followed.tangential_load[-1] == pytest.approx(expected, abs=1e-12)
-
-
-def test_separation_ends_the_memory() -> None:
-    check_nothing_is_remembered_through_separation()
 
 
 def check_energy_from_rest_to_rest() -> None:
@@ -157,10 +144,6 @@ def check_energy_from_rest_to_rest() -> None:
     assert result.work(slice(0, None)) == pytest.approx(work_of_loads, rel=1e-4)
     # At contact there is no energy, and none is left: the elastic work of P alone closes.
     assert abs(float(np.sum(mean * np.diff(approach)))) < 1e-3 * work_of_loads
-
-
-def test_work_from_rest_to_rest_is_that_of_the_loads() -> None:
-    check_energy_from_rest_to_rest()
 
 
 def test_error_of_the_steps_falls_with_their_square_where_the_normal_load_varies() -> None:
