@@ -5,11 +5,9 @@ events, layer, long records.
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -464,28 +462,6 @@ def record_of_turns(turns: int, **changes: object) -> FiniteElementSolution:
     load = TimeSeriesLoad(rows=np.column_stack(rows).tolist())
     scene = load_scene("hertz-paper").vary(load=load, friction=0.6, tolerances={}, **changes)
     return halfplane_fe.solve(scene, MeshSettings.coarse())
-
-
-def test_the_step_tolerance_of_a_record_grows_with_its_dissipation(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """It refers to the record's own dissipation, rounded down to a power of two; an absolute one
-    would cut each turn the finer, the longer the record is.
-    """
-    tolerances: list[stepping.StepTolerance] = []
-
-    def spy(*arguments: Any) -> Iterator[stepping.Increment]:
-        tolerances.append(arguments[-1])
-        return stepping.follow(*arguments)
-
-    monkeypatch.setattr(halfplane_fe.run, "follow", spy)
-    for turns in (1, 4):
-        answer = record_of_turns.__wrapped__(turns)
-        legs = answer.scene.load.path().initial_loading
-        duration = legs[-1].end - legs[0].start
-        reference = tolerances[-1].rate * duration / SolverSettings().step_tolerance
-        work_unit = answer.scales.load**2 / answer.scales.modulus
-        assert 0.45 < reference / (answer.dissipation / work_unit) < 1.05
 
 
 def test_a_further_turn_of_a_record_takes_its_events_and_regular_increments() -> None:

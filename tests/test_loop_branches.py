@@ -217,7 +217,21 @@ def test_an_interval_is_as_wide_as_the_digits_of_the_rows_leave_open():
     assert stated.noise == pytest.approx(step / np.sqrt(12))
 
 
-def check_exact_rows_of_varying(name, count, start, closed):
+@pytest.mark.parametrize(
+    ("name", "count", "start", "closed"),
+    [
+        ("line", 240, 0.0, True),
+        ("line", 40, 0.0, False),
+        ("90 degrees", 40, 0.5, False),
+        ("Q stands", 40, 0.0, False),
+        *(
+            pytest.param(name, (40, 100, 241)[k % 3], k / 12, k % 2 == 0, marks=pytest.mark.slow)
+            for name in VARYING
+            for k in range(12)
+        ),
+    ],
+)
+def test_where_p_varies_rows_begin_anywhere_and_take_any_time(name, count, start, closed):
     score = score_loop(loop_of(*rows_of_varying(name, count, start, closed)), VARYING[name])
     assert score.cycles == pytest.approx(1.0, abs=1.6 / count + 0.01)
     assert score.friction == pytest.approx(FRICTION, rel=1e-5)
@@ -230,21 +244,6 @@ def check_exact_rows_of_varying(name, count, start, closed):
     assert abs(measured.area - work) <= measured.area_uncertainty
     assert measured.by_distance < 30 * work / count**2
     assert measured.by_noise < 1e-3 * work
-
-
-@pytest.mark.parametrize(
-    ("name", "count", "start", "closed"),
-    [
-        ("line", 240, 0.0, True),
-        ("line", 40, 0.0, False),
-        pytest.param("60 degrees", 40, 0.0, True, marks=pytest.mark.slow),
-        ("90 degrees", 40, 0.5, False),
-        pytest.param("140 degrees", 40, 0.33, True, marks=pytest.mark.slow),
-        ("Q stands", 40, 0.0, False),
-    ],
-)
-def test_where_p_varies_rows_begin_anywhere_and_take_any_time(name, count, start, closed):
-    check_exact_rows_of_varying(name, count, start, closed)
 
 
 def covered_of_varying(name, start, seed):
@@ -275,13 +274,6 @@ def test_of_two_minima_the_lower_one_is_taken():
     """
     rows = loop_of(*with_noise(*rows_of_varying("90 degrees", 240, 0.2), 0.005, 56))
     assert score_loop(rows, VARYING["90 degrees"]).friction < 1.5 * FRICTION
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("start", range(12))
-@pytest.mark.parametrize("name", VARYING)
-def test_where_p_varies_rows_begin_at_twelve_places(name, start):
-    check_exact_rows_of_varying(name, (40, 100, 241)[start % 3], start / 12, start % 2 == 0)
 
 
 def test_a_loop_that_begins_while_Q_stands_closes_where_U_comes_back():

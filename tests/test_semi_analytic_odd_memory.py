@@ -5,6 +5,7 @@ an earlier version, and grids.
 from __future__ import annotations
 
 import math
+from itertools import product
 from typing import Any
 from unittest import mock
 
@@ -139,7 +140,18 @@ def test_an_earlier_version_followed_the_fronts_of_the_papers_cycle() -> None:
 
 
 # ------------------------------------------------------------------------------------------- grids
-def held_to_grids(loop: str, direction: str) -> None:
+@pytest.mark.parametrize(
+    ("loop", "direction"),
+    [
+        ("ellipse 40, f .8", "all"),
+        *(
+            pytest.param(loop, direction, marks=pytest.mark.slow)
+            for loop, direction in product(LOOPS, DIRECTIONS)
+            if (loop, direction) != ("ellipse 40, f .8", "all")
+        ),
+    ],
+)
+def test_grids_find_the_same_change(loop: str, direction: str) -> None:
     """The change of W by numbers that make 2 % of it, against grids."""
     load, friction = LOOPS[loop]
     scene = unit_scene(load, friction)
@@ -152,17 +164,6 @@ def held_to_grids(loop: str, direction: str) -> None:
     grids = _by_grids(scene, effects_of(numbers))
     allowed = grids.uncertainty + added.uncertainty / work
     assert added.value / work == pytest.approx(grids.value, abs=allowed)
-
-
-@pytest.mark.parametrize("direction", DIRECTIONS)
-@pytest.mark.parametrize("loop", LOOPS)
-@pytest.mark.slow
-def test_grids_find_the_same_change(loop: str, direction: str) -> None:
-    held_to_grids(loop, direction)
-
-
-def test_grids_find_the_same_change_of_an_ellipse() -> None:
-    held_to_grids("ellipse 40, f .8", "all")
 
 
 # ------------------------------------------------------------------------------- what it holds for
