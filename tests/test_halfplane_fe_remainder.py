@@ -30,7 +30,6 @@ from halfplane_fe.remainder import (
 )
 from layer_remainder import LayerNumbers, between_walls, layer, response
 from meshes import MeshSettings, SurfaceGrading
-from problems import fe_run
 from scenes import Block, Elastic, Estimate, Hertz, InputError, Materials, TShape, load_scene
 from tolerances import TOLERANCES, check, check_order
 
@@ -289,30 +288,6 @@ def test_the_interface_of_the_contact_model_has_these_numbers(scene):
     for name, value in added_by_interface(scene).items():
         kind = "curvature" if "curvature" in name else "others"
         check(f"interface, {kind}", getattr(effects, name).value / value - 1)
-
-
-def test_a_contact_on_a_t_shape_moves_as_its_numbers_say():
-    """Approach and tangential displacement of the contact solution are those of half-planes and
-    c_n P, c_t Q: the rest is what curvature and tilt do, 1 % of c_t Q here.
-    """
-    load = {
-        "kind": "polygon",
-        "initial_loading": [[90.0, 0.0]],
-        "cycle": [[90.0, 30.0], [90.0, -30.0]],
-    }
-    t_shape = TShape(width=20.0, flange_height=6.0, stem_width=12.0, height=12.0)
-    scene = load_scene("blocks").vary(
-        load=load,
-        bodies={"lower": t_shape, "upper": {"kind": "half_plane"}},
-    )
-    effects = body_effects(scene)
-    bodies = fe_run(scene)
-    half_planes = fe_run(scene.vary(bodies={"lower": {"kind": "half_plane"}}))
-    step, other = (int(np.argmax(run.tangential_load)) for run in (bodies, half_planes))
-    approach = bodies.normal_approach[step] - half_planes.normal_approach[other]
-    assert approach == pytest.approx(90.0 * effects.normal_compliance.value, rel=5e-3)
-    shift = bodies.tangential_displacement[step] - half_planes.tangential_displacement[other]
-    assert shift == pytest.approx(30.0 * effects.tangential_compliance.value, rel=2e-2)
 
 
 # ---------------------------------------------------------------------------------- planted faults

@@ -194,23 +194,6 @@ def test_wrong_tractions_of_the_return_mapping_are_seen(fault, method, monkeypat
     assert moved > limit
 
 
-@pytest.mark.slow
-def test_a_penalty_that_cycles_is_softened_and_the_answer_stays(monkeypatch) -> None:
-    reference = solved("hertz-paper", method="augmented_lagrangian")
-    inner_loop = return_mapping._Iteration._inner_loop
-
-    def cycling(iteration, most_steps):
-        stiffest = 1 / np.max(iteration.faces.penalty[0])
-        if np.min(iteration.softness.normal) <= 1.01 * stiffest:
-            return None
-        return inner_loop(iteration, most_steps)
-
-    monkeypatch.setattr(return_mapping._Iteration, "_inner_loop", cycling)
-    answer = solved("hertz-paper", method="augmented_lagrangian")
-    assert answer.work.counts["penalties softened"] >= answer.work.counts["steps solved"]
-    assert_same(answer, reference)
-
-
 def test_a_penalty_that_never_converges_raises(monkeypatch) -> None:
     monkeypatch.setattr(return_mapping._Iteration, "_inner_loop", lambda *_: None)
     with pytest.raises(ConvergenceError, match="however soft the penalty"):

@@ -13,7 +13,7 @@ import pytest
 
 import halfplane_fe
 import semi_analytic
-from command_line import halfplane, raising
+from command_line import raising
 from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports.cli.solving import exit_code, verdict_shown
@@ -531,31 +531,3 @@ def test_outside_and_a_violated_law_come_before_undecided(paper, capsys):
         1,
     )
     assert capsys.readouterr().err == ""
-
-
-def test_run_with_a_budget_ends_with_1_and_says_why_on_its_last_line(tmp_path):
-    """Blocks on a mesh so coarse that the budget leaves every tolerance open."""
-    coarse = (
-        "--order",
-        "1",
-        "--element-size",
-        "0.25",
-        "--edge-element-size",
-        "0.1",
-        "--steps-per-cycle",
-        "8",
-    )
-    outcome = halfplane(tmp_path, "run", "blocks", "--budget", "--out", "out", "--quiet", *coarse)
-    assert outcome.returncode == 1
-    last = outcome.stderr.splitlines()[-1]
-    assert last.startswith("halfplane: blocks: undecided: ")
-    assert "stick_edge" in last
-    assert last.endswith("this counts as outside: exit code 1")
-    stored = json.loads((tmp_path / "out" / "comparison.json").read_text(encoding="utf-8"))
-    edge = stored["metrics"]["stick_edge"]
-    assert edge["uncertainty"] == stored["budget"]["metrics"]["stick_edge"]["u"] > edge["tolerance"]
-    assert (edge["verdict"], edge["accurate"], stored["verdict"]["passed"]) == (
-        "undecided",
-        False,
-        False,
-    )
