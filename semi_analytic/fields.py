@@ -32,7 +32,7 @@ beside corners, behind which a(P) goes as d^(3/2), the rule for singular ends ta
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import takewhile
@@ -380,7 +380,9 @@ def _turn(leg: LoadSegment, arc_end: float, other_end: float) -> TurningPoint:
 
 
 def _force_over_root(leg: LoadSegment, turn: TurningPoint, z: Array) -> Array:
-    """|dQ/dz| with the sign of dQ/dt, from dP = 2 z dz."""
+    """|dQ/dz| with the sign of dQ/dt at z = sqrt(|P - P_t|), P_t the load at the turning point,
+    from dP = 2 z dz; shape of z.
+    """
     time = leg.time_of(NORMAL_LOAD, turn.sign * z * z, turn.time, turn.farthest)
     slope = np.abs(leg.rate_of(NORMAL_LOAD, time))
     return np.asarray(leg.rates(time)[1] * 2 * z / np.where(slope > 0, slope, np.inf))
@@ -389,7 +391,10 @@ def _force_over_root(leg: LoadSegment, turn: TurningPoint, z: Array) -> Array:
 def _kernel(
     contact: Contact, kernel: Kernel, x: Array, load_above: Array, load: Array, advance: Array
 ) -> Array:
-    """K from P - P_x, P and the advance of the edge."""
+    """The kernel K at points `x` from `load_above` = P - P_x, the load P and the advance of the
+    edge of contact, arrays of one shape: dp/dP of the shear, arccosh(|x|/a) of the slip, ln(2 L/a)
+    of the shift, P_x the load at which the edge is at x.
+    """
     if kernel == "shear":
         return contact.inverse_root(x, load_above, advance)
     if kernel == "slip":
@@ -399,8 +404,9 @@ def _kernel(
 
 @dataclass(frozen=True, eq=False)
 class _NearIntegral:
-    """Integrals of one kernel where P_x is among the loads or close to them, or P close to 0, in
-    the variable of the module's docstring; `turn` is the turning point of P beside them.
+    """Integrals of one kernel K over time where the load P_x at which the edge of contact is at the
+    point is among the loads of the range or close to them, or where P is close to 0; `turn` is the
+    turning point of P beside them.
     """
 
     contact: Contact
@@ -413,79 +419,107 @@ class _NearIntegral:
         """Whether the kernel is not 0 for z^2 > e^2; else for z^2 < e^2."""
         return (self.kernel != "slip") == (self.turn.sign > 0)
 
-    def over(self, low: Array, high: Array, x: Array, edge: Array) -> Array:
-        """Integrals from low[k] to high[k] in time at x[k], (m,), `edge` the loads P_x at which the
-        edge of contact is at x: by Gauss' rule in a variable s in which the integrand is smooth.
+    def over(self, begin_time: Array, end_time: Array, x: Array, load_at_x: Array) -> Array:
+        """Integrals of dQ/dt K(x, P(t)) over time, (m,), by Gauss' rule in a variable s in which
+        the integrand is smooth.
+
+        # notation: P_t load at the turning point of P, z^2 = |P - P_t|, P_x load at which the edge
+        #           of contact is at x, e^2 = P_x - P_t beside a least P, P_t - P_x beside a largest
+
+        Where K is not 0 for z^2 > e^2, s = ln(z + sqrt(z^2 - e^2)) but for a constant, and where
+        it is not for z^2 < e^2, s = arcsin(z/e).
+
+        Parameters
+        ----------
+        begin_time, end_time
+            (m,) limits of the integrals, P monotonic from the turning point to both
+        x, load_at_x
+            (m,) a point for each integral, and its P_x
         """
-        integrals = np.zeros(len(low))
-        if not len(low):
-            return integrals
+        if not len(begin_time):
+            return np.zeros(0)
         turn = self.turn
-        z_at_low = self._root_of_rise(low)
-        z_at_high = self._root_of_rise(high)
-        least_z = np.minimum(z_at_low, z_at_high)
-        largest_z = np.maximum(z_at_low, z_at_high)
-        squared_e = turn.sign * (edge - turn.load)
+        z_at_begin = self._root_of_rise(begin_time)
+        z_at_end = self._root_of_rise(end_time)
+        least_z = np.minimum(z_at_begin, z_at_end)
+        largest_z = np.maximum(z_at_begin, z_at_end)
+        squared_e = turn.sign * (load_at_x - turn.load)
         # An e of 0 would stretch the variable for ever.
         least_square = 1e-36 * largest_z**2
         squared_e = np.where(np.abs(squared_e) < least_square, least_square, squared_e)
         # The part on the side of P_x where the kernel is not 0: z^2 > e^2 or z^2 < e^2.
         limit_function = _limits_beyond if self.beyond else _limits_within
         begin_s, end_s = limit_function(least_z, largest_z, squared_e)
+        return self._over_variable(begin_s, end_s, x, squared_e)
+
+    def _over_variable(self, begin_s: Array, end_s: Array, x: Array, squared_e: Array) -> Array:
+        """Integrals from begin_s[k] to end_s[k] in the variable s, at x[k] with e^2, (m,) each: by
+        as many of Gauss' nodes as the length takes, where the integrand is rough by the rule for
+        singular ends; 0 where there is no length.
+        """
+        integrals = np.zeros(len(begin_s))
         s_length = end_s - begin_s
         is_rough = self._is_rough(begin_s, s_length, squared_e)
-        rule_number = np.searchsorted([longest for longest, _ in _SPANS], s_length)
-        rule_number[(s_length <= 0) | is_rough] = -1
-        for rule in np.unique(rule_number[rule_number >= 0]).tolist():
-            numbers_of_rule = np.flatnonzero(rule_number == rule)
+        number_of_rule = np.searchsorted([longest for longest, _ in _SPANS], s_length)
+        number_of_rule[(s_length <= 0) | is_rough] = -1
+        for rule in np.unique(number_of_rule[number_of_rule >= 0]).tolist():
             _, n_nodes = _SPANS[rule]
             nodes, weights_of_nodes = gauss(n_nodes)
-            for k in range(0, len(numbers_of_rule), _NODES // n_nodes):
-                chunk = numbers_of_rule[k : k + _NODES // n_nodes]
+            for chunk in _chunks(np.flatnonzero(number_of_rule == rule), n_nodes):
                 s = begin_s[chunk, None] + s_length[chunk, None] * nodes
                 weights = s_length[chunk, None] * weights_of_nodes
                 integrals[chunk] = self._sum(s, weights, x[chunk, None], squared_e[chunk, None])
-        numbers_of_rule = np.flatnonzero((s_length > 0) & is_rough)
-        for k in range(0, len(numbers_of_rule), _NODES // len(ROOTS.up)):
-            chunk = numbers_of_rule[k : k + _NODES // len(ROOTS.up)]
+        for chunk in _chunks(np.flatnonzero((s_length > 0) & is_rough), len(ROOTS.up)):
             s, weights = graded(begin_s[chunk], end_s[chunk])
             integrals[chunk] = self._sum(s, weights, x[chunk, None], squared_e[chunk, None])
         return integrals
 
     def _root_of_rise(self, time: Array) -> Array:
-        """z at times."""
+        """z = sqrt(|P - P_t|) at times (m,), P_t the load at the turning point of P."""
         rise = self.leg.change_of(NORMAL_LOAD, time, self.turn.time)
         return np.sqrt(np.maximum(self.turn.sign * rise, 0.0))
 
-    def _is_rough(self, begin: Array, length: Array, squared_e: Array) -> NDArray[np.bool_]:
+    def _is_rough(self, begin_s: Array, s_length: Array, squared_e: Array) -> NDArray[np.bool_]:
         """Whether a range of the variable (m,) takes the rule for singular ends.
 
         Too close to the logarithm where P = 0, +-i arsinh(sqrt(P_t)/e), for Gauss' rule: at four
         lengths 6 nodes leave 16^-12. A shift always: it has one point, and is cheap.
         """
         if self.kernel == "shift":
-            return np.ones(len(begin), dtype=bool)
+            return np.ones(len(begin_s), dtype=bool)
         if self.kernel != "slip" or self.beyond:
-            return np.zeros(len(begin), dtype=bool)
-        least_load = max(self.turn.load, 0.0)
-        height = np.arcsinh(
-            np.sqrt(least_load / np.maximum(squared_e, 1e-200 * least_load + 1e-300))
-        )
-        return np.asarray(np.hypot(begin, height) < _AWAY * length)
+            return np.zeros(len(begin_s), dtype=bool)
+        load_at_turn = max(self.turn.load, 0.0)
+        least_square = 1e-200 * load_at_turn + 1e-300
+        imaginary_part = np.arcsinh(np.sqrt(load_at_turn / np.maximum(squared_e, least_square)))
+        return np.asarray(np.hypot(begin_s, imaginary_part) < _AWAY * s_length)
 
     def _sum(self, s: Array, weights: Array, x: Array, squared_e: Array) -> Array:
-        """Sums over nodes s (m, nodes), with points and e^2 (m, 1): (m,)."""
-        z, root = _nodes(s, squared_e, self.beyond)
+        """Weighted sums of dQ/ds K(x, P) over nodes s (m, nodes), (m,); points x and e^2, the
+        distance of P_x from the turning point of P with its sign, are (m, 1).
+        """
+        z, root = _z_and_root(s, squared_e, self.beyond)
         load = np.maximum(self.turn.load + self.turn.sign * z * z, 0.0)
         advance = self.contact.advance(load)
-        root_product = root * root if self.kernel != "slip" else -root * root
-        kernel = _kernel(self.contact, self.kernel, x, root_product, load, advance)
+        load_above_edge = root * root if self.kernel != "slip" else -root * root
+        kernel = _kernel(self.contact, self.kernel, x, load_above_edge, load, advance)
         force_rate = _force_over_root(self.leg, self.turn, z)
         return np.asarray(np.sum(weights * root * force_rate * kernel, axis=1))
 
 
+def _chunks(numbers: Indices, n_nodes: int) -> Iterator[Indices]:
+    """The numbers of integrals of so many nodes each, a chunk at a time: few enough that the nodes
+    of a chunk find room.
+    """
+    integrals_at_once = _NODES // n_nodes
+    for k in range(0, len(numbers), integrals_at_once):
+        yield numbers[k : k + integrals_at_once]
+
+
 def _limits_beyond(least_z: Array, largest_z: Array, squared_e: Array) -> tuple[Array, Array]:
-    """ln(z + sqrt(z^2 - e^2)) over its value at z = |e| at both ends, arsinh(z/|e|) for e^2 < 0."""
+    """The variable s at both ends of a range from `least_z` to `largest_z`, (m,) each, where the
+    kernel is not 0 for z^2 > e^2: arcosh(z/e), 0 up to z = e; arsinh(z/|e|) for e^2 < 0.
+    """
     e = np.sqrt(np.abs(squared_e))
 
     def variable_at(z_limit: Array) -> Array:
@@ -500,7 +534,9 @@ def _limits_beyond(least_z: Array, largest_z: Array, squared_e: Array) -> tuple[
 
 
 def _limits_within(least_z: Array, largest_z: Array, squared_e: Array) -> tuple[Array, Array]:
-    """arcsin(z/e) at both ends; equal where there is nothing within."""
+    """The variable s = arcsin(z/e) at both ends of a range from `least_z` to `largest_z`, (m,)
+    each, where the kernel is not 0 for z^2 < e^2; equal where nothing of the range is within.
+    """
     e = np.sqrt(np.maximum(squared_e, 0.0))
 
     def variable_at(z_limit: Array) -> Array:
@@ -511,14 +547,16 @@ def _limits_within(least_z: Array, largest_z: Array, squared_e: Array) -> tuple[
     return begin, np.maximum(begin, variable_at(largest_z))
 
 
-def _nodes(s: Array, square: Array, beyond: bool) -> tuple[Array, Array]:
-    """z and sqrt(|z^2 - e^2|) at s; dz = root ds."""
-    e = np.sqrt(np.abs(square))
+def _z_and_root(s: Array, squared_e: Array, beyond: bool) -> tuple[Array, Array]:
+    """z and the root sqrt(|z^2 - e^2|) at s, (m, nodes) each, with dz = root ds: z > e where
+    `beyond`, else z < e.
+    """
+    e = np.sqrt(np.abs(squared_e))
     if not beyond:
         return e * np.sin(s), e * np.cos(s)
-    longer = e * np.cosh(s)
-    shorter = e * np.sinh(s)
-    return np.where(square > 0, longer, shorter), np.where(square > 0, shorter, longer)
+    by_cosh = e * np.cosh(s)
+    by_sinh = e * np.sinh(s)
+    return np.where(squared_e > 0, by_cosh, by_sinh), np.where(squared_e > 0, by_sinh, by_cosh)
 
 
 # Share of a load up to which a line of the memory is short: differences of slips keep 1e-15 of the

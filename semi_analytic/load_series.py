@@ -86,12 +86,12 @@ class Knot(NamedTuple):
 
     @property
     def bend(self) -> float:
-        """None."""
+        """0: along a line the slope of the memory does not change."""
         return 0.0
 
     @property
     def arc(self) -> None:
-        """None."""
+        """None: a line is no arc of a curved load path."""
         return
 
     @property
@@ -144,7 +144,9 @@ class Records(NamedTuple):
 
 
 class LineTable(NamedTuple):
-    """The line of the memory that each of some records goes through, (m,) each: see `Knot`."""
+    """The line of the memory curve M(eta) that each of some records goes through, (m,) each: eta
+    and M at its upper end, and their growth along it.
+    """
 
     top: Array
     force: Array
@@ -183,8 +185,11 @@ class Recorder:
         slipped: tuple[float, float] = (0.0, 0.0),
         rise: float = 0.0,
     ) -> None:
-        """One record: slip in `direction` from one station to the next, through `line`; `slipped`
-        is P - P_c at both.
+        """One record: a part of a step between two stations (P, Q, share of the step that is over),
+        through one line of the memory curve.
+
+        `direction` of slip is 1, -1 or 0 for none; `slipped` is P - P_c at both stations, P_c the
+        load at the front of slip, and `rise` the growth of the level direction Q - f P.
         """
         if self._add_line is not None:
             self._add_line(line)
@@ -304,23 +309,37 @@ def _slip(
     friction: float,
     recorder: Recorder,
 ) -> Knot | None:
-    """The memory curve after a step that slips in `direction` s, +1 or -1, between stations (P, Q,
-    share of the step).
+    """The memory curve after a step that slips.
 
-    The front of slip, P_c, goes down through the lines of the curve while the level s Q - f P
-    grows: a line of `length` and `rise` is passed when the level has grown by f length - s rise. P
-    - P_c, `slipped`, is the growth of P and the lengths of all lines passed.
+    # notation: P, Q normal and tangential load; P_c load at the front of slip; level s Q - f P, s
+    #           the direction of slip, which grows in slip
+
+    The front goes down through the lines of the curve while the level grows: a line of `length` in
+    P and `rise` in Q is passed when the level has grown by f length - s rise. P - P_c, `slipped`,
+    is the growth of P in the step and the lengths of all lines passed.
+
+    Parameters
+    ----------
+    curve
+        the uppermost line of the memory curve before the step, which holds the lines below; None
+        for bodies out of contact
+    direction
+        s, 1 of forward and -1 of reverse slip
+    begin_station, end_station
+        P, Q and the share of the step that is over, at both ends
+    recorder
+        takes a record for each line that the front goes through
     """
     load, force, begin_share = begin_station
     load_at_end, force_at_end, end_share = end_station
     load_growth = load_at_end - load
-    level_rise = direction * (force_at_end - force) - friction * load_growth
-    level_to_go = level_rise
-    rounding = _LAST_DIGITS * friction * (load if load > load_at_end else load_at_end)
+    level_growth = direction * (force_at_end - force) - friction * load_growth
+    level_to_go = level_growth
+    level_roundoff = _LAST_DIGITS * friction * (load if load > load_at_end else load_at_end)
     length_passed = 0.0
     slipped = 0.0  # P - P_c at the end of the last record
     station = begin_station
-    # What slips already is at the limit, and the front is below it.
+    # A line at the limit slips already, and the front is below it.
     if (
         curve is not None
         and curve.below is not None
@@ -331,23 +350,25 @@ def _slip(
         curve = curve.below
     curve_below_front = curve
     while curve is not None:
-        below, _, _, length, rise, _ = curve
+        line_below, _, _, length, rise, _ = curve
         level_of_line = friction * length - direction * rise
         # A front that meets a knot at the very end of the step, to rounding, has not passed it:
         # what lies below may be at the limit already, and the front would jump through it.
-        if level_to_go <= level_of_line + rounding or below is None:
+        if level_to_go <= level_of_line + level_roundoff or line_below is None:
             curve_below_front = curve
             # |Q| <= f P was checked: what the lowest line has not room for is rounding.
             if level_of_line > 0 and level_to_go > 0:
                 share_of_line = level_to_go / level_of_line if level_to_go < level_of_line else 1.0
                 length_passed += share_of_line * length
-                curve_below_front = _shortened(curve, share_of_line) if share_of_line < 1 else below
+                curve_below_front = (
+                    _shortened(curve, share_of_line) if share_of_line < 1 else line_below
+                )
             break
         length_passed += length
         if level_of_line > 0:
             level_to_go -= level_of_line
-            share_of_step = 1 - level_to_go / level_rise
-            slipped_after = length_passed + share_of_step * load_growth
+            share_of_step = 1 - level_to_go / level_growth
+            slipped_at_knot = length_passed + share_of_step * load_growth
             # Q of a station inside a step plays no part in its record.
             station_at_knot = (
                 load + share_of_step * load_growth,
@@ -355,36 +376,46 @@ def _slip(
                 begin_share + share_of_step * (end_share - begin_share),
             )
             recorder.add(
-                curve, direction, station, station_at_knot, (slipped, slipped_after), level_of_line
+                curve,
+                direction,
+                station,
+                station_at_knot,
+                (slipped, slipped_at_knot),
+                level_of_line,
             )
             station = station_at_knot
-            slipped = slipped_after
+            slipped = slipped_at_knot
         else:
             slipped += length
-        curve = below
-        curve_below_front = below
-    slipped_at_step_end = length_passed + load_growth
+        curve = line_below
+        curve_below_front = line_below
+    slipped_at_end = length_passed + load_growth
     recorder.add(
         curve,
         direction,
         station,
         end_station,
-        (slipped, slipped_at_step_end if slipped_at_step_end > 0 else 0.0),
+        (slipped, slipped_at_end if slipped_at_end > 0 else 0.0),
         level_to_go if level_to_go > 0 else 0.0,
     )
-    if not slipped_at_step_end > 0:
+    if not slipped_at_end > 0:
         return curve_below_front
-    if curve_below_front is None:
-        return _knot(
-            Knot,
-            (None, load_at_end, force_at_end, load_at_end, direction * friction * load_at_end, 1),
-        )
-    rise_of_slip = direction * friction * slipped_at_step_end
-    depth = curve_below_front.depth + 1
-    return _knot(
-        Knot,
-        (curve_below_front, load_at_end, force_at_end, slipped_at_step_end, rise_of_slip, depth),
+    return _with_line_at_limit(
+        curve_below_front, load_at_end, force_at_end, slipped_at_end, direction * friction
     )
+
+
+def _with_line_at_limit(
+    curve_below_front: Knot | None, load: float, force: float, slipped: float, slope: float
+) -> Knot:
+    """The memory curve up to P = `load` and Q = `force`: the part below the front of slip, and on
+    it a line of the length `slipped` in P with the slope +f or -f of the Coulomb limit; the limit
+    from P = 0 on where no part is left.
+    """
+    if curve_below_front is None:
+        return _knot(Knot, (None, load, force, load, slope * load, 1))
+    depth = curve_below_front.depth + 1
+    return _knot(Knot, (curve_below_front, load, force, slipped, slope * slipped, depth))
 
 
 def _unload(

@@ -721,13 +721,21 @@ class PunchSuperposition:
 
 @dataclass(frozen=True, eq=False)
 class Panels:
-    """Ranges [begin, end] of v: `point` (n,) whose they are, `low` the advance at v = 0, `scale` =
-    sqrt(|x - b|) or 1.
+    """Ranges [begin, end] of the variable v that takes the roots out of the integrands, (n,) each.
+
+    Attributes
+    ----------
+    point, x
+        number of the point that a panel belongs to, and its x [length]
+    advance_at_v0
+        advance d = a - a_0 of the edge of contact at v = 0 [length]
+    scale
+        sqrt(|x - b|), b the corner of the profile behind which the panel lies; or 1
     """
 
     point: Indices
     x: Array
-    low: Array
+    advance_at_v0: Array
     scale: Array
     begin: Array
     end: Array
@@ -742,6 +750,19 @@ class Panels:
         """The chosen ones."""
         return Panels(*(values[numbers] for values in vars(self).values()))
 
+    def cut_to(self, longest: float) -> Panels:
+        """Each panel in as few equal parts as are not longer than `longest` in v, side by side."""
+        n_parts = np.maximum(np.ceil((self.end - self.begin) / longest), 1).astype(int)
+        panel_of_part = np.repeat(np.arange(len(n_parts)), n_parts)
+        first_part_of_panel = np.cumsum(n_parts) - n_parts
+        number_in_panel = np.arange(len(panel_of_part)) - np.repeat(first_part_of_panel, n_parts)
+        part_length = ((self.end - self.begin) / n_parts)[panel_of_part]
+        parts = self.take(panel_of_part)
+        begin = parts.begin + number_in_panel * part_length
+        is_last_of_panel = number_in_panel == n_parts[panel_of_part] - 1
+        end = np.where(is_last_of_panel, parts.end, begin + part_length)
+        return replace(parts, begin=begin, end=end)
+
     def halved(self) -> Panels:
         """The lower halves of all, then the upper ones."""
         middle = (self.begin + self.end) / 2
@@ -750,7 +771,7 @@ class Panels:
         return Panels.together([lower_half, upper_half])
 
     def advance(self, kind: Kind, v: Array) -> Array:
-        """Delta - `low` at v, (n,) or (n, nodes)."""
+        """Growth of the advance from v = 0 on to v, which is (n,) or (n, nodes)."""
         scale = self.scale.reshape(-1, *[1] * (v.ndim - 1))
         if kind == "pressure":
             return np.square(scale * np.sinh(v))
@@ -797,7 +818,7 @@ class Primitive:
             self.kind,
             advance,
             self.beyond[point],
-            panels.low[panel_number],
+            panels.advance_at_v0[panel_number],
             panels.scale[panel_number],
         )
         begin = panels.begin[panel_number]
@@ -822,9 +843,16 @@ class Primitive:
         return point * (len(self._firsts) + 1) + rank
 
 
-def _variable(kind: Kind, advance: Array, beyond_flat: Array, low: Array, scale: Array) -> Array:
-    """V of an advance; `beyond` is x - a_0."""
-    root = np.sqrt(np.maximum(advance - low, 0.0))
+def _variable(
+    kind: Kind, advance: Array, beyond_flat: Array, advance_at_v0: Array, scale: Array
+) -> Array:
+    """The variable v of an advance d of the edge of contact, in which the integrand of a `kind` is
+    smooth: arrays of one shape.
+
+    `beyond_flat` is x - a_0; the advance is d = `advance_at_v0` + `scale`^2 sinh^2 v in the
+    pressure, sin^2 v outside, v^2 in the logarithm.
+    """
+    root = np.sqrt(np.maximum(advance - advance_at_v0, 0.0))
     if kind == "pressure":
         return np.arcsinh(root / scale)
     if kind == "outside":
@@ -876,10 +904,13 @@ def primitive_of(kind: Kind, order: int, x: Array, top: float, law: ContactLaw) 
     # Octaves, so that a small advance has digits of its own.
     octaves = top / law.octave ** np.arange(1, _OCTAVES)
     ends_of_ranges = np.append(np.union1d(begins[begins < top], octaves), top)
-    ranges = _ranges(kind, x, law.least, ends_of_ranges, begins)
-    resolved_panels = _with_empty_panels(_resolved(kind, order, ranges, law), x)
+    whole_panels = _panels_of_points(kind, x, law.least, ends_of_ranges, begins)
+    panels_to_resolve = whole_panels.cut_to(_LONGEST[kind])
+    resolved_panels = _with_empty_panels(_resolved(kind, order, panels_to_resolve, law), x)
     panels = resolved_panels.panels
-    resolved_panels = resolved_panels.take(np.lexsort((panels.begin, panels.low, panels.point)))
+    resolved_panels = resolved_panels.take(
+        np.lexsort((panels.begin, panels.advance_at_v0, panels.point))
+    )
     panels = resolved_panels.panels
     tails = resolved_panels.tails
     coefficients = chebyshev.chebint(resolved_panels.coefficients.T, lbnd=-1)
@@ -893,46 +924,46 @@ def primitive_of(kind: Kind, order: int, x: Array, top: float, law: ContactLaw) 
     running_sums[panels.point, number_at_point + 1] = np.sum(coefficients, axis=0)
     running_sums[:, 0] = _at_the_bottom(kind, order, x, float(ends_of_ranges[1]), law)
     coefficients[0] += np.cumsum(running_sums, axis=1)[panels.point, number_at_point]
-    first_advances = panels.low + panels.advance(kind, panels.begin)
+    first_advances = panels.advance_at_v0 + panels.advance(kind, panels.begin)
     return Primitive(kind, x, x - law.least, top, panels, first_advances, coefficients, error)
 
 
-def _resolved(kind: Kind, order: int, ranges: Panels, law: ContactLaw) -> _Resolved:
+def _resolved(kind: Kind, order: int, panels: Panels, law: ContactLaw) -> _Resolved:
     """Chebyshev series of the integrand on ranges of v, which are halved until their last
     coefficients no longer count.
 
     What halving does not make smaller is noise of P(d) and dP/da themselves: it stays, and counts
     as error.
     """
-    finished_ranges: list[_Resolved] = []
-    tail_before = np.full(len(ranges.point), np.inf)
+    finished_panels: list[_Resolved] = []
+    tail_before = np.full(len(panels.point), np.inf)
     for halvings in range(_HALVINGS + 1):
         series_of_chunks = [np.empty((0, len(NODES)))]
-        for k in range(0, len(ranges.point), _AT_ONCE):
-            chunk = ranges.take(np.arange(k, min(k + _AT_ONCE, len(ranges.point))))
+        for k in range(0, len(panels.point), _AT_ONCE):
+            chunk = panels.take(np.arange(k, min(k + _AT_ONCE, len(panels.point))))
             v = chunk.begin[:, None] + (chunk.end - chunk.begin)[:, None] * (1 + NODES) / 2
             series_of_chunks.append(series(_integrand(kind, order, chunk, v, law)))
         coefficients = np.concatenate(series_of_chunks)
-        half_length = (ranges.end - ranges.begin) / 2
+        half_length = (panels.end - panels.begin) / 2
         last_terms = tail(coefficients)
         integral_size = np.abs(coefficients[:, 0]) * half_length
         if kind != "pressure":
             # By parts W stands there too: where that is larger, its last digit counts.
-            load_at_end = law.load(ranges.low + ranges.advance(kind, ranges.end))
+            load_at_end = law.load(panels.advance_at_v0 + panels.advance(kind, panels.end))
             integral_size = np.maximum(integral_size, _weight_of_order(order, load_at_end))
         is_small = last_terms * half_length <= _RESOLVED * integral_size
         is_noise = last_terms > _NOISE * tail_before
         is_done = is_small | is_noise | (halvings == _HALVINGS)
-        resolved_ranges = _Resolved(ranges, coefficients, last_terms * half_length)
-        finished_ranges.append(resolved_ranges.take(np.flatnonzero(is_done)))
+        chebyshev_panels = _Resolved(panels, coefficients, last_terms * half_length)
+        finished_panels.append(chebyshev_panels.take(np.flatnonzero(is_done)))
         if np.all(is_done):
             break
-        ranges = ranges.take(np.flatnonzero(~is_done)).halved()
+        panels = panels.take(np.flatnonzero(~is_done)).halved()
         tail_before = np.tile(last_terms[~is_done], 2)
     return _Resolved(
-        Panels.together([resolved_ranges.panels for resolved_ranges in finished_ranges]),
-        np.concatenate([resolved_ranges.coefficients for resolved_ranges in finished_ranges]),
-        np.concatenate([resolved_ranges.tails for resolved_ranges in finished_ranges]),
+        Panels.together([group.panels for group in finished_panels]),
+        np.concatenate([group.coefficients for group in finished_panels]),
+        np.concatenate([group.tails for group in finished_panels]),
     )
 
 
@@ -961,64 +992,76 @@ def _without_round_off(coefficients: Array) -> Array:
     return coefficients[: last_order + 1]
 
 
-def _ranges(
-    kind: Kind, x: Array, least_half_width: float, ends_of_advance: Array, begins: Array
-) -> Panels:
-    """Panels of the variable v for each point of `x` (k,): between `ends_of_advance`, ascending,
-    those that are not empty, cut to the greatest length that one series serves.
-
-    v takes the roots of the integrand away, behind a corner at one of the advances `begins`, or at
-    the point itself; `least_half_width` is that of no load.
+class _AdvanceRanges(NamedTuple):
+    """Ranges of the advance of the edge for each of k points, (k, n) each: their ends; the advance
+    at which the variable v is 0, and the scale of v, the root of a length or 1.
     """
-    corner = begins[
-        np.clip(np.searchsorted(begins, ends_of_advance[:-1], side="right") - 1, 0, None)
-    ]
+
+    begin: Array
+    end: Array
+    at_v0: Array
+    scale: Array
+
+
+def _panels_of_points(
+    kind: Kind, x: Array, least_half_width: float, ends_of_ranges: Array, begins: Array
+) -> Panels:
+    """Panels of the variable v for each point of `x` (k,): one for each of the ranges between
+    `ends_of_ranges` (n + 1,), ascending advances of the edge, in which its integrand is not 0.
+
+    v takes the roots of the integrand away, behind a corner of the profile, which the edge passes
+    at one of the advances `begins`, or at the point itself; `least_half_width` is that of no load.
+    """
+    number_of_corner = np.searchsorted(begins, ends_of_ranges[:-1], side="right") - 1
+    corner_advance = begins[np.clip(number_of_corner, 0, None)]
     beyond_flat = x - least_half_width
-    beyond_as_column = beyond_flat[:, None]
-    begin_advance = ends_of_advance[:-1] + 0 * beyond_as_column
-    end_advance = ends_of_advance[1:] + 0 * beyond_as_column
-    advance_at_v0 = corner + 0 * beyond_as_column
-    scale_of_v = np.ones((len(x), len(corner)))
+    column_of_zeros = 0 * beyond_flat[:, None]
+    ranges = _AdvanceRanges(
+        begin=ends_of_ranges[:-1] + column_of_zeros,
+        end=ends_of_ranges[1:] + column_of_zeros,
+        at_v0=corner_advance + column_of_zeros,
+        scale=np.ones((len(x), len(corner_advance))),
+    )
     if kind == "pressure":
-        advance_at_v0 = np.maximum(beyond_as_column, corner)
-        # From the middle itself, x = b = 0 with no flat there, the law is a power up to the first
-        # mark: see `_at_the_bottom`.
-        squared_scale = np.where(
-            corner + least_half_width > 0, np.abs(beyond_as_column - corner), 2 * beyond_as_column
-        )
-        scale_of_v = np.sqrt(np.maximum(squared_scale, max(_CLOSEST * ends_of_advance[-1], 1e-300)))
-        begin_advance = np.maximum(
-            begin_advance,
-            np.where(x[:, None] + least_half_width > 0, advance_at_v0, ends_of_advance[1]),
-        )
+        ranges = _ranges_of_pressure(ranges, x, least_half_width, ends_of_ranges)
     elif kind == "outside":
-        scale_of_v = np.sqrt(np.maximum(beyond_as_column - corner, 0.0))
-        end_advance = np.minimum(end_advance, beyond_as_column)
-    nonempty = np.nonzero(end_advance > begin_advance)
-    point = nonempty[0]
-    origins_of_cells = advance_at_v0[nonempty]
-    scales_of_cells = scale_of_v[nonempty]
-    begin_of_v = _variable(
-        kind, begin_advance[nonempty], beyond_flat[point], origins_of_cells, scales_of_cells
+        advance_to_point = beyond_flat[:, None]
+        ranges = ranges._replace(
+            end=np.minimum(ranges.end, advance_to_point),
+            scale=np.sqrt(np.maximum(advance_to_point - corner_advance, 0.0)),
+        )
+    is_nonempty = np.nonzero(ranges.end > ranges.begin)
+    point, _ = is_nonempty
+    at_v0 = ranges.at_v0[is_nonempty]
+    scale = ranges.scale[is_nonempty]
+    begin_v = _variable(kind, ranges.begin[is_nonempty], beyond_flat[point], at_v0, scale)
+    end_v = _variable(kind, ranges.end[is_nonempty], beyond_flat[point], at_v0, scale)
+    return Panels(point, x[point], at_v0, scale, begin_v, end_v)
+
+
+def _ranges_of_pressure(
+    ranges: _AdvanceRanges, x: Array, least_half_width: float, ends_of_ranges: Array
+) -> _AdvanceRanges:
+    """The ranges of the integral for the pressure at points x (k,): they begin where the edge of
+    contact passes the point, and v = 0 is there or at the corner before, whichever is farther out.
+    """
+    advance_to_point = (x - least_half_width)[:, None]
+    corner_advance = ranges.at_v0
+    at_v0 = np.maximum(advance_to_point, corner_advance)
+    # From the middle itself, x = b = 0 with no flat there, the law is a power up to the first end
+    # of a range: see `_at_the_bottom`.
+    squared_scale = np.where(
+        corner_advance + least_half_width > 0,
+        np.abs(advance_to_point - corner_advance),
+        2 * advance_to_point,
     )
-    end_of_v = _variable(
-        kind, end_advance[nonempty], beyond_flat[point], origins_of_cells, scales_of_cells
-    )
-    n_parts = np.maximum(np.ceil((end_of_v - begin_of_v) / _LONGEST[kind]), 1).astype(int)
-    cell_of_part = np.repeat(np.arange(len(n_parts)), n_parts)
-    number_in_cell = np.arange(len(cell_of_part)) - np.repeat(np.cumsum(n_parts) - n_parts, n_parts)
-    length_of_part = ((end_of_v - begin_of_v) / n_parts)[cell_of_part]
-    begin = begin_of_v[cell_of_part] + number_in_cell * length_of_part
-    end = np.where(
-        number_in_cell == n_parts[cell_of_part] - 1, end_of_v[cell_of_part], begin + length_of_part
-    )
-    return Panels(
-        point[cell_of_part],
-        x[point[cell_of_part]],
-        origins_of_cells[cell_of_part],
-        scales_of_cells[cell_of_part],
-        begin,
-        end,
+    least_square = max(_CLOSEST * ends_of_ranges[-1], 1e-300)
+    first_advance = np.where(x[:, None] + least_half_width > 0, at_v0, ends_of_ranges[1])
+    return _AdvanceRanges(
+        begin=np.maximum(ranges.begin, first_advance),
+        end=ranges.end,
+        at_v0=at_v0,
+        scale=np.sqrt(np.maximum(squared_scale, least_square)),
     )
 
 
@@ -1028,7 +1071,7 @@ def _integrand(kind: Kind, order: int, panels: Panels, v: Array, law: ContactLaw
     brings.
     """
     x = panels.x[:, None]
-    advance_at_v0 = panels.low[:, None]
+    advance_at_v0 = panels.advance_at_v0[:, None]
     scale = panels.scale[:, None]
     advance_beyond_v0 = panels.advance(kind, v)
     advance = advance_at_v0 + advance_beyond_v0

@@ -106,7 +106,7 @@ class Ellipses:
         return Ellipses(**{name: values[members] for name, values in vars(self).items()})
 
     def over(self, unit: Array) -> Ellipses:
-        """The same with loads in units of their own, (m,)."""
+        """The ellipses with every load divided by a unit of force per thickness, (m,)."""
         loads = {
             name: vars(self)[name] / unit for name in ("mean", "amplitude", "u", "v", "permanent")
         }
@@ -445,7 +445,7 @@ class Pieces(NamedTuple):
     def of_group(
         cls, group: int, member: Indices, low: Array, high: Array, rule: Indices
     ) -> Pieces:
-        """All of one group."""
+        """Pieces of the integrals of one group, between the angles `low` and `high`."""
         return cls(np.full(len(member), group), member, low, high, rule)
 
     @classmethod
@@ -587,8 +587,8 @@ def dissipation_of(e: Ellipses, contact: SymmetricContact) -> Array:
 
 
 def dissipation_and_error(e: Ellipses, contact: SymmetricContact) -> Array:
-    """Forward and reverse part as in `dissipation_of`, and the error of their sum from above, (3,
-    m).
+    """Forward and reverse part of W pi E*/(2 f^2) of m ellipses on any profile, and the error of
+    their sum from above, (3, m); NaN where the quadrature does not converge.
     """
     works = np.empty((3, len(e.mean)))
     for members, first_load, last_load in by_largest_load(e):
@@ -784,7 +784,12 @@ def _course_of_front(
     cosine: Array,
     sine: Array,
 ) -> tuple[Array, Array]:
-    """The same for P_c = P_T + `amplitude` sin^2 of half the angle, which is `half_square`."""
+    """Weight before L = ln a in W pi E*/(2 f^2), and the load P_c at the edge of stick, where P_c =
+    P_T + `amplitude` `half_square`, half_square being sin^2 of half the angle.
+
+    P - P_c is half of `other_amplitude` times 1 - cos(angle - `turn`); `cosine` and `sine` are of
+    the angle.
+    """
     load_above = amplitude * half_square
     cosine_to_turn = np.cos(turn) * cosine + np.sin(turn) * sine
     slipped = other_amplitude / 2 * (1 - cosine_to_turn)
@@ -906,7 +911,7 @@ class LogHalfWidth:
         self.edges = (self._begin + np.square(self._first_roots))[1:]
 
     def _at(self, piece: Indices, v: Array) -> Array:
-        """L by these series at v."""
+        """L = ln a by the series of the pieces at v = sqrt(P - P_b), P_b the corner below each."""
         first_root = self._first_roots[piece]
         place = (v - first_root) * (2 / (self._last_roots[piece] - first_root)) - 1
         return self._log(np.broadcast_to(piece, v.shape), np.clip(place, -1.0, 1.0))
@@ -1006,15 +1011,16 @@ def works_by_lam(
 
 
 def lam_error(e: Ellipses, work: Array, deep_share: float, log_size: Array | float) -> Array:
-    """Error of the sum of both parts of `works_by_lam` from above, (m,): Lam by the quick way has
-    the last digits of P L.
+    """Error of W pi E*/(2 f^2) of m ellipses from above, (m,), where each takes Lam, the integral
+    of ln a - ln a(P_c) over the loads, by a quick or a careful way: the quick one has the last
+    digits of P L.
 
     Parameters
     ----------
     work
-        the sum, W pi E*/(2 f^2)
+        W pi E*/(2 f^2), forward and reverse slip together
     deep_share
-        as there
+        share of P0 that the largest P - P_c exceeds where Lam goes the quick way
     log_size
         size of L = ln a, (m,) or one for all
     """
@@ -1024,9 +1030,14 @@ def lam_error(e: Ellipses, work: Array, deep_share: float, log_size: Array | flo
     return roundoff_error(e, work) + _OF_RULES * np.abs(work) + np.where(is_quick, last_digits, 0.0)
 
 
-def _rule_of(e: Ellipses) -> NDArray[np.uint8]:
-    """Index in `_RULES` of the least rule that leaves exp(-30), (m,), from where the integrands
-    stop being analytic.
+def _rule_of(ellipses: Ellipses) -> NDArray[np.uint8]:
+    """Number in `_RULES` of the Gauss rule with the fewest nodes that leaves exp(-30) of the
+    integrals over the phases of slip, (m,), from the places in the complex plane where the
+    integrands stop being analytic.
+
+    # notation: P and P_c normal load and load at the edge of stick, P_T least P_c, P_min least P,
+    #           P1 amplitude of P; u, v amplitudes of (Q -+ f P)/f; s angle from the begin of a
+    #           phase, D length of E-G and of J-M, pi - D that of I-J; t_E time of E
 
     In J-M and E-G the logarithm is singular where P_c = 0, at s = +-2 i arsinh(sqrt(P_T/u)) from M,
     and with v from G. Where P = 0 it is so +-2 i arsinh(sqrt(P_min/(2 P1))) beside t = pi, at s =
@@ -1035,33 +1046,46 @@ def _rule_of(e: Ellipses) -> NDArray[np.uint8]:
     nearest singularity from the ends of the interval [-1, 1]. Twelve at least, since nearly without
     slip the integrand is a cube of sines.
     """
-    # Angles of the intervals E-G and J-M, and of I-J.
-    long_angle = np.maximum(e.turn, _TINY)
-    short_angle = np.maximum(math.pi - e.turn, _TINY)
-    # Squares of the imaginary parts of the singularities where P_c = 0, and where P = 0.
-    square_at_no_stick = _square_of_imaginary(e.permanent, np.maximum(e.u, e.v))
-    square_at_no_load = _square_of_imaginary(e.mean - e.amplitude, 2 * e.amplitude)
-    singularities = (
-        (-1.0, square_at_no_stick / (long_angle * long_angle)),
-        (2 * (math.pi - e.start) / long_angle - 1, square_at_no_load / (long_angle * long_angle)),
-        (2 * e.start / short_angle - 1, square_at_no_load / (short_angle * short_angle)),
+    length_of_e_to_g = np.maximum(ellipses.turn, _TINY)
+    length_of_i_to_j = np.maximum(math.pi - ellipses.turn, _TINY)
+    larger_swing = np.maximum(ellipses.u, ellipses.v)
+    least_load = ellipses.mean - ellipses.amplitude
+    square_at_no_stick = _square_of_imaginary(ellipses.permanent, larger_swing)
+    square_at_no_load = _square_of_imaginary(least_load, 2 * ellipses.amplitude)
+    # Real part and squared imaginary part, each phase being the interval [-1, 1].
+    no_stick_in_e_to_g = (-1.0, square_at_no_stick / (length_of_e_to_g * length_of_e_to_g))
+    no_load_in_e_to_g = (
+        2 * (math.pi - ellipses.start) / length_of_e_to_g - 1,
+        square_at_no_load / (length_of_e_to_g * length_of_e_to_g),
     )
-    half_sum = np.full(len(long_angle), np.inf)
+    no_load_in_i_to_j = (
+        2 * ellipses.start / length_of_i_to_j - 1,
+        square_at_no_load / (length_of_i_to_j * length_of_i_to_j),
+    )
+    half_sum_of_distances = np.full(len(length_of_e_to_g), np.inf)
+    singularities = (no_stick_in_e_to_g, no_load_in_e_to_g, no_load_in_i_to_j)
     for real_part, squared_imaginary_part in singularities:
-        distance_from_one_end = np.sqrt(np.square(real_part - 1) + squared_imaginary_part)
-        distance_from_other_end = np.sqrt(np.square(real_part + 1) + squared_imaginary_part)
-        np.minimum(half_sum, (distance_from_one_end + distance_from_other_end) / 2, out=half_sum)
-    return np.sum(half_sum < _LEAST_SUMS, axis=0, dtype=np.uint8)
+        distance_from_plus_1 = np.sqrt(np.square(real_part - 1) + squared_imaginary_part)
+        distance_from_minus_1 = np.sqrt(np.square(real_part + 1) + squared_imaginary_part)
+        half_sum = (distance_from_plus_1 + distance_from_minus_1) / 2
+        np.minimum(half_sum_of_distances, half_sum, out=half_sum_of_distances)
+    return np.sum(half_sum_of_distances < _LEAST_SUMS, axis=0, dtype=np.uint8)
 
 
 def _square_of_imaginary(least_load: Array, load_size: Array) -> Array:
-    """(4 arsinh sqrt(least_load/load_size))^2: twice the imaginary part, for [-1, 1], squared."""
+    """Square of twice the imaginary part 2 arsinh(sqrt(least_load/load_size)) of a singularity,
+    (m,): twice, since a phase of slip of length 1 is the interval [-1, 1] of length 2.
+    """
     return np.square(4 * np.arcsinh(np.sqrt(least_load / np.maximum(load_size, _TINY))))
 
 
 def _rows(ellipses: Ellipses, least_share: float) -> Array:
-    """The rows (9, m) that `phase_integrals` takes for m ellipses: h, g, P_T, P_min, u, v, alpha,
-    beta, k of its notation.
+    """Angles and loads of m ellipses from which the work of their phases of slip is integrated, as
+    rows (9, m): h, g, P_T, P_min, u, v, alpha, beta, k.
+
+    # notation: h half the angle from E to G, g half of that from I to J; P_T permanent stick load,
+    #           P_min least load, P1 amplitude of P; u, v amplitudes of (Q -+ f P)/f; alpha =
+    #           sqrt(2 P1) sin(t_E/2), beta = sqrt(2 P1) cos(t_E/2), t_E time of E; k = 4 alpha beta
 
     No load counts as less than `least_share` of the mean load.
     """
@@ -1086,10 +1110,12 @@ def _rows(ellipses: Ellipses, least_share: float) -> Array:
 def phase_integrals(
     loops: Array, rule: tuple[Array, Array], area: Area, memory: Array
 ) -> tuple[Array, Array, Array]:
-    """Sums by the rule of `area` times S C in E-G and J-M, times P - P_c in I-J; `loops` (9, m) are
-    rows h to k. Arrays (m,).
+    """Integrals of the friction work of m ellipses over their phases of slip E-G, J-M and I-J, (m,)
+    each, but for factors that are constant in a phase.
 
-    # notation: h = D/2, g = (pi - D)/2, y node of [0, 1], nodes along axis 0, members along axis 1;
+    # notation: P normal load, P_c load at the edge of stick, P_T least P_c, P_min least P, P1
+    #           amplitude of P; u, v amplitudes of (Q -+ f P)/f; D angle from E to G, t_E time of E;
+    #           h = D/2, g = (pi - D)/2, y node of [0, 1], nodes along axis 0, members along axis 1;
     #           alpha = sqrt(2 P1) sin(t_E/2), beta = sqrt(2 P1) cos(t_E/2), k = 4 alpha beta = 4 P1
     #           sin(t_E)
 
@@ -1103,46 +1129,72 @@ def phase_integrals(
         I-J  s = 2 g y       rate 2 f u s c   P_c = P_min + (alpha c - beta s)^2
                                               P - P_c = k s c,   s, c = sin, cos (g y)
 
-    No difference is taken but one that is squared. One tangent a node stands for sine and cosine:
-    numpy has it in vector code.
+    The integrand is `area` times S C in E-G and J-M, times P - P_c in I-J. No difference is taken
+    but one that is squared. One tangent a node stands for sine and cosine: numpy has it in vector
+    code.
+
+    Parameters
+    ----------
+    loops
+        (9, m) rows h, g, P_T, P_min, u, v, alpha, beta, k
+    rule
+        nodes y on [0, 1], symmetric about 1/2, and weights, (n,) each
+    area
+        a multiple of Lam, the integral of ln a - ln a(P_c) over the loads from P_c to P, from P_c
+        and P - P_c, (phases, n, m) each
+    memory
+        numbers to work in, 12 n m at least: what is allocated once stays in the cache
     """
     nodes, weights = rule
     h, g, permanent_load, least_load, u, v, alpha, beta, k = loops
     shape = (4, 3, len(nodes), len(h))
-    front, slipped, work_arrays, free = memory[: math.prod(shape)].reshape(shape)
-    tangent, sine_cosine, spare = work_arrays
-    np.multiply(nodes[:, None], h, out=tangent)
+    front_load, slipped, work_arrays, area_memory = memory[: math.prod(shape)].reshape(shape)
+    front_of_e_to_g, front_of_j_to_m, front_of_i_to_j = front_load
+    slipped_of_e_to_g, slipped_of_j_to_m, slipped_of_i_to_j = slipped
+    tangent, sine_cosine, squared_secant = work_arrays
+
+    # E-G and J-M
+    _fill_tangent(nodes, h, tangent, squared_secant)
+    np.divide(tangent, squared_secant, out=sine_cosine)
+    squared_sine = tangent  # in the same memory
+    squared_sine *= sine_cosine
+    np.multiply(squared_sine, v, out=front_of_e_to_g)
+    np.multiply(squared_sine, u, out=front_of_j_to_m)
+    slipped_of_e_to_g[:] = front_of_j_to_m[::-1]
+    np.multiply(sine_cosine, k, out=slipped_of_j_to_m)
+    slipped_of_j_to_m += front_of_e_to_g[::-1]
+    front_load[:2] += permanent_load
+
+    # I-J: (alpha c - beta s)^2 is (alpha - beta tan)^2 c^2
+    _fill_tangent(nodes, g, tangent, squared_secant)
+    np.divide(tangent, squared_secant, out=slipped_of_i_to_j)
+    slipped_of_i_to_j *= k
+    squared_difference = tangent  # in the same memory
+    squared_difference *= beta
+    np.subtract(alpha, squared_difference, out=squared_difference)
+    squared_difference *= squared_difference
+    np.divide(squared_difference, squared_secant, out=front_of_i_to_j)
+    front_of_i_to_j += least_load
+
+    integrand = area(front_load, slipped, area_memory)
+    integrand[:2] *= sine_cosine
+    integrand[2] *= slipped_of_i_to_j
+    return weights @ integrand[0], weights @ integrand[1], weights @ integrand[2]
+
+
+def _fill_tangent(nodes: Array, angle: Array, tangent: Array, squared_secant: Array) -> None:
+    """Write tan(angle y) and 1 + tan^2(angle y) into two arrays (n, m), for nodes y (n,) of [0, 1]
+    and angles (m,).
+    """
+    np.multiply(nodes[:, None], angle, out=tangent)
     np.tan(tangent, out=tangent)
-    np.multiply(tangent, tangent, out=spare)
-    spare += 1
-    np.divide(tangent, spare, out=sine_cosine)  # S C
-    tangent *= sine_cosine  # S^2
-    np.multiply(tangent, v, out=front[0])
-    np.multiply(tangent, u, out=front[1])
-    slipped[0] = front[1][::-1]
-    np.multiply(sine_cosine, k, out=slipped[1])
-    slipped[1] += front[0][::-1]
-    front[:2] += permanent_load
-    np.multiply(nodes[:, None], g, out=tangent)
-    np.tan(tangent, out=tangent)
-    np.multiply(tangent, tangent, out=spare)
-    spare += 1
-    np.divide(tangent, spare, out=slipped[2])
-    slipped[2] *= k
-    tangent *= beta
-    np.subtract(alpha, tangent, out=tangent)
-    tangent *= tangent
-    np.divide(tangent, spare, out=front[2])
-    front[2] += least_load
-    areas = area(front, slipped, free)
-    areas[:2] *= sine_cosine
-    areas[2] *= slipped[2]
-    return weights @ areas[0], weights @ areas[1], weights @ areas[2]
+    np.multiply(tangent, tangent, out=squared_secant)
+    squared_secant += 1
 
 
 def quick_bracket(front: Array, slipped: Array, free: Array) -> Array:
-    """P ln(P/P_c) - P + P_c, to rounding of P - P_c: n Lam of the power law |x|^n, 2 Lam of
-    Hertz.
+    """P ln(P/P_c) - P + P_c from P_c = `front` and P - P_c = `slipped`, to rounding of P - P_c, in
+    the array `free`; `front` is overwritten. It is n Lam of the power law |x|^n, 2 Lam of Hertz.
     """
     np.divide(slipped, front, out=free)
     np.log1p(free, out=free)
@@ -1153,7 +1205,9 @@ def quick_bracket(front: Array, slipped: Array, free: Array) -> Array:
 
 
 def careful_bracket(front: Array, slipped: Array, free: Array) -> Array:
-    """The same to rounding of itself."""
+    """P ln(P/P_c) - P + P_c from P_c = `front` and P - P_c = `slipped`, to rounding of itself;
+    `free` memory is not used.
+    """
     del free
     front += slipped
     return front * log_excess(slipped / front)
@@ -1180,8 +1234,8 @@ _NEAR_RULE = tuple(
 
 
 class LamTable:
-    """Lam of a flat and rounded face, between two loads: polynomials in P on sixteen cells of every
-    octave.
+    """Lam, the integral of ln a - ln a(P_c) over the loads from P_c to P, of a flat and rounded
+    face: polynomials in P on sixteen cells of every octave between two loads.
 
         Lam(P, P_c) = J(P) - J(P_c) - (P - P_c) L(P_c),     J = int_0^P L d eta, L = ln a = dJ/dP
         where P_c is close to P:  (P - P_c)^2 int_0^1 (1 - z) L'(P_c + z (P - P_c)) dz
@@ -1235,7 +1289,7 @@ class LamTable:
         return free
 
     def careful(self, front: Array, slipped: Array, free: Array) -> Array:
-        """The same to 1e-13 of itself."""
+        """Lam from P_c = `front` and P - P_c = `slipped`, (phases, n, m), to 1e-13 of itself."""
         rate_integral = np.zeros(front.shape)
         for node, weight in _NEAR_RULE:
             rate_integral += weight * _series(self._rate, *self._place(front + node * slipped))
