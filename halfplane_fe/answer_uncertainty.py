@@ -51,8 +51,8 @@ _CREEP_OF_MESH = 10.0
 
 
 def cycle_uncertainty(task: Task, run: PathRun) -> float:
-    """Of the last revolution's dissipation by mesh and steps, scaled: 0 where no shear can
-    arise.
+    """Uncertainty of the friction work of the last cycle by mesh and increments, in the run's unit
+    of work; 0 where no shear can arise.
     """
     scene = task.scene
     if not needs_shear(scene):
@@ -88,8 +88,8 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
 
 
 def dissipation_uncertainty(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> float:
-    """Of W, by mesh and steps, by revolutions that still change, by flanks and shapes that the mesh
-    only approaches [energy / thickness]; NaN where the run failed.
+    """Uncertainty of the dissipation W [energy / thickness]: by mesh and increments, by cycles that
+    still change, by flanks and shapes that the mesh only approaches; NaN where the run failed.
     """
     if run.failure is not None:
         return math.nan
@@ -105,40 +105,75 @@ def dissipation_uncertainty(task: Task, run: PathRun, arrays: Mapping[str, Any])
 def value_uncertainties(
     task: Task, problem: ContactProblem, run: PathRun, arrays: Mapping[str, Any]
 ) -> dict[str, float]:
-    """By the mesh, of all but W and the edges of each instant; empty where the run failed."""
+    """By the name of a value, how far it may be from the true one by the mesh, in its own unit; NaN
+    where there is no estimate, empty where the run failed.
+
+    The values are those of the last cycle, but for the dissipation W and the contact and stick
+    edges of each instant; and the L2 norms of p and q. `arrays` are those of the answer.
+    """
     if run.failure is not None:
         return {}
+    scene = task.scene
+    coarse_values = task.scales.values
+    values = _values_beside_coarse_run(task, problem, run)
+    estimates = _displacement_uncertainties(task, values, arrays)
+    estimates |= _norms_of_tractions(task, arrays)
+    density_error = 0.0
+    if needs_shear(scene):
+        density_error = density_uncertainty(arrays["x"], arrays["dissipation_density"])
+        if task.has_plain_errors:
+            density_error = max(density_error, _from_coarse_run(values, coarse_values))
+    estimates["largest_dissipation_density"] = density_error
+    estimates["largest_pressure"] = _peak_uncertainty(
+        task, arrays, is_coupled=problem.interface.coupling is not None
+    )
+    step_of_largest_contact = int(np.argmax(arrays["contact_half_width"]))
+    edge_uncertainty = arrays["contact_edge_uncertainty"][step_of_largest_contact]
+    estimates["largest_half_width"] = _OF_BOTH_EDGES * float(np.mean(edge_uncertainty))
+    estimates["permanent_stick_half_width"] = _of_permanent_stick(
+        scene, arrays, is_sharp=edges_are_sharp(scene, problem)
+    )
+    return estimates
+
+
+def _displacement_uncertainties(
+    task: Task, values: RunValues, arrays: Mapping[str, Any]
+) -> dict[str, float]:
+    """Uncertainties of tangential displacement, normal approach and largest slip by the mesh
+    [length], from their difference between the fine and the coarse run, and of both displacements
+    by contacts that are a few elements wide.
+    """
     scales = task.scales
     element = task.element
-    values = _values_beside_coarse_run(task, problem, run)
-    half_width = float(np.max(arrays["contact_half_width"]))
-    stick = float(np.nan_to_num(arrays["permanent_stick_half_width"]))
-    slip_width = max(half_width - stick, element * scales.half_width)
+    largest_half_width = float(np.max(arrays["contact_half_width"]))
+    stick_half_width = float(np.nan_to_num(arrays["permanent_stick_half_width"]))
+    slip_width = max(largest_half_width - stick_half_width, element * scales.half_width)
     meshes = Meshes(
         refinement=scales.element / element,
         coarse=scales.element * scales.half_width / slip_width,
         plain=task.has_plain_errors,
     )
-    step = int(np.argmax(arrays["contact_half_width"]))
     has_shear = needs_shear(task.scene)
-    work = (
-        float(arrays["dissipation"]) / (task.friction_unit * task.work_unit) if has_shear else 0.0
-    )
-    by_meshes = uncertainties(values, scales.values, meshes, has_shear, work)
-    elements = 2 * _spacing_at_edges(arrays["x"], arrays["contact_edges"])
-    for name, load in (
+    scaled_work = 0.0
+    if has_shear:
+        scaled_work = float(arrays["dissipation"]) / (task.friction_unit * task.work_unit)
+    estimates = uncertainties(values, scales.values, meshes, has_shear, scaled_work)
+    elements_at_edges = 2 * _spacing_at_edges(arrays["x"], arrays["contact_edges"])
+    for displacement, load in (
         ("tangential_displacement", arrays["tangential_load"]),
         ("normal_approach", arrays["normal_load"]),
     ):
-        by_meshes[name] += of_small_contacts(
-            load, elements, arrays["contact_half_width"], scales.modulus
+        estimates[displacement] += of_small_contacts(
+            load, elements_at_edges, arrays["contact_half_width"], scales.modulus
         )
-    of_density = 0.0
-    if has_shear:
-        of_density = density_uncertainty(arrays["x"], arrays["dissipation_density"])
-        if task.has_plain_errors:
-            of_density = max(of_density, _from_coarse_run(values, scales.values))
-    of_norms = norm_uncertainties(
+    return estimates
+
+
+def _norms_of_tractions(task: Task, arrays: Mapping[str, Any]) -> dict[str, float]:
+    """Uncertainties of p and q in L2 over x, over the norms of p and f p, the largest of the last
+    cycle: "pressure" and "shear"; NaN without an estimate.
+    """
+    estimates = norm_uncertainties(
         arrays["x"],
         arrays["pressure"],
         arrays["shear"],
@@ -147,22 +182,8 @@ def value_uncertainties(
     )
     if task.has_plain_errors:
         # Linear elements and penalty layers have errors that nodes do not show.
-        of_norms = dict.fromkeys(of_norms, math.nan)
-    return (
-        by_meshes
-        | of_norms
-        | {
-            "largest_dissipation_density": of_density,
-            "largest_pressure": _peak_uncertainty(
-                task, arrays, is_coupled=problem.interface.coupling is not None
-            ),
-            "largest_half_width": _OF_BOTH_EDGES
-            * float(np.mean(arrays["contact_edge_uncertainty"][step])),
-            "permanent_stick_half_width": _of_permanent_stick(
-                task.scene, arrays, is_sharp=edges_are_sharp(task.scene, problem)
-            ),
-        }
-    )
+        estimates = dict.fromkeys(estimates, math.nan)
+    return estimates
 
 
 def _values_beside_coarse_run(task: Task, problem: ContactProblem, run: PathRun) -> RunValues:
@@ -170,9 +191,9 @@ def _values_beside_coarse_run(task: Task, problem: ContactProblem, run: PathRun)
     repeat, those of its last one: unlike bodies only approach their steady state.
     """
     scales = task.scales
-    of_coarse_run = scales.values
+    coarse_values = scales.values
 
-    def of_cycle(cycle: int | None) -> RunValues:
+    def values_of_cycle(cycle: int | None) -> RunValues:
         return run_values(
             run,
             problem.interface.weights,
@@ -181,10 +202,10 @@ def _values_beside_coarse_run(task: Task, problem: ContactProblem, run: PathRun)
             cycle=cycle,
         )
 
-    values = of_cycle(None)
-    if of_coarse_run is None or values.is_comparable(of_coarse_run):
+    values = values_of_cycle(None)
+    if coarse_values is None or values.is_comparable(coarse_values):
         return values
-    return of_cycle(min(values.number, of_coarse_run.number))
+    return values_of_cycle(min(values.number, coarse_values.number))
 
 
 def _under_load(scene: Scene, arrays: Mapping[str, Any]) -> Mask:
@@ -195,11 +216,11 @@ def _under_load(scene: Scene, arrays: Mapping[str, Any]) -> Mask:
     return np.asarray(arrays["normal_load"] > 0)
 
 
-def _from_coarse_run(values: RunValues, of_coarse_run: RunValues | None) -> float:
+def _from_coarse_run(values: RunValues, coarse_values: RunValues | None) -> float:
     """How far the largest W(x) is from that of the coarse run [energy / area]; NaN without one."""
-    if of_coarse_run is None or not values.is_comparable(of_coarse_run):
+    if coarse_values is None or not values.is_comparable(coarse_values):
         return math.nan
-    return values.difference("largest_dissipation_density", of_coarse_run)
+    return values.difference("largest_dissipation_density", coarse_values)
 
 
 def _spacing_at_edges(x: Array, edges: Array) -> Array:
@@ -242,20 +263,20 @@ def _of_permanent_stick(scene: Scene, arrays: Mapping[str, Any], is_sharp: bool)
 
 
 def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -> float:
-    """Of the largest pressure by the mesh [stress]; elements of the coarser side. NaN without
-    contact.
+    """Uncertainty of the largest pressure of the path by the mesh [stress], from the elements of
+    the body with the coarser ones; NaN without contact.
     """
     mesh = task.mesh
     scales = task.scales
     pressure = arrays["pressure"]
     step, node = np.unravel_index(np.argmax(pressure), pressure.shape)
-    value = float(pressure[step, node])
-    distances = np.abs(arrays["contact_edges"][step] - arrays["x"][node])
+    largest_pressure = float(pressure[step, node])
+    distances_to_edges = np.abs(arrays["contact_edges"][step] - arrays["x"][node])
     peak = Peak(
-        value=value,
-        difference=abs(value - scales.largest_pressure),
+        value=largest_pressure,
+        difference=abs(largest_pressure - scales.largest_pressure),
         half_width=float(arrays["contact_half_width"][step]),
-        to_edge=float(np.min(distances)),
+        to_edge=float(np.min(distances_to_edges)),
         scatter=scatter_of_nodes(pressure[step], int(node)) if is_coupled else 0.0,
     )
     profile = task.scene.profile
@@ -271,7 +292,9 @@ def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -
 
 
 def revolution_of(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> Revolution:
-    """What the last revolution of a run asks of the mesh."""
+    """Loads, half-widths of contact and of stick at the instants of the last cycle, and its work
+    over A f^2 P^2, A = 2/E* and P its largest load: what the mesh is judged by.
+    """
     scene = task.scene
     first_step = 1
     if run.cycle_starts:

@@ -7,7 +7,8 @@ given).
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeVar
+from dataclasses import dataclass
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 import scipy
@@ -21,6 +22,14 @@ from scenes.array_types import Array, Mask, States
 _ITERATIONS = 200
 
 NodeSet = TypeVar("NodeSet", Mask, States)
+Forces = TypeVar("Forces")
+
+
+class _NormalForces(NamedTuple):
+    """Nodal normal forces p (n,) and the normal approach delta."""
+
+    pressure: Array
+    approach: float
 
 
 def pressure_at_known_shear(
@@ -63,12 +72,12 @@ def pressure_at_known_shear(
     ([2.0, 1.0], 2.0, [True, True])
     """
 
-    approach = 0.0
     n_y = systems.interface.normals[1]
 
-    def step(is_closed: Mask) -> tuple[Array, Array, Mask]:
-        """Pressure, its violations, and the closed nodes that these ask for."""
-        nonlocal approach
+    def step(is_closed: Mask) -> tuple[_NormalForces, Array, Mask]:
+        """Forces with these nodes closed, by how much each node violates its inequality, and the
+        closed nodes that the violations ask for.
+        """
         if not is_closed.any():
             raise SingularSet("no node holds the normal load")
         force_by_height, force_by_approach = solve(
@@ -81,10 +90,11 @@ def pressure_at_known_shear(
         pressure[is_closed] = force_by_height + approach * force_by_approach
         gap = height - n_y * approach + systems.normal @ pressure
         violation = np.where(is_closed, -pressure, -gap)
-        return pressure, violation, np.where(violation > rounding, ~is_closed, is_closed)
+        next_closed = np.where(violation > rounding, ~is_closed, is_closed)
+        return _NormalForces(pressure, float(approach)), violation, next_closed
 
-    pressure, is_closed = _converged(step, is_closed)
-    return pressure, float(approach), is_closed
+    forces, is_closed = _converged(step, is_closed)
+    return forces.pressure, forces.approach, is_closed
 
 
 def shear_at_known_pressure(
@@ -121,17 +131,17 @@ def shear_at_known_pressure(
     n_y = systems.interface.normals[1]
     limit = systems.friction * pressure
     is_closed = pressure > 0
-    states = np.where(is_closed, STICK, OPEN).astype(np.int8)
+    shear_at = _ShearAtShift(
+        systems=systems,
+        limit=limit,
+        known_slip=known_slip,
+        rounding=rounding,
+        states=np.where(is_closed, STICK, OPEN).astype(np.int8),
+    )
+    if load is None:
+        return shear_at(0.0), 0.0, shear_at.states
     largest_slip_at_limit = np.abs(systems.tangential @ limit)[is_closed].max()
     largest_shift = (np.abs(known_slip[is_closed]).max() + largest_slip_at_limit) / n_y.min()
-
-    def shear_at(shift: float) -> Array:
-        nonlocal states
-        shear, states = _bounded(systems, limit, known_slip - n_y * shift, states, rounding)
-        return shear
-
-    if load is None:
-        return shear_at(0.0), 0.0, states
 
     def excess_load(shift: float) -> float:
         return float(n_y @ shear_at(shift)) - load
@@ -141,7 +151,39 @@ def shear_at_known_pressure(
     shift = scipy.optimize.brentq(
         excess_load, -largest_shift, largest_shift, xtol=tolerance, rtol=8.9e-16
     )
-    return shear_at(float(shift)), float(shift), states
+    return shear_at(float(shift)), float(shift), shear_at.states
+
+
+@dataclass(eq=False)
+class _ShearAtShift:
+    """Nodal tangential forces q (n,) at a given tangential shift U; each solve starts from the
+    states of friction at which the one before ended.
+
+    Attributes
+    ----------
+    limit
+        (n,) f p of the nodes
+    known_slip
+        (n,) what is taken off the slip n_y U - T q, T the tangential compliance
+    rounding
+        size of a violation that counts as round-off
+    states
+        (n,) states of friction of the last solve
+    """
+
+    systems: Systems
+    limit: Array
+    known_slip: Array
+    rounding: float
+    states: States
+
+    def __call__(self, shift: float) -> Array:
+        n_y = self.systems.interface.normals[1]
+        known_slip = self.known_slip - n_y * shift
+        shear, self.states = _bounded(
+            self.systems, self.limit, known_slip, self.states, self.rounding
+        )
+        return shear
 
 
 def _bounded(
@@ -154,7 +196,9 @@ def _bounded(
     """
 
     def step(states: States) -> tuple[Array, Array, States]:
-        """Shear, its violations, and the states that these ask for."""
+        """Forces with these states, by how much each node violates its inequality, and the states
+        that the violations ask for.
+        """
         sticks = states == STICK
         slips_forward = states == SLIP_FORWARD
         slips_back = states == SLIP_REVERSE
@@ -178,17 +222,23 @@ def _bounded(
 
 
 def _converged(
-    step: Callable[[NodeSet], tuple[Array, Array, NodeSet]], states: NodeSet
-) -> tuple[Array, NodeSet]:
-    """Repeat `step` (states -> answer, violations, next states) until the states stay; once they
-    recur, only the node of the largest violation changes.
+    step: Callable[[NodeSet], tuple[Forces, Array, NodeSet]], states: NodeSet
+) -> tuple[Forces, NodeSet]:
+    """Repeat `step` (states -> forces, violations, next states) until the states of the nodes stay;
+    once they recur, only the node of the largest violation changes. The forces and states at the
+    end.
+
+    Raises
+    ------
+    ConvergenceError
+        Where the states still change after `_ITERATIONS` steps.
     """
     sets_met: set[bytes] = set()
     for _ in range(_ITERATIONS):
-        answer, violation, next_states = step(states)
+        forces, violation, next_states = step(states)
         changes = next_states != states
         if not changes.any():
-            return answer, states
+            return forces, states
         if next_states.tobytes() in sets_met:
             worst_node = int(np.argmax(np.where(changes, violation, -np.inf)))
             next_states = np.where(np.arange(len(states)) == worst_node, next_states, states)

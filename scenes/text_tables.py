@@ -213,51 +213,66 @@ def text_table(
         One sentence that names file, line, column, value and rule.
     """
     request = _Request(path, columns, stated or {}, kind)
-    for name, place in request.stated.items():
-        if isinstance(place, int) and place < 1:
+    for name, heading_or_number in request.stated.items():
+        if isinstance(heading_or_number, int) and heading_or_number < 1:
             raise InputError(
-                f"{path}: columns = {{{name} = {place}}} is refused: columns are numbered from 1 on"
+                f"{path}: columns = {{{name} = {heading_or_number}}} is refused: columns are"
+                " numbered from 1 on"
             )
     longest_line = _LONGEST if columns else _LONGEST_OF_ALL
     try:
         check_size(path, kind.role, TEXT, kind.cure)
         with path.open("rb") as binary:
-            start = binary.read(_START)
-        encodings = _encodings_of(start)
+            first_bytes = binary.read(_START)
+        encodings = _encodings_of(first_bytes)
         is_utf_16 = encodings[0].startswith("utf-16")
         for encoding in encodings:
             with contextlib.suppress(UnicodeError), path.open(encoding=encoding) as stream:
-                lines = partial(_lines, path, stream, longest_line)
-                first_lines = list(islice(lines(), _LOOK))
-                layout = None
-                if kind.numbered and not columns:
-                    layout = _rows_alone(first_lines)
-                if layout is None:
-                    layout = _layout(request, first_lines)
-                comma = layout.separator != "," and _has_decimal_comma(lines(), layout)
-                rows = _numbers(request, lines, layout, comma)
-                headings = tuple(layout.names[k] for k in layout.used)
-                if not layout.head:
-                    headings = tuple(f"column {k + 1}" for k in layout.used)
-                return TextTable(
-                    names=columns or headings,
-                    values=rows.values,
-                    lines=rows.lines,
-                    headings=headings,
-                    units=tuple(layout.units[k] for k in layout.used),
-                    separator=SEPARATORS[layout.separator],
-                    decimal="comma" if comma else "point",
-                    encoding=_ENCODINGS[encoding],
-                    head=layout.head,
-                    skipped=layout.skipped,
-                    unused=_unused(layout),
-                    left_out=(*_between_in_words(layout), *rows.left_out),
-                    clock_start=rows.clock_start,
-                )
+                read_lines = partial(_lines, path, stream, longest_line)
+                return _table_in_lines(request, read_lines, _ENCODINGS[encoding])
     except OSError as reason:
         raise InputError(f"{path}: the file can't be read: {reason.strerror}") from reason
     raise InputError(
         f"{path}: the file can't be read: it is not {'UTF-16' if is_utf_16 else 'UTF-8'} text"
+    )
+
+
+def _table_in_lines(
+    request: _Request, read_lines: Callable[[], Iterator[Line]], encoding_in_words: str
+) -> TextTable:
+    """The table in the lines of a file, which `read_lines` yields from the first one on at each
+    call.
+
+    Raises
+    ------
+    InputError
+        One sentence on the first line that does not fit.
+    """
+    first_lines = list(islice(read_lines(), _LOOK))
+    layout = None
+    if request.kind.numbered and not request.columns:
+        layout = _rows_alone(first_lines)
+    if layout is None:
+        layout = _layout(request, first_lines)
+    has_decimal_comma = layout.separator != "," and _has_decimal_comma(read_lines(), layout)
+    rows = _numbers(request, read_lines, layout, has_decimal_comma)
+    headings = tuple(layout.names[k] for k in layout.used)
+    if not layout.head:
+        headings = tuple(f"column {k + 1}" for k in layout.used)
+    return TextTable(
+        names=request.columns or headings,
+        values=rows.values,
+        lines=rows.lines,
+        headings=headings,
+        units=tuple(layout.units[k] for k in layout.used),
+        separator=SEPARATORS[layout.separator],
+        decimal="comma" if has_decimal_comma else "point",
+        encoding=encoding_in_words,
+        head=layout.head,
+        skipped=layout.skipped,
+        unused=_unused(layout),
+        left_out=(*_between_in_words(layout), *rows.left_out),
+        clock_start=rows.clock_start,
     )
 
 

@@ -65,6 +65,9 @@ _BY_RUN = "uncertainty that the run itself states"
 
 _LARGEST = 0.25  # of MeshSettings, over the contact half-width
 _LEAST_RATIO = 1.2
+# Radii of a half-disc, over the contact half-width, of which half and twice are radii that
+# MeshSettings takes: 2 to 1000.
+_FAR_RADII = (4.0, 500.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,19 +199,28 @@ def climb(
     """Solve again on coarser meshes, with other far fields, increments or penalty layers: all that
     measures the errors of a run with this `mesh` and these `settings`.
 
-    With three coarser meshes, their size ratio r, the runs are h, r h, r^2 h, r^3 h. Two coarser
-    meshes are the least that shows an order, at a third of the cost. The far field is measured at
-    r^2 h, a penalty layer at h and r h. `stage` reports progress.
+    With three coarser meshes, their size ratio r, the runs are h, r h, r^2 h, r^3 h, h the element
+    size of the run. Two coarser meshes are the least that shows an order, at a third of the cost.
+    The far field is measured at r^2 h, a penalty layer at h and r h.
+
+    Parameters
+    ----------
+    comparison
+        the run against half-plane theory
+    stage
+        reports progress: a context for each run, by its label
+    coarsenings
+        number of coarser meshes, 2 or 3
     """
     start_seconds = time.process_time()
     ratio = mesh_ratio(mesh)
     base_run = Run(
-        "h",
-        1.0,
-        without_steps(comparison),
-        "",
-        len(comparison.result.time),
-        len(comparison.result.x),
+        label="h",
+        size=1.0,
+        values=without_steps(comparison),
+        failure="",
+        steps=len(comparison.result.time),
+        nodes=len(comparison.result.x),
     )
     if ratio is None:
         return _no_refinements(base_run, comparison)
@@ -225,20 +237,16 @@ def climb(
     not_measured: dict[str, str] = {}
     bodies = comparison.scene.bodies
     if "half_plane" in (bodies.lower.kind, bodies.upper.kind):
-        radius = mesh.far_radius
-        if 4 <= radius <= 500:
+        if _FAR_RADII[0] <= mesh.far_radius <= _FAR_RADII[1]:
             far_field_runs = _far_field_runs(solver, coarse_run, coarse_mesh, coarse_settings)
         else:
             not_measured["far field"] = (
-                f"a half-disc of radius {radius:g} a leaves no room for one of half and one of"
-                " twice"
+                f"a half-disc of radius {mesh.far_radius:g} a leaves no room for one of half and"
+                " one of twice"
             )
     step_runs: tuple[Run, ...] | None = None
     if not solver.on_polygon:
-        label = f"{coarse_run.label}, halved increments"
-        finer_settings = finer_steps(coarse_settings)
-        halved_run = solver.run(label, coarse_run.size, coarse_mesh, finer_settings)
-        step_runs = (coarse_run, halved_run)
+        step_runs = (coarse_run, _finer_steps_run(solver, coarse_run, coarse_mesh, coarse_settings))
     penalty_pairs: tuple[tuple[Run, Run], ...] = ()
     if settings.method == "penalty":
         penalty_pairs = _penalty_runs(solver, mesh_runs[:2], mesh, settings)
@@ -312,6 +320,14 @@ class _RunSolver:
         if self.on_polygon:
             return theory_on_steps(solution)
         return semi_analytic.solve(self.scene, x=solution.x, time=solution.time)
+
+
+def _finer_steps_run(
+    solver: _RunSolver, coarse_run: Run, mesh: MeshSettings, settings: SolverSettings
+) -> Run:
+    """The run on the coarse `mesh` with load increments of half the length of `settings`."""
+    label = f"{coarse_run.label}, halved increments"
+    return solver.run(label, coarse_run.size, mesh, finer_steps(settings))
 
 
 def _far_field_runs(

@@ -205,6 +205,45 @@ def score_solution(
     InputError
         Where no point of the result lies in the reference's contact at any of its instants.
     """
+    reference = _reference_for(solution, against)
+    _refuse_beside(solution, reference)
+    theory_on_polygon = None
+    if polygon and against == "exact" and _states_increments_of_solver(solution):
+        from reports.comparison.budget import theory_on_steps
+
+        theory_on_polygon = theory_on_steps(solution)
+    if theory_of_path is None and derived(solution):
+        theory_of_path = whole_path(solution.scene)
+    reference_by_rule = reference
+    sentences: tuple[str, ...] = ()
+    if theory_of_path is not None:
+        half_width = scales(theory_of_path).half_width
+        reference_by_rule, sentences = by_same_rule(reference, solution, half_width)
+    # Without a rule that both follow the reference stands for itself.
+    plain_reference = None if reference_by_rule is reference else reference
+    comparison = compare(
+        reference_by_rule,
+        solution,
+        polygon_reference=theory_on_polygon,
+        scales_from=theory_of_path,
+        plain_reference=plain_reference,
+        tolerances=tolerances,
+        effects=effects_between(reference, solution),
+    )
+    comparison = replace(
+        comparison,
+        reference=reference,
+        reference_certificates=certificates(reference),
+        notes=(*sentences, *comparison.notes),
+    )
+    return Report(comparison, guesses=guesses)
+
+
+def _reference_for(solution: ContactSolution, against: Against) -> ContactSolution:
+    """The scene of a solution solved by half-plane theory at the same points and instants
+    ("exact"), or by the finite elements ("fe"). Where the solution has no whole cycle, the
+    reference states that it lacks one too.
+    """
     if against == "fe":
         import halfplane_fe
 
@@ -213,53 +252,17 @@ def score_solution(
         import semi_analytic
 
         reference = semi_analytic.solve(solution.scene, x=solution.x, time=solution.time)
-    # the reference then holds none too
-    reasons_lacking = {
-        name: reason for name, reason in solution.work.skipped.items() if name == WHOLE_CYCLE
-    }
-    reference = replace(
-        reference,
-        work=replace(reference.work, skipped={**reference.work.skipped, **reasons_lacking}),
-    )
-    _refuse_beside(solution, reference)
-    theory_on_polygon = (
-        None  # theory on the increments of a solver; none for an answer that takes no steps
-    )
-    if (
-        polygon
-        and against == "exact"
-        and solution.engine == "halfplane_fe"
-        and DERIVED not in solution.settings
-    ):
-        from reports.comparison.budget import theory_on_steps
+    skipped = dict(reference.work.skipped)
+    if WHOLE_CYCLE in solution.work.skipped:
+        skipped[WHOLE_CYCLE] = solution.work.skipped[WHOLE_CYCLE]
+    return replace(reference, work=replace(reference.work, skipped=skipped))
 
-        theory_on_polygon = theory_on_steps(solution)
-    if theory_of_path is None and derived(solution):
-        theory_of_path = whole_path(solution.scene)
-    compared_reference, sentences = (
-        (reference, ())
-        if theory_of_path is None
-        else by_same_rule(reference, solution, scales(theory_of_path).half_width)
-    )
-    # Without a rule that both follow the reference stands for itself.
-    plain_reference = None if compared_reference is reference else reference
-    comparison = compare(
-        compared_reference,
-        solution,
-        polygon_reference=theory_on_polygon,
-        scales_from=theory_of_path,
-        plain_reference=plain_reference,
-        tolerances=tolerances,
-        effects=effects_between(reference, solution),
-    )
-    checks = certificates(reference)
-    comparison = replace(
-        comparison,
-        reference=reference,
-        reference_certificates=checks,
-        notes=(*sentences, *comparison.notes),
-    )
-    return Report(comparison, guesses=guesses)
+
+def _states_increments_of_solver(solution: ContactSolution) -> bool:
+    """Whether the instants of a solution are the load increments of our finite elements: other
+    answers take no steps, or were read from a file of another program.
+    """
+    return solution.engine == "halfplane_fe" and DERIVED not in solution.settings
 
 
 def _refuse_beside(solution: ContactSolution, reference: ContactSolution) -> None:

@@ -519,49 +519,70 @@ def zones(
 def _ends_of_zone(
     x: Array, square: Array, inside: Mask, *, smooth: bool = False
 ) -> tuple[float, float]:
-    """Left and right end of the points `inside` (n,), where `square` (n,), the square of a
-    traction, goes to 0: along a straight line, or a parabola if `smooth`. NaN where nothing is
-    inside.
+    """Left and right end of a zone of the surface, the points `inside` (n,), from the square of a
+    traction, `square` (n,) [stress^2], which is 0 at the ends. NaN where nothing is inside.
+
+    Each end is where the straight line through the two outermost points is 0, or if `smooth` a
+    parabola through more of them, should that fit.
     """
     points = np.flatnonzero(inside)
     if not len(points):
         return np.nan, np.nan
+    left_end = _end_of_zone(x, square, points, outward=-1, smooth=smooth)
+    right_end = _end_of_zone(x, square, points, outward=1, smooth=smooth)
+    return left_end, right_end
 
-    def end_at(last_point: int, outward: int) -> float:
-        """Where the line through the points `last_point` and the one before is 0, between
-        `last_point` and the next point; or the parabola.
-        """
-        next_point = last_point + outward
-        point_before = last_point - outward
-        if not 0 <= next_point < len(x):
-            return float(x[last_point])
-        reach = abs(float(x[next_point] - x[last_point]))
-        if not 0 <= point_before < len(x) or square[point_before] <= square[last_point]:
-            return float(x[last_point]) + outward * reach / 2
-        spacing = abs(float(x[last_point] - x[point_before]))
-        steps_to_zero = float(square[last_point] / (square[point_before] - square[last_point]))
-        zero_of_line = float(x[last_point]) + outward * min(steps_to_zero * spacing, reach)
-        largest_depth = _SERIES * abs(x[points[-1]] - x[points[0]])
-        # fewer points where a corner of the profile is among them
-        for divisor in (1, 2, 4) if smooth else ():
-            count = min(SQUARES, len(points) // 2 - _RIM) // divisor
-            nodes = last_point - outward * (_RIM + np.arange(count))
-            if count < _FEWEST_SQUARES or abs(x[last_point] - x[nodes[-1]]) > largest_depth:
-                continue
-            depth = outward * (x[nodes[0]] - x[nodes]) / spacing
-            values = square[nodes]
-            coefficients = np.polyfit(depth, values, 2, w=1 / values)
-            a, b, c = coefficients
-            residual = np.std(np.polyval(coefficients, depth) / values)
-            discriminant = b**2 - 4 * a * c
-            root = 2 * c / (b + np.sqrt(max(discriminant, 0.0)))
-            zero = float(x[nodes[0]] + outward * spacing * root)
-            is_parabola = b > 0 and discriminant > 0 and residual < _ROUGH
-            if is_parabola and abs(zero - zero_of_line) <= _NEAR * spacing:
-                return zero
-        return zero_of_line
 
-    return end_at(int(points[0]), -1), end_at(int(points[-1]), 1)
+def _end_of_zone(
+    x: Array, square: Array, points: NDArray[np.intp], *, outward: int, smooth: bool
+) -> float:
+    """Where `square` (n,) goes to 0 beyond the outermost of the `points` of a zone, left for
+    `outward` = -1, right for 1: between that point and the next one of the surface.
+    """
+    last_point = int(points[0] if outward < 0 else points[-1])
+    next_point = last_point + outward
+    point_before = last_point - outward
+    if not 0 <= next_point < len(x):
+        return float(x[last_point])
+    distance_to_next = abs(float(x[next_point] - x[last_point]))
+    if not 0 <= point_before < len(x) or square[point_before] <= square[last_point]:
+        return float(x[last_point]) + outward * distance_to_next / 2
+    spacing = abs(float(x[last_point] - x[point_before]))
+    spacings_to_zero = float(square[last_point] / (square[point_before] - square[last_point]))
+    zero_of_line = float(x[last_point]) + outward * min(
+        spacings_to_zero * spacing, distance_to_next
+    )
+    largest_depth = _SERIES * abs(x[points[-1]] - x[points[0]])
+    # fewer points where a corner of the profile is among them
+    for divisor in (1, 2, 4) if smooth else ():
+        count = min(SQUARES, len(points) // 2 - _RIM) // divisor
+        fitted_points = last_point - outward * (_RIM + np.arange(count))
+        if count < _FEWEST_SQUARES or abs(x[last_point] - x[fitted_points[-1]]) > largest_depth:
+            continue
+        first_place = x[fitted_points[0]]
+        depth = outward * (first_place - x[fitted_points]) / spacing
+        spacings_outward = _root_of_parabola(depth, square[fitted_points])
+        if spacings_outward is None:
+            continue
+        zero_of_parabola = float(first_place + outward * spacing * spacings_outward)
+        if abs(zero_of_parabola - zero_of_line) <= _NEAR * spacing:
+            return zero_of_parabola
+    return zero_of_line
+
+
+def _root_of_parabola(depth: Array, square: Array) -> float | None:
+    """How far outwards the parabola through `square` (m,) > 0 over the `depth` (m,) behind the
+    outermost point is 0, in units of the depth; fitted by least squares of relative deviations.
+
+    None where it does not fall outwards, has no zero, or does not fit.
+    """
+    coefficients = np.polyfit(depth, square, 2, w=1 / square)
+    a, b, c = coefficients
+    residual = np.std(np.polyval(coefficients, depth) / square)
+    discriminant = b**2 - 4 * a * c
+    if not (b > 0 and discriminant > 0 and residual < _ROUGH):
+        return None
+    return float(2 * c / (b + np.sqrt(max(discriminant, 0.0))))
 
 
 # -------------------------------------------------------------------- units and signs that can't be
