@@ -479,9 +479,9 @@ class _SeriesSums:
 
 
 def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
-    """States at the instants of a request and friction work along a path of straight steps: the
-    parts of the path that are needed are followed once more, block by block, and their sums
-    gathered.
+    """States at the instants of a request and friction work along a path of straight steps, a load
+    `series`: the parts of the path that are needed are followed once more, block by block, and
+    their sums gathered.
     """
     contact = request.contact
     friction = series.friction

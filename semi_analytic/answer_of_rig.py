@@ -223,7 +223,8 @@ def of_rig(question: Question) -> Findings:
     Raises
     ------
     InputError
-        As `rigged`, `Compliance.require_unique` and `corrected` do; for `straight_steps`.
+        For `straight_steps`, for materials, profiles or rigs that corrected theory does not
+        take, and for springs that leave more than one answer.
     """
     started = clock.perf_counter()
     if question.straight_steps:
@@ -382,17 +383,19 @@ def _odd_part(
 
 
 def _odd_part_on_grids(rig: Rigged, driven: Driven, last_cycle: slice, reason: str) -> OddPart:
-    """The same on grids, where the second order does not hold for that reason.
+    """What tilt and bulk strain of the bodies add to the friction work of the last cycle, on grids
+    that follow the loads that were found; for the `reason` that the second order does not hold.
 
-    Grids follow the loads that were found. Where they take neither, it is left out.
+    Where the contact slides as a whole, or grids do not take the loads, it is left out, and the
+    result says why.
     """
     if np.any(driven.slide[last_cycle][1:] != 0):
         return OddPart(left_out=reason)
     try:
-        of_loads = loads_of_cycle(rig.scene, driven, last_cycle, _STEPS_ON_GRIDS)
+        loads_found = loads_of_cycle(rig.scene, driven, last_cycle, _STEPS_ON_GRIDS)
     except (Declined, InputError) as fault:
         return OddPart(left_out=f"{reason}, and grids do not take it: {first_line(fault)}")
-    return odd_part_on_grids(of_loads, rig.effects, driven.work(last_cycle), reason)
+    return odd_part_on_grids(loads_found, rig.effects, driven.work(last_cycle), reason)
 
 
 def _no_next_order(driven: Driven, last_cycle: slice) -> str:
@@ -574,9 +577,22 @@ def _message(steady_from: int | None, scene: Scene) -> str:
 
 # ---------------------------------------------------------------------------------------- the words
 def _notes(
-    rig: Rigged, driven: Driven, last_cycle: slice, errors: dict[str, float], odd: OddPart
+    rig: Rigged, driven: Driven, last_cycle: slice, errors: dict[str, float], odd_part: OddPart
 ) -> Iterator[str]:
-    """What a reader must not miss."""
+    """Sentences on what a reader of the answer must not miss: where displacements are prescribed,
+    what the bodies add and what of it is left out, what the spring takes, slides and separations.
+
+    Parameters
+    ----------
+    driven
+        loads and displacements that were found, step by step
+    last_cycle
+        the steps of the last cycle
+    errors
+        relative errors by the name of the value
+    odd
+        what tilt and bulk strain of the bodies add to the work
+    """
     scene = rig.scene
     force_unit, length_unit, _ = scene.unit_words
     yield from neglected_coupling(scene.material)
@@ -595,7 +611,7 @@ def _notes(
         modulus = composite_modulus(scene.material)
         if has_next_order(rig.effects):
             yield _note_of_next_order(rig, driven, last_cycle)
-        yield from notes_of_effects(rig.effects, half_width, modulus, odd, OF_RIG)
+        yield from notes_of_effects(rig.effects, half_width, modulus, odd_part, OF_RIG)
     spring = rig.compliance.tangential_spring
     if spring:
         actuator_range = float(np.ptp(driven.actuator[last_cycle]))

@@ -46,6 +46,9 @@ class GridAnswer:
     """
 
     def __init__(self, question: Question) -> None:
+        """Follow the load path of a question on grids, at its points, or at some across the contact
+        where it has none.
+        """
         self._started = clock.perf_counter()
         scene = question.scene
         self._loads, self._leaning = leaning_profile(scene)

@@ -628,15 +628,30 @@ def peak_dissipation(
     phase_radians: ArrayLike | None = None,
     mean_tangential_load: ArrayLike = 0.0,
 ) -> PeakBatch:
-    """Largest pointwise dissipation of the same ellipses, and where it is; arguments as in
-    `dissipation`.
+    """Largest pointwise dissipation W(x) in a steady cycle of ellipses P = P0 + P1 cos t, Q = Q0 +
+    Q1 cos(t - phase), and where it is; every argument but `profile` and `material` an array that
+    broadcasts.
 
     W(x) may have two maxima: the shoulder, just inside the contact half-width a(P_min) of the least
     load, and one further out. Each piece between the kinks of W(x) is searched, which are at
     a(P_min) and at the corners of the profile. The value is good to some 1e-10 of itself, or to
-    `value_error` where slip is tiny. A member takes 3 ms for Hertz, 10 to 15 ms for power laws,
-    flat and rounded, 20 ms for polynomials, wedges and compound curvatures, 0.1 s for tables of 31
-    rows.
+    `value_error` of the result where slip is tiny. A member takes 3 ms for Hertz, 10 to 15 ms for
+    power laws, flat and rounded, 20 ms for polynomials, wedges and compound curvatures, 0.1 s for
+    tables of 31 rows.
+
+    Parameters
+    ----------
+    profile, material
+        one profile, or its keys with numbers or arrays; of the two bodies, or one for both
+    friction_coefficient
+        f
+    mean_normal_load, normal_amplitude, mean_tangential_load, tangential_amplitude
+        P0, P1, Q0, Q1 [force per unit thickness]
+    phase_degrees, phase_radians
+        lag of Q behind P, in degrees or in radians; 90 degrees where neither is given
+
+    Examples
+    --------
 
     >>> from scenes import Elastic, Hertz
     >>> steel = Elastic(young_modulus=2.0, poisson_ratio=0.0)
@@ -854,6 +869,10 @@ class _Batch:
     def __init__(
         self, kind: str, material: Materials, profile: Profile | Mapping[str, Any]
     ) -> None:
+        """Profile and material of all members of a batch: of a profile given as keys with arrays
+        each member has its own contact, else there is one contact for all. `kind` is that of the
+        profile.
+        """
         self.kind = kind
         self.modulus = composite_modulus(material)
         self.contact: SymmetricContact | None = None
@@ -1051,21 +1070,26 @@ def _numbered(rises: Sequence[ArrayLike]) -> dict[str, ArrayLike]:
 def _by_shape(
     kind: str, parameters: list[Array]
 ) -> Iterator[tuple[Indices, tuple[float, ...], Array, Array]]:
-    """Members (k,) whose profiles are the same in units of their own: that shape, and units of
-    length and height, (k,) each.
+    """Groups of the members of a batch whose profiles are alike but for a unit of length and one of
+    height: numbers of the members (k,), the ratios that they have in common, and their units, (k,)
+    each.
+
+    `kind` is that of the profiles, `parameters` are theirs, (n,) each.
     """
     with np.errstate(all="ignore"):
-        length, height, *shape = _UNITS[kind](*parameters)
-    if all(np.all(values == values[0]) for values in shape):
+        length, height, *ratios = _UNITS[kind](*parameters)
+    if all(np.all(values == values[0]) for values in ratios):
         all_members = np.arange(len(length))
-        yield all_members, tuple(float(values[0]) for values in shape), length, height
+        yield all_members, tuple(float(values[0]) for values in ratios), length, height
         return
-    shapes, shape_of_member = np.unique(np.stack(shape, axis=1), axis=0, return_inverse=True)
+    unlike_ratios, shape_of_member = np.unique(
+        np.stack(ratios, axis=1), axis=0, return_inverse=True
+    )
     shape_number = shape_of_member.reshape(-1)
     order_by_shape = np.argsort(shape_number, kind="stable")
-    ends_of_shapes = np.cumsum(np.bincount(shape_number, minlength=len(shapes)))
+    ends_of_shapes = np.cumsum(np.bincount(shape_number, minlength=len(unlike_ratios)))
     for unlike_shape, members in zip(
-        shapes.tolist(), np.split(order_by_shape, ends_of_shapes[:-1]), strict=True
+        unlike_ratios.tolist(), np.split(order_by_shape, ends_of_shapes[:-1]), strict=True
     ):
         yield members, tuple(unlike_shape), length[members], height[members]
 

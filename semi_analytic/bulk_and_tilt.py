@@ -121,11 +121,12 @@ def strain_of(materials: Materials) -> tuple[float, float]:
 
 
 def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
-    """The load path of a scene, or `path`, with bulk strain eps and tilt alpha as a family with one
-    memory curve: where alpha = alpha_0 + kappa P, eps = eps_0 + kappa Q, and contacts are nested.
+    """A load path with bulk strain eps and tilt alpha whose memory of friction is one curve: where
+    alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q with one kappa, and contacts are nested.
+    `path` is that of the scene by default.
 
-    At constant P large bulk strain is one as well, and bulk strain alone, as long as the stick
-    zones recede at both ends: see `opposite_slip`.
+    At constant P large bulk strain has one curve as well, and so has bulk strain alone, as long as
+    the stick zones recede at both ends.
 
     While the load is pressed on at first, with no Q and no change of bulk strain, the tilt may do
     what it will: nothing is sheared, and nothing is remembered. None where there is another memory,
@@ -321,7 +322,11 @@ class LoadSizes:
     def of(
         cls, samples: Array, shape: ConvexProfile, compliance: float, friction: float
     ) -> LoadSizes:
-        """Of P, Q, eps and alpha (4, n)."""
+        """Sizes from samples of P, Q, bulk strain and tilt along a path, (4, n), the tilt NaN where
+        none is known.
+
+        `shape` is the profile, `compliance` A = 2/E*, `friction` f.
+        """
         p, q, eps, alpha = samples
         has_tilt = np.isfinite(alpha)
         number_of_largest = int(np.argmax(p))

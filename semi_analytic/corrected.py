@@ -1101,7 +1101,9 @@ def instants_of(question: Question, rows: PathRows, last_cycle: slice) -> tuple[
 
 
 def series_at(question: Question, bodies: PathSeries, row_numbers: Indices) -> dict[str, Array]:
-    """Loads, half-widths, edges and movements at rows (n,)."""
+    """Loads, half-widths, edges and movements at rows (n,) of a path with the bodies, by the names
+    of the answer; movements that were not asked for are NaN.
+    """
     not_a_number = np.full(len(row_numbers), np.nan)
     displacement = not_a_number
     approach = not_a_number
@@ -1127,7 +1129,18 @@ def series_at(question: Question, bodies: PathSeries, row_numbers: Indices) -> d
 def grids_at(
     question: Question, points: PointFields, distance: Array, row_numbers: Indices
 ) -> dict[str, NDArray[Any]]:
-    """pressure, shear, slip, state: (n, k); NaN (open) what was not asked for."""
+    """pressure, shear, slip [stress, stress, length] and state at rows of a path and at distances
+    from the centre, (n, k) each; NaN, and open, where a field was not asked for.
+
+    Parameters
+    ----------
+    points
+        fields at the distances along the path
+    row_numbers
+        (n,) rows of the path
+    distance
+        (k,) |x| [length]
+    """
     shape = (len(row_numbers), len(distance))
     fields: dict[str, NDArray[Any]] = {
         name: np.broadcast_to(np.nan, shape) for name in ("pressure", "shear", "slip")
@@ -1188,7 +1201,9 @@ class _Work(NamedTuple):
 
 def _work_of(paths: _Paths, points: PointFields, distance: Array, odd: OddPart) -> _Work:
     """Friction work of the covered cycles and its density at distances (k,): that of exact theory
-    of half-planes plus the difference of the paths with the bodies and without, by the same steps.
+    of half-planes plus the difference of two paths, with the bodies and without, by equal steps.
+    `points` are fields along the path with the bodies, `odd` what their tilt and bulk strain add to
+    the work.
     """
     question = paths.question
     cycles = np.full(len(paths.covered), np.nan)

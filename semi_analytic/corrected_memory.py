@@ -148,6 +148,10 @@ class PunchTable:
     """
 
     def __init__(self, contact: SymmetricContact, modulus: float, largest: float) -> None:
+        """Tabulate the loads of flat punches up to each half-width, from 0 to the `largest`
+        [length]: of the profile, of x^2/2 and of x^4/24, by cubics on cells between the corners of
+        the profile. `modulus` is E*.
+        """
         corners = [contact.least, *contact.breaks]
         inner_corners = sorted({corner for corner in corners if 0 < corner < largest})
         self._ends = np.array([0.0, *inner_corners, largest])
@@ -868,8 +872,10 @@ def follow(
     curvatures: Curvatures,
     half_planes: Followed | None = None,
 ) -> Followed:
-    """The memory curve along straight steps between the rows (n,) of a path from rest, P = Q = 0;
-    `half_planes` are those of the same path, where it was followed without curvatures already.
+    """The memory curve along straight steps between the rows of a path from rest, P = Q = 0, of
+    loads P and Q (n,), with the curvatures that the bodies add.
+
+    `half_planes` is the curve without curvatures along the path, where it was followed already.
 
     >>> import numpy as np
     >>> from semi_analytic.hertz import HertzContact
@@ -916,13 +922,16 @@ def _pressure_moment(at_edge: PunchMoments, curvature: Array, fourth: Array) -> 
 def _rows(
     table: PunchTable, normal_load: Array, tangential_load: Array, curvatures: Curvatures
 ) -> Array:
-    """For each row of a path with loads P and Q (n,) the ten columns of a `Row`, (10, n): P, Q; kn
-    and kt, factors of x^2/2 that the bodies add to gap and faces; the same of x^4/24; of the edge
-    of contact its place s in the table, and the loads eta, G, G_4 of the punches up to it, of
-    profile, x^2/2 and x^4/24.
+    """Loads, curvatures and edge of contact at each row of a path with loads P and Q (n,), as
+    columns (10, n).
 
-    kn follows from the second moment of pressure, p_2, and p_2 from the edge: they are iterated. kt
-    is without what the second moment of shear, q_2, adds.
+    The columns are P, Q; kn and kt, the factors of x^2/2 that the bodies add to gap and faces; the
+    factors of x^4/24; the place s of the edge of contact in the `table`; and the loads eta, G and
+    G_4 of the punches up to it, of profile, x^2/2 and x^4/24.
+
+    `curvatures` are what P and Q add to gap and faces. kn follows from the second moment of
+    pressure, p_2, and p_2 from the edge: they are iterated. kt is without what the second moment of
+    shear, q_2, adds.
     """
     curvature_without_p2 = curvatures.of_gap(normal_load, tangential_load)
     tangential_curvature = curvatures.of_faces(normal_load, tangential_load)
@@ -1210,11 +1219,20 @@ def _front(
 def _ring(
     table: PunchTable, pieces: Pieces, top: int, bound: _Bound, round_off: float
 ) -> tuple[int, float, float]:
-    """The memory curve with a line of slip inside it, where a stroke goes on while the edge of
-    contact rests: number of its uppermost piece, and s of both ends of the slip zone, the same
-    where there is none.
+    """The memory curve with a line of slip inside it, where a stroke resumes while the edge of
+    contact rests: number of its uppermost piece, and the places s of both ends of the slip zone,
+    equal where there is none.
 
-    `bound` is F of slip in the direction of that stroke.
+    Parameters
+    ----------
+    table
+        loads of the punches by the place s of the edge
+    pieces, top
+        pieces of the curve, and the number of the uppermost one
+    bound
+        the Coulomb limit F of slip in the direction of that stroke
+    round_off
+        excess of F that counts as round-off
     """
     number = top
     piece = pieces[number]

@@ -283,11 +283,20 @@ def _root(function: Callable[[float], float], begin: float, end: float) -> float
 def loads_of_approach(
     contact: SymmetricContact, modulus: float, compliance: Compliance, approach: Array
 ) -> Array:
-    """P (n,) of approaches of the actuator (n,); 0 where it is not positive, the bodies being
-    apart.
+    """P (n,) at approaches of the actuator (n,) [length]; 0 where the approach is not positive, the
+    bodies being apart.
 
-    With kn = N P each half-width a has its load P = eta(a)/(1 - N G(a)) and its approach, of which
-    a is the root. N_Q and T_P must be 0: P does not depend on Q then.
+    With kn = N P, N the curvature of the gap that a unit of P adds, each half-width a has its load
+    P = eta(a)/(1 - N G(a)), eta and G the loads of the punches of the profile and of x^2/2, and its
+    approach, of which a is the root. What Q adds to the gap and P to the faces must be 0: P does
+    not depend on Q then.
+
+    Parameters
+    ----------
+    modulus
+        E* [stress]
+    compliance
+        how the bodies and springs give way, and the curvatures that they add
 
     Raises
     ------

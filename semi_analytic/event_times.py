@@ -183,8 +183,8 @@ def _named(history: History) -> Iterator[Event]:
 
 
 def _same_piece(first_piece: Curve, second_piece: Curve) -> bool:
-    """Whether two pieces of memory curves are parts of one: on one leg of an ellipse, or of one
-    line with the same anchor and slope.
+    """Whether two pieces of memory curves are parts of one piece: on one leg of an ellipse, or of
+    one line with equal anchor and slope.
     """
     if first_piece is None or second_piece is None:
         return first_piece is second_piece

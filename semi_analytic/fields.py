@@ -129,6 +129,13 @@ class Arc:
     """
 
     def __init__(self, contact: Contact, kernel: Kernel, piece: Piece, x: Array) -> None:
+        """Integrals of one kernel at |x| = `x` (k,) along the arc of a curved piece of memory
+        curve.
+
+        The arc is cut into panels of time, at the corners of the profile too; on each the integral
+        is a series in time, or integrated step by step where the load P_x at which the edge of
+        contact is at x is near.
+        """
         assert piece.arc is not None  # for the type checker: only called for arcs
         self._contact = contact
         self._kernel = kernel

@@ -502,7 +502,22 @@ class Grid:
     def _press_and_drag_in_turn(
         self, load: float, force: float, tilt: float, displacement_by_strain: Array
     ) -> tuple[Pressed, Dragged]:
-        """Pressure and shear of unlike bodies, by turns until the shear rests."""
+        """Pressure and shear of all grids after an increment between unlike bodies, by turns:
+        pressure with the gap that the shear adds, shear with the displacement that the pressure
+        adds, until the shear changes no more.
+
+        Parameters
+        ----------
+        load, force, tilt
+            P, Q and alpha at the end of the increment
+        displacement_by_strain
+            (g, k) tangential displacement of the faces by bulk strain [length]
+
+        Raises
+        ------
+        ArithmeticError
+            Where the turns do not converge.
+        """
         cells_before = self._contact
         shear_before = self._shear
         for _ in range(_TURNS):
@@ -615,10 +630,33 @@ def follow_instants(
     modulus: float = 1.0,
     dundurs: float = 0.0,
 ) -> Fields:
-    """Follow instants (n,) of P, Q, eps and the tilt from bodies that have never touched.
+    """Follow instants (n,) of P, Q, bulk strain and tilt on one grid, from bodies that have never
+    touched.
 
-    The first instant is one increment from nothing; where P = 0 there, its eps is in place at first
-    touch. `extent` is the grid. Raises ArithmeticError as `Grid.follow`.
+    The first instant is one increment from nothing; where P = 0 there, its bulk strain is in place
+    at first touch.
+
+    Parameters
+    ----------
+    height
+        h(x), the gap between the unloaded faces
+    extent, cells
+        the two ends of the grid [length], and its number of equal cells
+    friction
+        f
+    normal, shear, strain, tilt
+        (n,) P, Q, eps and alpha; numbers hold at every instant
+    modulus, dundurs
+        E*; Dundurs' second constant, by which pressure shears the faces apart
+
+    Raises
+    ------
+    ArithmeticError
+        Where the active sets do not converge, all cells slip, or the contact meets the end of
+        the grid.
+
+    Examples
+    --------
 
     >>> fields = follow_instants(
     ...     lambda x: x**2 / 2, (-1.0, 1.0), 200, 1.0, [0.4], [0.0]

@@ -239,11 +239,19 @@ def march(
 def _spans_of_part(
     curve: Curve, leg: LoadSegment, begin: float, end: float, friction: float, delay: float
 ) -> Iterator[Span]:
-    """Spans of a part of a leg on which neither P, u = Q - f P nor v = Q + f P turns round, from
-    the memory curve at its `begin`; a span is a time in which the same piece of the curve is being
-    erased.
+    """Spans of a part of a leg on which neither P, u = Q - f P nor v = Q + f P turns round; a span
+    is a time in which one piece of the memory curve is being erased.
 
     Rising u is forward slip, falling v reverse slip; neither, with rising P, is loading in stick.
+
+    Parameters
+    ----------
+    curve
+        the memory curve at the `begin`; None out of contact
+    begin, end
+        times of the part
+    delay
+        how much later than the leg itself the spans are: whole periods of the cycle
     """
     middle = (begin + end) / 2
     normal_rate, tangential_rate = (float(rate) for rate in leg.rates(middle))

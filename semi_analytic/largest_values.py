@@ -179,6 +179,10 @@ class _Search:
     """The maxima of one answer's theory over its last cycle."""
 
     def __init__(self, answer: ContactSolution, contact: Contact, has_cycle: bool) -> None:
+        """Collect what the largest values of an `answer` are sought between: the turning points of
+        its loads in time; in space the corners of the profile, the middle, and the edges of contact
+        at these times. `has_cycle` is whether the answer has a last cycle.
+        """
         self.scene = answer.scene
         self.contact = contact
         self.answer = answer

@@ -225,10 +225,15 @@ def friction_from(
 
 
 def sliding_limit(
-    mean: Array, amplitude: Array, force: Array, tangential_load: Array, phase: Array
+    mean_normal_load: Array,
+    normal_amplitude: Array,
+    mean_tangential_load: Array,
+    tangential_amplitude: Array,
+    phase: Array,
 ) -> Array:
-    """The largest |Q|/P of ellipses, below which f slides grossly; infinite where P reaches 0.
-    Arrays that broadcast.
+    """The largest |Q|/P of ellipses, the coefficient f below which they slide grossly; infinite
+    where P reaches 0. Arrays that broadcast: P0, P1, Q0, Q1 and the lag `phase` of Q behind P
+    [rad].
 
     Q - f P touches 0 where (f P0 - Q0)^2 = Q1^2 - 2 f P1 Q1 cos(phase) + f^2 P1^2, and so does Q +
     f P with Q0 turned.
@@ -239,20 +244,31 @@ def sliding_limit(
     0.5
     """
     # notation: a f^2 - 2 b f = Q1^2 - Q0^2, whose larger root is the limit
-    a = (mean - amplitude) * (mean + amplitude)
-    b = np.abs(mean * force - amplitude * tangential_load * np.cos(phase))
-    root_of_square = np.sqrt(
-        np.maximum(b**2 + a * (tangential_load - force) * (tangential_load + force), 0.0)
+    a = (mean_normal_load - normal_amplitude) * (mean_normal_load + normal_amplitude)
+    b = np.abs(
+        mean_normal_load * mean_tangential_load
+        - normal_amplitude * tangential_amplitude * np.cos(phase)
+    )
+    root_of_discriminant = np.sqrt(
+        np.maximum(
+            b**2
+            + a
+            * (tangential_amplitude - mean_tangential_load)
+            * (tangential_amplitude + mean_tangential_load),
+            0.0,
+        )
     )
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(np.where(a > 0, (b + root_of_square) / a, np.inf))
+        return np.asarray(np.where(a > 0, (b + root_of_discriminant) / a, np.inf))
 
 
 def _of_ellipses(
     target: ArrayLike, profile_and_material: dict[str, Any], loads: dict[str, Any]
 ) -> FrictionBatch:
-    """The coefficients of elliptic loads; `profile_and_material` is profile and material, `loads`
-    the numbers of the ellipses, as `dissipation` takes them.
+    """Every coefficient of friction at which elliptic loads dissipate the `target`, W of a cycle.
+
+    `profile_and_material` are profile and material by these names, `loads` the numbers of the
+    ellipses by the names that batches of dissipation have for them.
     """
     # One call without friction checks every argument and gives the shape of the loads and of the
     # profile's numbers.

@@ -52,8 +52,10 @@ def ratio_of_next_order(effects: BodyEffects, half_width: float) -> float:
 
 
 def left_of_curvatures(effects: BodyEffects, half_width: float) -> dict[str, float]:
-    """Of what each group of `CURVATURES` changes, in its ratio, what its number and the order after
-    the next make uncertain.
+    """What is uncertain of the change that each curvature of the bodies makes, as a share of that
+    change: by the error of its number, and by the order after the next. By the curvature in words.
+
+    `half_width` is that of the contact [length].
 
     >>> effects = BodyEffects(
     ...     datum_length=1.0, normal_curvature=Estimate(1.0, 0.001), normal_fourth=Estimate(-0.5)

@@ -45,6 +45,7 @@ def accepts_phase(function: Callable[Arguments, Result]) -> Callable[Arguments, 
 
     @wraps(function)
     def with_old_name(*arguments: Arguments.args, **keywords: Arguments.kwargs) -> Result:
+        """Call the function with `phase`, the old name, passed on as `phase_radians`, and warn."""
         if "phase" in keywords:
             name = function.__name__
             if "phase_radians" in keywords:

@@ -356,8 +356,17 @@ class _LogTable(NamedTuple):
 def _log_table(
     load: Function, stiffness: Function, unit: float, corner: float, extent: float
 ) -> _LogTable:
-    """Table of the inverse of the rising law P = load(d), dP/dd = stiffness(d): a cubic of ln d
-    over ln P; parameters as in `inverse_of`.
+    """Table of the inverse d(P) of a rising law P = load(d), dP/dd = stiffness(d): a cubic of ln d
+    over ln P.
+
+    Parameters
+    ----------
+    unit
+        a d of the size that is asked for: the table covers so many decades below and above it
+    corner
+        a d at which the law is not smooth, which is a row of the table
+    extent
+        largest d
     """
     largest_d = min(_ABOVE * unit, extent)
     logs = np.arange(math.log(_BELOW * unit), math.log(largest_d), _STEP)
@@ -590,8 +599,8 @@ class _Series:
 
 
 def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
-    """Of rows: the curvature kappa is constant between knots b_j, so that P and dP/da are sums of
-    flats with rounded edges.
+    """Contact law of a profile given by rows: its curvature kappa is constant between knots b_j, so
+    that P and dP/da are sums of flats with rounded edges. `modulus` is E*.
 
         dP/da = E* a [kappa_0 pi/2 + sum over b_j < a of (kappa_j - kappa_(j-1)) arccos(b_j/a)]
 
@@ -729,15 +738,15 @@ def _series_of_rows(knots: Array, curvature_stiffness: Array) -> _Series:
     the end is summed knot by knot.
     """
     pieces = _pieces_of_rows(knots)
-    begin = np.array([piece.begin for piece in pieces])
-    low = np.array([piece.low for piece in pieces])
-    high = np.array([piece.high for piece in pieces])
+    begin_of_pieces = np.array([piece.begin for piece in pieces])
+    begin_root = np.array([piece.low for piece in pieces])
+    end_root = np.array([piece.high for piece in pieces])
     jumps = np.diff(curvature_stiffness, prepend=0.0)
     # The ends too: loads there are where pieces begin and end.
     node = np.concatenate([[-1.0], NODES, [1.0]])
-    u = low[:, None] + (high - low)[:, None] * (1 + node) / 2
-    distances = np.square(u)
-    half_widths = begin[:, None] + np.square(u)
+    root_of_distance = begin_root[:, None] + (end_root - begin_root)[:, None] * (1 + node) / 2
+    distances = np.square(root_of_distance)
+    half_widths = begin_of_pieces[:, None] + np.square(root_of_distance)
     load_and_rate = np.zeros((*half_widths.shape, 2))
 
     def sums_over_knots(
@@ -758,7 +767,7 @@ def _series_of_rows(knots: Array, curvature_stiffness: Array) -> _Series:
 
     ranges: list[_Range] = []
     if pieces:
-        ranges.append(_Range(0, len(begin), 0, (0.0, 1.0), np.zeros((len(NODES), 2))))
+        ranges.append(_Range(0, len(begin_of_pieces), 0, (0.0, 1.0), np.zeros((len(NODES), 2))))
     while ranges:
         range_of_pieces = ranges.pop()
         range_ends = (
@@ -800,7 +809,7 @@ def _series_of_rows(knots: Array, curvature_stiffness: Array) -> _Series:
         )
         load_and_rate[numbers_in_range] += sums_over_knots(
             half_widths[numbers_in_range, :, None],
-            begin[numbers_in_range, None, None],
+            begin_of_pieces[numbers_in_range, None, None],
             distances[numbers_in_range, :, None],
             knots_far_below,
             knots_reached,
@@ -808,10 +817,10 @@ def _series_of_rows(knots: Array, curvature_stiffness: Array) -> _Series:
     load = load_and_rate[..., 0]
     rate = load_and_rate[..., 1] * half_widths
     return _Series(
-        begin,
-        low,
-        high,
-        edges=begin + low * low,
+        begin_of_pieces,
+        begin_root,
+        end_root,
+        edges=begin_of_pieces + begin_root * begin_root,
         load=Powers(series(load[:, 1:-1]).T),
         rate=Powers(series(rate[:, 1:-1]).T),
     )
@@ -886,8 +895,8 @@ class _Stretch:
 
 
 def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
-    """Of a slope h'(x) given by a Python function: P and dP/da by quadrature, kept as piecewise
-    Chebyshev series.
+    """Contact law of a profile whose slope h'(x) is a Python function: P and dP/da by quadrature,
+    kept as piecewise Chebyshev series. `modulus` is E*.
 
     Raises
     ------

@@ -278,7 +278,17 @@ def _tensions_of_curves(
 def _panels_of_curves(
     contact: SymmetricContact, snapshot: Snapshot, in_contact: Indices, edges: Array
 ) -> list[_Panel]:
-    """Those of all instants, each counted from the first of `in_contact`."""
+    """Panels of half-widths over which the memory curves of the instants in contact are integrated,
+    cut at the breaks of the profile.
+
+    Parameters
+    ----------
+    in_contact
+        (m,) numbers of the instants of the `snapshot`; a panel has the place of its instant
+        among these
+    edges
+        (m,) half-width of contact at each [length]
+    """
     instants: list[int] = []
     bottoms: list[float] = []
     tops: list[float] = []

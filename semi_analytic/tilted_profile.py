@@ -763,7 +763,9 @@ class NestedIntervals:
 
     @cached_property
     def _series(self) -> _IntervalSeries:
-        """Of all loads up to the largest."""
+        """Chebyshev series of the middle m and the half-length c of the contact intervals over the
+        load, from 0 to the largest, cut at the loads at which an end meets a knot of the profile.
+        """
         breaks = self.break_loads[self.break_loads < self.most * (1 - 1e-9)]
         loads_of_cuts = np.concatenate([[0.0], breaks, [self.most]])
         places = np.concatenate([[0.0], np.cumsum(np.sqrt(np.diff(loads_of_cuts)))])
@@ -1152,8 +1154,8 @@ class TiltedProfile:
         return displacement_rate
 
     def log_distance(self, load: ArrayLike) -> Array:
-        """Integral over loads from 0 to `load` of `log_ratio`, the rate that `rigid` names, in
-        closed form.
+        """Integral over loads from 0 to `load` of what a unit of load at each interval contributes
+        to the movement that `rigid` names, in closed form.
 
         It is the moment, or the approach since the first contact plus load times logarithm of the
         half-width, or ("loop") that and `lean` times the moment.
