@@ -161,7 +161,18 @@ def _edges_of_all(
     has_no_slip_zone: Mask,
     scene: Scene,
 ) -> dict[str, Array]:
-    """`_edges` of all instants, `_AT_ONCE` of them at a time."""
+    """Contact and stick edges of all instants and their uncertainties, by name; worked out for some
+    instants at a time, which bounds the memory.
+
+    Parameters
+    ----------
+    states
+        the states of the interface at each instant
+    surface_states
+        (k, n) open, stick or slip of the nodes
+    has_no_slip_zone
+        (k,) instants at which theory has no slip zone
+    """
     blocks = []
     for first_step in range(0, len(states), _AT_ONCE):
         block = slice(first_step, first_step + _AT_ONCE)

@@ -277,20 +277,25 @@ def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: 
 
 
 def fitted_contact_edges(x: Array, pressure: Array, closed: Mask, edges: Array) -> Array:
-    """Ends of the contact where the square of the pressure goes to zero, or `edges` where it has no
-    smooth form.
+    """Ends of the contact where the square of the pressure goes to zero, (k, 2), or `edges` where
+    it has no smooth form.
 
     Towards a smooth edge p^2 is a power series in the distance. A parabola through the nodes behind
     the outermost three, which are the mesh's own, has its zero there: hertz-paper's edges err by
-    1e-4 of a in the median, those of `contact_edges` by 3e-4. With a corner of the profile among
-    those nodes half and a quarter of them are taken; a zero far from `edges` is none.
+    1e-4 of a in the median, those by the form of the pressure at the last nodes by 3e-4. With a
+    corner of the profile among those nodes half and a quarter of them are taken; a zero far from
+    `edges` is none.
 
     Parameters
     ----------
-    x, pressure, closed
-        as of `contact_edges`
+    x
+        (n,) nodes in ascending order [length]
+    pressure
+        (k, n) pressure at k instants [stress]
+    closed
+        (k, n) whether a node touches
     edges
-        (k, 2) by `contact_edges`
+        (k, 2) ends of the contact by the form of the pressure at the last nodes
     """
     fitted_edges = edges.copy()
     n_behind_rim = np.count_nonzero(closed, axis=1) // 2 - _RIM
@@ -354,8 +359,8 @@ def _zero_of_parabola(
 
 
 def roughness_of(profile: Profile) -> float:
-    """By how much more contact edges that are fitted by p^2 are uncertain than those of a smooth
-    profile.
+    """By how many times contact edges that are fitted by p^2 are more uncertain than those of a
+    smooth profile, for the kinks of a profile.
     """
     if isinstance(profile, Tabulated):
         return _OF_TABLE
@@ -365,46 +370,50 @@ def roughness_of(profile: Profile) -> float:
 def contact_uncertainty(
     x: Array,
     pressure: Array,
-    closed: Mask,
+    is_closed: Mask,
     contact: Array,
     form: Array | None = None,
     roughness: float = 1.0,
 ) -> Array:
-    """How far each contact edge may be from the true one, by the mesh.
+    """How far each contact edge may be from the true one, by the mesh, (k, 2) [length].
 
     A share of the distance of the nodes around it, and in part how far the edge is from another
     estimate: the zero of a straight line through the squares of the pressure at the five nodes
-    before the last. With fewer nodes than that, the width of the contact. Of a fitted edge the
-    other estimate is that of `contact_edges`: the fit is at most as uncertain as that one and their
-    distance.
+    before the last. With fewer nodes than that, the width of the contact. Of an edge fitted by a
+    parabola the other estimate is the edge by the form of the pressure at the last nodes: the fit
+    is at most as uncertain as that one and their distance.
 
     Parameters
     ----------
-    x, pressure, closed
-        as of `contact_edges`
+    x
+        (n,) nodes in ascending order [length]
+    pressure
+        (k, n) pressure at k instants [stress]
+    closed
+        (k, n) whether a node touches
     contact
         (k, 2) ends of the contact
     form
-        the same by `contact_edges`, where they are fitted
+        (k, 2) the ends by the form of the pressure at the last nodes, where `contact` is fitted
     roughness
-        `roughness_of` the profile
+        how many times more uncertain fitted edges are than those of a smooth profile
     """
     form = contact if form is None else form
     width = contact[:, 1:] - contact[:, :1]
     uncertainty = np.repeat(width, 2, axis=1)
-    n_closed = np.count_nonzero(closed, axis=1)
+    n_closed = np.count_nonzero(is_closed, axis=1)
     row = np.flatnonzero(n_closed > _EXTRAPOLATED)
     nodes = n_closed[row]
     share_by_squares = roughness * (
         _SHARE_BY_SQUARES + _NODES_BY_SQUARES / nodes + _SQUARED_NODES_BY_SQUARES / nodes**2
     )
     for side in _sides(x):
-        p, in_contact = side.outwards(pressure[row], closed[row])
+        side_pressure, in_contact = side.outwards(pressure[row], is_closed[row])
         last_node = _last(in_contact)
         edge = side.sign * contact[row, side.column]
         edge_by_form = side.sign * form[row, side.column]
         farthest = side.x[last_node - _EXTRAPOLATED]
-        zero = _line_through_squares(side.x, p, last_node, _EXTRAPOLATED).zero
+        zero = _line_through_squares(side.x, side_pressure, last_node, _EXTRAPOLATED).zero
         zero = np.where(np.isnan(zero), farthest, zero)
         to_zero = np.minimum(np.abs(zero - edge), np.abs(farthest - edge))
         spacing = _spacing(side.x, last_node)
@@ -459,8 +468,8 @@ def fitted_stick_edges(
     shear: Array | None = None,
     anywhere: bool = False,
 ) -> StickEdges:
-    """Ends of the stick zone; the contact edges where all of the contact sticks, NaN where nothing
-    does.
+    """Ends of the stick zone, (k, 2) [length]; the contact edges where all of the contact sticks,
+    NaN where nothing does.
 
     By node status the edge lies half-way between the last node of the stick zone and the first one
     of the slip zone: on each side of the middle of the contact where the fewest nodes are on the
@@ -471,10 +480,14 @@ def fitted_stick_edges(
 
     Parameters
     ----------
-    x, closed, contact
-        as of `contact_uncertainty`
+    x
+        (n,) nodes in ascending order [length]
     stick
-        (k, n) nodes that stick
+        (k, n) nodes that stick at k instants
+    closed
+        (k, n) whether a node touches
+    contact
+        (k, 2) ends of the contact
     limit, shear
         (k, n) f p and q [stress]
     anywhere
@@ -525,7 +538,8 @@ def stick_uncertainty(
     sticks_in_full: Mask,
     anywhere: bool = False,
 ) -> Array:
-    """How far each stick edge may be from the true one, by the mesh; NaN where nothing sticks.
+    """How far each stick edge may be from the true one, by the mesh, (k, 2) [length]; NaN where
+    nothing sticks.
 
     The distance of the nodes around the edge, and how far it is from where it would be if creeping
     nodes counted as sliding. Of a fitted edge a share of the former, how far the squares stand off
@@ -536,16 +550,19 @@ def stick_uncertainty(
 
     Parameters
     ----------
-    x, closed
-        as of `contact_uncertainty`
+    x
+        (n,) nodes in ascending order [length]
     sticking
         (k, n) nodes that stick, as they are reported and by the law alone
+    closed
+        (k, n) whether a node touches
     contact, stick
         contact and stick edges as answered
     sticks_in_full
         (k,) instants at which theory has no slip zone
     anywhere
-        as of `stick_edges`
+        whether the stick zone need not hold the middle of the contact, as under bulk stress or
+        tilt
     """
     edges = stick.places
     by_status, by_law = (

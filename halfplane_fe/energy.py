@@ -125,15 +125,21 @@ def increment_energies(
     solved_by_increment: Sequence[States],
     areas_of_curve: Array | None = None,
 ) -> Energies:
-    """Energies of the increments between m + 1 states that follow each other.
+    """Energies of the increments between m + 1 states that follow each other: friction work, work
+    of the loads, elastic energy and step errors, (m,) or (m, n) each.
 
     Parameters
     ----------
-    solved
+    problem
+        the contact problem that the states solve
+    states
+        the m + 1 states
+    solved_by_increment
         (m,) of arrays (n,): the states of the nodes at the end of each increment, before an
         event changes them
-    enclosed
-        (k, k, m) see `path`, over the units of the loads
+    areas_of_curve
+        (k, k, m) areas that a curved load path encloses with its chords, by pairs of k loads
+        over their units; None for straight increments
     """
     interface = problem.interface
     values = np.stack([state.values for state in states])

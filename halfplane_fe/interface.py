@@ -146,8 +146,8 @@ def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
 
 
 def _coupled_node_by_node(lower: CondensedBody, upper: CondensedBody) -> Interface:
-    """The interface of two bodies whose flat faces have nodes opposite each other: compliances add,
-    since the same forces act on both, along x in opposite directions.
+    """The interface of a lower and an upper body whose flat faces have nodes opposite each other:
+    compliances add, since equal forces act on both, along x in opposite directions.
     """
     # compliance[i, :, j, :]: displacement i (0 along x, 1 outward) by force j; the upper body feels
     # -q along x and -p outward.
@@ -432,12 +432,15 @@ _ROUNDING = 1e-9
 def meshed_pair(
     scene: Scene, mesh: MeshSettings, grading: Callable[[float], SurfaceGrading]
 ) -> tuple[BodyMesh, BodyMesh]:
-    """Lower and upper body; one and the same where they have one shape and one element size.
+    """Meshes of the lower and of the upper body; one mesh for both where they have one shape and
+    one element size.
 
     Parameters
     ----------
+    mesh
+        settings of the meshes
     grading
-        of a body whose elements are to be so many times as large
+        sizes of the surface elements, from the factor by which they are enlarged
     """
     shapes = scene.bodies
     lower = build("lower", shapes.lower, scene.profile, grading(1.0), mesh)

@@ -355,7 +355,11 @@ def _slope_of(face: Face, x: Array) -> Array:
 
 
 def _on_middle_line(pair: Interface, lower: Face, upper: Face) -> Interface:
-    """Compliances along x and y turned to normal and tangent of the middle line of curved faces."""
+    """The interface of curved faces with forces and displacements along normal and tangent of the
+    middle line between them, from the `pair` with compliances along x and y.
+
+    The middle line has half the difference of the slopes of the `lower` and the `upper` face.
+    """
     x = pair.x
     depth_of_lower = lower.depth(x)
     depth_of_upper = upper.depth(x)

@@ -540,15 +540,19 @@ def _take_all(
     leg: LoadSegment | None,
     units: tuple[float, ...],
 ) -> None:
-    """Add the increments of a curved leg, or of straight ones, to a run, `_AT_ONCE` of them at a
-    time.
+    """Add the increments of a curved leg, or of straight ones, to a run, some of them at a time,
+    which bounds the memory.
 
     Parameters
     ----------
+    followed
+        the increments as they are solved
     ends
-        indices of the states at which stretches end, as far as `followed` has come
+        indices of the states at which stretches of the path end, as far as `followed` has come
     leg
-        None of straight ones
+        the curved leg; None of straight ones
+    units
+        units of the loads
     """
     ended = False
     while not ended:

@@ -484,7 +484,18 @@ class _CoarsePair:
         tangential: bool,
         actuators: Actuators = LOADS_ARE_GIVEN,
     ) -> ContactProblem:
-        """The contact problem of these faces, lengths over `size`."""
+        """The contact problem of the coarse pair of faces, lengths over `size` and loads over those
+        of the pair.
+
+        Parameters
+        ----------
+        unscaled
+            the interface of the pair, in the units of the scene
+        tangential
+            whether friction is solved, else normal contact alone
+        actuators
+            what is prescribed: loads by default
+        """
         interface = unscaled.scaled(size, 1 / self.modulus)
         height = initial_gap(self.scene, unscaled) * self.modulus / self.load
         no_layer = Layer(np.zeros_like(unscaled.x), np.zeros_like(unscaled.x))

@@ -59,10 +59,12 @@ class Task:
 def surface_grading(
     mesh: MeshSettings, scales: Scales, profile: Profile, ratio: float = 1.0
 ) -> SurfaceGrading:
-    """Fine from just inside the innermost edge of any revolution to just outside the largest
-    contact; sizes times `ratio`.
+    """Sizes of the surface elements of a body: fine from just inside the innermost edge that
+    contact or stick reaches to just outside the largest contact; sizes times `ratio`. Finer still
+    at x = 0 where the profile has a tip.
 
-    Finer still at x = 0 where the profile has a tip, see `tip_halvings`.
+    `scales` are what the coarse run found: half-width of the contact, and how far in and out its
+    edges go.
     """
     # notation: a, the contact half-width at the largest load. The coarse run knows edges to a few
     # hundredths of it.

@@ -859,7 +859,18 @@ def _errors(
 ) -> dict[str, float]:
     """Estimated errors of what was asked for over the largest p, f p, s, U, W(x) or W, where closed
     forms promise less. "cycle_dissipation" is that of the worst cycle, where it is above that of
-    the last. `arc_errors` are those of integrals over arcs.
+    the last.
+
+    Parameters
+    ----------
+    path_answer
+        states at the instants, and friction work of the cycles
+    loads_and_edges, fields
+        the answer's series and fields, by name
+    arc_errors
+        errors of the integrals of shear and slip over arcs of the memory curve
+    loop_work
+        closed integral of Q dU of the last cycle
 
     Raises
     ------
@@ -902,11 +913,22 @@ def _errors_of_tractions(
     fields: Mapping[str, NDArray[Any]],
     arc_errors: Mapping[str, float],
 ) -> dict[str, float]:
-    """Errors of pressure, shear and slip, from a sample of instants and points.
+    """Relative errors of pressure, shear and slip, from a sample of instants and points.
 
     Tractions start like roots at the edges of contact and stick, so that a last digit of an edge
     counts for much more next to it: "... at the edge" is for the points that are asked for, however
     near; without these words for points 1 % of a away.
+
+    Parameters
+    ----------
+    snapshot
+        the memory curve at each instant
+    loads_and_edges
+        half-widths of contact and of stick at each instant, by name
+    fields
+        the answer's pressure, shear and slip
+    arc_errors
+        errors of the integrals of shear and slip over arcs of the memory curve
     """
     contact = request.contact
     friction = snapshot.friction

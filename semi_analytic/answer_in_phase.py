@@ -28,9 +28,9 @@ _INSTANTS = 400
 
 
 def in_phase(question: Question, ways: tuple[Way, Way]) -> Findings:
-    """The answer for the second cycle of loads in phase under bulk stress and tilt, which is
-    steady: what of it does not depend on the initial loading, so neither shear nor slip. `ways` are
-    the forward and the reverse stroke of the cycle.
+    """The answer to a `question` for the second cycle of loads in phase under bulk stress and tilt,
+    which is steady: what of it does not depend on the initial loading, so neither shear nor slip.
+    `ways` are the forward and the reverse stroke of the cycle.
     """
     started = clock.perf_counter()
     scene = question.scene

@@ -521,7 +521,8 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
 
 def followed_path(scene: Scene) -> LoadPath:
     """P and Q of a scene whose memory of friction is one curve P_c -> Q_c: the scene's own path
-    where it has no bulk stress and no tilt, else that of the family of one curve.
+    where it has no bulk stress and no tilt, else the path of P and Q of its family of nested
+    contacts.
 
     Raises
     ------

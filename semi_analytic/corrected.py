@@ -258,7 +258,9 @@ def notes_of_effects(
 
 
 def notes_of_batch(effects: BodyEffects) -> Iterator[str]:
-    """The same of a batch, whose members have different half-widths."""
+    """Sentences on what the finite bodies of a batch add to its values and what of it is left out;
+    a batch has no half-width that the sizes could be stated for.
+    """
     yield "effects: the curvatures N, N_Q, T, T_P of the bodies are in these values"
     if has_next_order(effects):
         yield (
@@ -1525,7 +1527,10 @@ def _ending(paths: _Paths) -> tuple[str, str]:
 
 
 def _notes_of(paths: _Paths, odd: OddPart) -> Iterator[str]:
-    """What a reader must not miss."""
+    """Sentences on what a reader of the answer must not miss: what the bodies add and what of it is
+    left out, and why there is no closed integral of Q dU. `odd` is what tilt and bulk strain of the
+    bodies add.
+    """
     question = paths.question
     scene = question.scene
     assert question.effects is not None  # for the type checker

@@ -180,6 +180,8 @@ def _works_of_some(
     """Forward and reverse part of pi/A W and the half-width of permanent stick of ellipses (m, 1)
     on one profile, (3, m): the integral over the flat punches that slip, between permanent stick
     and the largest contact. NaN where the contact would split or leave the profile.
+
+    `bends` are the curvatures that the bodies add by P and by Q, (m, 1); `modulus` is E*.
     """
 
     def bounds_at(half_width: Array) -> Bounds:

@@ -1170,12 +1170,16 @@ def _bound(direction: int, friction: float, row: Row) -> _Bound:
     )
 
 
-def _slipping(piece: Piece, below: Piece, friction: float, row: Row, round_off: float) -> int:
+def _slipping(
+    outermost_piece: Piece, piece_below: Piece, friction: float, row: Row, round_off: float
+) -> int:
     """Direction of slip at the edge of contact, +1 or -1, 0 in stick: |Q - kt G - t4 G_4 - F| > f
-    [load beyond] at one end of the outermost piece of the memory curve F, `piece`, whose lower end
-    is the top of `below`.
+    [load beyond] at one end of the outermost piece of the memory curve F, whose lower end is the
+    top of the piece below it.
+
+    `row` has P, Q and the curvatures; `round_off` is the excess that counts as none.
     """
-    for piece_end in (piece, below):
+    for piece_end in (outermost_piece, piece_below):
         force_excess = row.tangential_load - row.tangential_curvature * piece_end.parabola
         force_excess -= row.tangential_fourth * piece_end.fourth + piece_end.force
         load_beyond = row.normal_load - piece_end.load - row.normal_curvature * piece_end.parabola

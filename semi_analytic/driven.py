@@ -532,7 +532,9 @@ class _Stepper:
         self._second_moments = [0.0]
 
     def row(self, load: float, force: float) -> Row:
-        """P and Q with the edge of contact."""
+        """P = `load` and Q = `force` with the curvatures that they add to gap and faces, the place
+        of the edge of contact, and the loads of the punches up to it.
+        """
         curvatures = self._compliance.curvatures
         gap_curvature = curvatures.normal * load + curvatures.normal_under_shear * force
         face_curvature = curvatures.tangential * force + curvatures.tangential_under_pressure * load
@@ -639,7 +641,10 @@ class _Stepper:
         return step, self._displacement(row, step)
 
     def _displacement(self, row: Row, step: Step) -> float:
-        """U + Q/k_s of a state."""
+        """Tangential displacement of the actuator [length], U of the contact and what the bodies
+        and the tangential spring give way by, for the loads of a `row` and the memory curve at the
+        end of a `step`.
+        """
         self._add_up()
         compliance = self._compliance
         curvatures = compliance.curvatures

@@ -267,7 +267,10 @@ class Arc:
         self.error = self._factor * (error_of_steps + error_of_series)
 
     def _resolved(self, begins: Array, ends: Array) -> _Panels:
-        """Panels with their series, ascending; those that are not resolved are halved."""
+        """Panels of an arc, (n,) ascending in time, with the series of the integrand at the points
+        far from P_x; from the panels between `begins` and `ends`, those that are not resolved are
+        halved.
+        """
         resolved_panels: list[_Panels] = []
         largest_integral = 0.0
         n_points = len(self._x)

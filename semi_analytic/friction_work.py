@@ -131,11 +131,23 @@ def _over_spans(
     n_integrals: int,
     integral_along: Callable[[Span, Indices, Array, Array, QuadratureRule], Array],
 ) -> Split:
-    """A/pi times the sums of `n_integrals` integrals along spans: by one rule, or by halving where
-    edges run unevenly or pass corners.
+    """A/pi times the sums of `n_integrals` integrals along spans of the load path, A = 2/E*: by one
+    rule, or by halving where edges of contact or stick run unevenly or pass corners of the profile.
 
-    `integral_along`(span, which (n,), low (n,), high (n,), rule) gives number which[k] from low[k]
-    to high[k], (n,).
+    Parameters
+    ----------
+    modulus
+        E* [stress]
+    ranges
+        the spans, and begin and end of each integral in each of them, (n_integrals,)
+    integral_along
+        of (span, which (n,), begins (n,), ends (n,), rule): the integrals number which[k] from
+        begins[k] to ends[k], (n,), by this rule
+
+    Returns
+    -------
+    Split
+        forward, reverse and the error of both, (n_integrals,) each
     """
     cuts_of_spans = [corner_times(contact, span) for span, _, _ in ranges]
     is_rough = np.array(
@@ -418,8 +430,9 @@ def _split(contact: Contact, records: Records) -> Records:
     """Records of slip cut into parts between which neither the load P nor the load P_c at the stick
     edge passes one at which the half-width a(P) is not smooth.
 
-    `row` of a part is the number of its record, `until` its share of it. Loads are those of corners
-    and, where P may hardly grow anywhere, of half-widths so close that a(P) is smooth in between.
+    `row` of a part is then the number of its record, and `until` the part's share of it. The loads
+    of the cuts are those of the profile's corners and, where P may hardly grow anywhere, of
+    half-widths so close that a(P) is smooth in between.
     """
     break_loads = contact.break_loads
     if contact.bends_anywhere and len(records.row):
@@ -658,38 +671,38 @@ def by_halving(
     >>> by_halving(midpoint, [0.0, 1.0], [2.0, 3.0], CONVERGED).value.tolist()
     [2.0, 4.0]
     """
-    low = np.array(begin, dtype=float)
-    high = np.array(end, dtype=float)
+    begins = np.array(begin, dtype=float)
+    ends = np.array(end, dtype=float)
     all_marks = np.append(marks, np.inf)
-    numbers = np.arange(len(low))
-    n_halvings = np.zeros(len(low), dtype=int)
-    integrals = np.zeros(len(low))
-    errors = np.zeros(len(low))
+    numbers = np.arange(len(begins))
+    n_halvings = np.zeros(len(begins), dtype=int)
+    integrals = np.zeros(len(begins))
+    errors = np.zeros(len(begins))
     integrals_before = first_estimate
     if integrals_before is None:
-        integrals_before = work(numbers, low, high)
+        integrals_before = work(numbers, begins, ends)
     while len(numbers):
-        cut = (low + high) / 2
+        cut = (begins + ends) / 2
         # The mark next above the middle, else the one below it, else the middle itself: parts next
         # to nothing would change nothing.
         number_of_cut = np.searchsorted(all_marks, cut)
-        margin = (high - low) / 16
+        margin = (ends - begins) / 16
         for nearest_mark in (all_marks[number_of_cut - 1], all_marks[number_of_cut]):
-            is_inside = (nearest_mark > low + margin) & (nearest_mark < high - margin)
+            is_inside = (nearest_mark > begins + margin) & (nearest_mark < ends - margin)
             cut = np.where(is_inside, nearest_mark, cut)
             n_halvings = np.where(is_inside, -1, n_halvings)
-        halves = work(np.tile(numbers, 2), np.r_[low, cut], np.r_[cut, high])
+        halves = work(np.tile(numbers, 2), np.r_[begins, cut], np.r_[cut, ends])
         left_halves, right_halves = np.split(halves, 2)
-        change = np.abs(left_halves + right_halves - integrals_before)
+        changes = np.abs(left_halves + right_halves - integrals_before)
         is_last = (n_halvings == _HALVINGS) | (len(numbers) > _MOST * len(integrals) + _FEW)
-        is_done = (change <= allowed_error) | ~np.isfinite(change) | is_last
+        is_done = (changes <= allowed_error) | ~np.isfinite(changes) | is_last
         np.add.at(integrals, numbers[is_done], (left_halves + right_halves)[is_done])
-        np.add.at(errors, numbers[is_done], change[is_done])
-        is_open = ~is_done
-        new_low = np.r_[low[is_open], cut[is_open]]
-        high = np.r_[cut[is_open], high[is_open]]
-        low = new_low
-        numbers = np.tile(numbers[is_open], 2)
-        integrals_before = np.r_[left_halves[is_open], right_halves[is_open]]
-        n_halvings = np.tile(n_halvings[is_open] + 1, 2)
+        np.add.at(errors, numbers[is_done], changes[is_done])
+        is_halved_further = ~is_done
+        new_begins = np.r_[begins[is_halved_further], cut[is_halved_further]]
+        ends = np.r_[cut[is_halved_further], ends[is_halved_further]]
+        begins = new_begins
+        numbers = np.tile(numbers[is_halved_further], 2)
+        integrals_before = np.r_[left_halves[is_halved_further], right_halves[is_halved_further]]
+        n_halvings = np.tile(n_halvings[is_halved_further] + 1, 2)
     return Converged(integrals, errors)

@@ -804,16 +804,16 @@ class _Answers:
     permanent: Array = field(default_factory=lambda: np.full(2, np.nan))
 
     @classmethod
-    def empty(cls, grids: int, instants: int, points: int, every: int) -> _Answers:
-        """Zeros in the arrays of the answers before anything is followed, stick edges NaN; of each
-        grid every `every`-th instant is kept.
+    def empty(cls, grids: int, instants: int, points: int, stride: int) -> _Answers:
+        """Answers before anything is followed: arrays of zeros for numbers of `grids`, `instants`
+        and `points`, stick edges NaN; each grid by itself has room at every `stride`-th instant.
         """
-        of_each = (grids, -(-instants // every), points)
+        shape_of_each = (grids, -(-instants // stride), points)
         return cls(
             share=np.zeros((instants, points)),
             slip=np.zeros((instants, points)),
-            share_of_each=np.zeros(of_each),
-            slip_of_each=np.zeros(of_each),
+            share_of_each=np.zeros(shape_of_each),
+            slip_of_each=np.zeros(shape_of_each),
             stick_edges=np.full((instants, 2), np.nan),
             loads=np.zeros((4, instants)),
             displacement=np.zeros(instants),
@@ -1282,10 +1282,16 @@ def _run_coarse_and_fine(
 
     Parameters
     ----------
+    setup
+        profile, edges of contact, friction and modulus that all grids have in common
+    loads
+        P, Q, bulk strain and tilt along the path
     x
         (m,) points at which q and s are wanted
     time
         (n,) instants of the answers; every second increment if None
+    request
+        how many cycles, cells and increments, and whether the last cycle alone is wanted
 
     Raises
     ------

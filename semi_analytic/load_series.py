@@ -260,10 +260,18 @@ def _step(
     friction: float,
     recorder: Recorder,
 ) -> Knot | None:
-    """Memory curve after a straight step between two points of P and Q.
+    """Memory curve after a straight step from one (P, Q, share of the step that is over) to
+    another; each part of the step that goes through one line of the curve is handed to `recorder`.
 
-    `side`: slip forward, 1, or in reverse, -1; full stick, 0; or `_UNLOADS`, unloading with |dQ| <=
-    f |dP|. Each stretch of the step is handed to `recorder`.
+    Parameters
+    ----------
+    curve
+        the uppermost line of the memory curve before the step; None for bodies out of contact
+    side
+        slip forward, 1, or in reverse, -1; full stick, 0; or `_UNLOADS`, unloading with |dQ| <=
+        f |dP|
+    friction
+        f
     """
     if side == _UNLOADS:
         return _unload(curve, begin_station, end_station, friction, recorder)

@@ -60,11 +60,18 @@ def rounding_of_slip(share: float) -> float:
 
 
 def rounding_of_shift(friction: float, moments: Array, shifts: Array) -> float:
-    """Relative error of the tangential displacement by the last digits of a sum of f int ln(2 L/a)
-    d eta = f `moments` that cancels, (n,) each.
+    """Relative error of the tangential displacement by the last digits of f int ln(2 L/a) d eta, a
+    sum that cancels; 0 where it is below what closed forms promise, or nothing shifts.
 
-    `shifts` in the same unit, int M' ln(2 L/a) d eta; 0 where the error is below what closed forms
-    promise, or nothing shifts.
+    Parameters
+    ----------
+    friction
+        f
+    moments
+        (n,) int ln(2 L/a) d eta up to the load of each instant
+    shifts
+        (n,) int M' ln(2 L/a) d eta along the memory curve, the displacement in the unit of
+        `moments`
     """
     largest_shift = float(np.max(np.abs(shifts)))
     if largest_shift <= 0:

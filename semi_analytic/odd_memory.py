@@ -219,8 +219,8 @@ def odd_answer(scene: Scene, effects: BodyEffects) -> OddAnswer:
 
 
 def _cycles(history: History) -> Iterator[tuple[tuple[Span, ...], Span | None, Span | None]]:
-    """Of each cycle, or of the path where it does not repeat: its spans, the span before them and
-    the span after them, None where there is none. The steady cycle follows itself.
+    """Each cycle of a history, or the whole path where it does not repeat: its spans, the span
+    before them and the span after them, None where there is none. The steady cycle follows itself.
     """
     earlier_spans = history.loading
     for number, spans in enumerate(history.cycles):
@@ -466,9 +466,11 @@ def _of_span(span: Span, radius: float, points: int) -> Array:
 
 
 def _of_kink(span_before: Span, span: Span, radius: float) -> Array:
-    """Matrix (4, 4) of term 3 of the work, over (alpha_P, alpha_Q, e_P, e_Q), where the front of
-    slip goes across a kink, from the piece of the memory curve of the span before to that of this
-    one; zero where the same piece goes on.
+    """Matrix (4, 4) of what a kink of the memory curve contributes to the friction work, over
+    (alpha_P, alpha_Q, e_P, e_Q), where the front of slip goes across it, from the piece of the
+    curve of `span_before` to that of `span`; zero where both are on one piece.
+
+    `radius` is that of the parabola [length].
     """
     outer_piece = span_before.active
     inner_piece = span.active

@@ -112,13 +112,13 @@ def _harmonics(time: Array, normal_load: Array, tangential_load: Array) -> Harmo
             zip(amplitudes.tolist(), phases.tolist(), strict=True)
         )
 
-    mean_normal_load, normal = waves(normal_load)
-    mean_tangential_load, tangential = waves(tangential_load)
+    mean_normal_load, normal_waves = waves(normal_load)
+    mean_tangential_load, tangential_waves = waves(tangential_load)
     return HarmonicLoad(
         mean_normal_load=mean_normal_load,
-        normal_harmonics=normal,
+        normal_harmonics=normal_waves,
         mean_tangential_load=mean_tangential_load,
-        tangential_harmonics=tangential,
+        tangential_harmonics=tangential_waves,
     )
 
 

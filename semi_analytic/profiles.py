@@ -408,7 +408,8 @@ def load_factor(exponent: float) -> float:
 
 
 def power_law(modulus: float, exponent: float, length: float, rise: float) -> ContactLaw:
-    """Of h = rise (|x|/length)^n, n >= 1 real: P = K (a/length)^n, K = E* n rise load_factor(n).
+    """Contact law of h = rise (|x|/length)^n, n = `exponent` >= 1 real: P = K (a/length)^n, K = E*
+    n rise load_factor(n), E* = `modulus`.
 
     >>> law = power_law(modulus=100.0, exponent=2.0, length=1.0, rise=0.5)  # Hertz with R = 1
     >>> round(float(law.advance(np.array(25 * np.pi))), 12)
@@ -424,7 +425,8 @@ def power_law(modulus: float, exponent: float, length: float, rise: float) -> Co
 
 
 def even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> ContactLaw:
-    """Of h = sum c_k (x/length)^(2 k): a sum of the loads of its powers.
+    """Contact law of h = sum c_k (x/length)^(2 k), c_k = `rises`: a sum of the loads of its powers.
+    `modulus` is E*.
 
     Raises
     ------
@@ -501,8 +503,8 @@ def load_function(tau: ArrayLike) -> Array:
 
 
 def flat_and_rounded(modulus: float, radius: float, flat_half_length: float) -> ContactLaw:
-    """Of a flat face of half-length b with parabolic edges of radius R (Ciavarella, Hills and Monno
-    1998; phi_0 is arccot tau):
+    """Contact law of a flat face of half-length b with parabolic edges of radius R (Ciavarella,
+    Hills and Monno 1998; phi_0 is arccot tau); `modulus` is E*:
 
         P = (E* b^2/(2 R)) F(tau),  dP/da = (E*/R) a arctan(tau),  tau = sqrt(a^2 - b^2)/b
 
@@ -531,8 +533,8 @@ def flat_and_rounded(modulus: float, radius: float, flat_half_length: float) -> 
 def two_curvatures(
     modulus: float, inner_radius: float, outer_radius: float, inner_half_length: float
 ) -> ContactLaw:
-    """Of h'' = 1/R1 up to x = b and 1/R2 beyond; R2 infinite makes a wedge with a rounded tip.
-    Hertz up to a = b, then
+    """Contact law of a profile with h'' = 1/R1 up to x = b = `inner_half_length` and 1/R2 beyond;
+    R2 infinite makes a wedge with a rounded tip. `modulus` is E*. Hertz up to a = b, then
 
         P = (E*/(2 R1)) [b t + a^2 arcsin(b/a)] + (E* b^2/(2 R2)) F(t/b),  dP/da = E* a
         [arcsin(b/a)/R1 + arccos(b/a)/R2]

@@ -929,11 +929,11 @@ def primitive_of(kind: Kind, order: int, x: Array, top: float, law: ContactLaw) 
 
 
 def _resolved(kind: Kind, order: int, panels: Panels, law: ContactLaw) -> _Resolved:
-    """Chebyshev series of the integrand on ranges of v, which are halved until their last
-    coefficients no longer count.
+    """Chebyshev series of the integrand on panels, ranges of the variable v, which are halved until
+    their last coefficients no longer count.
 
     What halving does not make smaller is noise of P(d) and dP/da themselves: it stays, and counts
-    as error.
+    as error. `kind` and `order` name the integral, `law` is P(d) of the profile.
     """
     finished_panels: list[_Resolved] = []
     tail_before = np.full(len(panels.point), np.inf)

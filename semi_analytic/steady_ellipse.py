@@ -144,7 +144,10 @@ def ellipses_of(
     mean: Array, amplitude: Array, tangential_amplitude: Array, phase: Array, friction: Array
 ) -> Ellipses:
     """Angles and loads of the loops P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase), the permanent
-    stick load P_T among them; arrays (m,) of P0, P1, Q1, phase and f > 0, which are admissible.
+    stick load P_T among them.
+
+    `mean`, `amplitude`, `tangential_amplitude`, `phase` and `friction` are arrays (m,) of P0, P1,
+    Q1, phase [rad] and f > 0, which are admissible.
 
     >>> loop = ellipses_of(
     ...     *(np.array([value]) for value in (3.0, 1.0, 0.5, math.pi / 2, 0.5))
@@ -276,17 +279,20 @@ def quadrature_error(values: Array, size: Array) -> Array:
     return np.where(change <= change_before**1.5, change**1.5, change)
 
 
-def density_of(e: Ellipses, contact: Contact, x: Array, every: int = 1) -> tuple[Array, Array]:
+def density_of(
+    ellipses: Ellipses, contact: Contact, x: Array, node_stride: int = 1
+) -> tuple[Array, Array]:
     """Density of friction work W(x) pi E*/(2 f^2) of each ellipse at its own place |x| = x[k],
     (m,): that of forward slip and that of reverse slip.
 
-    With `every` = 2 by every second node of the rule, to some 1e-6.
+    `contact` is the normal contact of the profile; with `node_stride` = 2 every second node of the
+    rule is taken, to some 1e-6.
     """
     works = np.zeros((len(PHASES), len(x)))
     for first_point in range(0, len(x), _POINTS):
         points_at_once = np.arange(first_point, min(first_point + _POINTS, len(x)))
         works[:, points_at_once] = _densities(
-            e.take(points_at_once[:, None]), contact, x[points_at_once, None], every
+            ellipses.take(points_at_once[:, None]), contact, x[points_at_once, None], node_stride
         )
     return works[1] + works[2], works[0]
 

@@ -180,8 +180,9 @@ def edge_tension(
     Parameters
     ----------
     source
-        as for `stress`; of a solution that holds an instant and has 60 points in the contact
-        its own tractions are taken where there is no one memory curve
+        the scene, its name or file, or a solution of it; of a solution that holds an instant
+        and has 60 points in the contact its own tractions are taken where the memory of
+        friction is no single curve
     instants
         (n_instants,) times of the load path
 
@@ -474,7 +475,9 @@ def _from_potentials(
     y_normal_slope: Complex,
     y_tangential_slope: Complex,
 ) -> Array:
-    """(n, 3) s_xx, s_yy, s_xy of a body below y = 0 from N, T, y N' and y T'."""
+    """Stresses s_xx, s_yy, s_xy of a body below y = 0 at points (n,), (n, 3), from the complex
+    potentials N of the pressure and T of the shear, and from y N' and y T'.
+    """
     part_of_depth = y_normal_slope.real - y_tangential_slope.imag
     part_of_pressure = -normal_potential.imag
     components = (

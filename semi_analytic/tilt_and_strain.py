@@ -139,9 +139,9 @@ def work_of_half_planes(scene: Scene) -> float:
 
 
 def _by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
-    """Relative change of the friction work of half-planes by the odd numbers of the effects, on
-    grids: the same path followed with them and without. InputError for a path of too many
-    segments.
+    """Relative change of the friction work of half-planes by tilt and bulk strain that the bodies'
+    numbers add, on grids: one path followed with these numbers and without. InputError for a path
+    of too many segments.
     """
     path = scene.load.path()
     segments = len(path.initial_loading) + len(path.cycle)

@@ -273,9 +273,18 @@ def _newton_step(
     half_width: Array,
     fallback_widening: Array,
 ) -> tuple[Array, Array]:
-    """Newton's steps of the centre and the half-length (n,) of contacts, from the residuals of the
-    mean slope and of the load; where the sum that is least is not convex, no shift, and wider by
-    `fallback_widening`.
+    """Newton's steps of the centre and the half-length (n,) of contacts, from what is left of the
+    balance of slope and of load; where the sum that is least at the solution is not convex, no
+    shift of the centre, and wider by `fallback_widening`.
+
+    Parameters
+    ----------
+    balance
+        sums over the curvature of the profile that the Jacobian is made of
+    slope_residual, load_residual
+        (n,) what the mean slope and the load are off
+    half_width
+        (n,) half-lengths before the step
     """
     bend_sum = balance.bend_sum
     bend_cosine_sum = balance.bend_cosine_sum
@@ -582,8 +591,11 @@ class CurvedProfile(ConvexProfile):
     def _halved(
         self, target_slope: Array, reach: float, is_above: Callable[[Array, Array], Array]
     ) -> tuple[Array, Array]:
-        """Bounds from left and right, arrays like `target_slope`, of the place from which on the
-        slope h' is above it, within +- `reach`, by halvings.
+        """Bounds from left and right of the place from which on the slope h' of the profile is
+        above a target, within +- `reach` of the origin, by halvings; arrays of the shape of
+        `target_slope`.
+
+        `is_above` compares slopes of the profile with the targets.
         """
         left_bound = np.full(target_slope.shape, -reach)
         right_bound = np.full(target_slope.shape, reach)
@@ -1118,7 +1130,13 @@ class TiltedProfile:
         return self.share * arccosh - self.lean * np.sign(t) * root
 
     def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
-        """pi dp/d eta from the load and what it is above P_x; 0 outside."""
+        """Pressure at points x by a unit of load at the contact interval of a load, times pi:
+        1/sqrt((c - t)(c + t)), t the distance from the middle of the interval and c its
+        half-length; 0 outside.
+
+        `advance` is that load, `excess` what it is above the load P_x at which the edge of contact
+        is at x.
+        """
         m, c = self.at(advance)
         face_middle, face_half = self.intervals.face
         place = np.asarray(x, dtype=float)
