@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
+import scipy
 import skfem
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
 from skfem.helpers import sym_grad
 
 from halfplane_fe.elasticity import (
@@ -729,7 +729,7 @@ def _between_sampled(
     sampled = [steps[k] for k in evenly]
     series = [tractions(nodal_values[step]) for step in sampled]
     at_sampled, _ = _tension_by_bodies(solution, sampled, series)
-    spline = CubicSpline(solution.time[sampled], np.nan_to_num(at_sampled))
+    spline = scipy.interpolate.CubicSpline(solution.time[sampled], np.nan_to_num(at_sampled))
     return dict(zip(steps, spline(solution.time[steps]), strict=True))
 
 

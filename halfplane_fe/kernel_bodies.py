@@ -33,7 +33,7 @@ from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
-from scipy.special import xlogy
+import scipy
 
 from halfplane_fe.interface import Interface
 from halfplane_fe.remainder import (
@@ -128,6 +128,7 @@ class PartOfFace:
 
     def _phi(self, x: Array) -> Array:
         """Phi [length]."""
+        xlogy = scipy.special.xlogy
         distance_from_left = x + self.flat_half_length
         distance_from_right = x - self.flat_half_length
         logarithmic_sum = distance_from_left * xlogy(
@@ -137,6 +138,7 @@ class PartOfFace:
 
     def _phi_rate(self, x: Array) -> Array:
         """d Phi/dx."""
+        xlogy = scipy.special.xlogy
         distance_from_left = x + self.flat_half_length
         distance_from_right = x - self.flat_half_length
         rate = 2 * xlogy(distance_from_left, np.abs(distance_from_left)) + distance_from_left
