@@ -127,9 +127,9 @@ ROWS = (
     Row("theory, hertz-paper: all fields", 0.54, _theory("hertz-paper"), 5),
     Row("theory, harmonics: all fields", 0.33, _theory("harmonics"), 5),
     Row(
-        "theory, a table of 1,001 rows: W alone",
+        "theory, a table of 1,001 rows: all fields",
         0.47,
-        _theory("hertz-paper", ", fields='dissipation'", _ROWS_OF_TABLE),
+        _theory("hertz-paper", change=_ROWS_OF_TABLE),
         5,
     ),
     Row("`halfplane --help`", 1.0, _COMMAND.format(words=["--help"])),

@@ -34,7 +34,7 @@ from semi_analytic.history import Span, corner_times, snapshot_of
 from semi_analytic.load_series import Records, StepBlock
 from semi_analytic.memory import change_from, level, level_on
 from semi_analytic.profiles import Contact
-from semi_analytic.quadrature import NODES, ROOTS, crowded, gauss, graded
+from semi_analytic.quadrature import NODES, crowded, gauss, graded
 from semi_analytic.tilted_profile import TiltedProfile
 
 Indices = NDArray[np.intp]
@@ -61,6 +61,7 @@ _SAMPLE = 200
 _LADDER = 2.0 ** -np.arange(0.1, 5.0, 0.1)
 # Quadrature nodes that are held at a time.
 _CHUNK = 200_000
+_TINY = float(np.finfo(float).tiny)
 
 
 class Split(NamedTuple):
@@ -383,17 +384,14 @@ def _means(contact: Contact, records: Records, values: Values) -> tuple[Array, i
     that crowd to both ends resolve.
     """
     smooth_parts = _split(contact, records)
-    share_to_zero = _share_of_way(smooth_parts, np.empty(0))
-    share_to_corner = _share_of_way(smooth_parts, contact.break_loads)
-    rule_of_part = np.searchsorted(_SHARES, share_to_zero)
-    is_beside_corner = share_to_corner > np.maximum(share_to_zero, _SHARES[0])
-    rule_of_part[(rule_of_part < len(_SHARES)) & is_beside_corner] = len(_SHARES) + 1
+    rule_of_part = _rule_numbers(
+        _share_of_way(smooth_parts, np.empty(0)), _share_of_way(smooth_parts, contact.break_loads)
+    )
     means = np.zeros(len(records.row))
     node_count = 0
-    rules = [gauss(count) for count in _COUNTS]
-    rules += [(ROOTS.up, ROOTS.weight), crowded(0.0, 1.0)]
-    for rule, (share, weights) in enumerate(rules):
-        parts_of_kind = smooth_parts.take(np.flatnonzero(rule_of_part == rule))
+    for number, (rule, _) in enumerate(_RULES):
+        share, weights = rule(0.0, 1.0)
+        parts_of_kind = smooth_parts.take(np.flatnonzero(rule_of_part == number))
         load_growth = parts_of_kind.load_after - parts_of_kind.load
         slip_growth = parts_of_kind.slipped_after - parts_of_kind.slipped
         load = parts_of_kind.load[:, None] + load_growth[:, None] * share
@@ -405,11 +403,40 @@ def _means(contact: Contact, records: Records, values: Values) -> tuple[Array, i
     return means, node_count
 
 
+def _gauss_rule(count: int) -> QuadratureRule:
+    """Gauss' rule of `count` nodes."""
+    nodes, weights = gauss(count)
+
+    def rule(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
+        begin_column = np.asarray(begin, dtype=float)[..., None]
+        length = np.asarray(end, dtype=float)[..., None] - begin_column
+        return begin_column + length * nodes, length * weights
+
+    return rule
+
+
+_RULES: tuple[tuple[QuadratureRule, int], ...] = (
+    *((_gauss_rule(count), count) for count in _COUNTS),
+    (graded, NODES),
+    (crowded, len(crowded(0.0, 1.0)[0])),
+)
+"""Rules for records of slip and their numbers of nodes."""
+
+
+def _rule_numbers(share_to_singularity: Array, share_to_corner: Array) -> Indices:
+    """Number of the rule for each of some integrands (m,), by the shares of the way to their
+    singularity and to the corner of the profile below them that they go along the range.
+    """
+    rule_number = np.searchsorted(_SHARES, share_to_singularity)
+    is_beside_corner = share_to_corner > np.maximum(share_to_singularity, _SHARES[0])
+    rule_number[(rule_number < len(_SHARES)) & is_beside_corner] = len(_SHARES) + 1
+    return rule_number
+
+
 def _share_of_way(parts: Records, corners: Array) -> Array:
     """Largest share, (m,), of the way to no load or to the corner of the profile below that P or
     P_c, the load at the edge of stick, goes along each part.
     """
-    least_number = np.finfo(float).tiny
     share = np.zeros(len(parts.row))
     edge_load = parts.load - parts.slipped
     edge_load_after = parts.load_after - parts.slipped_after
@@ -419,11 +446,18 @@ def _share_of_way(parts: Records, corners: Array) -> Array:
         corner_below = np.append(0.0, corners)[
             np.searchsorted(corners, (least_load + largest_load) / 2)
         ]
-        distance_ratio = np.maximum(least_load - corner_below, 0.0) / np.maximum(
-            largest_load - corner_below, least_number
+        share = np.maximum(
+            share, _share_to_zero(least_load - corner_below, largest_load - corner_below)
         )
-        share = np.maximum(share, 1 - distance_ratio)
     return share
+
+
+def _share_to_zero(begin: Array, end: Array) -> Array:
+    """Share of the way to 0 that a distance goes from one end of a range to the other; 1 where it
+    is 0 at one of them.
+    """
+    least_distance = np.maximum(np.minimum(begin, end), 0.0)
+    return np.asarray(1 - least_distance / np.maximum(np.maximum(begin, end), _TINY))
 
 
 def _split(contact: Contact, records: Records) -> Records:
@@ -509,37 +543,66 @@ def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
     """int p arccosh(|x|/c) dw of all records of slip at |x| = `x` (k,): shape (k,) [stress * force
     per thickness].
     """
-    edge_loads = contact.load(x)
     density = np.zeros(len(x))
     parts = _split(contact, records)
     parts_at_once = max(_CHUNK // len(x), 1)
     for first_part in range(0, len(parts.load), parts_at_once):
         chunk = parts.take(slice(first_part, first_part + parts_at_once))
-        load = chunk.load[:, None]
-        load_growth = (chunk.load_after - chunk.load)[:, None]
-        edge_load = load - chunk.slipped[:, None]
-        edge_load_drop = (chunk.slipped_after - chunk.slipped)[:, None] - load_growth
-        begin_share, end_share = _shares_in_slip(
-            load, load_growth, edge_load, edge_load_drop, edge_loads
-        )
-        part_number, point = np.nonzero(end_share > begin_share)
-        for j in range(0, len(part_number), _CHUNK // NODES):
-            part_chunk = part_number[j : j + _CHUNK // NODES]
-            point_chunk = point[j : j + _CHUNK // NODES]
-            share, weights = graded(
-                begin_share[part_chunk, point_chunk], end_share[part_chunk, point_chunk]
-            )
-            load_at = load[part_chunk] + load_growth[part_chunk] * share
-            edge_load_at = np.maximum(
-                edge_load[part_chunk] - edge_load_drop[part_chunk] * share, 0.0
-            )
-            excess = np.maximum(edge_loads[point_chunk, None] - edge_load_at, 0.0)
-            ratio = contact.arccosh_ratio(
-                x[point_chunk, None], excess, contact.advance(edge_load_at)
-            )
-            values_at_nodes = weights * contact.pressure(x[point_chunk, None], load_at) * ratio
-            work = chunk.rise[part_chunk] * np.sum(values_at_nodes, axis=1)
-            density += np.bincount(point_chunk, work, len(x))
+        density += _density_of_parts(contact, chunk, x)
+    return density
+
+
+def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
+    """`density_of_records` of parts of records between corners of the profile, (k,).
+
+    Along a part p has a root where P = P_x, and the arccosh one where P_c = P_x, a logarithm where
+    P_c = 0: a pair of part and point takes as many nodes as the nearest of these needs.
+    """
+    edge_loads = contact.load(x)
+    load = parts.load[:, None]
+    load_growth = (parts.load_after - parts.load)[:, None]
+    stick_edge_load = load - parts.slipped[:, None]
+    stick_edge_drop = (parts.slipped_after - parts.slipped)[:, None] - load_growth
+    begin_shares, end_shares = _shares_in_slip(
+        load, load_growth, stick_edge_load, stick_edge_drop, edge_loads
+    )
+    part, point = np.nonzero(end_shares > begin_shares)
+    begin = begin_shares[part, point][:, None]
+    end = end_shares[part, point][:, None]
+    places = x[point, None]
+    load_at_place = edge_loads[point, None]
+
+    def loads_at(pairs: Indices, share: Array) -> tuple[Array, Array]:
+        """P and P_c at shares of the part (n, m) for pairs (n,)."""
+        numbers = part[pairs]
+        stick_loads = stick_edge_load[numbers] - stick_edge_drop[numbers] * share
+        return load[numbers] + load_growth[numbers] * share, np.maximum(stick_loads, 0.0)
+
+    all_pairs = np.arange(len(part))
+    load_at_begin, stick_load_at_begin = loads_at(all_pairs, begin)
+    load_at_end, stick_load_at_end = loads_at(all_pairs, end)
+    share_to_singularity = np.max(
+        [
+            _share_to_zero(load_at_begin - load_at_place, load_at_end - load_at_place),
+            _share_to_zero(load_at_place - stick_load_at_begin, load_at_place - stick_load_at_end),
+            _share_to_zero(stick_load_at_begin, stick_load_at_end),
+        ],
+        axis=0,
+    )[:, 0]
+    share_to_corner = _share_of_way(parts, contact.break_loads)[part]
+    rule_of_pair = _rule_numbers(share_to_singularity, share_to_corner)
+    density = np.zeros(len(x))
+    for number, (rule, n_nodes) in enumerate(_RULES):
+        pairs_of_rule = np.flatnonzero(rule_of_pair == number)
+        for j in range(0, len(pairs_of_rule), _CHUNK // n_nodes):
+            pairs = pairs_of_rule[j : j + _CHUNK // n_nodes]
+            share, weights = rule(begin[pairs, 0], end[pairs, 0])
+            load_at_nodes, stick_load = loads_at(pairs, share)
+            excess = np.maximum(load_at_place[pairs] - stick_load, 0.0)
+            ratio = contact.arccosh_ratio(places[pairs], excess, contact.advance(stick_load))
+            values_at_nodes = weights * contact.pressure(places[pairs], load_at_nodes) * ratio
+            work = parts.rise[part[pairs]] * np.sum(values_at_nodes, axis=1)
+            density += np.bincount(point[pairs], work, len(x))
     return density
 
 

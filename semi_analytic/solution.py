@@ -86,8 +86,8 @@ def solve(
         is steady before). Cycles after the steady one are looked up, not solved. A path of more
         than 1,000 rows is answered at every row where no `time` is given, at about 400 of them
         with pointwise fields; a million rows take some seconds and memory for the rows asked
-        for, W(x) of them at 200 points half a minute to minutes: leave "dissipation_density"
-        out of `fields` where it is not wanted.
+        for, W(x) of them at 200 points five seconds for a parabola, minutes for a profile of
+        rows: leave "dissipation_density" out of `fields` where it is not wanted.
 
     Raises
     ------
