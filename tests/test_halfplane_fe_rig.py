@@ -326,68 +326,51 @@ def test_theory_finds_the_loads_of_a_body_that_tilts(friction: float) -> None:
         assert np.ptp(difference) < 3e-3 * np.ptp(of_elements)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("friction", "amplitude", "phase"),
-    [(0.8, 1.9e-3, 90.0), (0.3, 1e-3, 90.0), (0.5, 1.5e-3, 60.0)],
-)
-def test_theory_has_the_dissipation_of_a_body_that_tilts(
-    friction: float, amplitude: float, phase: float
-) -> None:
-    """Measured: -3.3e-4, 8e-5, 3e-7; without what grids add the first is 1.9e-2 too large."""
-    load = EllipseLoad(
-        mean_normal_load=MEAN,
+def swinging(amplitude: float, phase: float) -> EllipseLoad:
+    """P of 90 -+ 30 N/mm, and a displacement of this amplitude."""
+    return EllipseLoad(
+        mean_normal_load=90.0,
         normal_amplitude=30.0,
         tangential_displacement={"amplitude": amplitude, "phase_degrees": phase},
     )
+
+
+# Load, friction, and how far W of theory may be off. Measured: -3.3e-4, 8e-5, 3e-7, -2.3e-3 and
+# -9.1e-3; without what grids add the first is 1.9e-2 too large. What tilt and strain leave of the
+# last two is stated by the rule of advice: 9.1e-3 and 2.2e-2.
+OF_A_BODY_THAT_TILTS = [
+    (swinging(1.9e-3, 90.0), 0.8, 2e-3),
+    (swinging(1e-3, 90.0), 0.3, 2e-3),
+    (swinging(1.5e-3, 60.0), 0.5, 2e-3),
+    (swinging(2e-3, 60.0), 0.3, 0.025),
+    (
+        PolygonLoad(
+            initial_loading=((90.0, 0.0),),
+            cycle=((90.0, 3.5e-3), (90.0, -3.5e-3)),
+            tangential_displacement=True,
+        ),
+        0.5,
+        0.025,
+    ),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("load", "friction", "allowed"), OF_A_BODY_THAT_TILTS)
+def test_theory_has_the_dissipation_of_a_body_that_tilts(
+    load: PolygonLoad | EllipseLoad, friction: float, allowed: float
+) -> None:
     scene = load_scene("hertz-paper").vary(
         bodies=T_SHAPE, load=load, friction=friction, expected=(), tolerances={}
     )
     effects = halfplane_fe.body_effects(scene)
     theory = semi_analytic.solve(scene, x=[0.0], fields=("dissipation",), effects=effects)
     found = halfplane_fe.solve(scene)
-    assert theory.dissipation == pytest.approx(found.dissipation, rel=2e-3)
-    stated = theory.record.errors["dissipation"] * theory.dissipation
-    error = abs(theory.dissipation - found.dissipation)
-    assert error <= stated + found.dissipation_uncertainty
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("load", "friction"),
-    [
-        (
-            EllipseLoad(
-                mean_normal_load=90.0,
-                normal_amplitude=30.0,
-                tangential_displacement={"amplitude": 2e-3, "phase_degrees": 60.0},
-            ),
-            0.3,
-        ),
-        (
-            PolygonLoad(
-                initial_loading=((90.0, 0.0),),
-                cycle=((90.0, 3.5e-3), (90.0, -3.5e-3)),
-                tangential_displacement=True,
-            ),
-            0.5,
-        ),
-    ],
-)
-def test_the_work_of_a_body_that_tilts_is_within_its_stated_error(
-    load: PolygonLoad | EllipseLoad, friction: float
-) -> None:
-    """Measured: -2.3e-3 and -9.1e-3, stated 9.1e-3 and 2.2e-2: what tilt and strain leave is stated
-    by the rule of advice.
-    """
-    scene = load_scene("hertz-paper").vary(
-        bodies=T_SHAPE, load=load, friction=friction, expected=(), tolerances={}
-    )
-    effects = halfplane_fe.body_effects(scene)
-    theory = semi_analytic.solve(scene, x=[0.0], fields="dissipation", effects=effects)
-    found = halfplane_fe.solve(scene)
-    error = theory.dissipation / found.dissipation - 1
-    assert abs(error) < theory.record.errors["dissipation"] < 0.025
+    stated = theory.record.errors["dissipation"]
+    error = abs(theory.dissipation / found.dissipation - 1)
+    assert error < allowed
+    assert stated < 0.025
+    assert error <= stated + found.dissipation_uncertainty / found.dissipation
 
 
 # ----------------------------------------------------------------------------- rigs of the library

@@ -5,7 +5,6 @@ scaling laws against differences, covariance, draws near sliding, the difference
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
@@ -643,21 +642,6 @@ def test_page_terminal_and_json_say_it(tmp_path: Path) -> None:
 
 
 # ----------------------------------------------------------------------------------------- effort
-def seconds(work_to_do: Callable[[], object]) -> float:
-    start = time.process_time()
-    work_to_do()
-    return time.process_time() - start
-
-
-@pytest.mark.slow
-def test_draws_of_an_ellipse_and_derivatives_within_a_run_take_a_second() -> None:
-    scene = BLOCKS.vary(uncertainty=PAPERS)
-    effects = halfplane_fe.body_effects(scene)
-    input_effects(scene, effects)
-    assert inputs.DRAWS == 100_000
-    assert min(seconds(lambda: draws_of_work(scene, "asked for")) for _ in range(3)) < 1
-    others = [scene.vary(friction=0.99 + 0.001 * k) for k in range(3)]
-    assert min(seconds(lambda s=s: input_effects(s, effects)) for s in others) < 1
 
 
 def single_block() -> Scene:
