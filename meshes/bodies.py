@@ -60,7 +60,9 @@ class MeshSettings:
     cells: Cells = "triangles"
 
     def __post_init__(self) -> None:
-        """InputError for a size or ratio outside its range."""
+        """InputError, with the range, for an element size, ratio of sizes, radius, growth, order or
+        form of elements that is none of those allowed.
+        """
         for name in ("element_size", "edge_element_size"):
             if not self.LEAST_SIZE <= getattr(self, name) <= 0.25:
                 raise InputError(
@@ -229,7 +231,10 @@ def body_nodes(grading: SurfaceGrading, growth: float, order: int) -> int:
 
 
 def check_count(name: str, grading: SurfaceGrading, growth: float, order: int) -> None:
-    """InputError where the mesh of body `name` would be too large, with the limit."""
+    """InputError where the mesh of the body `name` would have too many nodes, with the limit: on
+    its contact, or in all, by the sizes of its surface elements, their growth per distance and the
+    order of the elements.
+    """
     advice = "make element_size and edge_element_size larger"
     if (count := contact_nodes(grading, order)) > MOST_CONTACT_NODES:
         raise InputError(
@@ -268,8 +273,8 @@ def scaled_grading(grading: SurfaceGrading, factor: float) -> SurfaceGrading:
 
 
 def surface_points(grading: SurfaceGrading) -> Array:
-    """Corner points of the surface elements on 0 <= x <= outer: even on either side of `inner`,
-    halved towards a tip at x = 0.
+    """Corner points of the surface elements on 0 <= x <= grading.outer, (n,): even on either side
+    of grading.inner, halved towards a tip at x = 0 as often as the `grading` states.
     """
     inner_points = np.linspace(
         0,
@@ -290,12 +295,15 @@ def size_formula(
     grading: SurfaceGrading, growth: float, sharp_corners: Sequence[tuple[float, float]] = ()
 ) -> str:
     """Element size at a point of x >= 0, that of the nearest surface elements, growing with the
-    distance: for gmsh's MathEval.
-
-    Four times faster there than a call back to Python.
+    distance: a formula of x and y for gmsh's field MathEval, which is four times faster there than
+    a call back to Python.
 
     Parameters
     ----------
+    grading
+        sizes of the surface elements
+    growth
+        growth of the size per distance
     sharp_corners
         (x, y) of corners where the strain is infinite
     """

@@ -119,9 +119,9 @@ def mirrored_mesh(
         which curves have which name; curves without a name lie on the axis
     size
         element size at a point (x, y), as a formula of gmsh's field MathEval; for
-        quadrilaterals twice the one wanted, and likewise each curve's elements
-    order
-        1 or 2, of elements and geometry
+        quadrilaterals twice the size that is wanted, and so are the elements of each curve
+    order, cells
+        1 or 2, of elements and geometry; triangles or quadrilaterals
     settle
         given the points (n, 2) of the half and those of each name, the points where they shall
         be
@@ -203,7 +203,9 @@ def _mesh_of_half(
 
 
 def _read(curves: Mapping[str, list[int]]) -> _ReadMesh:
-    """Points, elements and boundary points of gmsh's current model."""
+    """Points, elements and boundary points of the mesh in gmsh's current model; `curves` are the
+    tags of its boundary curves, by the name of the boundary.
+    """
     node_tags, coordinates, _ = gmsh.model.mesh.getNodes()
     number_of_tag = np.zeros(int(node_tags.max()) + 1, dtype=np.int64)
     number_of_tag[node_tags.astype(np.int64)] = np.arange(len(node_tags))
@@ -247,7 +249,7 @@ def _reflect(half_mesh: _ReadMesh) -> _ReadMesh:
 
 
 def _corners_first(body: _ReadMesh) -> _ReadMesh:
-    """The same body, corners numbered before mid-side points: then scikit-fem leaves the numbers
+    """The mesh with corners numbered before mid-side points: then scikit-fem leaves the numbers
     alone.
 
     Points of no element are dropped: gmsh counts the centre of an arc.

@@ -48,11 +48,21 @@ def half_disc(
     order: int = 2,
     cells: Cells = "triangles",
 ) -> BodyMesh:
-    """A half-disc y <= 0 of radius `grading.radius`, meshed by gmsh.
+    """Mesh of a half-disc y <= 0 of radius `grading.radius`, by gmsh, which stands for the
+    half-plane `name`.
 
     One quarter is meshed and reflected in x = 0, so that a symmetric contact stays symmetric in
     rounding too. Boundaries: "contact" (|x| <= grading.outer), "free" (the rest of y = 0),
     "far_field" (the arc).
+
+    Parameters
+    ----------
+    grading
+        sizes of the surface elements, and the radius [length]
+    growth
+        growth of the element size per distance from the contact
+    order, cells
+        1 or 2, of elements and geometry; triangles or quadrilaterals
 
     Returns
     -------
@@ -103,7 +113,21 @@ def solid(
     order: int = 2,
     cells: Cells = "triangles",
 ) -> BodyMesh:
-    """A body of finite size in its own frame: first contact at the origin, y out of the body.
+    """Mesh of a body of finite size in its own frame: first contact at the origin, y out of the
+    body.
+
+    Parameters
+    ----------
+    name
+        lower or upper, for the sentences of a refusal
+    shape, profile
+        the body, and the profile of its face
+    grading
+        sizes of the surface elements [length]
+    growth
+        growth of the element size per distance from the contact
+    order, cells
+        1 or 2, of elements and geometry; triangles or quadrilaterals
 
     Elements are small at the contact and where the strain is infinite: in the corner of a free side
     with a fixed base, and in the re-entrant corner of a step. Boundaries: "contact" (|x| <=
@@ -128,8 +152,10 @@ def solid(
 
 
 def check_face(name: str, shape: Solid, profile: Profile, grading: SurfaceGrading) -> None:
-    """InputError where the face does not reach past the places that may touch, or a pad's face goes
-    below its base.
+    """InputError where the face of a body does not reach past the places that may touch, or a pad's
+    face goes below its base.
+
+    `name` is the body's, lower or upper; the contact reaches |x| = grading.outer.
     """
     half_width = shape.face_half_width
     if grading.outer >= half_width:
@@ -210,6 +236,9 @@ class _Outline:
     def draw(self, grading: SurfaceGrading, growth: float) -> dict[str, list[int]]:
         """Draw the half x >= 0 of the body into gmsh's current model: contact side, the rest of the
         face, side, base and axis; the tags of its curves by the name of the boundary.
+
+        `grading` has the sizes of the surface elements, `growth` is that of the element size per
+        distance.
         """
         geometry = gmsh.model.geo
         surface_x = surface_points(grading)
@@ -246,7 +275,16 @@ class _Outline:
     def _rest_of_face(
         self, start: float, first_point: int, size: float, growth: float
     ) -> tuple[list[int], int]:
-        """Curves from the contact side's end to the face's end, and the point there."""
+        """Draw the face from `start`, the end of the contact side, to its own end: the tags of its
+        curves, and of the point there.
+
+        Parameters
+        ----------
+        first_point
+            tag of the point at `start`
+        size, growth
+            size of the first element, and its growth per distance
+        """
         geometry = gmsh.model.geo
         face_end = self._half_width
         if self._face.arc is not None:
@@ -266,7 +304,8 @@ class _Outline:
             for x, y in zip(face_x, self._depth(face_x), strict=True)
         ]
         return [
-            geometry.addLine(first, second) for first, second in itertools.pairwise(face_points)
+            geometry.addLine(line_begin, line_end)
+            for line_begin, line_end in itertools.pairwise(face_points)
         ], face_points[-1]
 
     def _places(self, start: float, end: float, size: float, growth: float) -> Array:

@@ -186,6 +186,9 @@ class TShape(_Sided):
 
     @model_validator(mode="after")
     def _stem_below_a_wider_flange(self) -> Self:
+        """ValueError where the stem is not narrower than the flange, or the flange as high as the
+        body.
+        """
         if self.stem_width >= self.width:
             raise ValueError(
                 f"stem_width = {self.stem_width:g} is refused: it is less than width ="
@@ -231,6 +234,9 @@ class ShoulderedPad(_Sided):
 
     @model_validator(mode="after")
     def _pad_on_a_wider_shoulder(self) -> Self:
+        """ValueError where the shoulder is not wider than the pad, or as deep below the contact as
+        the base.
+        """
         if self.shoulder_width <= self.width:
             raise ValueError(
                 f"shoulder_width = {self.shoulder_width:g} is refused: it is more than width ="

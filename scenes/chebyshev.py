@@ -142,7 +142,11 @@ class Pieces:
 
 
 def clenshaw(coefficients: Array, number: NDArray[np.intp], t: Array) -> Array:
-    """Sum of coefficients[k, number] T_k(t), shape of t."""
+    """Sums of Chebyshev series, coefficients[k, number] T_k(t) over k, at places t of series with
+    these numbers; shape of t.
+
+    `coefficients` is (n_terms, n_series), `number` has the shape of t, which lies in [-1, 1].
+    """
     pieces = np.ravel(number)
     places = np.ravel(t)
     sums = np.empty(np.size(t))
@@ -335,7 +339,9 @@ def _corner(function: Function, pieces: Pieces, run: tuple[int, int]) -> float:
 
 
 def values_of(function: Any) -> Callable[[Array], Array]:
-    """The function over arrays, called point by point if it can't take them."""
+    """A function that takes an array of any shape and returns values of its shape: by the given
+    `function`, called point by point if it can't take arrays.
+    """
 
     def over(x: Array) -> Array:
         """Values of the function at all x, in one call or, where it can't take an array, one by

@@ -107,25 +107,41 @@ class InadmissibleLoadError(InputError):
         self,
         reason: str,
         begin: LoadedInstant,
-        worst: LoadedInstant | None = None,
+        worst_instant: LoadedInstant | None = None,
         *,
         friction: float | None = None,
         where: str = "",
         rule: str = "",
     ) -> None:
-        if worst is None:
-            worst = begin
+        """Refuse loads for a `reason`, gross sliding or separation.
+
+        Parameters
+        ----------
+        begin, worst_instant
+            instant at which the fault begins, and the one at which it is greatest; the first by
+            default
+        friction
+            f, for the sentence on gross sliding
+        where
+            part of the path, in words
+        rule
+            what is required instead; by default that of the reason
+        """
+        if worst_instant is None:
+            worst_instant = begin
         self.time = begin.time
         self.normal_load = begin.normal_load
         self.tangential_load = begin.tangential_load
-        self.worst_time = worst.time
-        words_of_begin = f" from time {begin.time:.6g} on," if worst.time != begin.time else ""
+        self.worst_time = worst_instant.time
+        words_of_begin = (
+            f" from time {begin.time:.6g} on," if worst_instant.time != begin.time else ""
+        )
         place = f" {where}" if where else ""
-        loads = f"P = {worst.normal_load:.6g}, Q = {worst.tangential_load:.6g}"
+        loads = f"P = {worst_instant.normal_load:.6g}, Q = {worst_instant.tangential_load:.6g}"
         if reason == "gross sliding" and friction is not None:
             loads += f", f = {friction:g}"
         super().__init__(
-            f"load: {reason}{words_of_begin}{place} at time {worst.time:.6g} with {loads}:"
+            f"load: {reason}{words_of_begin}{place} at time {worst_instant.time:.6g} with {loads}:"
             f" {rule or _RULES[reason]}"
         )
 

@@ -51,11 +51,11 @@ _TOML = re.compile(
 
 
 def text_of(path: Path, role: str, most_bytes: int = TEXT, advice: str = "") -> str:
-    """The text of a regular file of at most `most` bytes, without a byte-order mark.
+    """The text of a regular file of at most `most_bytes`, without a byte-order mark.
 
     Parameters
     ----------
-    what
+    role
         what the file is to the user, as in "the scene file"
     advice
         what to do about one that is too large
@@ -63,8 +63,8 @@ def text_of(path: Path, role: str, most_bytes: int = TEXT, advice: str = "") -> 
     Raises
     ------
     InputError
-        One sentence: it can't be read, is no regular file, is too large (with the limit), or is not
-        UTF-8 text.
+        One sentence: it can't be read, is no regular file, is too large (with the limit), or is
+        not UTF-8 text.
     """
     try:
         check_size(path, role, most_bytes, advice)
@@ -151,11 +151,18 @@ def keys_of(path: Path, role: str, advice: str = "") -> dict[str, Any]:
     """The table of keys in a file, JSON where its name says so, else TOML: the door of every file
     that a user writes by hand.
 
+    Parameters
+    ----------
+    role
+        what the file is to the user, as in "the scene file"
+    advice
+        what to do about one that is too large
+
     Raises
     ------
     InputError
-        One sentence: for what `text_of` refuses (`role`, `advice` as there), for a fault with its
-        line, for a list.
+        One sentence: it can't be read, is no regular file, is too large or no UTF-8 text; for a
+        fault of its form with the line; for a list.
     """
     is_json = path.suffix == ".json"
     text = text_of(path, role, TEXT if is_json else TOML, advice)

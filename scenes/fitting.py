@@ -118,13 +118,15 @@ class FitRequest:
 
 
 def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
-    """Keys of the profile of this kind that fits rows x, h (n,) best, with `fitted`, what is known
-    of the fit. Single rows that stand out, from their neighbours and from the fit, are left out.
+    """Keys of the profile of the kind that a `request` asks for that fits rows x, h (n,) best, with
+    `fitted`, the record of the fit. Single rows that stand out, from their neighbours and from the
+    fit, are left out.
 
     Raises
     ------
     RowError
-        As `_fit_of_rows`.
+        For too few or too many rows, x that descends, rows that do not bend up or lie on one
+        side of the middle in part.
     """
     candidate_rows = _spikes_of(x, h)
     row_numbers = np.arange(len(x))
@@ -239,13 +241,14 @@ class _FitOfRows(NamedTuple):
 
 
 def _fit_of_rows(x: Array, h: Array, request: FitRequest) -> _FitOfRows:
-    """The profile of this kind that fits all rows x, h (n,) best.
+    """The profile of the kind that a `request` asks for that fits all rows x, h (n,) best: its
+    keys, and its curve over x.
 
     Raises
     ------
     RowError
-        For too few or too many rows, x that descends, rows that do not bend up or lie on one side
-        of the middle in part.
+        For too few or too many rows, x that descends, rows that do not bend up or lie on one
+        side of the middle in part.
     """
     # a trace with few digits has rows at one x
     RowError.refuse(np.diff(x) < 0, lambda row: f"x = {x[row]:.6g} does not ascend", 1)
@@ -255,19 +258,19 @@ def _fit_of_rows(x: Array, h: Array, request: FitRequest) -> _FitOfRows:
             f"{len(x):,} rows are too many for a fit of at most {_MOST:,}: leave out all but every"
             " n-th",
         )
-    every_x = x
+    x_of_all_rows = x
     trace = _trace_of(x, h, request)
-    every_h = trace.h
+    h_of_all_rows = trace.h
     tilt = trace.tilt
     reach = request.extent or math.inf
     origin = trace.first_middle
     middle_guess = trace.first_middle
     for _ in range(_PASSES):
         origin = middle_guess
-        is_in_reach = np.abs(every_x - origin) <= reach
-        x = every_x[is_in_reach]
-        h = every_h[is_in_reach]
-        _check_rows_of_fit(x, h, origin, trace.centre_given, last_row=len(every_x) - 1)
+        is_in_reach = np.abs(x_of_all_rows - origin) <= reach
+        x = x_of_all_rows[is_in_reach]
+        h = h_of_all_rows[is_in_reach]
+        _check_rows_of_fit(x, h, origin, trace.centre_given, last_row=len(x_of_all_rows) - 1)
         # In units of the rows, so that nothing depends on theirs.
         height = float(np.ptp(h))
         length = float(np.max(np.abs(x - origin)))
@@ -287,13 +290,13 @@ def _fit_of_rows(x: Array, h: Array, request: FitRequest) -> _FitOfRows:
         # the former: round-off error of rows on a line
         if np.ptp(best_fit.shape) < _BENT or abs(best_fit.centre) > _LONGEST:
             raise RowError(
-                len(every_x) - 1,
+                len(x_of_all_rows) - 1,
                 "the rows do not bend up: h is a gap, which grows to both sides; is its sign"
                 " turned?",
             )
         middle = origin + length * best_fit.centre
         # Other rows lie within the extent of another middle.
-        if np.array_equal(np.abs(every_x - middle) <= reach, is_in_reach):
+        if np.array_equal(np.abs(x_of_all_rows - middle) <= reach, is_in_reach):
             break
         middle_guess = middle
     residuals = (h - h[0]) - height * best_fit.curve
@@ -305,7 +308,7 @@ def _fit_of_rows(x: Array, h: Array, request: FitRequest) -> _FitOfRows:
         scaled = (places - origin) / length
         columns = best_fit.of.columns(np.abs(scaled - best_fit.centre), best_fit.half)
         shape = best_fit.offset + best_fit.tilt * (scaled - best_fit.centre) + columns @ best_fit.w
-        return np.asarray(h[0] + height * shape + tilt * (places - every_x[0]))
+        return np.asarray(h[0] + height * shape + tilt * (places - x_of_all_rows[0]))
 
     keys = {
         **best_fit.keys(length, height),
@@ -317,12 +320,12 @@ def _fit_of_rows(x: Array, h: Array, request: FitRequest) -> _FitOfRows:
             "centre_fitted": trace.centre_given is None,
             "tilt": tilt + best_fit.tilt * height / length,
             "tilt_fitted": trace.tilt_fitted,
-            "offset": float(h[0]) + height * best_fit.offset + tilt * (middle - every_x[0]),
+            "offset": float(h[0]) + height * best_fit.offset + tilt * (middle - x_of_all_rows[0]),
             "residual": math.sqrt(float(residuals @ residuals) / len(x)),
             "freedom": freedom,
             "extent": max(sides) if trace.one_sided else min(sides),
             "weight": best_fit.weight,
-            "left_out": len(every_x) - len(x),
+            "left_out": len(x_of_all_rows) - len(x),
         },
     }
     return _FitOfRows(keys, curve)
@@ -352,15 +355,16 @@ def _begins_in_the_middle(x: Array, h: Array) -> bool:
 def fitted_again(
     profile: Any, noise: Array | None = None, smoothing: float = 1.0
 ) -> dict[str, Any] | None:
-    """Keys of the profile that the same fit makes of the same rows, or of another measurement; None
-    where noise bent them down.
+    """Keys of the profile that a fit makes once more, of the rows that it was made of or of another
+    measurement of these; None where noise bends them down.
 
     Parameters
     ----------
     profile
-        one with `fitted`
+        a profile with the record of its fit, `fitted`
     noise
-        of each row, over that of the fit: the other measurement is the fitted curve with it
+        (n,) noise of each row, over that of the fit: the other measurement is the fitted curve
+        with it
     smoothing
         weight of the smoothing over that of the fit
     """
@@ -570,8 +574,17 @@ class _Rows:
     def fit(
         self, noise: float | None, weight: float | None, flat_half_length: float | None
     ) -> _Fit:
-        """The best of all, for the spline with the weight of the least expected error; `half` is a
-        guess of b, if there is one.
+        """The fit with the least sum of squares; of a smoothing spline that with the weight of the
+        least expected error.
+
+        Parameters
+        ----------
+        noise
+            standard deviation of a height, in units of the rows; None: it is estimated
+        weight
+            of the smoothing; None: weights are tried
+        flat_half_length
+            first guess of the half-length of a flat, if there is one
         """
         no_shift = np.zeros(int(self.centred))
         if self.kind == "flat_rounded" and flat_half_length is not None:
@@ -640,7 +653,9 @@ class _Fit:
     rest: Array
 
     def keys(self, length: float, height: float) -> dict[str, Any]:
-        """Of the profile, in the units of the rows."""
+        """Keys of the fitted profile as a table of a scene, from the fit in units of the rows:
+        `length` [length] is the unit of x, `height` that of h.
+        """
         match self.of.kind:
             case "hertz":
                 return {"kind": "hertz", "radius": length**2 / height / float(self.w[0])}

@@ -191,8 +191,8 @@ def neglected(word: str) -> str:
 
 
 def did_you_mean(word: str, known_words: Iterable[str]) -> str:
-    """A question after the known word that is most like `word`, with a blank before it; empty where
-    none is.
+    """A question after the one of the `known_words` that is nearest to `word`, with a blank before
+    it; empty where none is near.
 
     >>> did_you_mean("radias", ["radius", "kind"]), did_you_mean("zzz", ["radius", "kind"])
     (' did you mean radius?', '')
@@ -326,8 +326,8 @@ class Frozen(BaseModel, metaclass=_OneDoor):
     def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         """The keys that were given, with those of `changes` put in; not checked.
 
-        `written` keys are not taken over. A change that is a mapping of the same kind is merged
-        into the nested table, any other replaces the value.
+        Keys that the program itself has written are not taken over. A change that is a mapping of
+        the kind of the present table is merged into that table, any other replaces the value.
         """
         given_names = self.model_fields_set - {*self.written}
         keys = {

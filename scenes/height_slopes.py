@@ -217,12 +217,21 @@ def _refined(rise: Function, edges: Array) -> tuple[Pieces, Rounding]:
 
 
 def _errors_of_loads(pieces: Pieces, is_significant: Mask, coefficient_error: Array) -> Rounding:
-    """Largest errors of P over P and of dP/da over P/a, by the error of each coefficient of the
-    series on a piece (n,), of which those with `is_significant` (n, DEGREE + 1) are not zero.
+    """Largest relative errors of P and of dP/da, times a, that the error of each coefficient of the
+    height's series leaves.
 
     Nearly P = E* sqrt(a/2) int h'(x)/sqrt(a - x) dx, and h' = T_k'/half_length: the piece that a is
-    on counts most. By the bounds of `_OF_LOAD` and `_OF_STIFFNESS` coefficient k counts k times in
-    P and k^3 times in dP/da; errors of coefficients are independent, so their squares add.
+    on counts most. Coefficient k counts k times in P and k^3 times in dP/da; errors of coefficients
+    are independent, so their squares add.
+
+    Parameters
+    ----------
+    pieces
+        the series of the slope on each piece
+    is_significant
+        (n, DEGREE + 1) which coefficients are not zero
+    coefficient_error
+        (n,) error of each coefficient on a piece
     """
     edges = pieces.edges
     half_lengths = np.diff(edges) / 2
@@ -315,11 +324,12 @@ def _core_up_to(rise: Function, end: float, count: int) -> _Core | None:
 def _with_lowest_power(
     samples: _Samples, heights: Array, end: float, power: int, count: int, rounding: float
 ) -> _Core | None:
-    """Fit heights h by s^power g(s), s = (x/end)^2, g a series of `count` coefficients by least
-    squares; None where the slope at s = 0 or s = 1 is no larger than its `rounding` allows.
+    """Fit heights h (m,) by s^power g(s), s = (x/end)^2, g a series of `count` coefficients, by
+    least squares; None where the slope at s = 0 or s = 1 is no larger than its `rounding` allows.
 
     The bracket m g + s g', m = `power`, is h' but for a factor; its errors and those of its
-    derivative at s = 0 and s = 1 give those of loads and stiffness.
+    derivative at s = 0 and s = 1 give those of loads and stiffness. `samples` are the places of the
+    heights, and the polynomials there.
     """
     s = (1 + samples.places) / 2
     orthogonal_factor, triangular_factor = np.linalg.qr(

@@ -246,8 +246,8 @@ class BulkAndTilt(Frozen, Generic[V]):
         return bool(getattr(self, "approach", False))
 
     def path_of_actuators(self) -> LoadPath:
-        """What is prescribed over time: U in the place of Q where a displacement is stated, the
-        approach in that of P likewise.
+        """What is prescribed over time: the displacement U in the place of Q where it is stated,
+        and the approach in the place of P.
 
         >>> load = PolygonLoad(
         ...     initial_loading=[(2, 0)],
@@ -448,6 +448,9 @@ class EllipseLoad(CyclicLoad[Wave]):
         return self.phase_radians
 
     def path_of_loads(self) -> LoadPath:
+        """The path of P and Q over time, or of the approach and the displacement that stand in
+        their place: initial loading and one turn of the ellipse, from the least Q on.
+        """
         tangential_load = (self.mean_tangential_load, self.tangential_amplitude)
         phase = self.phase_radians
         if (wave := self.tangential_displacement) is not None:
@@ -495,6 +498,12 @@ class StraightLoad(BulkAndTilt[tuple[float, ...]]):
         normal_loads: NDArray[np.float64],
         last_load: float,  # noqa: ARG002 no time is needed
     ) -> NDArray[np.float64]:
+        """Values of a bulk stress or a tilt at the vertices of the path, (n,): a number holds at
+        all vertices of the cycle and grows in proportion to P before; of a tuple each entry is that
+        of its vertex.
+
+        `normal_loads` (n,) are P at the vertices; `last_load` plays no part.
+        """
         places, first_place = self.places(len(normal_loads))
         if not isinstance(value, tuple):
             growth = normal_loads / (normal_loads[first_place] or 1.0)
@@ -551,7 +560,7 @@ class PolygonLoad(StraightLoad):
 
     @model_validator(mode="after")
     def _moves(self) -> Self:
-        """ValueError where two points of the path in a row have the same loads, bulk stresses and
+        """ValueError where two points of the path in a row have equal loads, bulk stresses and
         tilt, so that nothing happens between them; with stated times such rests are allowed.
         """
         _require_displacement_beside_approach(self)
@@ -690,6 +699,9 @@ class HarmonicLoad(CyclicLoad[WaveSum]):
         return self
 
     def path_of_loads(self) -> LoadPath:
+        """The path of P and Q over time, or of the approach and the displacement that stand in
+        their place: initial loading and one revolution, 0 to 2 pi.
+        """
         second_mean = self.mean_tangential_load
         second_harmonics = self.tangential_harmonics
         if (displacement := self.tangential_displacement) is not None:
@@ -966,6 +978,9 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return self
 
     def check_rows(self) -> None:
+        """RowError, with the row, for rows that are no history of loads: not three numbers each,
+        fewer than two, times that do not ascend, or a cycle that does not close.
+        """
         rows = self.rows.values
         if rows.shape[1] != 3:
             raise RowError(0, f"three numbers (time, P, Q) are needed, not {rows.shape[1]}")
@@ -1026,8 +1041,9 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return first_row, row_beyond
 
     def used_rows(self) -> Table:
-        """The rows (n, 3) between `start` and `end`; those below `least_normal_load` without their
-        noise.
+        """The rows (n, 3) of time, P and Q between the keys `start` and `end`. Where there is a
+        least normal load, rows below it count as Q = 0 and P not below 0, and the path starts at
+        that load.
 
         >>> noisy = [[0, 0.1, -0.9], [1, 0.3, 0.7], [2, 50, 1], [3, 100, 30], [4, 0.2, -0.5]]
         >>> TimeSeriesLoad(rows=noisy, least_normal_load=5.0).used_rows().values.tolist()
@@ -1059,13 +1075,13 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return reduced(rows, self.average, self.reduce, size.P, size.Q)
 
     def series(self) -> NDArray[np.float64]:
-        """The rows that the path goes through, (n, 3), from (0, 0) on: the initial loading is the
-        first step.
+        """The rows (n, 3) of time, P and Q that the path goes through, from (0, 0) on: the initial
+        loading is the first step.
 
         Raises
         ------
         InputError
-            Where a displacement is prescribed, as of `path`.
+            Where a displacement is prescribed: the loads follow from the contact.
         """
         if self.is_driven:
             raise InputError(DRIVEN)
@@ -1096,6 +1112,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return LoadPath(segments[:1], segments[1:]) if self.repeats else LoadPath(segments, ())
 
     def in_words(self, unit: str) -> str:
+        """A sentence on the rows that the loads follow, and on the ranges of P and Q in `unit`."""
         used_rows = self.used_rows().values
         least_values = np.min(used_rows, axis=0)
         largest_values = np.max(used_rows, axis=0)
@@ -1159,6 +1176,9 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
+        """ValueError where P or Q jumps between two pieces, or between the end and the begin of a
+        cycle that repeats.
+        """
         segments = self._segments()
         next_segments = [
             *segments[1:],
@@ -1180,6 +1200,14 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         return self
 
     def _segments(self) -> list[ChebyshevSegment]:
+        """P and Q as Chebyshev series in time, on pieces fine enough for these and for the bulk
+        stresses and tilt that are functions.
+
+        Raises
+        ------
+        ValueError
+            For a function that is not finite, or too rough for its series.
+        """
         functions = {
             "normal_load": values_of(self.normal_load),
             "tangential_load": values_of(self.tangential_load),
@@ -1214,6 +1242,9 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         ]
 
     def path_of_loads(self) -> LoadPath:
+        """The path of P and Q over time: an initial loading unless the functions start unloaded,
+        and the functions as the cycle, or as the rest of the path where they do not repeat.
+        """
         segments = tuple(self._segments())
         first_loads = np.abs(segments[0].loads(0.0))
         last_loads = np.abs(segments[-1].loads(self.duration))
@@ -1232,6 +1263,9 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         )
 
     def curved(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
+        """Segments of two companions of the loads, such as both bulk stresses, along the legs of
+        `path` from time 0 on; the `pair` are functions of time, numbers, or None for 0.
+        """
         functions = [
             (
                 values_of(key_value)

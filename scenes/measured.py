@@ -319,13 +319,25 @@ class FromFile(Frozen):
     def _reading(
         self, path: Path, table: TextTable, column: int, name: str, kind: Kind, units: str
     ) -> _Reading:
-        """How the column of a quantity becomes numbers of the scene.
+        """How a column of a table becomes numbers of the scene: zero, factor, whether its unit is
+        known, and all of that in words.
+
+        Parameters
+        ----------
+        column
+            its number in the `table`
+        name
+            the quantity
+        kind
+            the kind of its unit: a load, a length, a time or a moment
+        units
+            the system of units of the scene
 
         Raises
         ------
         InputError
-            For a unit that is not understood, for forces without a thickness, and for forces per
-            length with one.
+            For a unit that is not understood, for forces without a thickness, and for forces
+            per length with one.
         """
         stated_units = _stated_columns(getattr(self, "units", None))
         scales = _stated_columns(getattr(self, "scale", None))
@@ -549,9 +561,11 @@ def within(path: Array, tolerance: Array) -> Rows:
     slack = tolerance + _ROUNDING * np.max(np.abs(path), initial=0.0)
 
     def line_fits(first_row: int, last_row: int) -> bool:
-        """Whether one straight line between the two rows stays within `slack` of all rows between
-        them, and passes them in order: a share of the line for each, none less than the share
-        before.
+        """Whether one straight line between two rows of the path stays within the `slack` of each
+        load of all rows between them, and passes these in order: a share of the line for each row,
+        none less than the share before.
+
+        `first_row` and `last_row` are the rows at its ends.
         """
         start = path[first_row]
         change = path[last_row] - path[first_row]

@@ -171,7 +171,9 @@ def _require_format(path: Path, attributes: Mapping[str, Any], newest: str) -> N
 
 
 def _require_form(path: Path, file: Any, form: Mapping[str, tuple[str, ...]]) -> None:
-    """InputError where an array is missing, has other axes, or holds no real numbers."""
+    """InputError where a variable of a NetCDF `file` is missing, has other axes than `form` states
+    for its name, or holds no real numbers; `path` is for the sentence.
+    """
     for name, axes in form.items():
         if name not in file.variables:
             raise InputError(f"{path}: {_WHAT} can't be read: {name} is missing")

@@ -467,6 +467,14 @@ class CallableProfile(Gap):
 
     @model_validator(mode="after")
     def _resolve(self) -> Self:
+        """Make the Chebyshev series of slope and height from the function of either.
+
+        Raises
+        ------
+        ValueError
+            For a function that can't be evaluated, is not symmetric, too rough for a
+            derivative, falls, or has a slope that jumps.
+        """
         if (self.height_function is None) == (self.slope_function is None):
             raise ValueError("either height_function or slope_function is needed, and not both")
         values_at = values_of(self.height_function or self.slope_function)
@@ -920,8 +928,15 @@ def fit_profile(
 
     Parameters
     ----------
-    kind, noise, centre, extent, tilt
-        keys of `fit` of a tabulated profile
+    points
+        (n, 2) x, ascending, and the gap h [length]
+    kind
+        "hertz", "flat_rounded", "even_polynomial" or "smoothing_spline"
+    noise
+        standard deviation of h; by default the rows show it
+    centre, extent, tilt
+        x of the middle, how far from it rows count, and slope that is taken off; by default the
+        first and the last are fitted
 
     Returns
     -------

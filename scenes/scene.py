@@ -383,7 +383,8 @@ class Scene(Frozen):
         return moved(self, changes)
 
     def __repr__(self) -> str:
-        """Five lines: its name, bodies, profile and friction, loads, units.
+        """Five lines: name and title of the scene, bodies and materials, profile and friction,
+        loads, units.
 
         >>> from scenes import load_scene
         >>> print(load_scene("cattaneo-mindlin"))

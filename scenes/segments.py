@@ -221,38 +221,42 @@ class LoadSegment(abc.ABC):
         return time
 
     def _time_inside(
-        self, combination: Combination, change: Array, total: float, begin: float, end: float
+        self, combination: Combination, change: Array, total_change: float, begin: float, end: float
     ) -> Array:
-        """`time_of` for changes (n,) between 0 and `total`: Newton's steps, or half the bracket
-        where one leaves it or is no shorter; ends where rounding stops them from gaining.
+        """Times (n,) at which a combination of the loads has changed by `change` (n,) since
+        `begin`, between 0 and the `total_change` up to `end`, within which it is monotonic:
+        Newton's steps, or half the bracket where one leaves it or is no shorter; ends where
+        rounding stops them from gaining.
         """
         # exact for a cosine that turns at both ends
-        time = begin + (end - begin) / math.pi * np.arccos(1 - 2 * change / total)
+        time = begin + (end - begin) / math.pi * np.arccos(1 - 2 * change / total_change)
         by_plain_steps = self._by_plain_newton(combination, change, begin, end, time)
         if by_plain_steps is not None:
             return by_plain_steps
-        direction = math.copysign(1.0, total) * math.copysign(1.0, end - begin)
+        direction = math.copysign(1.0, total_change) * math.copysign(1.0, end - begin)
         earliest_time = np.full(change.shape, min(begin, end))
         latest_time = np.full(change.shape, max(begin, end))
         best_time = time.copy()
         least_fault = np.full(change.shape, math.inf)
-        idle = np.zeros(change.shape, int)
+        steps_without_gain = np.zeros(change.shape, int)
         is_done = np.zeros(change.shape, bool)
         last_step = latest_time - earliest_time
         for _ in range(_MOST_STEPS):
             change_so_far, rate = self._change_and_rate(combination, time, begin)
             fault = direction * (change_so_far - change)
             size = np.abs(fault)
-            better = size < least_fault
-            np.copyto(best_time, time, where=better)
-            np.copyto(least_fault, size, where=better)
-            idle = (idle + 1) * ~better
+            is_better = size < least_fault
+            np.copyto(best_time, time, where=is_better)
+            np.copyto(least_fault, size, where=is_better)
+            steps_without_gain = (steps_without_gain + 1) * ~is_better
             # Steps that gain no more are round-off where they are short: a long one is half a
             # bracket, and others follow.
-            no_gain = (idle >= _IDLE) & (last_step <= _SHORT * np.abs(best_time - begin))
-            is_rounding = last_step <= _ROUNDING_OF_TIME * np.abs(best_time)
+            gains_no_more = (steps_without_gain >= _IDLE) & (
+                last_step <= _SHORT * np.abs(best_time - begin)
+            )
+            is_round_off = last_step <= _ROUNDING_OF_TIME * np.abs(best_time)
             # What is done stays so: beyond rounding a step may be long again.
-            is_done |= (least_fault == 0) | no_gain | is_rounding
+            is_done |= (least_fault == 0) | gains_no_more | is_round_off
             if is_done.all():
                 return best_time
             np.copyto(earliest_time, time, where=fault < 0)
@@ -260,13 +264,13 @@ class LoadSegment(abc.ABC):
             slope = direction * rate
             step = np.full(change.shape, -math.inf)
             np.divide(-fault, slope, out=step, where=slope > 0)
-            newton = time + step
-            newton_is_good = (
-                (earliest_time <= newton)
-                & (newton <= latest_time)
-                & (2 * np.abs(newton - time) <= last_step)
+            newton_time = time + step
+            takes_newton_time = (
+                (earliest_time <= newton_time)
+                & (newton_time <= latest_time)
+                & (2 * np.abs(newton_time - time) <= last_step)
             )
-            next_time = np.where(newton_is_good, newton, (earliest_time + latest_time) / 2)
+            next_time = np.where(takes_newton_time, newton_time, (earliest_time + latest_time) / 2)
             np.copyto(next_time, best_time, where=is_done)
             last_step = np.abs(next_time - time)
             time = next_time
@@ -497,19 +501,20 @@ class HarmonicSegment(LoadSegment):
         return 2 * order * math.ceil((self.end - self.start) / (2 * math.pi))
 
     def loads(self, time: ArrayLike) -> Loads:
+        """P and Q at times, of their shape."""
         mean_normal, mean_tangential = self.mean
         if self.ellipse:
-            t = _float_or_array(time)
+            times = _float_or_array(time)
             (normal_amplitude, normal_lag), (tangential_amplitude, tangential_lag) = self._first
             return (
-                mean_normal + normal_amplitude * np.cos(t - normal_lag),
-                mean_tangential + tangential_amplitude * np.cos(t - tangential_lag),
+                mean_normal + normal_amplitude * np.cos(times - normal_lag),
+                mean_tangential + tangential_amplitude * np.cos(times - tangential_lag),
             )
-        t = np.atleast_1d(np.asarray(time, dtype=float))
-        unit_rotation = np.exp(1j * t)
+        times = np.atleast_1d(np.asarray(time, dtype=float))
+        unit_rotation = np.exp(1j * times)
         normal_terms, tangential_terms = self._wave_terms
-        normal_load = mean_normal + _wave_sum_at(normal_terms, unit_rotation, t)
-        tangential_load = mean_tangential + _wave_sum_at(tangential_terms, unit_rotation, t)
+        normal_load = mean_normal + _wave_sum_at(normal_terms, unit_rotation, times)
+        tangential_load = mean_tangential + _wave_sum_at(tangential_terms, unit_rotation, times)
         shape = np.shape(time)
         return normal_load.reshape(shape), tangential_load.reshape(shape)
 
@@ -552,10 +557,13 @@ class HarmonicSegment(LoadSegment):
         )
 
     def change_of(self, combination: Combination, time: ArrayLike, time_before: ArrayLike) -> Array:
-        t = _float_or_array(time)
-        t0 = _float_or_array(time_before)
-        middle = (t + t0) / 2
-        half_step = (t - t0) / 2
+        """Change of a combination of the loads from `time_before` to `time`, arrays of one shape,
+        by sines of half the time between, so that a short time keeps its digits.
+        """
+        end_time = _float_or_array(time)
+        begin_time = _float_or_array(time_before)
+        middle = (end_time + begin_time) / 2
+        half_step = (end_time - begin_time) / 2
         if self.ellipse:
             size, lead = self.wave(combination)
             change: Array = -2 * size * np.sin(middle + lead) * np.sin(half_step)
@@ -602,8 +610,8 @@ class HarmonicSegment(LoadSegment):
         return change, _wave_sum_at(rate_terms, centre * side, time)
 
     def companion_of(self, combination: Combination) -> HarmonicSegment:
-        """The segment whose second load is the combination of these two, with the same waves; its
-        first is 0.
+        """The segment with 0 as its first load and, as its second one, a combination of both loads
+        of this segment, by the waves of these.
         """
         waves = tuple(
             (abs(coefficient), -cmath.phase(coefficient))
@@ -661,12 +669,16 @@ class HarmonicSegment(LoadSegment):
         self,
         combination: Combination,
         change: Array,
-        total: float,
+        total_change: float,
         begin: float,
         end: float,
     ) -> Array:
+        """Times (n,) at which a combination of the loads has changed by `change` (n,) since
+        `begin`, between 0 and the `total_change` up to `end`, within which it is monotonic; of an
+        ellipse in closed form.
+        """
         if not self.ellipse:
-            return super()._time_inside(combination, change, total, begin, end)
+            return super()._time_inside(combination, change, total_change, begin, end)
         # The arc cosine, then one Newton step with the change, which does not cancel.
         size, lead = self.wave(combination)
         half_turn = math.floor(((begin + end) / 2 + lead) / math.pi)
@@ -685,6 +697,7 @@ class HarmonicSegment(LoadSegment):
         return twin + 2 * math.pi * np.round((near - twin) / (2 * math.pi))
 
     def shifted(self, delay: float) -> Self:
+        """The segment a `delay` later: phases of its waves grow by their order times the delay."""
         delay_angle = math.remainder(delay, 2 * math.pi)
         if abs(delay_angle) <= 1e-15 * abs(delay):  # whole turns, to their rounding: the waves stay
             return super().shifted(delay)
@@ -737,7 +750,8 @@ class ChebyshevSegment(LoadSegment):
 
     def loads(self, time: ArrayLike) -> Loads:
         # A load that starts from 0 is its change since then, which keeps its digits near there.
-        p, q = (
+        """P and Q at times, of their shape."""
+        normal_load, tangential_load = (
             (
                 self.change_of(combination, time, self.start)
                 if from_zero
@@ -747,7 +761,7 @@ class ChebyshevSegment(LoadSegment):
                 (NORMAL_LOAD, TANGENTIAL_LOAD), self._series, self._from_zero, strict=True
             )
         )
-        return p, q
+        return normal_load, tangential_load
 
     def rate_of(self, combination: Combination, time: ArrayLike) -> Array:
         _, slope = self._series_of(combination)
@@ -876,7 +890,14 @@ class LoadPath:
         return None if None in (*loading, *cycle) else LoadPath(tuple(loading), tuple(cycle))
 
     def at(self, time: ArrayLike) -> Loads:
-        """(P, Q) at `time`, shape of `time`; ValueError outside the path."""
+        """Loads P and Q at `time`, each of its shape; of times behind the first cycle those of its
+        repetition.
+
+        Raises
+        ------
+        ValueError
+            For times outside the path.
+        """
         path_time = np.atleast_1d(np.asarray(time, dtype=float))
         if self.period is not None:
             is_after_cycle = path_time > self.cycle_start + self.period
@@ -897,8 +918,8 @@ class LoadPath:
         loads = np.empty((2, *path_time.shape))
         for k in np.unique(number_of_leg):
             loads[:, number_of_leg == k] = legs[k].loads(path_time[number_of_leg == k])
-        p, q = loads.reshape(2, *np.shape(time))
-        return p, q
+        normal_load, tangential_load = loads.reshape(2, *np.shape(time))
+        return normal_load, tangential_load
 
 
 def _terms(coefficients: NDArray[np.complex128]) -> WaveTerms:
@@ -975,8 +996,8 @@ def ellipse_segment(
 def parabola_segment(
     start: float, end: float, last_point: Point, end_slope: float
 ) -> ChebyshevSegment:
-    """P linear in time from 0 to `last_point`, Q = alpha P + beta P^2, with slope dQ/dP =
-    `end_slope` at the end.
+    """A segment from `start` to `end` in time with P linear from 0 to that of `last_point` (P, Q),
+    and Q = alpha P + beta P^2, of slope dQ/dP = `end_slope` at the end.
 
     >>> segment = parabola_segment(0.0, 2.0, (1.0, 0.5), 0.0)
     >>> [float(load) for load in segment.loads(1.0)], segment.slope_and_bend(2.0)

@@ -305,9 +305,8 @@ class ContactSolution:
 
     def to_dataframe(self) -> Any:
         """A pandas.DataFrame with a row for each instant: time, loads, edges, half-widths,
-        displacements, iterations; a pair of edges as two columns, `..._left` and `..._right`.
-
-        Arrays over x are in `to_dataset`.
+        displacements, iterations; a pair of edges as two columns, with "_left" and "_right" behind
+        the name. Arrays over x are left out.
         """
         import xarray as xr
 

@@ -51,7 +51,8 @@ def rows_that_stand_out(x: Array, h: Array, sigma: float) -> Rows:
 
 
 def _alike(place: int, count: int) -> list[int]:
-    """The places that have the same five rows as this one.
+    """The rows whose neighbours, a window of five rows, are those of the row number `place` of
+    `count`: at either end of a table three rows share one window.
 
     >>> _alike(1, 40), _alike(5, 40), _alike(39, 40)
     ([0, 1, 2], [5], [37, 38, 39])

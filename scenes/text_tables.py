@@ -198,10 +198,12 @@ def text_table(
 
     Parameters
     ----------
+    path
+        the file
     columns
-        names that are asked for, found by their `ALIASES`; the line of headings may be left out
-        where the file has these columns alone, in this order, and a # in a row begins a remark.
-        Without: every column
+        names that are asked for, found by the headings that are known for each; the line of
+        headings may be left out where the file has these columns alone, in this order, and a #
+        in a row begins a remark. Without: every column
     stated
         heading, or number from 1 on, of columns that the user named
     kind
@@ -652,7 +654,8 @@ def _places_of(column: str, stated: str | int | None, headings: Sequence[str]) -
 
 
 def _plain_layout(request: _Request, lines: list[Line]) -> _Layout:
-    """The layout of rows without a line of headings that was recognised.
+    """The layout of a table whose `lines` have no line of headings that was recognised: rows of
+    numbers alone, one cell for each column that is asked for, or columns by number.
 
     Raises
     ------
@@ -808,8 +811,9 @@ def _first_row(lines: list[Line], count: int) -> tuple[int, str | None, list[str
 def _first_row_with_numbers(
     lines: list[Line], places: Sequence[int]
 ) -> tuple[int, str | None, list[str]] | None:
-    """The same of the first row with numbers at these places, whatever stands beside them, and in
-    the next row too; None where there is none.
+    """The first line that has numbers in the cells at given `places`, whatever stands beside them,
+    and so has the next: its index in `lines`, the separator, and its cells. None where there is
+    none.
 
     >>> rows = [(1, "Model,7,,0.0,5.1"), (2, "Source,CH1,,0.1,5.2"), (3, ",,,0.2,5.3")]
     >>> _first_row_with_numbers(rows, [3, 4])
@@ -889,9 +893,18 @@ class _Rows:
 def _numbers(
     request: _Request, lines: Callable[[], Iterator[Line]], layout: _Layout, has_decimal_comma: bool
 ) -> _Rows:
-    """The rows of numbers; `has_decimal_comma` is whether that is the decimal sign.
+    """The rows of numbers of a table.
 
     All rows are read at once; where that fails, cell by cell up to the fault.
+
+    Parameters
+    ----------
+    lines
+        yields the lines of the file from the first one on at each call
+    layout
+        where headings and rows stand, and the separator
+    has_decimal_comma
+        whether the decimal sign is a comma
     """
     path = request.path
     mark = layout.separator
@@ -901,6 +914,9 @@ def _numbers(
     line_numbers = array("q")
 
     def lines_of_rows() -> Iterator[Line]:
+        """The lines from the first row on, without remarks; each line's number is stored.
+        InputError for too many.
+        """
         del line_numbers[:]
         for number, text in lines():
             if number < layout.first or text.startswith(_REMARKS):
@@ -945,7 +961,9 @@ def _numbers(
 
 def _numbers_cell_by_cell(path: Path, rows: Iterator[Line], layout: _Layout, comma: bool) -> _Rows:
     """Numbers of a table row by row, times of day as seconds; lines that repeat the headings, and
-    text behind the last row, are left out and named in `left_out`.
+    text behind the last row, are left out, which the result states.
+
+    `rows` are the lines from the first row on, `comma` is whether the decimal sign is a comma.
 
     Raises
     ------
@@ -1007,7 +1025,16 @@ def _row(
     """Numbers of the used columns in one line of a table; a time of day as seconds since the first
     row.
 
-    `comma`: whether the decimal sign is a comma.
+    Parameters
+    ----------
+    path, line
+        file and number of the line, for the sentence of a refusal
+    layout
+        names, separator and used columns of the table
+    comma
+        whether the decimal sign is a comma
+    clock
+        turns times of day into seconds
 
     Raises
     ------

@@ -706,7 +706,9 @@ def _moved_harmonics(
 def _moved_record(
     load: TimeSeriesLoad, normal_factor: float, tangential_factor: float
 ) -> dict[str, Any]:
-    """The rows that the path goes through, scaled: rows that a threshold leaves out stay out."""
+    """Keys of a record with P and Q of its rows times two factors: the rows that the path goes
+    through, so that rows that a threshold leaves out stay out.
+    """
     factors = np.array([1.0, normal_factor, tangential_factor])
     if load.has_bulk_or_tilt:  # lists with an entry for each row go with all rows
         return {"rows": load.rows.values * factors}
