@@ -52,8 +52,17 @@ _CREEP_OF_COUPLED = 3e-5
 def answer_arrays(
     scene: Scene, problem: ContactProblem, run: PathRun, scales: Scales
 ) -> dict[str, Any]:
-    """The fields of a FiniteElementSolution that are numbers, by name and in the scene's units, at
-    the stored instants of a run: loads, nodal forces as stresses, slip, edges, friction work.
+    """The fields of an answer that are numbers, by name and in the scene's units, at the stored
+    instants of a run: loads, nodal forces as stresses, slip, edges, friction work.
+
+    Parameters
+    ----------
+    problem
+        the contact problem, in scaled variables
+    run
+        the states along the load path
+    scales
+        load, half-width and modulus that they are scaled by
     """
     states = [run.states[index] for index in run.stored]
     slip = np.stack([state.slip for state in states])
@@ -428,7 +437,20 @@ def penalty_audit(
     arrays: Mapping[str, Any],
     scales: Scales,
 ) -> PenaltyAudit:
-    """Read the costs off the arrays of an answer (see `answer_arrays`) and its interface states."""
+    """What a penalty layer costs: its stiffnesses, the penetration, the elastic slip and the creep,
+    and their shares of the profile's rise and of the slip.
+
+    Parameters
+    ----------
+    problem
+        the contact problem with the layer
+    states
+        states of the interface at the instants of the answer
+    arrays
+        the answer's fields and series by name, in the scene's units
+    scales
+        half-width and modulus that lengths and compliances are scaled by
+    """
     length_per_force = problem.interface.weights * scales.half_width / scales.modulus
     normal_cost = _LayerCost.of(problem.layer.normal * length_per_force, arrays["pressure"])
     tangential_cost = _LayerCost.of(problem.layer.tangential * length_per_force, arrays["shear"])

@@ -50,6 +50,19 @@ def notes_of_answer(
     """Notes of a finite-element answer, sentences on what limits it: repeated steps, bulk stress,
     drift, creep, mesh, uncertainty of the dissipation. A run that failed has fewer; a penalty layer
     adds its own elsewhere.
+
+    Parameters
+    ----------
+    task
+        scene, meshes, settings and scales
+    condensed
+        lower and upper body, condensed to their faces
+    problem, run
+        the contact problem and its states along the path
+    arrays
+        the answer's fields and series by name
+    dissipation_uncertainty
+        that of W [energy / thickness]
     """
     scene = task.scene
     scales = task.scales

@@ -136,10 +136,21 @@ def _at_stick_edge(
     side: int,
 ) -> _EdgeWork | None:
     """Work in excess, by the place of an edge between two nodes, at the edge of permanent stick on
-    the `side`, 1 or -1, of x = 0; None where it does not count.
+    one side of x = 0; None where it does not count.
 
     Locked-in shear brings a node beside the edge nearer to the cone at one turn of the slip, and
     further from it at the other. So its distances at both turns are added.
+
+    Parameters
+    ----------
+    states
+        the states of a cycle
+    slip
+        (k, n) slip of the nodes at these states, scaled
+    sticks
+        (n,) nodes that stick throughout
+    side
+        1 for the right edge, -1 for the left one
     """
     leftmost, rightmost = np.flatnonzero(sticks)[[0, -1]].tolist()
     last_stuck = rightmost if side > 0 else leftmost
@@ -202,10 +213,19 @@ def _at_stick_edge(
 def _at_contact_edge(
     problem: ContactProblem, states: Sequence[InterfaceState], slip: Array, side: int
 ) -> _EdgeWork | None:
-    """Work in excess, by the place of an edge between two nodes, at the edge of contact on the
-    `side`, 1 or -1, of x = 0 on its way; None where it does not count.
+    """Work in excess, by the place of an edge between two nodes, at the edge of contact on its way
+    on one side of x = 0; None where it does not count.
 
     Along each increment the pressure is linear in P, and no node touches or lets go.
+
+    Parameters
+    ----------
+    states
+        the states of a cycle
+    slip
+        (k, n) slip of the nodes at these states, scaled
+    side
+        1 for the right edge, -1 for the left one
     """
     n_loads = len(states[0].loads)
     rates: dict[bytes, Array] = {}

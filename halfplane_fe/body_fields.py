@@ -136,7 +136,8 @@ class Snapshot:
 
 
 def fields(solution: FiniteElementSolution, instants: Iterable[float]) -> tuple[Snapshot, ...]:
-    """Fields at the stored steps nearest to the given instants.
+    """Stress and displacement fields in both bodies at the stored steps of a `solution` nearest to
+    the given instants.
 
     Raises
     ------
@@ -972,6 +973,17 @@ def _nodal_stress(
     """Stress xx, yy, xy, zz at the nodes, (n_nodes, 4), and the sum of the areas of the elements
     around each node, (n_nodes,): element stresses are carried to each node and averaged there with
     these areas as weights.
+
+    Parameters
+    ----------
+    basis
+        of the displacement
+    displacement
+        values of the displacement in this basis [length]
+    tension
+        part of lam div(u) that is found beside the displacement, at the corners [stress]
+    condensed
+        the body, with its material and the order of its elements
     """
     # notation: lam, mu are Lame's constants, the part of lam that enters through `tension` left out
     lam, _, mu = split_lame(condensed.material, condensed.order)
@@ -993,7 +1005,7 @@ def _nodal_stress(
         np.bincount(cells, (element_areas * component).ravel(), n_nodes)
         for component in stress_at_element_nodes
     ]
-    return np.column_stack([total / areas for total in weighted_sums]), np.asarray(
+    return np.column_stack([weighted_sum / areas for weighted_sum in weighted_sums]), np.asarray(
         areas, dtype=float
     )
 

@@ -47,8 +47,16 @@ class CondensedBodies:
     def condensed(
         self, body: BodyMesh, material: Elastic, datum_length: float, work: Counter[str]
     ) -> CondensedBody:
-        """The body condensed to its face, from the cache of bodies where it is there; `work` counts
-        whether it was there, or how many condensations and factorisations it took.
+        """The body condensed to its face, from the cache of bodies where it is stored.
+
+        Parameters
+        ----------
+        material
+            of the body
+        datum_length
+            distance from a force at which a half-plane's surface counts as unmoved [length]
+        work
+            counts a find in the cache, or how many condensations and factorisations it took
         """
         key = _digest(body, material, datum_length)
         with self._lock:

@@ -90,8 +90,8 @@ _ROUNDING = 1e-9
 def reported_states(
     problem: ContactProblem, states: Sequence[InterfaceState], cycle_starts: Sequence[int]
 ) -> States:
-    """(n_steps, n) states as the user sees them: of coupled bodies those of the law, of others what
-    `visible_states` shows.
+    """States of the nodes as the user sees them, (n_steps, n): between coupled bodies those of the
+    law; of others a node that only creeps by the error of the mesh sticks.
 
     The creep of the mesh can be told from slip only where half-plane theory of like bodies holds.
     Between unlike bodies, or bodies of two shapes, pressing alone makes nodes slip, and slowly so
@@ -100,9 +100,12 @@ def reported_states(
     Parameters
     ----------
     problem
-        whose interface is coupled, or not
-    states, cycle_starts
-        as of `visible_states`
+        the contact problem, whose interface is coupled, or not
+    states
+        the states of the whole path
+    cycle_starts
+        index of the state at which each revolution starts; what comes before them is the
+        initial loading
     """
     if problem.interface.coupling is not None:
         return law_states(states)
@@ -462,7 +465,7 @@ class StickEdges(NamedTuple):
 def fitted_stick_edges(
     x: Array,
     stick: Mask,
-    closed: Mask,
+    is_closed: Mask,
     contact: Array,
     limit: Array | None = None,
     shear: Array | None = None,
@@ -494,11 +497,11 @@ def fitted_stick_edges(
         whether the stick zone need not hold the middle of the contact (bulk stress, tilt): then
         its own middle is the middle
     """
-    edges = np.empty((len(closed), 2))
-    misfit = np.zeros((len(closed), 2))
-    nothing_sticks = np.zeros(len(closed), dtype=bool)
+    edges = np.empty((len(is_closed), 2))
+    misfit = np.zeros((len(is_closed), 2))
+    nothing_sticks = np.zeros(len(is_closed), dtype=bool)
     for side in _sides(x):
-        sticks, in_contact = side.outwards(stick, closed)
+        sticks, in_contact = side.outwards(stick, is_closed)
         half = _half(side, in_contact, sticks if anywhere else None)
         contact_edge = side.sign * contact[:, side.column]
         last_node, n_stick, n_half = _last_sticking(sticks, half)
@@ -506,10 +509,10 @@ def fitted_stick_edges(
         edge = (side.x[last_node] + side.x[np.minimum(last_node + 1, len(x) - 1)]) / 2
         row = np.flatnonzero((n_stick > _FITTED[0]) & (n_stick < n_half))
         if limit is not None and shear is not None and len(row):
-            limit_out, shear_out = side.outwards(limit[row], shear[row])
+            side_limit, side_shear = side.outwards(limit[row], shear[row])
             last_of_row = last_node[row]
-            sense = np.sign(_pick(shear_out, last_of_row + 1))[:, None]  # of slip beyond the edge
-            to_limit = limit_out - sense * shear_out
+            sense = np.sign(_pick(side_shear, last_of_row + 1))[:, None]  # of slip beyond the edge
+            to_limit = side_limit - sense * side_shear
             fit = _fitted_stick_edge(side.x, to_limit, last_of_row)
             # nothing sticks beyond the contact: a fit gone wrong
             is_accepted = fit.agrees & (fit.edge <= contact_edge[row])
@@ -621,13 +624,17 @@ def uncertainty_at_jumps(
     for column in range(2):
         places = np.where(np.isnan(edges[:, column]), middle, edges[:, column])
         moves = np.where(follows, np.abs(np.diff(places)), 0.0)
-        both = np.stack([places, contact[:, column]])
+        stick_and_contact_edge = np.stack([places, contact[:, column]])
         for last_before in np.flatnonzero(moves > _JUMP * spacing):
-            before = _hardly_moving(both[:, last_before::-1], follows[:last_before][::-1], spacing)
-            after = _hardly_moving(both[:, last_before + 1 :], follows[last_before + 1 :], spacing)
-            around = slice(last_before + 1 - before, last_before + 1 + after)
-            uncertainty[around, column] = np.maximum(
-                uncertainty[around, column], moves[last_before]
+            steps_before = _hardly_moving(
+                stick_and_contact_edge[:, last_before::-1], follows[:last_before][::-1], spacing
+            )
+            steps_after = _hardly_moving(
+                stick_and_contact_edge[:, last_before + 1 :], follows[last_before + 1 :], spacing
+            )
+            steps_around = slice(last_before + 1 - steps_before, last_before + 1 + steps_after)
+            uncertainty[steps_around, column] = np.maximum(
+                uncertainty[steps_around, column], moves[last_before]
             )
     return uncertainty
 
@@ -710,11 +717,12 @@ def _half(side: _Side, closed: Mask, stick: Mask | None = None) -> Mask:
 
 
 def _last_sticking(stick: Mask, half: Mask) -> tuple[Indices, Indices, Indices]:
-    """(k,) last node of the stick zone on a side, how many nodes the zone has there, and how many
-    the side.
+    """Last node of the stick zone on a side of the middle, how many nodes the zone has there, and
+    how many the side, (k,) each.
 
     Its end is where the fewest nodes are on the wrong side of it, the farthest out where it is a
-    tie. Without nodes the last of them says nothing.
+    tie. Where the zone has no nodes the last of them is without meaning. `stick` and `half` (k, n)
+    are the nodes that stick and those in contact on the side.
     """
     rank_of_sticking = np.cumsum(stick & half, axis=1, dtype=np.int32)
     rank = np.cumsum(half, axis=1, dtype=np.int32)

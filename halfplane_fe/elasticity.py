@@ -218,11 +218,12 @@ def split_lame(material: Elastic, order: int) -> SplitLame:
 
 
 def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
-    """Stiffness of some elements, of u alone or of (u, r/G) in the symmetric form [[K, G B^T], [G
-    B, -G^2 M/lambda_1]]: quasi-definite.
+    """Stiffness of some elements of a system, of u alone or of (u, r/G) in the symmetric form [[K,
+    G B^T], [G B, -G^2 M/lambda_1]]: quasi-definite.
 
     Element by element, and all of them at once: from the integrals D_iajb of d_a phi_i d_b phi_j
-    the stiffness of u is K_iajb = lambda D_iajb + G (D_ibja + delta_ab sum_c D_icjc).
+    the stiffness of u is K_iajb = lambda D_iajb + G (D_ibja + delta_ab sum_c D_icjc). xx, xy, yx
+    and yy are entries of the Jacobian.
     """
     # notation: G is the shear modulus; e elements, n their nodes, q quadrature points
     lam, lambda_1, G = split_lame(system.material, system.order)
@@ -448,7 +449,17 @@ def _condensed_mode(
     ranks: Indices,
     half_plane_loads: ArcLoads,
 ) -> _CondensedMode:
-    """A mode condensed to the contact nodes.
+    """Compliance of the contact nodes in a symmetric or antisymmetric mode of a body, with all its
+    other nodes eliminated; and the errors of that.
+
+    Parameters
+    ----------
+    stiffness
+        of the whole system
+    ranks
+        place of each node in the order of elimination
+    half_plane_loads
+        what the half-plane around a half-disc does to its arc by forces on the contact nodes
 
     The nodes of arc and contact stand last in the order of elimination. SuperLU eliminates the
     inner ones alone, of
@@ -596,7 +607,8 @@ def arc_loads(system: System, datum_length: float) -> ArcLoads:
     """Tractions of the half-plane on the outer arc of its mesh by unit forces on the contact nodes;
     for a body without an arc no tractions, and half of each force along x on each of its ends.
 
-    `datum_length` as of `condense` [length].
+    `datum_length` is the distance from a force at which the half-plane's surface counts as unmoved
+    [length].
     """
     contact_places = system.mesh.p[0, system.node[system.contact[0]]]
     arc_places = system.mesh.p[:, system.node[system.arc[0]]]

@@ -236,13 +236,10 @@ def _states_of_moved(
 def bent_work(
     problem: ContactProblem, start: InterfaceState, end: InterfaceState, solved: States
 ) -> float:
-    """Dissipation that kinks between the first and the last start of sliding add to one increment,
-    without sign: `Energies.bent`.
+    """Dissipation that kinks between the first and the last start of sliding add to one increment
+    from `start` to `end`, without sign [energy, scaled].
 
-    Parameters
-    ----------
-    solved
-        (n,) states of the nodes at the end, before an event changes them
+    `solved` (n,) are the states of the nodes at the end, before an event changes them.
     """
     values = np.stack([start.values, end.values])
     _, p, q, _ = nodal(values)

@@ -499,10 +499,11 @@ def tractions_with_uncertainty(nodal: Nodal) -> TractionsAndUncertainty:
 
 
 def _series(values: Array) -> Array:
-    """Sines of values at the middles of equal angles; the highest is counted once, not twice.
+    """Coefficients of the sine series of values at the middles of n equal angles between 0 and pi,
+    (n,); the highest is counted once, not twice.
 
     The discrete sine transform of type II, by that of Fourier of the values continued as an odd
-    function: numpy has it, and the import of `scipy.fft` takes .06 s.
+    function: numpy has it, and the import of scipy's takes .06 s.
 
     >>> _series(np.sin(2 * np.pi * (np.arange(4) + 0.5) / 4)).round(12).tolist()  # the second sine
     [0.0, 1.0, 0.0, 0.0]

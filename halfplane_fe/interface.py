@@ -87,8 +87,8 @@ class Interface:
         return not self.normals[0].any()
 
     def scaled(self, length: float, compliance: float) -> Interface:
-        """The same interface in other units: lengths over `length`, compliances over
-        `compliance`.
+        """The interface in other units: lengths over `length`, compliances over `compliance`,
+        imposed displacements over both.
         """
         coupling = self.coupling
         if coupling is not None:
@@ -172,8 +172,8 @@ def _coupled_node_by_node(lower: CondensedBody, upper: CondensedBody) -> Interfa
 
 
 def _coupled_by_mortar(lower: CondensedBody, upper: CondensedBody) -> Interface:
-    """The interface of two bodies whose nodes are not opposite each other: their compliances are
-    carried to the nodes of the lower face by mortar operators on the middle line.
+    """The interface of a lower and an upper body whose nodes are not opposite each other: their
+    compliances are carried to the nodes of the lower face by mortar operators on the middle line.
     """
     mortar_sides = _mortar(lower, upper)
     # next to nothing but zeros
@@ -238,8 +238,8 @@ _LEAST_NODES = 21
 
 
 def without_local_difference(faces: Interface, scene: Scene) -> Interface | None:
-    r"""The faces without the parts of N - T and of K that only the mesh makes; None where these
-    can't be told from the bodies' own.
+    """The interface without the parts of N - T and of K that only the mesh makes, N, T and K the
+    normal, tangential and coupling compliance; None where these can't be told from the bodies' own.
 
     On the smooth surface of an isotropic body a force displaces its surroundings by -(2/pi E') ln|x
     - x'| along itself, whether it presses or shears: N and T have one singular part, N - T is
@@ -351,8 +351,10 @@ def _smooth(matrix: Array, x: Array, sizes_ahead: Array) -> Array:
 
 
 def _plateau(matrix: Array, sizes_ahead: Array) -> Array:
-    """(n, n) means of row and column of each entry over `_LOCAL` to `_PLATEAU` ahead; their mean,
-    or the one there is.
+    """Mean of a matrix (n, n) about each entry: the mean of its row and its column over the entries
+    8.5 to 10.5 elements ahead; that of one where the other has none there.
+
+    `sizes_ahead` (n, n) is the distance of the entries' nodes over the size of the elements.
     """
     is_on_plateau = (sizes_ahead > _LOCAL) & (sizes_ahead <= _PLATEAU)
     row_means, column_means = (

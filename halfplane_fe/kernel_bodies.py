@@ -226,8 +226,11 @@ class FaceKernels:
 def fitted_kernels(
     kernels: RemainderKernels, part_of_face: PartOfFace | None = None, degree: int = _DEGREE
 ) -> FaceKernels:
-    """Least-squares fit of polynomials to the kernels of a body whose mirror line is x = 0: of the
-    parities and the symmetries that `remainder` states. What is no polynomial is taken out before.
+    """Least-squares fit of polynomials T_i(x) T_j(s) of a `degree` to the kernels of a body whose
+    mirror line is x = 0: displacements by a force along the normal or along the face are even
+    functions of x and s together, those across are odd, and kernels are symmetric by reciprocity.
+
+    `part_of_face` is a part that is no polynomial, which is taken out before; None for flat faces.
     """
     if part_of_face is not None:
         face_kernels = part_of_face.kernels(kernels.x, kernels.forces_at)

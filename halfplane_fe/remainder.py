@@ -135,18 +135,19 @@ class RemainderKernels(NamedTuple):
 def remainder_kernels(
     body: BodyMesh, material: Elastic, forces_at: Array, datum_length: float
 ) -> RemainderKernels:
-    """The kernels of a body, by one factorisation of its stiffness.
+    """The kernels of a body, by one factorisation of its stiffness: displacements of its face by
+    unit forces on the face, minus those of a half-plane.
 
     Parameters
     ----------
     body
-        a mesh of quadratic elements, with supports that hold it; "contact" is the part of the face
-        that is read
+        a mesh of quadratic elements, with supports that hold it; "contact" is the part of the
+        face that is read
     material
         of the body
     forces_at
-        (m,) places of the forces on the face [length]; on a curved one the nodes of "contact" next
-        to them
+        (m,) places of the forces on the face [length]; on a curved one the nodes of "contact"
+        next to them
     datum_length
         L, distance from a force at which a half-plane's surface counts as unmoved [length]
 
@@ -295,8 +296,12 @@ def _outline_nodes(mesh: skfem.Mesh, facets: Indices) -> Indices:
 
 
 def _support_displacements(system: System, forces: _SurfaceForces, datum_length: float) -> Array:
-    """(n_held, 2 m) Flamant's displacement of each held degree of freedom, columns as of
-    `_tractions` [1 / stress].
+    """Displacements of the supports by unit forces on the surface of a half-plane (Flamant),
+    (n_held, 2 m) [1 / stress]: of each held degree of freedom, by the m forces along x and the m
+    forces along y.
+
+    `datum_length` is the distance from a force at which the half-plane's surface counts as unmoved
+    [length].
     """
     material = system.material
 
@@ -460,11 +465,13 @@ def face_kernels(
 def body_numbers(
     name: str, shape: Solid, profile: Profile, material: Elastic, datum_length: float
 ) -> BodyNumbers:
-    """What a body of a scene adds, each number with the difference from a coarser mesh as its
-    uncertainty.
+    """What a body of a scene adds to a half-plane: compliances, curvatures, slope and strain, each
+    with the difference from a coarser mesh as its uncertainty.
 
-    e and a are one kernel read by two solutions, of which the larger |k_tn(x, s) + k_nt(s, x)| over
-    the fitted half-length is added to theirs.
+    e and a, the strain by P and the slope by Q, are one kernel read by two solutions, of which the
+    larger |k_tn(x, s) + k_nt(s, x)| over the fitted half-length is added to theirs. `name` is lower
+    or upper; `datum_length` the distance at which a half-plane's surface counts as unmoved
+    [length].
     """
     kernels = face_kernels(name, shape, profile, material, datum_length)
     coarse_kernels = face_kernels(name, shape, profile, material, datum_length, _COARSER)
@@ -557,12 +564,12 @@ def require_flat(name: str, shape: Shape, scene: Scene) -> None:
 
 
 def combined(lower: BodyNumbers, upper: BodyNumbers, scene: Scene) -> BodyEffects:
-    """Both bodies in the relative problem: compliances and curvatures add up; of e and a the
-    differences count, e_P = e_l - e_u and alpha_Q = a_u - a_l.
+    """Numbers of both bodies in the relative problem: compliances and curvatures add up; of the
+    strains e and the slopes a the differences count, e_P = e_l - e_u and alpha_Q = a_u - a_l.
 
     P presses both bodies alike; Q pulls the lower one along +x and the upper one along -x, and the
     upper body's y axis points the other way. So the two strains along x by P have one sign in the
-    common frame and their difference is a slip, and the slopes by Q likewise.
+    common frame and their difference is a slip, and so it is with the slopes by Q.
     """
     effects = BodyEffects(
         datum_length=scene.profile.datum_length,

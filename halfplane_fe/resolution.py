@@ -161,12 +161,10 @@ class Flank(NamedTuple):
 
 
 def flanks(profile: Profile, half_width: float, element: float) -> Iterator[Flank]:
-    """Those of a contact that ends beyond a kink, or less than an element before it.
+    """Flanks of a contact: each part of it beyond a kink of the profile, or which ends less than an
+    element before the kink.
 
-    Parameters
-    ----------
-    half_width, element
-        of the contact, and of the mesh at its edge [length]
+    `half_width` is that of the contact, `element` the size of the mesh at its edge [length].
 
     >>> from scenes import FlatRounded
     >>> punch = FlatRounded(radius=1000.0, flat_half_length=0.8)

@@ -229,6 +229,15 @@ def _solve(
 ) -> ContactSolution:
     """Solve a scene: scales by a coarse run, meshes, condensed bodies, the coupled interface, the
     load path, and the answer with its uncertainties; errors carry the part that was solved.
+
+    Parameters
+    ----------
+    known_scales
+        scales of an earlier solution, which spare the coarse run
+    by_kernels
+        half-planes with the kernels of the bodies, instead of meshed bodies
+    report
+        called with (done, total, text) as work proceeds
     """
     watch = _Watch()
     check_loads(scene)
@@ -340,8 +349,20 @@ class _Faces(NamedTuple):
 def _solve_path(
     task: Task, faces: _Faces, datum_length: float, work: Counter[str], report: Progress
 ) -> tuple[ContactProblem, PathRun]:
-    """Follow the load path on faces without the mesh's part of N - T; on the faces as they are
-    where there is none, or where the contact does not converge without it.
+    """Follow the load path on faces without the part of N - T that only the mesh makes, N and T the
+    normal and the tangential compliance; on the faces as they are where there is none, or where the
+    contact does not converge without it.
+
+    Parameters
+    ----------
+    task
+        scene, meshes, settings and scales
+    datum_length
+        distance from a force at which a half-plane's surface counts as unmoved [length]
+    work
+        counts what was done
+    report
+        called with (done, total, text) as work proceeds
     """
     scene = task.scene
     # Increments of coupled bodies are dear, and a record has many; elsewhere short ones also place
@@ -458,6 +479,17 @@ def _solution(
 ) -> FiniteElementSolution:
     """The answer of a run in the scene's units: fields, edges, friction work, their uncertainties,
     the record with its notes, and what was done.
+
+    Parameters
+    ----------
+    task
+        scene, meshes, settings and scales
+    condensed
+        lower and upper body, condensed to their faces
+    problem, run
+        the contact problem and its states along the path
+    seconds
+        time of each stage
     """
     scene = task.scene
     scales = task.scales
