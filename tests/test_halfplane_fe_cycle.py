@@ -28,8 +28,6 @@ from reports.comparison.laws import certificates
 from reports.comparison.work_of_loads import bulk_strain
 from scene_cases import CASES
 from scenes import (
-    Block,
-    Bodies,
     ConvergenceError,
     Elastic,
     EllipseLoad,
@@ -563,28 +561,6 @@ def test_each_node_touches_at_an_instant_of_its_own(stiffer: float) -> None:
     ]
     assert sum(len(part) for part in closing) >= 25
     assert max(float(part.max(initial=0.0)) for part in closing) < 1e-9
-
-
-ONE_BLOCK = load_scene("hertz-paper").vary(
-    bodies=Bodies(lower=Block(width=48.0, height=20.0)), cycles=2
-)
-
-
-def test_increments_of_unlike_bodies_end_where_a_node_lets_go_and_lose_no_friction_work() -> None:
-    """A node that let go before the end of its increment was open there, and W of one block on a
-    half-plane 7e-4 too small.
-    """
-    mesh = MeshSettings(element_size=1 / 8, edge_element_size=1 / 32, far_radius=6.0, growth=0.5)
-    usual, short = (
-        halfplane_fe.solve(ONE_BLOCK, mesh, SolverSettings(steps_per_cycle=n)) for n in (24, 192)
-    )
-    opening = [after.gap[before.closed & ~after.closed] for before, after in pairwise(usual.states)]
-    assert sum(len(part) for part in opening) > 50
-    assert max(float(part.max(initial=0.0)) for part in opening) < 1e-9
-    assert usual.dissipation == pytest.approx(short.dissipation, rel=1e-4)
-    events = [usual.work.counts[f"{event} increments"] for event in ("touch", "release")]
-    assert usual.work.counts["regular increments"] < sum(events)
-    assert usual.work.counts["events predicted again"] < sum(events) / 2
 
 
 def test_what_events_leave_of_a_force_does_not_stay_missing_from_the_load() -> None:

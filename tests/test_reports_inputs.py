@@ -349,18 +349,6 @@ def test_heights_move_the_difference_and_not_theory() -> None:
     assert change.uncertainty < 0.1 * change.value
 
 
-@pytest.mark.slow
-def test_the_law_of_the_modulus_holds_for_the_difference() -> None:
-    stated = PAPERS | {"material": {"young_modulus": "3 %"}}
-    scene = BLOCKS.vary(uncertainty=stated)
-    law = effects_of(BLOCKS, stated).difference[WORK].changes["material.young_modulus"].value
-    ends = []
-    for change in (0.03, -0.03):
-        moved = scene.moved({"material.young_modulus": change})
-        ends.append(difference_at(moved, halfplane_fe.body_effects(moved), by_batch=True)[WORK])
-    assert law == pytest.approx((ends[0] - ends[1]) / 2, rel=0.01)
-
-
 @pytest.mark.parametrize(
     ("scene", "words"),
     [
@@ -516,19 +504,6 @@ def test_gross_sliding_under_displacement_control_in_closed_form() -> None:
     assert change.value == pytest.approx(0.01 * 4 * limit * amplitude, rel=1e-3)
     assert found.values["largest_tangential_load"].uncertainty == pytest.approx(0.0, abs=1e-9)
     assert "prescribed displacement" in found.no_difference
-
-
-@pytest.mark.slow
-def test_a_soft_rig_has_the_uncertainty_of_its_spring() -> None:
-    """The contact gets the less of U the softer the spring is, and the less friction the more."""
-    scene = load_scene("rig-compliant")
-    stated = {"friction": "1 %", "rig": {"tangential_stiffness": "5 %"}}
-    changes = effects_of(scene, stated).values[WORK].changes
-    assert changes["rig.tangential_stiffness"].value > 0
-    stiffer = scene.moved({"rig.tangential_stiffness": 0.05})
-    answer = inputs.values_of_theory(stiffer)[WORK] - inputs.values_of_theory(scene)[WORK]
-    change = changes["rig.tangential_stiffness"]
-    assert change.value == pytest.approx(answer, abs=2 * change.uncertainty)
 
 
 @pytest.mark.slow
