@@ -76,9 +76,9 @@ class GridAnswer:
     def findings(self, steady_cycle: Findings | None) -> Findings:
         """Fields, estimated errors, notes and the reason of the end of a path followed on grids.
 
-        W, W(x) and permanent stick are those of `steady_cycle`, the same cycle found without the
-        initial loading, where it is known. A cycle that is not steady gets a note of how far its W
-        may be from the steady one.
+        W, W(x) and permanent stick are those of `steady_cycle`, the cycle found without the initial
+        loading, where it is known. A cycle that is not steady gets a note of how far its W may be
+        from the steady one.
         """
         question = self.question
         followed = self.followed

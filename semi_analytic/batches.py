@@ -97,30 +97,31 @@ _OF_RULE = 4
 _DISTINCT = 1e-3
 
 
-def maxima_of(e: Ellipses, contact: SymmetricContact) -> Array:
-    """The two largest maxima of W(x) of each member, (6, m).
+def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
+    """The two largest maxima of W(x) of each ellipse, (6, m).
 
     Rows: the largest W(x) pi E*/(2 f^2), the second largest, the error of the largest, their |x|,
     and that of the largest as a fraction, 0 at the permanent stick edge, 1 at the largest contact.
     The largest is 0 and the rest NaN where nothing slips; the second one is NaN where there is one
     maximum only.
 
-    In each piece between kinks and events W is sampled; the maximum is looked for about every
-    sample above its neighbours.
+    In each piece between kinks and events W is sampled, by every second node of the rule; the
+    maximum is looked for about every sample above its neighbours. `contact` is the normal contact
+    of the profile.
     """
-    if len(e.mean) > _MEMBERS:
-        block_starts = range(0, len(e.mean), _MEMBERS)
+    if len(ellipses.mean) > _MEMBERS:
+        block_starts = range(0, len(ellipses.mean), _MEMBERS)
         maxima_of_blocks = [
-            maxima_of(e.take(slice(k, k + _MEMBERS)), contact) for k in block_starts
+            maxima_of(ellipses.take(slice(k, k + _MEMBERS)), contact) for k in block_starts
         ]
         return np.concatenate(maxima_of_blocks, axis=1)
 
     def density(member: Indices, x: Array, every: int = 1) -> Array:
-        forward, reverse = density_of(e.take(member), contact, x, every)
+        forward, reverse = density_of(ellipses.take(member), contact, x, every)
         return forward + reverse
 
-    n_members = len(e.mean)
-    points = _points_of_search(e, contact)
+    n_members = len(ellipses.mean)
+    points = _points_of_search(ellipses, contact)
     inner_points = points[:, 0]
     outer_points = points[:, -1]
     samples, is_spoilt = _samples(points, partial(density, every=2))
@@ -144,15 +145,17 @@ def maxima_of(e: Ellipses, contact: SymmetricContact) -> Array:
 
     # Where d = P - P_c is small the last digits of P_x count for more. W(x) that is lost in them is
     # at most the product of p, 2 (u + v) and arccosh(|x|/c), which is 2 (u + v) d/(pi a).
-    deepest_load = e.deepest
+    deepest_load = ellipses.deepest
     relative_error = (
-        LAST_DIGITS * (e.mean + e.amplitude) / np.where(deepest_load > 0, deepest_load, np.inf)
+        LAST_DIGITS
+        * (ellipses.mean + ellipses.amplitude)
+        / np.where(deepest_load > 0, deepest_load, np.inf)
     )
     relative_error = PROMISED + 3 * relative_error
     error_without_slip = (
         2
         / math.pi
-        * (e.u + e.v)
+        * (ellipses.u + ellipses.v)
         * deepest_load
         / np.where(inner_points > 0, inner_points, outer_points)
     )
@@ -284,6 +287,15 @@ def _closer(
     """Three places each about maxima of W, and W there, (3, n), from wider ones: so close that W
     may rise by `known_share` of itself at most. Round by round a parabola through the three says
     where the next ones go; where that does not take the bracket to half, they divide it evenly.
+
+    Parameters
+    ----------
+    density
+        W at places (n,) of members (n,)
+    member
+        (n,) whose maximum it is
+    three_places, works_at_three
+        (3, n) places and W to begin with
     """
     three_places = three_places.copy()
     works_at_three = works_at_three.copy()
@@ -316,7 +328,9 @@ def _closer(
 
 
 def _next_points(bracket: Array, vertex_place: Array) -> Array:
-    """Three points (3, n) about the vertices of parabolas within brackets (3, n)."""
+    """Three points (3, n) about the vertices of parabolas, at `vertex_place` (n,), within brackets
+    of three places (3, n).
+    """
     left_end, middle, right_end = bracket
     bracket_width = right_end - left_end
     vertex_place = np.clip(
@@ -493,11 +507,13 @@ def dissipation(
     mean_normal_load, normal_amplitude, mean_tangential_load, tangential_amplitude
         P0, P1, Q0, Q1 [force per unit thickness]
     phase_degrees, phase_radians
-        lag of Q behind P, any sense, in degrees or in radians; 90 degrees where neither is given
+        lag of Q behind P, any sense, in degrees or in radians; 90 degrees where neither is
+        given
     effects
-        what finite bodies add to half-planes, for all members, as in `solve`. Some 0.3 ms a
-        member; `permanent_stick_load` then is the load of half-planes whose contact is the
-        permanent stick zone. A member whose contact would split or leave the profile gets NaN
+        what finite bodies add to half-planes, curvatures and compliances that follow the loads,
+        for all members. Some 0.3 ms a member; `permanent_stick_load` then is the load of
+        half-planes whose contact is the permanent stick zone. A member whose contact would
+        split or leave the profile gets NaN
 
     Returns
     -------
@@ -554,7 +570,10 @@ def dissipation(
 
 
 def _works_of(members: Members) -> Array:
-    """W, its forward and reverse part, its error and P_T, (5, m)."""
+    """W pi E*/(2 f^2) of members of a batch, its forward and its reverse part, its error, and the
+    permanent stick load P_T, (5, m): by the closed kernel of Hertz and power laws, a table of flat
+    and rounded faces, else by quadrature with a contact for each shape.
+    """
     ellipses = members.ellipses
     kind = members.kind
     forward, reverse, error = works = np.empty((3, len(members.mirrored)))
@@ -569,10 +588,10 @@ def _works_of(members: Members) -> Array:
         for group in members.groups():
             works_of_group = dissipation_and_error(group.ellipses, group.contact)
             works[:, group.members] = works_of_group * group.load_unit * group.load_unit
-    forward_as_asked = np.where(members.mirrored, reverse, forward)
-    reverse_as_asked = np.where(members.mirrored, forward, reverse)
+    forward_of_members = np.where(members.mirrored, reverse, forward)
+    reverse_of_members = np.where(members.mirrored, forward, reverse)
     return np.stack(
-        [forward + reverse, forward_as_asked, reverse_as_asked, error, ellipses.permanent]
+        [forward + reverse, forward_of_members, reverse_of_members, error, ellipses.permanent]
     )
 
 

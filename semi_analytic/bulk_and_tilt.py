@@ -239,8 +239,9 @@ class _AffineRelation(NamedTuple):
     def fitted(
         cls, p: Array, q: Array, eps: Array, alpha: Array, load_sizes: LoadSizes
     ) -> _AffineRelation:
-        """From samples (n,) of P, Q, bulk strain and tilt, NaN where no tilt is known: kappa from
-        eps over Q where Q changes, else from alpha over P.
+        """The relation of samples (n,) of P, Q, bulk strain and tilt, the tilt NaN where none is
+        known: kappa from eps over Q where Q changes, else from alpha over P. `load_sizes` say below
+        which size a change is round-off.
         """
         has_tilt_value = np.isfinite(alpha)
         p_with_tilt = p[has_tilt_value]
@@ -527,7 +528,8 @@ def followed_path(scene: Scene) -> LoadPath:
     Raises
     ------
     InputError
-        For another memory, and as `one_curve`.
+        For another memory, a profile that bends down somewhere, a contact that leaves the
+        profile.
     """
     path = scene.load.path()
     if not path.has_bulk_or_tilt:

@@ -962,8 +962,8 @@ def _answer(question: Question) -> Findings:
 
 
 def _followed(question: Question) -> _Paths:
-    """The path of loads of a question, followed by the same straight steps twice: with the
-    curvatures of the bodies, and of half-planes.
+    """The path of loads of a question, followed by equal straight steps twice: with the curvatures
+    of the bodies, and of half-planes.
     """
     scene = question.scene
     effects = question.effects

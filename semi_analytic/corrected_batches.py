@@ -239,35 +239,43 @@ def _works_of_some(
     return np.stack([*works, np.where(is_lost, np.nan, permanent_stick[:, 0])])
 
 
-def _root(values: Callable[[Array], Array], low: Array, high: Array) -> Array:
-    """Where rising `values` of (m, 1) are 0, between `low` and `high`; `low` where they are
-    positive there, NaN where they are negative at `high`.
+def _root(values: Callable[[Array], Array], lower_bound: Array, upper_bound: Array) -> Array:
+    """Where rising `values` of (m, 1) are 0, between `lower_bound` and `upper_bound`; `lower_bound` where they are
+    positive there, NaN where they are negative at `upper_bound`.
 
     The Illinois rule: secants that keep the root between them.
     """
-    value_at_low = values(low)
-    value_at_high = values(high)
-    value_scale = np.maximum(np.abs(value_at_low), np.abs(value_at_high))
-    is_beyond = value_at_high < -_ROUNDING * value_scale
-    side_of_last = np.zeros(low.shape)
-    place = low
+    value_at_lower = values(lower_bound)
+    value_at_upper = values(upper_bound)
+    value_scale = np.maximum(np.abs(value_at_lower), np.abs(value_at_upper))
+    is_beyond = value_at_upper < -_ROUNDING * value_scale
+    side_of_last = np.zeros(lower_bound.shape)
+    place = lower_bound
     for _ in range(_SECANTS):
-        value_difference = np.where(value_at_high > value_at_low, value_at_high - value_at_low, 1.0)
-        place = np.clip(low - value_at_low * (high - low) / value_difference, low, high)
+        value_difference = np.where(
+            value_at_upper > value_at_lower, value_at_upper - value_at_lower, 1.0
+        )
+        place = np.clip(
+            lower_bound - value_at_lower * (upper_bound - lower_bound) / value_difference,
+            lower_bound,
+            upper_bound,
+        )
         value_at_place = values(place)
         if np.all(
-            (np.abs(value_at_place) <= _CLOSE * value_scale) | is_beyond | (value_at_low >= 0)
+            (np.abs(value_at_place) <= _CLOSE * value_scale) | is_beyond | (value_at_lower >= 0)
         ):
             break
         is_positive = value_at_place > 0
-        value_at_low = np.where(is_positive & (side_of_last > 0), value_at_low / 2, value_at_low)
-        value_at_high = np.where(
-            ~is_positive & (side_of_last < 0), value_at_high / 2, value_at_high
+        value_at_lower = np.where(
+            is_positive & (side_of_last > 0), value_at_lower / 2, value_at_lower
         )
-        high = np.where(is_positive, place, high)
-        value_at_high = np.where(is_positive, value_at_place, value_at_high)
-        low = np.where(is_positive, low, place)
-        value_at_low = np.where(is_positive, value_at_low, value_at_place)
+        value_at_upper = np.where(
+            ~is_positive & (side_of_last < 0), value_at_upper / 2, value_at_upper
+        )
+        upper_bound = np.where(is_positive, place, upper_bound)
+        value_at_upper = np.where(is_positive, value_at_place, value_at_upper)
+        lower_bound = np.where(is_positive, lower_bound, place)
+        value_at_lower = np.where(is_positive, value_at_lower, value_at_place)
         side_of_last = np.where(is_positive, 1.0, -1.0)
     return np.where(is_beyond, np.nan, place)
 

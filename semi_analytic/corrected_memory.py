@@ -181,8 +181,9 @@ class PunchTable:
     def _cubics(
         self, begin_value: Array, end_value: Array, begin_rate: Array, end_rate: Array
     ) -> Array:
-        """Coefficients (cells, 4), constant first, of cubics of the share of a cell with these
-        values and rates per sigma at its two ends; sigma runs from 0 to 1 between two corners.
+        """Coefficients (cells, 4), constant first, of cubics of the share of a cell with given
+        values and rates per sigma at its begin and its end; sigma runs from 0 to 1 between two
+        corners of the profile.
         """
         step = 1 / self._cells
         rise = end_value - begin_value

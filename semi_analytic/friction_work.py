@@ -553,10 +553,13 @@ def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
 
 
 def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
-    """`density_of_records` of parts of records between corners of the profile, (k,).
+    """Density W(x) of friction work at points |x| = x (k,), over A f/pi, along parts of slip
+    records between corners of the profile: the integral of the pressure p times arccosh(|x|/c) over
+    the growth of the slip.
 
-    Along a part p has a root where P = P_x, and the arccosh one where P_c = P_x, a logarithm where
-    P_c = 0: a pair of part and point takes as many nodes as the nearest of these needs.
+    Along a part p has a root where P = P_x, P_x the load at which the edge of contact is at x, and
+    the arccosh one where P_c = P_x, a logarithm where P_c = 0: a pair of part and point takes as
+    many nodes as the nearest of these needs.
     """
     edge_loads = contact.load(x)
     load = parts.load[:, None]

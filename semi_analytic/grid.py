@@ -1485,18 +1485,18 @@ def _density_at(grid: Grid, answers: _Answers, x: Array) -> Array:
     return np.array(rows)
 
 
-def _error(fine: Array, coarse: Array, order: float) -> float:
-    """Error of the mean over the fine grids (first axis), over the largest value; root mean
-    squares.
+def _error(fine_values: Array, coarse_values: Array, order: float) -> float:
+    """Relative error of the mean over the fine grids, root mean squares over its largest value,
+    from the values of fine and of coarse grids, grids along the first axis.
 
-    What it changes from coarse grids over 2^order - 1, and twice the standard error by the means
-    over every fourth grid, which are evenly moved themselves.
+    What the mean changes from coarse grids over 2^order - 1, and twice the standard error by the
+    means over every fourth grid, which are evenly moved themselves.
     """
-    largest_value = float(np.max(np.abs(fine), initial=0.0))
+    largest_value = float(np.max(np.abs(fine_values), initial=0.0))
     if largest_value <= 0:
         return 0.0
-    change = np.mean(fine, axis=0) - np.mean(coarse, axis=0)
-    means_of_groups = np.array([np.mean(fine[k::_GROUPS], axis=0) for k in range(_GROUPS)])
+    change = np.mean(fine_values, axis=0) - np.mean(coarse_values, axis=0)
+    means_of_groups = np.array([np.mean(fine_values[k::_GROUPS], axis=0) for k in range(_GROUPS)])
     variance = np.var(means_of_groups, axis=0) / (_GROUPS - 1)
     error_by_change = np.sqrt(np.mean(change**2)) / (2**order - 1)
     return float(2 * np.sqrt(np.mean(variance)) + error_by_change) / largest_value

@@ -287,11 +287,22 @@ def _slip(
     friction: float,
     delay: float,
 ) -> Iterator[Span]:
-    """Spans of slip in one direction, +1 or -1: the edge load of the stick zone, P_c, goes down
-    through the pieces of the memory curve, and each piece makes a span.
+    """Spans of slip in one direction: the edge load of the stick zone, P_c, goes down through the
+    pieces of the memory curve, and each piece makes a span.
 
     A piece is passed when s Q - f P, s = `direction`, has grown to what it is at the lower end of
     the piece.
+
+    Parameters
+    ----------
+    curve
+        the memory curve at the begin; None out of contact
+    direction
+        1 of forward, -1 of reverse slip
+    begin_instant, end_instant
+        ends of the part of a leg that slips
+    delay
+        how much later than the leg itself the spans are: whole periods of the cycle
     """
     leg = begin_instant.leg
     slip_level = level(direction, friction)
@@ -315,8 +326,8 @@ def _slip(
         # A front that meets the lower end of the piece at the very end of the stretch, to rounding,
         # has not passed it: what lies below may be at the limit already, and the front would jump
         # through it.
-        rounding = _NEAR * (abs(level_at_bottom) + abs(level_at_begin)) + last_digits
-        if total_change <= change_to_bottom + rounding:
+        level_roundoff = _NEAR * (abs(level_at_bottom) + abs(level_at_begin)) + last_digits
+        if total_change <= change_to_bottom + level_roundoff:
             break
         passing_time = leg.time_of(
             slip_level, change_to_bottom, begin_instant.time, end_instant.time

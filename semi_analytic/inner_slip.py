@@ -250,9 +250,11 @@ def _of_force(half_widths: Array) -> Array:
 def _solved(
     step: _Step, half_widths: Array, coarser_solution: InnerSlip | None
 ) -> InnerSlip | None:
-    """Slip by punches of given half-widths: the zone, at first that of a coarser answer, is
-    corrected until no point is beyond the limit and none slips backward; None where that has no
-    end.
+    """Slip inside the contact by flat punches of given half-widths (n,): the slip zone, at first
+    that of a coarser solution, is corrected until no point is beyond the limit and none slips
+    backward; None where that has no end.
+
+    `step` has the tractions before the slip, its sense and the modulus.
     """
     points = half_widths[:-1]
     shear_by_slopes, slip_by_slopes = _of_punches(points, half_widths, step.modulus)

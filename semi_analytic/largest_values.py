@@ -105,10 +105,11 @@ def extremes(answer: ContactSolution, names: Sequence[str] = SEARCHED) -> Extrem
     Parameters
     ----------
     answer
-        by `solve`, of a scene or of straight steps between its instants; its instants say which
-        cycle is the last
+        of half-plane theory to a scene, or to straight steps between its instants; its instants
+        say which cycle is the last
     names
-        which of `SEARCHED` are looked for; the others are NaN where one memory curve is followed
+        which of the largest values are looked for; the others are NaN where one memory curve is
+        followed
 
     Returns
     -------
@@ -119,7 +120,7 @@ def extremes(answer: ContactSolution, names: Sequence[str] = SEARCHED) -> Extrem
     Raises
     ------
     InputError, InadmissibleLoadError
-        As `solve`.
+        For a scene or loads that half-plane theory refuses.
 
     Examples
     --------
@@ -449,15 +450,17 @@ class _Peak(NamedTuple):
         >>> _Peak(np.array([0.0, 1.0, 3.0]), np.array([0.0, 3.0, 3.0])).vertex()  # x (4 - x)
         2.0
         """
-        first, middle, last = self.places.tolist()
-        if not first < middle < last or not np.isfinite(self.values).all():
-            return middle
+        first_place, middle_place, last_place = self.places.tolist()
+        if not first_place < middle_place < last_place or not np.isfinite(self.values).all():
+            return middle_place
         rise, fall = (np.diff(self.values) / np.diff(self.places)).tolist()
         if not rise > fall:
-            return middle
+            return middle_place
         # the slope falls from `rise` to `fall` between the middles of both intervals
-        vertex = (first + middle) / 2 + rise / (rise - fall) * (last - first) / 2
-        return min(max(vertex, first), last)
+        vertex = (first_place + middle_place) / 2 + rise / (rise - fall) * (
+            last_place - first_place
+        ) / 2
+        return min(max(vertex, first_place), last_place)
 
     def places_around(self) -> Array:
         """Equally spaced places between the neighbours, and that of the vertex."""
@@ -488,7 +491,9 @@ def _peaks(places: Array, values: Array) -> list[_Peak]:
 # ------------------------------------------------------------------------------ no one memory curve
 @lru_cache(maxsize=8)
 def _of_default_points(scene: Scene) -> Extremes:
-    """The largest values at the points and instants that `solve` takes by itself."""
+    """The largest pressure, slip, W(x), half-width and edge tension at the points and instants that
+    theory takes where none are given: for scenes without a single memory curve.
+    """
     answer = solve(scene)
     rows = answer.last_cycle
     pressure = answer.pressure[rows].max(axis=0)

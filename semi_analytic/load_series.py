@@ -506,6 +506,9 @@ def _unload_part(
 ) -> Knot | None:
     """Memory curve after a part of an unloading step on one side of it: the step slips, where
     `side` is 1 or -1, or goes back along the curve, where it is 0.
+
+    `begin_station` and `end_station` are P, Q and the share of the step that is over, at both ends
+    of the part; `recorder` takes a record for each line of the curve that it goes through.
     """
     if side:
         return _slip(curve, side, begin_station, end_station, friction, recorder)

@@ -144,18 +144,20 @@ class Way:
         return all(bool(np.min(rate) >= most_negative) for rate in rates_at_edges)
 
     def work(self, count: int = WAY_NODES) -> float:
-        """Integral of f p |ds| over the slip zones and the way."""
-        node, weights = _angles(count)
-        u = node[:, None]
-        m, c = self.stick(u)
-        contact_middle, half_width = self.contact(u)
-        work = 0.0
+        """Integral of f p |ds| over the slip zones and the way, the stroke from one end of the
+        cycle to the other [energy / thickness]; by `count` nodes along x and along the way.
+        """
+        nodes, weights = _angles(count)
+        share_of_way = nodes[:, None]
+        stick_middle, stick_half_width = self.stick(share_of_way)
+        contact_middle, half_width = self.contact(share_of_way)
+        total_work = 0.0
         for side in (-1, 1):
-            zone_begin = m + side * c
+            zone_begin = stick_middle + side * stick_half_width
             zone_length = contact_middle + side * half_width - zone_begin
-            power = self.friction_power(zone_begin + zone_length * node, u)
-            work += float(weights @ (np.abs(zone_length) * power) @ weights)
-        return work
+            power = self.friction_power(zone_begin + zone_length * nodes, share_of_way)
+            total_work += float(weights @ (np.abs(zone_length) * power) @ weights)
+        return total_work
 
     def locked(self, u: Array) -> Array:
         """Change of the tangential displacement U and of the moment m_q since the stroke began, (2,
@@ -224,8 +226,8 @@ class Way:
 
 
 def ways_in_phase(scene: Scene) -> tuple[Way, Way] | None:
-    """Forward and reverse slip of a cycle whose loads are in phase and whose ends slip the same
-    way; None of any other.
+    """Forward and reverse slip of a cycle whose loads are in phase and whose stick zone ends slip
+    in one sense; None of any other.
     """
     friction = scene.friction.coefficient
     if not scene.load.path().cycle or friction <= 0:

@@ -159,8 +159,13 @@ def friction_from(
     scene
         in place of all the others: its profile, material and loads, of any kind; its own
         coefficient counts for nothing
-    profile, material, mean_normal_load, ...
-        as `dissipation` takes them, without the coefficient of friction
+    profile, material
+        one profile, or its keys with numbers or arrays; of the two bodies, or one for both
+    mean_normal_load, normal_amplitude, mean_tangential_load, tangential_amplitude
+        P0, P1, Q0, Q1 of P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase) [force per unit
+        thickness]
+    phase_degrees, phase_radians
+        lag of Q behind P, in degrees or in radians; 90 degrees where neither is given
 
     Returns
     -------

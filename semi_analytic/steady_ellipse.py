@@ -570,12 +570,12 @@ def by_largest_load(e: Ellipses) -> Iterator[tuple[Indices, int, int]]:
         yield members, lowest_table * _STEP_OF_TABLES, (number + 1) * _STEP_OF_TABLES - 1
 
 
-def dissipation_of(e: Ellipses, contact: SymmetricContact) -> Array:
-    """Forward and reverse part of W pi E*/(2 f^2) on any profile, (2, m); NaN where the quadrature
-    does not converge.
+def dissipation_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
+    """Forward and reverse part of W pi E*/(2 f^2) of ellipses on any profile, (2, m); NaN where the
+    quadrature does not converge. `contact` is the normal contact of the profile.
 
-    To ten digits: the same pieces by few nodes, Lam by series where P - P_c is no small share of
-    P0.
+    To ten digits: few nodes on each piece between corners of the profile, Lam, the integral of ln a
+    - ln a(P_c) over the loads, by series where P - P_c is no small share of P0.
 
     >>> from semi_analytic.hertz import HertzContact
     >>> from semi_analytic.steady_ellipse import ellipses_of
@@ -589,7 +589,7 @@ def dissipation_of(e: Ellipses, contact: SymmetricContact) -> Array:
     ... )  # theory, constant load
     (0.106967415, 0.106967415)
     """
-    return dissipation_and_error(e, contact)[:2]
+    return dissipation_and_error(ellipses, contact)[:2]
 
 
 def dissipation_and_error(e: Ellipses, contact: SymmetricContact) -> Array:
