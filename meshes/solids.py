@@ -200,6 +200,9 @@ class _Outline:
     """The half x >= 0 of a body in units of its contact side's half-width."""
 
     def __init__(self, shape: Solid, face: Face, length: float) -> None:
+        """Outline of a body in units of a `length`: half-width, height, the drop of its `face` at
+        the end, the foot of its sides, and the corners of a step.
+        """
         self._face = face
         self._length = length
         half_width = shape.face_half_width / length

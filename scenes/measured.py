@@ -245,8 +245,8 @@ class FromFile(Frozen):
     @model_validator(mode="after")
     def _read(self, validation: ValidationInfo) -> Self:
         """Read the rows from the file, where they are not stated: each column is turned into the
-        scene's units, and how that was done is noted in `read_as`. InputError for a file that is
-        not understood.
+        scene's units, and the key `read_as` says how. InputError for a file that is not understood.
+        The context of the validation has the folder of the scene and its units.
         """
         if self.table in self.model_fields_set:
             return self

@@ -774,12 +774,14 @@ class Tabulated(FromFile):
 
 
 def one_sided(points: Array, asymmetry: float) -> tuple[Array, Array]:
-    """(x, h) from x = 0, h = 0 up.
+    """Rows of the side x >= 0 of a profile, x and h (k,), from `points` (n, 2) of one side or of
+    both; h counts from that at x = 0, and two sides are averaged.
 
     Raises
     ------
     RowError
-        x that does not ascend, no row at x = 0, sides that differ, h that falls.
+        x that does not ascend, no row at x = 0, sides that differ by more than the share
+        `asymmetry` of the range of h, h that falls.
     """
     if points.shape[1] != 2:
         raise RowError(0, f"two numbers (x, h) are needed, not {points.shape[1]}")

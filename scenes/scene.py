@@ -296,7 +296,10 @@ class Scene(Frozen):
         return self
 
     def _check_rig(self) -> None:
-        """ValueError where rig, load and bodies do not go together."""
+        """ValueError where rig, load and bodies do not go together: springs or a datum without a
+        prescribed displacement, a displacement without bodies or datum, or of a profile with unlike
+        sides.
+        """
         rig = self.rig
         load = self.load
         if rig.is_stated and not load.is_driven:
@@ -451,14 +454,14 @@ class Scene(Frozen):
         return None if forms is None else forms.scene_html(self)
 
     def save(self, path: str | Path) -> None:
-        """Write a scene file, .toml or .json, which `load_scene` reads back as this scene; the rows
-        of CSV files are written into it.
+        """Write a scene file, .toml or .json, from which the scene can be loaded again; the rows of
+        CSV files are written into it.
 
         Raises
         ------
         InputError
-            For a scene that holds a Python function, for rows that are too many for a .toml file,
-            where it can't be written.
+            For a scene that holds a Python function, for rows that are too many for a .toml
+            file, where it can't be written.
         """
         tables = json.loads(self.model_dump_json(exclude_none=True))
         for table in (tables["profile"], tables["load"]):

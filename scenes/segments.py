@@ -501,7 +501,7 @@ class HarmonicSegment(LoadSegment):
         return 2 * order * math.ceil((self.end - self.start) / (2 * math.pi))
 
     def loads(self, time: ArrayLike) -> Loads:
-        """P and Q at times, of their shape."""
+        """P and Q at times, of their shape: means and waves; an ellipse has one wave each."""
         mean_normal, mean_tangential = self.mean
         if self.ellipse:
             times = _float_or_array(time)

@@ -453,8 +453,8 @@ class ContactSolution:
 
     @classmethod
     def load(cls, path: str | Path) -> ContactSolution:
-        """Read what `save` wrote; InputError for a file that can't be read, is too large or of
-        another form.
+        """Read a solution from a NetCDF file that it was saved in; InputError for a file that can't
+        be read, is too large or of another form.
         """
         content = read_netcdf(Path(path), _FORM, FORMAT)
         try:

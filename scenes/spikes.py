@@ -65,7 +65,7 @@ def _alike(place: int, count: int) -> list[int]:
     return [place]
 
 
-def _differences(x: Array, h: Array) -> Array:
+def _differences(x: Array, heights: Array) -> Array:
     """Size of each row's difference (n,) from the cubic through its neighbours, over the standard
     deviation that noise of size 1 gives it; 0 where rows stand in one place.
     """
@@ -81,11 +81,11 @@ def _differences(x: Array, h: Array) -> Array:
     relative_places = (relative_places - x[:, None]) / np.where(widths > 0, widths, 1.0)[:, None]
     # weights of Lagrange's cubic at the row itself, which is the origin
     weights = np.ones_like(relative_places)
-    for k in range(_NEIGHBOURS):
-        for other in range(_NEIGHBOURS):
-            if other != k:
-                gaps = np.where(is_distinct, relative_places[:, other] - relative_places[:, k], 1.0)
-                weights[:, k] *= relative_places[:, other] / gaps
-    differences = h - np.sum(weights * h[neighbours], axis=1)
+    for i in range(_NEIGHBOURS):
+        for j in range(_NEIGHBOURS):
+            if j != i:
+                gaps = np.where(is_distinct, relative_places[:, j] - relative_places[:, i], 1.0)
+                weights[:, i] *= relative_places[:, j] / gaps
+    differences = heights - np.sum(weights * heights[neighbours], axis=1)
     sizes = np.abs(differences) / np.sqrt(1 + np.sum(weights**2, axis=1))
     return np.asarray(np.where(is_distinct, sizes, 0.0))

@@ -541,7 +541,7 @@ def _scene_of_loads(scene: Scene, rows: PathRows, last_cycle: slice) -> Scene:
 
 def _errors(fine_path: Driven, coarse_path: Driven, steady_from: int | None) -> dict[str, float]:
     """Differences between a path by steps and by steps twice as long: of the friction work over W,
-    and of Q over the largest |Q|; of the steady cycle where there is one.
+    and of Q over the largest |Q|; of the cycle number `steady_from` where there is a steady one.
     """
     errors = {}
     rows_of_fine = slice(0, None)
@@ -633,7 +633,7 @@ def _notes(
 
 def _note_of_next_order(rig: Rigged, driven: Driven, last_cycle: slice) -> str:
     """A sentence on the next order of the bodies: where it counts, and by how much it would change
-    the largest pressure and half-width.
+    the largest pressure and half-width of the loads that were found.
     """
     left_out = _no_next_order(driven, last_cycle)
     place_text = f"left out: {left_out}" if left_out else "in the dissipation"

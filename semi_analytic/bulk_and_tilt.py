@@ -625,10 +625,11 @@ def _presses_only(samples: Array, sizes: LoadSizes) -> bool:
 def _sampled(
     leg: LoadSegment, upright_profile: TiltedProfile | None, strain: tuple[float, float]
 ) -> Array:
-    """P, Q, eps and alpha at instants of a leg, (4, n): enough to tell two legs apart; no alpha
-    where a moment has no load.
+    """P, Q, bulk strain eps and tilt alpha at instants of a leg, (4, n): enough to tell two legs
+    apart; alpha NaN where a moment has no load.
 
-    `upright_profile` is the contact where the moment is stated.
+    `upright_profile` is the contact where the moment is stated; `strain` is eps by a unit bulk
+    stress of the lower and of the upper body [1/stress].
     """
     parts = [part for part in (leg, leg.bulk, leg.turning) if part is not None]
     most_turns = max(part.most_turns for part in parts)

@@ -228,7 +228,16 @@ def notes_of_effects(
     in_answer: OddInAnswer = OF_LOADS,
 ) -> Iterator[str]:
     """Sentences on which of the bodies' effects are in the values and which are not: the even
-    numbers are; tilt and bulk strain, `odd`, are in the dissipation where they were found.
+    numbers are; tilt and bulk strain are in the dissipation where they were found.
+
+    Parameters
+    ----------
+    half_width, modulus
+        of the contact, and E*, by which the sizes of the numbers are stated
+    odd
+        what tilt and bulk strain add to the work, or why that is left out
+    in_answer
+        words for which values hold what
     """
     yield f"effects: {in_answer.even} of the bodies are in these values"
     odd_values = odd_part(effects, half_width, modulus)
@@ -393,6 +402,9 @@ class _Route:
         """Rows with more instants: those at which the bound of slip, Q - s f P + (s f kn - kt) G, s
         = +1 or -1, turns round for some punches up to the largest, whose G is `parabola`.
         Half-planes turn round at other instants.
+
+        kn and kt are the `curvatures` of gap and faces that P and Q add, G the load of a parabola's
+        punches.
         """
         if isinstance(self.path, LoadSeries):
             return rows
@@ -1075,7 +1087,9 @@ def _steady_from(followed: Followed, rows: PathRows, scene: Scene) -> int | None
 
 
 def _covered(question: Question, route: _Route, steady_from: int | None) -> tuple[int, ...]:
-    """For each whole cycle that the answer covers, the index of the followed cycle that it is."""
+    """For each whole cycle that the answer covers, the index of the followed cycle that it is: at
+    most two are followed, the first and a steady one.
+    """
     if route.period is None:
         return (0,)
     cycles = question.scene.cycles

@@ -151,9 +151,11 @@ class WorkOfEllipses(NamedTuple):
 def works_of_ellipses(
     loads: EllipseOfLoads, bends: BendColumns, contact: SymmetricContact, modulus: float
 ) -> WorkOfEllipses:
-    """W of ellipses (m,) on one profile, NaN where the contact leaves the profile or would split.
+    """W of ellipses (m,) on one profile, its parts and the half-width of permanent stick; NaN where
+    the contact leaves the profile or would split.
 
-    `modulus` is the E* of `contact`, and numbers are in its units.
+    `bends` are the curvatures that the bodies add by P and by Q, `modulus` is the E* of `contact`,
+    and numbers are in its units.
 
     >>> from semi_analytic.hertz import HertzContact
     >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
@@ -166,11 +168,9 @@ def works_of_ellipses(
     """
     count = len(loads.friction)
     columns = np.empty((3, count))
-    for first in range(0, count, _AT_ONCE):
-        chosen = slice(first, first + _AT_ONCE)
-        columns[:, chosen] = _works_of_some(
-            loads.take(chosen), bends.take(chosen), contact, modulus
-        )
+    for first_member in range(0, count, _AT_ONCE):
+        block = slice(first_member, first_member + _AT_ONCE)
+        columns[:, block] = _works_of_some(loads.take(block), bends.take(block), contact, modulus)
     return WorkOfEllipses(*columns)
 
 
@@ -240,10 +240,11 @@ def _works_of_some(
 
 
 def _root(values: Callable[[Array], Array], lower_bound: Array, upper_bound: Array) -> Array:
-    """Where rising `values` of (m, 1) are 0, between `lower_bound` and `upper_bound`; `lower_bound` where they are
-    positive there, NaN where they are negative at `upper_bound`.
+    """Where rising functions of (m, 1) are 0, between `lower_bound` and `upper_bound`, (m, 1) each;
+    the lower bound where they are positive there, NaN where they are negative at the upper one.
 
-    The Illinois rule: secants that keep the root between them.
+    `values` gives all functions at (m, 1) places. The Illinois rule: secants that keep the root
+    between them.
     """
     value_at_lower = values(lower_bound)
     value_at_upper = values(upper_bound)

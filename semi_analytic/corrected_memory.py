@@ -368,38 +368,38 @@ class PunchTable:
         normal_load: Array,
         curvature: Array,
         fourth: Array | float = 0.0,
-        near: Array | None = None,
+        known_s: Array | None = None,
     ) -> Array:
         """Coordinates s (n,) of the flat punches at the edges of contact a: P = eta(a) + kn G(a) +
-        n4 G_4(a), with loads P, `curvature` kn and `fourth` n4 (n,).
+        n4 G_4(a), with loads P = `normal_load`, `curvature` kn and `fourth` n4 (n,).
 
         eta, G and G_4 are the loads carried up to half-width c by the punches of the profile, of a
-        parabola and of x^4/24. `near` is s (n,) where it is known to 1e-3; then bisection is left
-        out.
+        parabola and of x^4/24. `known_s` is s (n,) where it is known to 1e-3; then bisection is
+        left out.
         """
 
         def carried(s: Array) -> Array:
             load = self.load(s) + curvature * self.parabola(s)
             return np.asarray(load + fourth * self.fourth(s))
 
-        low_s = np.zeros(len(normal_load))
-        high_s = np.full(len(normal_load), self.last)
-        edge_s = near
+        lower_s = np.zeros(len(normal_load))
+        upper_s = np.full(len(normal_load), self.last)
+        edge_s = known_s
         newton_steps = _STEPS_NEAR
         if edge_s is None:
             for _ in range(_FIRST_BISECTIONS):
-                middle_s = (low_s + high_s) / 2
+                middle_s = (lower_s + upper_s) / 2
                 carries_less = carried(middle_s) <= normal_load
-                low_s = np.where(carries_less, middle_s, low_s)
-                high_s = np.where(carries_less, high_s, middle_s)
-            edge_s = (low_s + high_s) / 2
+                lower_s = np.where(carries_less, middle_s, lower_s)
+                upper_s = np.where(carries_less, upper_s, middle_s)
+            edge_s = (lower_s + upper_s) / 2
             newton_steps = _STEPS_AFTER
         for _ in range(newton_steps):
             missing_load = normal_load - carried(edge_s)
             curvature_at_edge = curvature + fourth * np.square(self.half_width(edge_s)) / 4
             rate = self._load_rate(edge_s) + curvature_at_edge * self._parabola_rate(edge_s)
             step = missing_load / np.where(rate > 0, rate, np.inf)
-            edge_s = np.clip(edge_s + step, low_s, high_s)
+            edge_s = np.clip(edge_s + step, lower_s, upper_s)
         return np.where(normal_load > 0, edge_s, 0.0)
 
     def _load_rate(self, s: Array) -> Array:
@@ -873,10 +873,24 @@ def follow(
     curvatures: Curvatures,
     half_planes: Followed | None = None,
 ) -> Followed:
-    """The memory curve along straight steps between the rows of a path from rest, P = Q = 0, of
-    loads P and Q (n,), with the curvatures that the bodies add.
+    """The memory curve along straight steps between the rows of a path from rest, P = Q = 0, with
+    the curvatures that the bodies add.
 
-    `half_planes` is the curve without curvatures along the path, where it was followed already.
+    Parameters
+    ----------
+    table
+        loads of the flat punches by the half-width
+    friction
+        f
+    normal_load, tangential_load
+        (n,) P and Q at the rows
+    curvatures
+        what a unit of P and of Q adds to gap and faces
+    half_planes
+        the curve without curvatures along the path, where it was followed already
+
+    Examples
+    --------
 
     >>> import numpy as np
     >>> from semi_analytic.hertz import HertzContact
@@ -1201,7 +1215,18 @@ def _front(
     """Number of the uppermost piece of the memory curve that is left below the line of slip, which
     goes from the edge of contact inwards to where F meets the `bound`.
 
-    `piece` is the outermost one, `number` its number, None where it is new.
+    Parameters
+    ----------
+    table
+        loads of the punches by the place s of the edge
+    pieces
+        pieces of the curve
+    piece, number
+        the outermost one, and its number, None where it is new
+    bound
+        the Coulomb limit F of slip in one direction
+    round_off
+        excess of F that counts as round-off
     """
     empty_curve = pieces[0]
     piece_below = pieces[piece.parent]

@@ -45,5 +45,5 @@ def coupling_constant(materials: Materials) -> float:
     g_1 = shear_modulus(materials.upper)
     g_2 = shear_modulus(materials.lower)
     difference = (1 - 2 * nu_1) / g_1 - (1 - 2 * nu_2) / g_2
-    total = (1 - nu_1) / g_1 + (1 - nu_2) / g_2
-    return difference / (2 * total)
+    sum_of_terms = (1 - nu_1) / g_1 + (1 - nu_2) / g_2
+    return difference / (2 * sum_of_terms)

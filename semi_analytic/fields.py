@@ -490,7 +490,9 @@ class _NearIntegral:
         return np.sqrt(np.maximum(self.turn.sign * rise, 0.0))
 
     def _is_rough(self, begin_s: Array, s_length: Array, squared_e: Array) -> NDArray[np.bool_]:
-        """Whether a range of the variable (m,) takes the rule for singular ends.
+        """Whether a range of the variable s (m,), from `begin_s` and `s_length` long, takes the
+        rule for singular ends; `squared_e` is e^2, the distance of P_x from the turning point of P
+        with its sign.
 
         Too close to the logarithm where P = 0, +-i arsinh(sqrt(P_t)/e), for Gauss' rule: at four
         lengths 6 nodes leave 16^-12. A shift always: it has one point, and is cheap.

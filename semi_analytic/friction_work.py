@@ -540,8 +540,9 @@ def work_error(contact: Contact, records: Records) -> float:
 
 
 def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
-    """int p arccosh(|x|/c) dw of all records of slip at |x| = `x` (k,): shape (k,) [stress * force
-    per thickness].
+    """The integral of p arccosh(|x|/c) dw over all records of slip, at points |x| = `x` (k,): (k,)
+    [stress * force per thickness]. w is the level +-Q - f P, which grows in slip, p the pressure at
+    x and c the half-width of stick.
     """
     density = np.zeros(len(x))
     parts = _split(contact, records)
@@ -553,9 +554,9 @@ def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
 
 
 def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
-    """Density W(x) of friction work at points |x| = x (k,), over A f/pi, along parts of slip
-    records between corners of the profile: the integral of the pressure p times arccosh(|x|/c) over
-    the growth of the slip.
+    """The integral of p arccosh(|x|/c) dw over parts of slip records between corners of the
+    profile, at points |x| = `x` (k,): (k,) [stress * force per thickness]. w is the level +-Q - f
+    P, which grows in slip, p the pressure at x and c the half-width of stick.
 
     Along a part p has a root where P = P_x, P_x the load at which the edge of contact is at x, and
     the arccosh one where P_c = P_x, a logarithm where P_c = 0: a pair of part and point takes as

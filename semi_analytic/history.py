@@ -344,11 +344,13 @@ def _slip(
 def _unload(
     curve: Curve, begin_instant: Instant, end_instant: Instant, friction: float, delay: float
 ) -> Iterator[Span]:
-    """Spans of a stretch with P falling and |dQ/dP| <= f: slip to the side of the memory curve on
-    which the path runs, which may change where the path crosses the curve.
+    """Spans of a stretch with P falling and |dQ/dP| <= f, from `begin_instant` to `end_instant`:
+    slip to the side of the memory curve on which the path runs, which may change where the path
+    crosses the curve.
 
     Each later point of the path lies inside the friction cones of the earlier ones, so the state is
-    that of one step.
+    that of one step. `delay` is how much later than the leg itself the spans are: whole periods of
+    the cycle.
     """
     for begin_time, end_time, direction in slip_directions(
         curve, begin_instant, end_instant, friction
@@ -367,9 +369,10 @@ def _unload(
 def _retrace(
     curve: Curve, begin_instant: Instant, end_instant: Instant, friction: float, delay: float
 ) -> Iterator[Span]:
-    """Spans of unloading back down the memory curve, without slip: a span for each of its pieces.
+    """Spans of unloading back down the memory curve, without slip: a span for each of its pieces,
+    from `begin_instant` to `end_instant`.
 
-    `delay` is what makes the leg's time the history's time.
+    `delay` is how much later than the leg itself the spans are: whole periods of the cycle.
     """
     begin = begin_instant
     while curve is not None and curve.bottom > end_instant.normal:
@@ -391,6 +394,9 @@ def slip_directions(
 ) -> list[tuple[float, float, int]]:
     """(begin time, end time, direction) of the runs of an unloading path above the memory curve
     M(P), +1, below it, -1, or along it, 0.
+
+    `curve` is the memory curve at the begin; the path goes from `begin_instant` to `end_instant` on
+    one leg.
     """
     runs: list[tuple[float, float, int]] = []
     run_begin = begin_instant.time
@@ -643,7 +649,9 @@ def histories_kept() -> Iterator[None]:
 
 
 def _followed_path(path: LoadPath, friction: float, turn_count: int) -> History:
-    """The history along so many cycles at most."""
+    """The history of friction along a load path, its initial loading and `turn_count` cycles at
+    most; InputError for bulk stress or tilt.
+    """
     if path.has_bulk_or_tilt:
         raise InputError(
             "load: half-plane theory with one memory curve takes neither bulk stress nor tilt"

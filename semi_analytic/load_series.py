@@ -437,7 +437,8 @@ def _unload(
     curve on which the path runs, in parts where the path crosses the curve.
 
     Each later point of the path lies inside the friction cones of the earlier ones, so the state is
-    that of one step.
+    that of one step. `begin_station` and `end_station` are P, Q and the share of the step that is
+    over; `recorder` takes a record for each line that the step goes through.
     """
     load, force, begin_share = begin_station
     load_at_end, force_at_end, end_share = end_station
@@ -520,6 +521,9 @@ def _retrace(
 ) -> Knot | None:
     """The memory curve after unloading along itself, Q = M(P): nothing slips, and each line that P
     passes leaves a record.
+
+    `begin_station` and `end_station` are P, Q and the share of the step that is over; `recorder`
+    takes the records.
     """
     load, force, begin_share = begin_station
     load_at_end, _, end_share = end_station
@@ -629,7 +633,7 @@ def _agree(
     first_curve: Knot | None, second_curve: Knot | None, friction: float, tolerance: float
 ) -> bool:
     """Whether two memory curves M(eta) agree: their ends in eta within `tolerance` times the
-    largest eta, and M at the knots of both within `tolerance` times f eta.
+    largest eta, and M at the knots of both within `tolerance` times f eta, f = `friction`.
     """
     first_loads, first_forces = knots_of(first_curve)
     second_loads, second_forces = knots_of(second_curve)
@@ -828,11 +832,15 @@ def _rows_of(legs: Sequence[LoadSegment]) -> Array:
 
 def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
     """The path replaced by straight lines between its loads at `time`, (n,) ascending, as a
-    followed series of cycles.
+    followed series of cycles; `friction` is f.
 
-    A line from (P, Q) at the start of the path to the first of the times is part of it. InputError
-    for paths with bulk stress or tilt (the message names the option `straight_steps`), and for
-    times that do not ascend.
+    A line from (P, Q) at the start of the path to the first of the times is part of it.
+
+    Raises
+    ------
+    InputError
+        For paths with bulk stress or tilt, and for times that do not ascend; the message names
+        the option `straight_steps`.
     """
     if path.has_bulk_or_tilt:
         raise InputError("straight_steps: not with bulk stress or tilt")
@@ -868,7 +876,9 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
     cycle_number = np.searchsorted(cycle_starts - slack, row_times[:-1], side="right")
     first_rows_of_cycles = np.flatnonzero(np.diff(cycle_number, prepend=0)).tolist()
     bounds = [0, *first_rows_of_cycles, len(row_times) - 1]
-    loading, *cycles = (PathPart(rows[a : b + 1], 0.0) for a, b in pairwise(bounds))
+    loading, *cycles = (
+        PathPart(rows[first_row : last_row + 1], 0.0) for first_row, last_row in pairwise(bounds)
+    )
     return _followed(friction, loading, cycles, path.period, whole_cycles, repeats=False)
 
 
@@ -912,7 +922,18 @@ def _followed(
     one before leaves.
 
     Where the path `repeats`, cycles after the first that ends as it began, to a tolerance, are not
-    followed: they are copies. `whole_cycles` are those that the answer covers, 0 for all.
+    followed: they are copies.
+
+    Parameters
+    ----------
+    friction
+        f
+    loading, cycle_parts
+        rows of the initial loading and of the cycles
+    period
+        of the cycle
+    whole_cycles
+        number of cycles that the answer covers, 0 for all
     """
     followed_cycles: list[PathPart] = []
     steady_from = None

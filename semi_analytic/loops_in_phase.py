@@ -121,25 +121,30 @@ class Way:
         )
 
     def recedes(self) -> bool:
-        """Whether the stick zone does at both ends, inside the contact, with slip of one direction
-        outside it.
+        """Whether the stick zone recedes at both ends, inside the contact, with slip of one
+        direction outside it.
         """
         load_rate, tilt_rate = self.rates
-        u = _SHARES
-        m, c = self.stick(u)
-        contact_middle, contact_half_width = self.contact(u)
-        if load_rate >= 0 or np.min(c) <= 0:
+        shares_of_way = _SHARES
+        stick_middle, stick_half_width = self.stick(shares_of_way)
+        contact_middle, contact_half_width = self.contact(shares_of_way)
+        if load_rate >= 0 or np.min(stick_half_width) <= 0:
             return False
-        if np.pi * np.max(c) * abs(tilt_rate) > -load_rate * self.compliance:
+        if np.pi * np.max(stick_half_width) * abs(tilt_rate) > -load_rate * self.compliance:
             return False
         slack = _ROUNDING * np.max(contact_half_width)
-        left_inside = np.all(contact_middle - contact_half_width <= m - c + slack)
-        right_inside = np.all(m + c <= contact_middle + contact_half_width + slack)
+        left_inside = np.all(
+            contact_middle - contact_half_width <= stick_middle - stick_half_width + slack
+        )
+        right_inside = np.all(
+            stick_middle + stick_half_width <= contact_middle + contact_half_width + slack
+        )
         if not (left_inside and right_inside):
             return False
         most_negative = load_rate * self.compliance * _ROUNDING
         rates_at_edges = [
-            self.slip_rate(contact_middle + side * contact_half_width, u) for side in (-1, 1)
+            self.slip_rate(contact_middle + side * contact_half_width, shares_of_way)
+            for side in (-1, 1)
         ]
         return all(bool(np.min(rate) >= most_negative) for rate in rates_at_edges)
 
@@ -177,15 +182,18 @@ class Way:
         return self.direction * self.friction * change
 
     def density(self, x: Array, count: int = WAY_NODES) -> Array:
-        """Friction work per area at points (k,) along the way: the integral of f p |ds| over u from
-        0 to 1, cut where an edge of the slip zone passes the point.
+        """Friction work per area at points (k,) along the way, the stroke from one end of the cycle
+        to the other: the integral of f p |ds| over its share u from 0 to 1 by `count` nodes, cut
+        where an edge of the slip zone passes the point.
         """
 
-        def depth_in_slip_zone(x: Array, u: Array) -> Array:
+        def depth_in_slip_zone(x: Array, share_of_way: Array) -> Array:
             """Distance to the nearer end of the slip zone, positive within it."""
-            m, c = self.stick(u)
-            middle_share, half_width = self.contact(u)
-            return np.minimum(np.abs(x - m) - c, half_width - np.abs(x - middle_share))
+            stick_middle, stick_half_width = self.stick(share_of_way)
+            contact_middle, half_width = self.contact(share_of_way)
+            return np.minimum(
+                np.abs(x - stick_middle) - stick_half_width, half_width - np.abs(x - contact_middle)
+            )
 
         is_inside = depth_in_slip_zone(x, _SHARES[:, None]) > 0
         # Instants u at which an edge of the slip zone passes a point, by halving.
@@ -215,11 +223,11 @@ class Way:
             > 0
         )
         part_numbers = part_numbers[is_in_slip]
-        node, weights = _angles(count)
+        nodes, weights = _angles(count)
         part_lengths = (begin_shares[part_numbers + 1] - begin_shares[part_numbers])[:, None]
         power = self.friction_power(
             x[points_of_parts[part_numbers], None],
-            begin_shares[part_numbers, None] + part_lengths * node,
+            begin_shares[part_numbers, None] + part_lengths * nodes,
         )
         works = np.bincount(points_of_parts[part_numbers], (part_lengths * power) @ weights, len(x))
         return np.asarray(works, dtype=float)

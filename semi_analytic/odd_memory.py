@@ -636,10 +636,13 @@ def _of_passed_end(span: Span, radius: float, panels: int) -> Array:
 
 # ------------------------------------------------------------------------------- where it holds
 def _one_sided(span: Span, radius: float, modulus: float) -> Iterator[Array]:
-    """Rows by the numbers of what must stay below 1 for both sides to slip alike, or to stick.
+    """Ratios by the numbers of the bodies, rows (n, 4), all of which must stay below 1 for both
+    sides of the contact to slip alike, or to stick, in a span of the load path.
 
     Rates: of N alone the edges would slip by (A/pi) N' arccosh(a/c), of a_s alone by a_s' sqrt(a^2
-    - c^2), in stick with a in place of both functions. Places: D over the width of the slip zone.
+    - c^2), in stick with a in place of both functions. Places: the distance of the centres of
+    contact and stick over the width of the slip zone. `radius` is that of the parabola, `modulus`
+    E*.
     """
     time, _ = _instants(span, _POINTS // 2)
     load = span.leg.loads(time)[0]

@@ -42,13 +42,16 @@ _NO_WAVE = 1e-7
 def odd_part_of_rig(
     scene: Scene, effects: BodyEffects, driven: Driven, last_cycle: slice
 ) -> OddAnswer:
-    """What tilt and bulk strain make of the dissipation of the steady cycle that `last_cycle`, from
-    its first row to its last, is.
+    """What tilt and bulk strain of the bodies make of the dissipation of the steady cycle, the rows
+    `last_cycle` of a path with displacements prescribed.
+
+    `effects` are the numbers of the bodies, `driven` the loads that were found.
 
     Raises
     ------
     Declined
-        As `odd_answer`; where the bodies slide as a whole, or part.
+        Where the second order does not hold for the loads; where the bodies slide as a whole,
+        or part.
     """
     if np.any(driven.followed.normal_load[last_cycle] <= 0):
         raise Declined("the bodies part")

@@ -829,8 +829,8 @@ def _series_of_rows(knots: Array, curvature_stiffness: Array) -> _Series:
 
 
 def _splits(profile: Tabulated, half_width: float) -> InputError:
-    """Why a contact would split, with the row and what to do; of stairs that rounding has made no
-    engine has an answer.
+    """The refusal of a profile of rows under which the contact would split near a half-width: the
+    row and what to do; of stairs that rounding has made no engine has an answer.
     """
     row = profile.row_before(half_width)
     step = profile.step_of_heights()
@@ -980,8 +980,19 @@ def _stretch(
     modulus: float, profile: CallableProfile, begin: float, end: float, cuts: tuple[float, ...]
 ) -> _Stretch:
     """Series of P and dP/da for half-widths begin < a < end, by quadrature of the slope and the
-    curvature of a profile; `cuts`, descending, are the places where the slope has corners.
-    InputError where the function is too rough.
+    curvature of a profile.
+
+    Parameters
+    ----------
+    modulus
+        E* [stress]
+    cuts
+        places where the slope has corners, descending [length]
+
+    Raises
+    ------
+    InputError
+        Where the function of the profile is too rough.
     """
     is_rooted = begin > 0
     length = np.sqrt(end - begin) if is_rooted else end - begin
@@ -1042,7 +1053,9 @@ def _stretch(
 
 
 def _flat_half_length(profile: CallableProfile, corners: tuple[float, ...]) -> float:
-    """Half-length of the flat in the middle; 0 if there is none."""
+    """Half-length of the flat in the middle of a profile given by a function; 0 if there is none.
+    `corners` are its places where the slope has corners, ascending.
+    """
     sample_places = np.array([*profile.corners, profile.extent])
     is_flat_there = profile.slope(sample_places * 0.999) <= 1e-15 * float(
         np.max(profile.slope(sample_places))

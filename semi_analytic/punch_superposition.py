@@ -324,7 +324,8 @@ class PunchSuperposition:
 
     def _squares_apart(self, inner_advance: Array, outer_advance: Array, load_rise: Array) -> Array:
         """Difference of the squares of two half-widths whose advances beyond the least one are
-        given, for close ones from the rise of P between them, which has more digits.
+        given, (n,) each, for close ones from `load_rise`, the rise of P between them, which has
+        more digits.
 
         With more than one corner of the profile in between the difference itself has more digits,
         but for corners next to each other.
@@ -1096,8 +1097,9 @@ def _integrand(kind: Kind, order: int, panels: Panels, v: Array, law: ContactLaw
 
 
 def _at_the_bottom(kind: Kind, order: int, x: Array, advance: float, law: ContactLaw) -> Array:
-    """What the pressure at points `x` (k,) gathers below the least octave of the advance, (k,),
-    none but at x = 0: there P and int g/alpha, g = dP/d alpha, go as powers of a.
+    """What the integral of a `kind` at points `x` (k,) gathers below the least octave of the
+    advance, (k,), none but of the pressure at x = 0: there P and int g/alpha, g = dP/d alpha, go as
+    powers of a. With `order` 1 the load stands in front.
     """
     if kind != "pressure" or law.least > 0:
         return np.zeros(len(x))

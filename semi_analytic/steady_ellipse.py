@@ -297,22 +297,28 @@ def density_of(
     return works[1] + works[2], works[0]
 
 
-def _densities(e: Ellipses, contact: Contact, x: Array, every: int) -> Array:
+def _densities(ellipses: Ellipses, contact: Contact, x: Array, node_stride: int) -> Array:
     """Density of friction work W(x) pi E*/(2 f^2) of each phase of slip, (3, m): member k of the
     ellipses, (m, 1) each, at |x| = x[k], by every node of the rule or every second one.
 
+    # notation: P1 amplitude of P; P_x load at which the edge of contact is at x, P_T least load at
+    #           the edge of stick, P_min least P; u, v amplitudes of (Q -+ f P)/f; D angle from E to G,
+    #           s angle from the begin of a phase, t_E time of E
+
     The point is in contact for pi + h < t < 3 pi - h, h being half the angle about the least load
-    within which it is open, 2 P1 sin^2(h/2) = P_x - P_min. The front passes it in E-G where
+    within which it is open, 2 P1 sin^2(h/2) = P_x - P_min. The front of slip passes it in E-G where
     sin^2((D - s)/2) = (P_x - P_T)/v, in I-J at s = t_E - h, in J-M where sin^2(s/2) = (P_x -
     P_T)/u.
     """
     load_at_x = contact.load(x)
-    share_of_swing = (load_at_x - e.mean + e.amplitude) / np.where(e.moving, 2 * e.amplitude, 1.0)
-    share_at_rest = np.where(load_at_x > e.mean, 1.0, 0.0)
-    open_angle = half_angle(np.where(e.moving, share_of_swing, share_at_rest))
-    start_angle = e.start
-    phase_angle = e.turn
-    front_angle_by_v, front_angle_by_u = _front_angles(e, load_at_x)
+    share_of_swing = (load_at_x - ellipses.mean + ellipses.amplitude) / np.where(
+        ellipses.moving, 2 * ellipses.amplitude, 1.0
+    )
+    share_at_rest = np.where(load_at_x > ellipses.mean, 1.0, 0.0)
+    open_angle = half_angle(np.where(ellipses.moving, share_of_swing, share_at_rest))
+    start_angle = ellipses.start
+    phase_angle = ellipses.turn
+    front_angle_by_v, front_angle_by_u = _front_angles(ellipses, load_at_x)
     passing_angle = np.maximum(phase_angle - front_angle_by_v, 0.0)
     # (phase, begin, end): E-G before and after the least load, I-J, J-M
     ranges_of_contact = (
@@ -332,7 +338,7 @@ def _densities(e: Ellipses, contact: Contact, x: Array, every: int) -> Array:
         ),
     )
     cuts_of_phases = list(
-        corner_angles(e.take((slice(None), 0)), contact.break_loads[:, None]).values()
+        corner_angles(ellipses.take((slice(None), 0)), contact.break_loads[:, None]).values()
     )
     density = np.zeros((len(PHASES), len(x)))
     for phase_number, begin, end in ranges_of_contact:
@@ -341,8 +347,10 @@ def _densities(e: Ellipses, contact: Contact, x: Array, every: int) -> Array:
         member, number_of_cut = np.nonzero(cuts[:, 1:] > cuts[:, :-1])
         if not len(member):
             continue
-        s, weights = graded(cuts[member, number_of_cut], cuts[member, number_of_cut + 1], every)
-        rate, slipped, load = phase_of(PHASES[phase_number], e.take(member), s)
+        s, weights = graded(
+            cuts[member, number_of_cut], cuts[member, number_of_cut + 1], node_stride
+        )
+        rate, slipped, load = phase_of(PHASES[phase_number], ellipses.take(member), s)
         stick_edge_load = np.maximum(load - slipped, 0.0)
         load_excess = np.maximum(load_at_x[member] - stick_edge_load, 0.0)
         arccosh_ratio = contact.arccosh_ratio(

@@ -81,9 +81,12 @@ def left_over(stick_ratio: float, panels: int) -> LeftOver:
 
 
 def _density(stick_ratio: float, panel_begin: Array, panel_end: Array) -> Array:
-    """The density L^-T (y^2/z)/2 of the force that a stroke leaves, on panels (n,) in the order in
+    """Density of the force that a stroke leaves, L^-T (y^2/z)/2, on panels (n,) in the order in
     which they come to rest; L is the Cholesky factor of their influence matrix, y and z are L^-1
     times a root and an arc of x.
+
+    Panels go from `panel_begin` to `panel_end`, over the half-width of contact; `stick_ratio` is
+    that of stick over it.
     """
     panel_x = (panel_begin + panel_end) / 2
     width = panel_end - panel_begin

@@ -384,12 +384,13 @@ def _bulk(answers: list[tuple[ContactSolution, int]]) -> Array:
 
 
 def _tensions(answer: ContactSolution, row: int) -> tuple[Array, float]:
-    """s_xx of the lower body at its left and right edge without the bulk stress, (2,), and its
-    uncertainty [stress].
+    """Stress s_xx of the lower body at its left and right edge of contact at the instant number
+    `row` of an answer, without the bulk stress, (2,), and its uncertainty [stress].
 
     +-(2/pi) int q/|x - edge| dx, by phi from the edge: int q cot(phi/2) d phi, straight between the
     places, q/p as it is at the outermost one from there on. Its error: three times what every
-    second place alone changes, the shear's own, and `_BETWEEN`.
+    second place alone changes, the shear's own, and a share of f p for what q does between the
+    points.
     """
     left_edge, right_edge = answer.contact_edges[row]
     points_in_contact = np.flatnonzero(
@@ -428,8 +429,10 @@ def _from_sines(
     answer: ContactSolution, row: int, profile: TiltedProfile, x: Array, y: Array, side: float
 ) -> Array:
     """Stress s_xx, s_yy, s_xy of a body below y = 0 at places (n,), (n, 3), without the bulk
-    stress, at one instant of an answer: p exact, q/p straight between its points, both as sine
-    series across the contact, summed as potentials.
+    stress, at the instant number `row` of an answer: p exact, q/p straight between its points, both
+    as sine series across the contact, summed as potentials.
+
+    `side` is 1 for the lower body and -1 for the upper one, whose shear acts the other way.
     """
     is_in_contact = answer.pressure[row] > 0
     if not is_in_contact.any():
@@ -603,9 +606,19 @@ def _add(
     x: Array,
     y: Array,
 ) -> None:
-    """Add to the potentials (4, n) the sums over the nodes, the last axis, at the points
-    `point_numbers`; `distance_to_punch` is a - x, of which z^2 - a^2 is formed without
-    cancellation.
+    """Add the sums over the nodes, the last axis of `weights`, to the potentials (4, n) at some
+    points: N and T of pressure and shear, and their derivatives times z.
+
+    Parameters
+    ----------
+    point_numbers
+        (m,) numbers of the points
+    weights
+        (2, nodes), or (2, m, nodes), of the flat punches at the nodes
+    distance_to_punch
+        (m, nodes) a - x, of which z^2 - a^2 is formed without cancellation
+    x, y
+        (n,) places of all points [length]
     """
     x_of_points = x[point_numbers, None]
     y_of_points = y[point_numbers, None]

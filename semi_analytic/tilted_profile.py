@@ -688,17 +688,17 @@ class CurvedProfile(ConvexProfile):
         return np.asarray(np.pi * root * np.sum(weights * quotient, axis=-1))
 
     def _gap(self, x: Array, m: Array, c: Array) -> Array:
-        """Gap at x outside a contact of centre m and half-length c, arrays that broadcast; 0
-        inside.
+        """Gap [length] at x outside a contact of centre m and half-length c, arrays that broadcast;
+        0 inside.
         """
-        xi, t, weights = self._nodes(m, c)
+        nodes, distance_from_middle, weights = self._nodes(m, c)
         distance = np.maximum(np.abs(x - m), c)
         root = np.sqrt((distance - c) * (distance + c))
-        u = np.where(c > 0, np.arcsinh(root / np.where(c > 0, c, 1.0)), 0.0)
-        place = np.asarray(x)[..., None]
-        distance_to_node = place - xi
-        slope = self.gradient(xi)
-        height_rise = self.height(place) - self.height(xi)
+        arcosh = np.where(c > 0, np.arcsinh(root / np.where(c > 0, c, 1.0)), 0.0)
+        places = np.asarray(x)[..., None]
+        distance_to_node = places - nodes
+        slope = self.gradient(nodes)
+        height_rise = self.height(places) - self.height(nodes)
         chord = np.divide(
             height_rise,
             distance_to_node,
@@ -706,7 +706,9 @@ class CurvedProfile(ConvexProfile):
             where=distance_to_node != 0,
         )
         signed_root = (np.sign(x - m) * root)[..., None]
-        values_at_nodes = signed_root * (chord - slope) - u[..., None] * t * slope
+        values_at_nodes = (
+            signed_root * (chord - slope) - arcosh[..., None] * distance_from_middle * slope
+        )
         return np.asarray(np.sum(weights * values_at_nodes, axis=-1))
 
     def approach(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
