@@ -391,7 +391,9 @@ class PenaltyAudit:
     creep_share: float
 
     def note(self) -> str | None:
-        """The costs as a sentence; None where there is no layer."""
+        """What a penalty layer costs, in a sentence: overlap, elastic slip, creep; None where there
+        is no layer.
+        """
         if np.isinf(self.normal_stiffness) and np.isinf(self.tangential_stiffness):
             return None
         stiffness = (

@@ -172,7 +172,16 @@ def work_done(
     seconds: Mapping[str, float],
 ) -> Work:
     """Counts of what was done for an answer, what was not done with the reason, and the seconds of
-    its parts. `condensed` are the lower and the upper body.
+    its parts.
+
+    Parameters
+    ----------
+    problem, run
+        the contact problem and its states along the path
+    condensed
+        lower and upper body, condensed to their faces
+    seconds
+        time of each stage
     """
     lower_body, upper_body = condensed
     is_one_mesh = lower_body.body is upper_body.body

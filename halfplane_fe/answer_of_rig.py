@@ -81,7 +81,12 @@ def _slides_of(friction: float, states: list[InterfaceState]) -> list[_Slide]:
 def notes_of_rig(
     scene: Scene, problem: ContactProblem, run: PathRun, scales: Scales
 ) -> tuple[str, ...]:
-    """How P and Q were found, and when the bodies slide as a whole and how far."""
+    """Sentences on how P and Q were found by the rig, and when the bodies slide as a whole and how
+    far.
+
+    `problem` and `run` are the contact problem and its states along the path, `scales` what they
+    are scaled by.
+    """
     _, length_unit, _ = scene.unit_words
     displacement_unit = scales.load / scales.modulus
     loads_text = "P and Q are unknowns" if scene.load.states_approach else "Q is an unknown"
@@ -98,8 +103,8 @@ def notes_of_rig(
 
 
 def _notes_of_slides(scene: Scene, friction: float, run: PathRun, scales: Scales) -> Iterator[str]:
-    """When the bodies slide as a whole and how far, in the last cycle and before it, or on the
-    path.
+    """Sentences on when the bodies slide as a whole and how far, in the last cycle and before it,
+    or on the path; from the states of a `run`, which `scales` turn into the scene's units.
     """
     force_unit, length_unit, _ = scene.unit_words
     displacement_unit = scales.load / scales.modulus

@@ -164,7 +164,9 @@ def fields(solution: FiniteElementSolution, instants: Iterable[float]) -> tuple[
 def _fields_of_bodies(
     solution: FiniteElementSolution, steps: Sequence[int]
 ) -> list[list[BodyFields]]:
-    """Fields of the lower and of the upper body, each (n_steps,)."""
+    """Fields of the lower and of the upper body of a solution at stored steps: two lists
+    (n_steps,).
+    """
     tension, tension_uncertainty = edge_tension(solution, steps)
     series_of_steps = [tractions_with_uncertainty(_nodal(solution, step)).series for step in steps]
     bodies = []
@@ -206,8 +208,11 @@ def _displacement_and_stress(
     series: Sequence[Tractions | None],
     number: int,
 ) -> tuple[Array, Array]:
-    """Displacement (n_steps, n, 2), without the rigid motion of the upper body, and stress
-    (n_steps, n, 4) of one body, in the common frame.
+    """Displacement (n_steps, n, 2) [length], without the rigid motion of the upper body, and stress
+    (n_steps, n, 4) of one body at stored steps, in the common frame.
+
+    `series` are the tractions on the lower body at the steps, `number` is 0 of the lower body and 1
+    of the upper one.
     """
     material = solution.condensed[number].material
     sign_of_y = _sign_of_y(number)
@@ -346,12 +351,11 @@ class _EdgeTension(NamedTuple):
 
 
 def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTension:
-    """Stress along each face just outside each edge of contact, at stored steps, with its
-    uncertainty.
+    """Stress along each face just outside each edge of contact, at stored steps of a solution, with
+    its uncertainty, (n_steps, 2, 2) by body and edge; and what slip that no node shows may change.
 
     The faces of half-planes by the tractions, plus what the bodies add. NaN where a pressed contact
-    has no series of its tractions; 0 where P = 0. `of_unseen_slip` is what slip that no node shows
-    may change.
+    has no series of its tractions; 0 where P = 0.
     """
     values = np.zeros((len(steps), 2, 2))
     uncertainties = np.zeros((len(steps), 2, 2))
@@ -431,8 +435,10 @@ def _tension_by_kernels(
 
     Parameters
     ----------
-    on_body
-        the tractions on the body in its own frame
+    number
+        0 of the lower body, 1 of the upper one
+    tractions_on_body
+        the tractions on the body in its own frame, at each step
     """
     name = _BODIES[number]
     kernels = getattr(solution.kernels, name)
@@ -509,8 +515,16 @@ def _size_fit(
     bulk: Array,
 ) -> _SizeFit | None:
     """What the size of a body adds to the stress at the face, as a linear function of moments of
-    the tractions and of the bulk stress, found at a few of the steps; None where it is not
-    known.
+    the tractions and of the bulk stress, found at a few of the steps; None where it is not known.
+
+    Parameters
+    ----------
+    number
+        0 of the lower body, 1 of the upper one
+    steps
+        stored steps of the solution
+    series, bulk
+        tractions, and bulk stress of the body, at the steps
     """
     even_numbers = np.linspace(0, len(steps) - 1, _SAMPLED).round().astype(int)
     sampled_numbers = sorted(set(even_numbers.tolist()))
@@ -549,10 +563,12 @@ def stress(
     body: Literal["lower", "upper"] = "lower",
 ) -> Array:
     """Stress next to the contact at any place of one body, from the tractions, at the stored steps
-    nearest to instants.
+    of a solution nearest to instants.
 
     Parameters
     ----------
+    solution
+        by finite elements
     x, y
         (n_points,) places [length]; y points out of the lower body and counts from a face that
         is flattened, so that y <= 0 in the lower body, y >= 0 in the upper one
@@ -643,7 +659,8 @@ class LargestTension:
 
 
 def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
-    """The largest `edge_tension` of the last cycle; None where it is not known, and out of contact.
+    """The largest stress along a face just outside an edge of contact in the last cycle of a
+    solution, tension positive; None where it is not known, and out of contact.
 
     Where a load has just turned, elements may still have the tension from before the turn, for the
     new slip zone is narrower than they see. So slip that no node shows does not make the largest
@@ -743,7 +760,9 @@ def _bulk_stress(solution: ContactSolution, steps: Sequence[int], number: int) -
 
 
 def _nodal(solution: ContactSolution, step: int) -> Nodal:
-    """Nodal tractions at a stored step."""
+    """Tractions at the closed nodes of a solution at a stored step, with edges, loads and profile
+    that their series needs.
+    """
     pressure = solution.pressure[step]
     shear = solution.shear[step]
     friction = solution.scene.friction.coefficient
@@ -874,7 +893,14 @@ def _near_contact(
     stress there; None where nothing touches, and where the body is so thin that all of it is next
     to the contact.
 
-    `series` are the tractions on the lower body at the steps, (k,).
+    Parameters
+    ----------
+    number
+        0 of the lower body, 1 of the upper one
+    nodal_fields
+        stress and displacement at its nodes by the elements
+    series
+        (k,) the tractions on the lower body at the steps, None without contact
     """
     shape = getattr(solution.scene.bodies, _BODIES[number])
     half_widths = [
@@ -927,8 +953,12 @@ def _stress_of_tractions(series: Sequence[Tractions | None], x: Array, y: Array)
 def _joined_stress(
     nodal_fields: _NodalFields, near_contact: _NearContact, material: Elastic
 ) -> Array:
-    """(n, 4, k) beside the contact stress of the tractions and of the size of the body; further
-    away that of the elements; a smooth step leads from the one to the other.
+    """Stress xx, yy, xy, zz at the nodes of a body, (n, 4, k): beside the contact that by the
+    tractions and by the size of the body; further away that of the elements; a smooth step leads
+    from the one to the other.
+
+    `nodal_fields` is stress by the elements, `near_contact` the nodes beside the contact with the
+    tractions, `material` that of the body.
     """
     stress = nodal_fields.stress.copy()
     traction_stress = _stress_of_tractions(near_contact.series, near_contact.x, near_contact.y)

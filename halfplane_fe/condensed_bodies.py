@@ -90,8 +90,9 @@ def _nbytes(values: dict[str, Any]) -> int:
 
 
 def _digest(body: BodyMesh, material: Elastic, datum_length: float) -> bytes:
-    """SHA-256 of all that `condense` reads of a body, its key in the cache of condensed bodies: a
-    body that differs in any bit has another key.
+    """SHA-256 of all that the condensation reads of a body, its key in the cache of condensed
+    bodies: mesh, sizes and supports, elastic constants, and the datum length. A body that differs
+    in any bit has another key.
     """
     mesh = body.mesh
     settings = [

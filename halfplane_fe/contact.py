@@ -439,8 +439,9 @@ class ContactProblem:
     def values_following(
         self, start: InterfaceState, loads: tuple[float, ...], states: States
     ) -> Array:
-        """(3 + 4 n,) values of `following`, in which what the states set has its rounding: a gap of
-        a closed node, a force of an open one.
+        """Values (3 + 4 n,) of the state that follows `start` under the `loads` where the nodes
+        have given `states`; what the states set has its rounding: a gap of a closed node, a force
+        of an open one.
 
         Raises
         ------
@@ -549,8 +550,8 @@ class ContactProblem:
         return _Solved(None, self.max_iterations, n_changing)
 
     def _alternating(self, start: InterfaceState, time: float, loads: tuple[float, ...]) -> _Solved:
-        """Where Newton's sets chase each other: pressure at known shear, then shear at known
-        pressure, by turns.
+        """The state after an increment from `start` to `time` and `loads`, where Newton's sets
+        chase each other: pressure at known shear, then shear at known pressure, by turns.
 
         Both halves are convex, and coupling times friction is small, so the turns converge; as soon
         as their states agree with themselves in the full system, that system's answer is taken.
@@ -653,8 +654,11 @@ class ContactProblem:
         self, height: Array, shear: Array, is_closed: Mask, imposed: Array, loads: tuple[float, ...]
     ) -> float:
         """The tilt at which the pressure that solves the gap `height` (n,), and the known shear,
-        have the moment that is given, by bracketing: the larger the tilt, the less is the
-        moment.
+        have the moment that is given among the `loads`, by bracketing: the larger the tilt, the
+        less is the moment.
+
+        `is_closed` (n,) are closed nodes to start from; `imposed` are bulk stresses and the tilt
+        before. ConvergenceError where no tilt has the moment.
         """
         load = loads[0] - float(self.interface.normals[0] @ shear)
         moment = loads[_TILT_OR_MOMENT]

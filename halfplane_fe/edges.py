@@ -324,16 +324,16 @@ def fitted_contact_edges(x: Array, pressure: Array, closed: Mask, edges: Array) 
 def _zero_of_parabola(
     x: Array, pressure: Array, last_node: Indices, element: Array, n_fitted: Indices
 ) -> tuple[Array, Array]:
-    """(k,) zero of the parabola through the squares of the pressure behind the rim, NaN without
-    one, and the root mean square of its relative residual.
+    """Zero of the parabola through the squares of the pressure behind the rim of the contact, (k,),
+    NaN without one, and the root mean square of its relative residual.
 
     Parameters
     ----------
     x
-        (n,) outwards
+        (n,) nodes, outwards
     pressure
-        (k, n)
-    last
+        (k, n) at k instants
+    last_node
         (k,) outermost closed node
     element
         (k,) size that distances are divided by

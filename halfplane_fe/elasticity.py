@@ -568,7 +568,9 @@ _DENSE = 1 / 12
 
 
 def _outer_product(columns: sparse.csc_matrix, factor: Array) -> Array:
-    """(k, k) columns @ diag(factor) @ columns.T of (k, n) columns."""
+    """columns @ diag(factor) @ columns.T, (k, k), of sparse columns (k, n) and a factor (n,):
+    columns with many entries are multiplied as dense ones, the others as sparse ones.
+    """
     n_rows = columns.shape[0]
     product = np.zeros((n_rows, n_rows))
     column_counts = np.diff(columns.indptr)
@@ -747,11 +749,15 @@ def displacement_fields(
 
     Parameters
     ----------
+    condensed
+        the body, condensed to its contact nodes
     forces
         (2, n, k) along x and outward on the contact nodes, k load cases [force per thickness]
+    datum_length
+        distance from a force at which a half-plane's surface counts as unmoved [length]
     stresses
-        (k,) bulk stress of the body; of a half-plane it is not in what is returned
-        (`uniform_stretch`) [stress]
+        (k,) bulk stress of the body [stress]; the uniform stretch of a half-plane by it is not
+        in what is returned
 
     Returns
     -------

@@ -86,16 +86,18 @@ def elastic_energies(
     problem: ContactProblem, states: Sequence[InterfaceState]
 ) -> tuple[Array, Array]:
     """Elastic energy of both bodies and of the layer between them, and that of the layer alone, at
-    m interface states, (m,) each, over P^2/E*.
+    m states of the interface of a contact `problem`, (m,) each, over P^2/E*.
     """
     values = np.stack([state.values for state in states])
-    slip, p, q, gap = nodal(values)
+    slip, pressure, shear, gap = nodal(values)
     gap_moved, slip_moved = problem.interface.moved(values[:, 0, None], values[:, 1, None])
     gap_imposed, slip_imposed = problem.offsets(np.array([state.imposed for state in states]))
     gap_part = gap - problem.height - gap_moved - gap_imposed  # N p - K^T q
     slip_part = slip_moved + slip_imposed - slip  # T q - K p
-    layer_energy = (p**2 @ problem.layer.normal + q**2 @ problem.layer.tangential) / 2
-    return np.asarray((p * gap_part + q * slip_part).sum(axis=1) / 2), np.asarray(layer_energy)
+    layer_energy = (pressure**2 @ problem.layer.normal + shear**2 @ problem.layer.tangential) / 2
+    return np.asarray((pressure * gap_part + shear * slip_part).sum(axis=1) / 2), np.asarray(
+        layer_energy
+    )
 
 
 def _starting(states_before: States, states_after: States) -> Mask:
@@ -260,9 +262,9 @@ def _work_by_curve(
     Parameters
     ----------
     node_states
-        (m, n) that hold
-    senses
-        (m, n) of the nodes that slide, 1 or -1, else 0
+        (m, n) states that hold
+    directions
+        (m, n) sense of slip of the nodes that slide, 1 or -1, else 0
     areas
         (k, k, m) that the curve encloses with its chord, for each pair of loads
     """

@@ -335,7 +335,10 @@ class KernelPair:
         return _WORK_BY_KERNELS * difference * modulus
 
     def sums(self, x: Array, mesh: Literal["fine", "coarse"]) -> tuple[Array, Array, Array]:
-        """What is added to N, T and K, (n, n) each; K is exactly 0 of like bodies."""
+        """What the kernels of both bodies add to the normal, tangential and coupling compliance N,
+        T and K of half-planes at nodes `x` (n,), (n, n) each, by the "fine" or the "coarse" `mesh`;
+        K is exactly 0 of like bodies.
+        """
         zeros = np.zeros((len(x), len(x)))
         normal = zeros
         tangential = zeros

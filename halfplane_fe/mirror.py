@@ -124,7 +124,9 @@ def _folded(matrix: Array, parity_of_rows: float, parity_of_columns: float) -> A
 
 
 def unfolded(run: PathRun, faces: Interface) -> PathRun:
-    """A run of the right half on all nodes of the faces."""
+    """A run that was solved on the right half of mirrored faces, as a run on all their nodes:
+    values and states of the left half are the mirror images.
+    """
     images = _images(faces)
     n_half = len(faces.x) - len(faces.x) // 2
     # Of each value of a state its place in that of the half, and what it is there times.

@@ -176,10 +176,11 @@ _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
 def enclosed(leg: LoadSegment, times: Array) -> Array | None:
-    """(k, k, m) integral of load i d load j along the leg between m + 1 times, minus that along the
-    chords; None of a straight leg.
+    """Areas that a curved leg encloses with its chords between m + 1 times, by pairs of its k
+    loads, (k, k, m): the integral of load i d load j along the leg minus that along the chords;
+    None of a straight leg.
 
-    It is skew: the integral of d(i j) is the same along both.
+    It is skew: the integral of d(i j) is equal along both.
     """
     if straight(leg):
         return None
@@ -206,58 +207,67 @@ def enclosed(leg: LoadSegment, times: Array) -> Array | None:
 
 
 def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False) -> None:
-    """Refuse a path with separation or gross sliding (|Q| >= f P, with Q = 0 allowed).
+    """Refuse a path with separation or gross sliding (|Q| >= f P, with Q = 0 allowed), f =
+    `friction`.
 
-    Where movements of actuators stand in the place of the loads, separation alone is seen
-    beforehand, and gross sliding is allowed.
+    Where the path `is_driven`, movements of actuators stand in the place of the loads: separation
+    alone is seen beforehand, and gross sliding is allowed.
 
-    Separation is P <= 0 after the start, or so little load that it can't be told from none.
-    Both extremes are met at turning points, so looking there is exact: to 1e-14 of f times the
-    largest load, in any unit and for any f. The half-plane engine admits |Q| = f P itself; here
-    nothing sticks then, and the tangential displacement has no value.
+    Separation is P <= 0 after the start, or so little load that it can't be told from none. Both
+    extremes are met at turning points, so looking there is exact: to 1e-14 of f times the largest
+    load, in any unit and for any f. The half-plane engine admits |Q| = f P itself; here nothing
+    sticks then, and the tangential displacement has no value.
 
     Raises
     ------
     InadmissibleLoadError
         At the worst instant of the first leg at fault.
+    InputError
+        For separation of a driven path.
     """
     for leg in path.legs(1):
         times = np.array([leg.start, *turning_points(leg, friction), leg.end])
-        p, q = leg.loads(times)
+        normal_load, tangential_load = leg.loads(times)
         is_on_path = times > path.start
-        largest_load = float(np.abs(p).max())
-        is_separated = is_on_path & (p <= _LEAST_LOAD * largest_load)
+        largest_load = float(np.abs(normal_load).max())
+        is_separated = is_on_path & (normal_load <= _LEAST_LOAD * largest_load)
         if is_separated.any():
-            worst_instant = int(np.argmin(np.where(is_separated, p, np.inf)))
+            worst_instant = int(np.argmin(np.where(is_separated, normal_load, np.inf)))
             if is_driven:
                 raise InputError(
                     f"load: the bodies part at time {times[worst_instant]:.6g}, where P or the"
-                    f" approach is {p[worst_instant]:.6g}; finite elements follow bodies that"
-                    " touch: keep it above 0, or take half-plane theory"
+                    f" approach is {normal_load[worst_instant]:.6g}; finite elements follow bodies"
+                    " that touch: keep it above 0, or take half-plane theory"
                 )
-            advice = _LITTLE_LOAD if p[worst_instant] > 0 else ""
+            advice = _LITTLE_LOAD if normal_load[worst_instant] > 0 else ""
             if (
-                max(abs(p[worst_instant]), abs(q[worst_instant]))
+                max(abs(normal_load[worst_instant]), abs(tangential_load[worst_instant]))
                 <= _ROUNDING_OF_LIMIT * largest_load
             ):
                 advice = _UNLOADED
             raise InadmissibleLoadError(
                 "separation",
-                LoadedInstant(times[worst_instant], p[worst_instant], q[worst_instant]),
+                LoadedInstant(
+                    times[worst_instant], normal_load[worst_instant], tangential_load[worst_instant]
+                ),
                 friction=friction,
                 rule=advice,
             )
         if is_driven:
             continue
-        excess_force = np.abs(q) - friction * p
+        excess_force = np.abs(tangential_load) - friction * normal_load
         is_sliding = (
-            is_on_path & (excess_force >= -_ROUNDING_OF_LIMIT * friction * largest_load) & (q != 0)
+            is_on_path
+            & (excess_force >= -_ROUNDING_OF_LIMIT * friction * largest_load)
+            & (tangential_load != 0)
         )
         if is_sliding.any():
             worst_instant = int(np.argmax(np.where(is_sliding, excess_force, -np.inf)))
             raise InadmissibleLoadError(
                 "gross sliding",
-                LoadedInstant(times[worst_instant], p[worst_instant], q[worst_instant]),
+                LoadedInstant(
+                    times[worst_instant], normal_load[worst_instant], tangential_load[worst_instant]
+                ),
                 friction=friction,
                 rule=_SLIDING,
             )

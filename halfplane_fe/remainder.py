@@ -443,15 +443,20 @@ def face_kernels(
     datum_length: float,
     coarser: float = 1.0,
 ) -> RemainderKernels:
-    """The kernels of a body of a scene on the part of its face that is fitted.
+    """The kernels of a body of a scene on the part of its face that is fitted: displacements by
+    unit forces on the face, minus those of a half-plane.
 
     Parameters
     ----------
     name
         "lower" or "upper"
+    shape, profile, material
+        the body, the profile of its face, its elastic constants
+    datum_length
+        distance from a force at which a half-plane's surface counts as unmoved [length]
     coarser
-        how many times as large the elements are as those of the numbers; the part of the face is
-        wider too
+        how many times as large the elements are as those of the numbers; the part of the face
+        is wider too
     """
     reach = _REACH * nearest_end(shape)
     if coarser > 1:

@@ -361,10 +361,11 @@ class RoomForContact:
 
 
 def estimate_room(scene: Scene, work: Counter[str]) -> RoomForContact:
-    """Whether bodies have room for the contact, for a part of the cost of `find_scales`.
+    """Whether bodies have room for the contact, for a part of the cost of finding all scales.
 
     The half-width of the side that may touch follows from the contact itself. Then the bodies go
-    through one revolution of few increments; of a record, through its rows of extreme loads.
+    through one revolution of few increments; of a record, through its rows of extreme loads. `work`
+    counts what was done.
 
     Raises
     ------
@@ -528,7 +529,14 @@ def _touches_an_end(run: PathRun) -> bool:
 def _coarse_run(
     pair: _CoarsePair, face_half_width: float, steps: int, cycles: int = COARSE_CYCLES
 ) -> tuple[ContactProblem, PathRun]:
-    """The load path on faces of this half-width, in so many increments a revolution."""
+    """The contact problem and the run of the load path on faces of a half-width, in `steps`
+    increments a revolution, `cycles` revolutions at most; the faces are those of the coarse `pair`.
+
+    Raises
+    ------
+    ConvergenceError
+        Where the run fails.
+    """
     faces = pair.faces(face_half_width)
     needs_tangential = needs_shear(pair.scene)
     actuators = actuators_of(pair.scene, face_half_width)

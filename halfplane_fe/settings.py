@@ -55,7 +55,9 @@ class SolverSettings:
     max_iterations: int = 100
 
     def __post_init__(self) -> None:
-        """InputError for an unknown method, or a number outside its range."""
+        """InputError for an unknown method, or for a stiffness, number of steps or iterations, or
+        tolerance outside its range.
+        """
         if self.method not in get_args(Method):
             raise InputError(
                 f"solver: method = {self.method!r} is refused: it is active_set,"

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 
 def require_solvable(scene: Scene, mesh: MeshSettings | None = None) -> RoomForContact | None:
-    """What `solve` refuses before it makes a mesh of its own: half-planes by their loads, real
-    bodies by an estimate of the contact too.
+    """Refuse what the finite-element solve refuses before it makes a mesh of its own: half-planes
+    by their loads, real bodies by an estimate of the contact too.
 
     Returns
     -------

@@ -302,8 +302,8 @@ def _densities(ellipses: Ellipses, contact: Contact, x: Array, node_stride: int)
     ellipses, (m, 1) each, at |x| = x[k], by every node of the rule or every second one.
 
     # notation: P1 amplitude of P; P_x load at which the edge of contact is at x, P_T least load at
-    #           the edge of stick, P_min least P; u, v amplitudes of (Q -+ f P)/f; D angle from E to G,
-    #           s angle from the begin of a phase, t_E time of E
+    #           the edge of stick, P_min least P; u, v amplitudes of (Q -+ f P)/f; D angle from E
+    #           to G, s angle from the begin of a phase, t_E time of E
 
     The point is in contact for pi + h < t < 3 pi - h, h being half the angle about the least load
     within which it is open, 2 P1 sin^2(h/2) = P_x - P_min. The front of slip passes it in E-G where
