@@ -99,7 +99,9 @@ def advise(scene: str, options: Options) -> Answer:
 
 
 def _answer_in_words(scene: Scene, limit: float, verdict: str | None, sentence: str) -> Answer:
-    """The answer of `advise` in one sentence, where no error is to be stated."""
+    """The answer of the command `advise` where no error is computed: one sentence, with exit code 0
+    if the `verdict` is that theory is within the `limit`, else 1.
+    """
     from reports.comparison.verdicts import Verdict
 
     is_within = verdict is Verdict.WITHIN
@@ -192,8 +194,8 @@ def _sheet_of_changes(scene: Scene, changes: Mapping[str, Change], source_in_wor
 
 
 def _content(advice: Advice | KernelAdvice, by: str, sentence: str) -> dict[str, Any]:
-    """What both kinds of advice answer in JSON: verdict, limit, and the changes of theory's
-    values.
+    """The JSON content that both kinds of advice share: how it was found (`by`), verdict,
+    `sentence`, limit, and of each quantity theory's value with the change that the bodies make.
     """
     from reports.comparison.verdicts import Verdict
 

@@ -130,8 +130,8 @@ def _digits(value: float) -> str:
 
 
 def rows_in(table: Path) -> list[Row]:
-    """The rows of a map's table, a CSV file; none where it is not there. InputError for a file that
-    is no such table.
+    """The rows of a map's table, a CSV file: of each point and way of solving the errors of theory.
+    An empty list where the file is not there.
 
     Raises
     ------
@@ -215,26 +215,33 @@ def distances_of(kind: Kind, rows: Sequence[Row], report: Report) -> list[Distan
     return distances
 
 
-def _least_height(kind: Kind, line: Sequence[Row], quantity: str, level: float) -> float:
-    """The height of a body from which on |error| of a quantity is below a level, along a line of
-    points by height: between the last point above the level and the next one, by Brent's method in
-    the logarithms of both. 0 where all points are below, infinite where the last is above.
+def _least_height(kind: Kind, rows_of_line: Sequence[Row], quantity: str, level: float) -> float:
+    """The least height of a body, over a, from which on |error| of a quantity stays below `level`.
+
+    It lies between the last point above the level and the next one, and is found by Brent's method
+    in the logarithms of height and error, with a kernel solve for each trial. 0 where all points
+    are below, infinite where the highest body is still above.
+
+    Parameters
+    ----------
+    rows_of_line
+        points of the map that differ in height alone, ascending
     """
-    sizes = np.array([abs(row.errors[quantity].value) for row in line])
-    rows_above = np.flatnonzero(sizes > level)
+    error_sizes = np.array([abs(row.errors[quantity].value) for row in rows_of_line])
+    rows_above = np.flatnonzero(error_sizes > level)
     if not len(rows_above):
         return 0.0
     last_above = int(rows_above[-1])
-    if last_above + 1 == len(line):
+    if last_above + 1 == len(rows_of_line):
         return math.inf
-    log_heights = [math.log(row.place.height) for row in line[last_above : last_above + 2]]
-    row_at_end = dict(zip(log_heights, line[last_above : last_above + 2], strict=True))
+    log_heights = [math.log(row.place.height) for row in rows_of_line[last_above : last_above + 2]]
+    row_at_end = dict(zip(log_heights, rows_of_line[last_above : last_above + 2], strict=True))
 
     def log_excess(log_height: float) -> float:
         """log(|error|/level); its end where the error is 0."""
         row = row_at_end.get(log_height)
         if row is None:
-            place = line[last_above].place._replace(height=math.exp(log_height))
+            place = rows_of_line[last_above].place._replace(height=math.exp(log_height))
             row = _by_kernels(kind.name, place)
         error = row.errors[quantity].value
         return math.log(max(abs(error), 1e-9) / level)

@@ -225,11 +225,11 @@ def figure(tables: Tables) -> Plate:
     kind = tables.kind
     looks: dict[tuple[float, float], tuple[int, str]] = {}
     keys = []
-    for number, width in enumerate(kind.widths):
-        for friction, style in zip(kind.frictions, ("", " dash"), strict=False):
-            looks[width, friction] = (number, style)
+    for colour_number, width in enumerate(kind.widths):
+        for friction, line_style in zip(kind.frictions, ("", " dash"), strict=False):
+            looks[width, friction] = (colour_number, line_style)
             line_in_words = f"{kind.width_words} {width:g}, f = {friction:g}"
-            keys.append(Key(f"c{number}{style}", line_in_words))
+            keys.append(Key(f"c{colour_number}{line_style}", line_in_words))
     panels = [_panel(tables, quantity, looks) for quantity in _quantities(tables, "kernels")]
     return Plate(kind.name, kind.title, _CAPTION, _CAPTION, tuple(panels), {}, tuple(keys), 2)
 
@@ -241,9 +241,9 @@ def _panel(
     width and friction in `looks`.
     """
     kind = tables.kind
-    sizes = [100 * abs(row.errors[quantity].value) for row in tables.rows]
-    largest_size = float(np.nanmax(sizes))
-    lower_end = float(np.clip(np.nanmin(sizes) / 1.5, _LEAST_DRAWN, _MOST_AT_THE_FOOT))
+    error_sizes = [100 * abs(row.errors[quantity].value) for row in tables.rows]
+    largest_size = float(np.nanmax(error_sizes))
+    lower_end = float(np.clip(np.nanmin(error_sizes) / 1.5, _LEAST_DRAWN, _MOST_AT_THE_FOOT))
     x_axis = Axis(
         0.9 * kind.heights[0],
         1.1 * kind.heights[-1],
@@ -261,37 +261,40 @@ def _panel(
         ticks=tuple(zip(ticks, labels(ticks), strict=True)),
     )
     marks: list[Mark] = [Rule(100 * level, "slope order-2") for level in LEVELS]
-    for (width, friction), (number, style) in looks.items():
+    for (width, friction), (colour_number, line_style) in looks.items():
         rows_of_line = [row for row in tables.rows if row.place[1:] == (width, friction)]
-        marks += _marks_of_line(rows_of_line, quantity, number, style)
+        marks += _marks_of_line(rows_of_line, quantity, colour_number, line_style)
     title = QUANTITIES[quantity]
     return Panel(quantity, x_axis, y_axis, marks, title, _WIDTH, _HEIGHT, title)
 
 
 def _marks_of_line(
-    rows_of_line: Sequence[Row], quantity: str, number: int, style: str
+    rows_of_line: Sequence[Row], quantity: str, colour_number: int, line_style: str
 ) -> Iterator[Mark]:
-    """Marks of one line of a map: the kernel solve as a line, the numbers of the bodies as rings,
-    finite elements as dots with bars.
+    """What is drawn for one width and friction of a map: |error| in per cent over the height, by
+    the kernel solve as a line, by the numbers of the bodies as rings, by finite elements as dots
+    with bars. Errors below their uncertainty are left out of the line.
+
+    `colour_number` and `line_style` give its colour and its dashes.
     """
     rows_by_kernels = [row for row in rows_of_line if row.way == "kernels"]
-    sizes = np.array([100 * abs(row.errors[quantity].value) for row in rows_by_kernels])
+    error_sizes = np.array([100 * abs(row.errors[quantity].value) for row in rows_by_kernels])
     heights = np.array([row.place.height for row in rows_by_kernels])
     uncertainties = np.array([100 * row.errors[quantity].uncertainty for row in rows_by_kernels])
-    is_hidden = (sizes < _LEAST_DRAWN) | (sizes <= uncertainties)
-    yield Curve(heights, np.where(is_hidden, np.nan, sizes), f"c{number}{style}")
+    is_hidden = (error_sizes < _LEAST_DRAWN) | (error_sizes <= uncertainties)
+    yield Curve(heights, np.where(is_hidden, np.nan, error_sizes), f"c{colour_number}{line_style}")
     for row in rows_of_line:
         error = row.errors[quantity]
         error_in_percent = 100 * abs(error.value)
         if row.way == "kernels" or not error_in_percent >= _LEAST_DRAWN:
             continue
         if row.way == "numbers":
-            yield Dot(row.place.height, error_in_percent, f"c{number} hollow", 2.6)
+            yield Dot(row.place.height, error_in_percent, f"c{colour_number} hollow", 2.6)
             continue
         uncertainty = 100 * error.uncertainty
-        ends = (
+        ends_of_bar = (
             np.array([max(error_in_percent - uncertainty, _LEAST_DRAWN)]),
             np.array([error_in_percent + uncertainty]),
         )
-        yield bars(np.array([row.place.height]), *ends, f"c{number}")
-        yield Dot(row.place.height, error_in_percent, f"p{number}", 3.4)
+        yield bars(np.array([row.place.height]), *ends_of_bar, f"c{colour_number}")
+        yield Dot(row.place.height, error_in_percent, f"p{colour_number}", 3.4)

@@ -98,8 +98,18 @@ class Case:
         *,
         steady: bool = False,
     ) -> ContactSolution:
-        """The engine's solution of this ellipse at points `x`, in units of a0; `time` and `fields`
-        as in `semi_analytic.solve`.
+        """Solve this ellipse of loads by half-plane theory.
+
+        Parameters
+        ----------
+        time
+            instants of the load path; those of the engine by default
+        x
+            places on the surface, in units of the half-width a0 at the mean load
+        fields
+            names of the fields that are wanted, such as "shear"; all by default
+        steady
+            whether only the steady cycle is followed
         """
         places = np.asarray(x, dtype=float) * self.length
         return semi_analytic.solve(
@@ -171,26 +181,28 @@ class Case:
         return {phase: self.length / self.work_unit * part.total for phase, part in parts.items()}
 
     def batch(self, **changes: Any) -> dict[str, Any]:
-        """Arguments for the engine's functions that take arrays of ellipses, with those of this
-        case; `changes` replace some.
+        """Keyword arguments of `semi_analytic.dissipation` and `peak_dissipation`, which take
+        arrays of load ellipses: those of this case, with `changes`, which may be arrays, in place
+        of some.
         """
-        names = (
+        load_names = (
             "mean_normal_load",
             "normal_amplitude",
             "mean_tangential_load",
             "tangential_amplitude",
             "phase_radians",
         )
-        bodies = {
+        contact_arguments = {
             "profile": self.scene.profile,
             "material": self.scene.material,
             "friction_coefficient": self.friction,
         }
-        return bodies | {name: getattr(self.load, name) for name in names} | changes
+        return contact_arguments | {name: getattr(self.load, name) for name in load_names} | changes
 
     def circles(self, friction: ArrayLike, ratio: ArrayLike, **changes: Any) -> dict[str, Any]:
-        """Arguments for the engine's functions that take arrays of ellipses: circles about Q = 0
-        (phase 90 degrees, Q1 = P1 = P0/3 of this case) with P0/P1 = `ratio`.
+        """Keyword arguments of `semi_analytic.dissipation` and `peak_dissipation` for loads that go
+        round a circle about Q = 0: phase 90 degrees, Q1 = P1 = P0/3 of this case, P0/P1 = `ratio`.
+        `friction` and `ratio` may be arrays; `changes` replace further arguments.
         """
         loads = {
             "mean_normal_load": np.asarray(ratio) * self.unit,
@@ -208,8 +220,10 @@ class Case:
         )
 
     def ten_times(self) -> Case:
-        """The case with all lengths and loads times ten, which has the same stresses."""
-        names = (
+        """The case with the profile's radius and all loads (per thickness) times ten: lengths and
+        loads grow tenfold, stresses stay as they are.
+        """
+        load_names = (
             "mean_normal_load",
             "normal_amplitude",
             "mean_tangential_load",
@@ -219,7 +233,7 @@ class Case:
         return Case(
             self.scene.vary(
                 profile={"radius": radius},
-                load={name: 10 * getattr(self.load, name) for name in names},
+                load={name: 10 * getattr(self.load, name) for name in load_names},
             )
         )
 
@@ -274,16 +288,18 @@ class Formulas:
         return slope - 2 * beta * a.normal_load, beta
 
     def initial_meeting(self, t: float) -> float:
-        """P_Y of equation (6), or P_Z of (7) at E: the normal load at which the line of gradient f
-        through the point of time t meets the initial loading O-A-B.
+        """The normal load at which the line of gradient f through the loads at time t meets the
+        initial loading, in the plane of P and Q: P_Y of the paper's equation (6), or P_Z of (7) at
+        the event E. O is the unloaded point, A the point where the ellipse begins, and B where slip
+        begins.
         """
         case = self.case
         alpha, beta = self.initial()
         mirrored_time = 2 * case.time("B") - t
         if mirrored_time >= case.time("A"):
             return float(self.loads(mirrored_time)[0])
-        p, q = self.loads(t)
-        q_minus_f_p = float(q - case.friction * p)
+        normal_load, tangential_load = self.loads(t)
+        q_minus_f_p = float(tangential_load - case.friction * normal_load)
         slope = alpha - case.friction
         # The root of beta P^2 + slope P = level that stays finite for beta = 0; slope < 0.
         return 2 * q_minus_f_p / (slope - math.sqrt(slope * slope + 4 * beta * q_minus_f_p))
@@ -300,14 +316,16 @@ class Formulas:
         load_at_a = case.events["A"].normal_load
         edge_load = np.asarray(case.contact.load(x))
 
-        def slope_on_ellipse(p: Array) -> tuple[Array, Array]:
+        def slope_on_ellipse(normal_loads: Array) -> tuple[Array, Array]:
             """dQ/dP and its derivative on the rising half of the ellipse."""
             turn = 2 * math.pi - np.arccos(
-                (p - case.load.mean_normal_load) / case.load.normal_amplitude
+                (normal_loads - case.load.mean_normal_load) / case.load.normal_amplitude
             )
-            dp, dq = self.rates(turn)
-            ddp, ddq = self.rates(turn + math.pi / 2)
-            return dq / dp, (ddq * dp - dq * ddp) / dp**3
+            rate_of_p, rate_of_q = self.rates(turn)
+            second_rate_of_p, second_rate_of_q = self.rates(turn + math.pi / 2)
+            return rate_of_q / rate_of_p, (
+                second_rate_of_q * rate_of_p - rate_of_q * second_rate_of_p
+            ) / rate_of_p**3
 
         slope = np.asarray(alpha + 2 * beta * load)
         if load > load_at_a:
@@ -318,13 +336,13 @@ class Formulas:
             (load_at_a, max(load, load_at_a), True),
         )
         for first_load, last_load, is_on_ellipse in ranges_of_load:
-            p, weights = graded(
+            normal_loads, weights = graded(
                 np.clip(edge_load, first_load, last_load), np.full(len(x), last_load)
             )
-            curvature = np.full_like(p, 2 * beta)
+            curvature = np.full_like(normal_loads, 2 * beta)
             if is_on_ellipse:
-                _, curvature = slope_on_ellipse(p)
-            pressure = case.contact.pressure(x[:, None], p)
+                _, curvature = slope_on_ellipse(normal_loads)
+            pressure = case.contact.pressure(x[:, None], normal_loads)
             shear = shear - np.sum(weights * curvature * pressure, axis=-1)
         return np.asarray(shear)
 
@@ -434,8 +452,11 @@ class Sweep:
 
 
 def _sweep(case: Case, largest_ratio: float = 6.0, count: int = 33) -> Sweep:
-    """Work and its peak for all coefficients of friction f and many P0/P1, on the profile of a
-    case; its radius is such that a(P0) and b stay what they are. One call each.
+    """The dissipation W and the peak of W(x) over x, for all coefficients of friction f of the
+    paper and `count` ratios P0/P1 from gross sliding up to `largest_ratio`.
+
+    The profile is that of `case`, with a radius such that the half-width a(P0) and the flat's
+    half-length b stay what they are.
     """
     friction = np.array(FRICTIONS)
     # A share of 1e-9 above the limit: the logarithm of gross sliding is harmless, the limit itself

@@ -30,27 +30,24 @@ def paper(options: Options) -> Answer:
     }
     counts = ", ".join(f"{count} {verdict}" for verdict, count in verdicts.items())
     n_proven = sum(row.proven is True for row in report.misprints)
+    heads_of_statements = ("statement", "where", "the paper", "computed", "verdict")
+    rows_of_statements = [
+        (row.key, row.where, row.words, row.computed, row.verdict.value)
+        for row in report.statements
+    ]
+    heads_of_misprints = ("where", "printed", "right", "proof", "proven")
+    rows_of_misprints = [
+        (row.key, row.printed, row.right, row.proof, proven_in_words(row))
+        for row in report.misprints
+    ]
+    summary = (
+        f"{len(report.statements)} statements: {counts}; {len(report.misprints)} misprints:"
+        f" {n_proven} proven by evaluation"
+    )
     parts: list[Part] = [
-        Sheet(
-            "What the paper states in words",
-            ("statement", "where", "the paper", "computed", "verdict"),
-            [
-                (row.key, row.where, row.words, row.computed, row.verdict.value)
-                for row in report.statements
-            ],
-        ),
-        Sheet(
-            "Misprints of the paper",
-            ("where", "printed", "right", "proof", "proven"),
-            [
-                (row.key, row.printed, row.right, row.proof, proven_in_words(row))
-                for row in report.misprints
-            ],
-        ),
-        (
-            f"{len(report.statements)} statements: {counts}; {len(report.misprints)} misprints:"
-            f" {n_proven} proven by evaluation"
-        ),
+        Sheet("What the paper states in words", heads_of_statements, rows_of_statements),
+        Sheet("Misprints of the paper", heads_of_misprints, rows_of_misprints),
+        summary,
         str(report.page),
     ]
     return Answer(code, parts, lambda: content)

@@ -66,8 +66,20 @@ def _text_at(
     dot: bool = False,
     css: str = "word",
 ) -> Iterator[Mark]:
-    """Marks of a text about `shift` units right and up of the point (x, y), in the colour of
-    `look`; of a dot there too, if wanted.
+    """What is drawn for a text beside a point of a figure, and for a dot at the point.
+
+    Parameters
+    ----------
+    x, y
+        coordinates of the point
+    shift
+        how far right of the point and above it the text stands, in about 1.3 pixels
+    look
+        number of its colour in the style sheet; black if empty
+    dot
+        whether a dot is drawn at the point
+    css
+        class of the text in the style sheet
     """
     if dot:
         yield Dot(x, y, f"p{look}" if look else "event", 2.8)
@@ -90,8 +102,9 @@ def _plate(
     keys: Iterable[Key] = (),
     **values: float,
 ) -> Plate:
-    """A figure of the paper with its words from paper.toml, filled in with `values`, and the legend
-    of its labelled curves and bands, each once.
+    """A figure of the paper, with its title, caption and description from paper.toml; `values` are
+    the numbers in the caption. The legend has each labelled curve and band once, and the further
+    `keys`.
     """
     figure_words = next(row for row in WORDS["figure"] if row["key"] == name)
     legend: dict[str, Key] = {}
@@ -99,8 +112,8 @@ def _plate(
         for mark in panel.marks:
             if isinstance(mark, Curve | Band) and mark.label:
                 legend[mark.label] = Key(mark.css, mark.label, isinstance(mark, Band))
-    for key in keys:
-        legend[key.text] = key
+    for further_key in keys:
+        legend[further_key.text] = further_key
     caption = filled_in(figure_words["text"], values)
     return Plate(
         name,
@@ -123,7 +136,9 @@ def _panel(
     size: tuple[float, float],
     title: str = "",
 ) -> Panel:
-    """A panel of that size; the one of figure 2 has one scale on both axes."""
+    """A panel of a figure with two axes, what is drawn in it (`marks`), a description for readers
+    of screens (`alt`), and its width and height. That of figure 2 has the same scale on both axes.
+    """
     width, height = size
     return Panel(name, x, y, marks, alt, width, height, title, equal=name == "figure_02")
 
@@ -207,10 +222,11 @@ def _figure_1(case: Case) -> Plate:
 
 
 def _figure_2(case: Case) -> Plate:
-    """Figure 2: the initial loading and the ellipse in the plane of the loads, with the letters of
-    the events and the lines that define them.
+    """Figure 2: the initial loading and the ellipse in the plane of P and Q, with the letters A to
+    M by which the paper calls the events of contact, and the lines of gradient f and -f that define
+    them.
     """
-    f = case.friction
+    friction = case.friction
     loads_on_limit = np.array([0.0, 4.6])
     points = {
         letter: np.array([event.normal_load, event.tangential_load, event.front_load]) / case.unit
@@ -219,11 +235,11 @@ def _figure_2(case: Case) -> Plate:
     p_e, q_e, p_z = points["E"].tolist()
     p_g, q_g, p_t = points["G"].tolist()
     p_j, q_j, _ = points["J"].tolist()
-    q_z = q_e - f * (p_e - p_z)
-    q_t = q_g + f * (p_g - p_t)
+    q_z = q_e - friction * (p_e - p_z)
+    q_t = q_g + friction * (p_g - p_t)
     marks: list[Mark] = [
-        _line(loads_on_limit, f * loads_on_limit, "sliding, |Q| = f P", "faint dash fine"),
-        _line(loads_on_limit, -f * loads_on_limit, "", "faint dash fine"),
+        _line(loads_on_limit, friction * loads_on_limit, "sliding, |Q| = f P", "faint dash fine"),
+        _line(loads_on_limit, -friction * loads_on_limit, "", "faint dash fine"),
         _line(
             *case.loads(np.linspace(case.scene.load.path().start, case.time("A"), 101)),
             "initial loading, parabola OA",
@@ -239,20 +255,25 @@ def _figure_2(case: Case) -> Plate:
     # Letters outside the ellipse, those of one point together.
     letters_at_point: dict[tuple[float, float], list[str]] = {}
     for letter in LETTERS:
-        p, q = points[letter][:2].round(6).tolist()
-        letters_at_point.setdefault((p, q), []).append(letter)
-    for (p, q), letters in letters_at_point.items():
-        from_centre = np.array([p - 3.0, q - case.load.mean_tangential_load / case.unit])
+        place_p, place_q = points[letter][:2].round(6).tolist()
+        letters_at_point.setdefault((place_p, place_q), []).append(letter)
+    for (place_p, place_q), letters in letters_at_point.items():
+        from_centre = np.array(
+            [place_p - 3.0, place_q - case.load.mean_tangential_load / case.unit]
+        )
         outward_direction = from_centre / np.hypot(*from_centre)
         shift = (14.0 * float(outward_direction[0]), 12.0 * float(outward_direction[1]))
-        marks += _text_at(p, q, ", ".join(letters), shift, dot=True)
+        marks += _text_at(place_p, place_q, ", ".join(letters), shift, dot=True)
     marks += _text_at(0.0, 0.0, "O", (18.0, -9.0), dot=True)
     x_axis = Axis(0.0, 4.6, "normal load P / (P₀/3)")
     y_axis = Axis(-0.7, 2.8, "tangential load Q / (P₀/3)")
     panel = _panel("figure_02", x_axis, y_axis, marks, "Load path with its letters", (640.0, 480.0))
-    order = sorted(case.events, key=case.time)
-    points_in_order = np.array([points[letter] for letter in order])
-    table: Table = {"letter": order, "t": [case.time(letter) for letter in order]}
+    letters_in_order = sorted(case.events, key=case.time)
+    points_in_order = np.array([points[letter] for letter in letters_in_order])
+    table: Table = {
+        "letter": letters_in_order,
+        "t": [case.time(letter) for letter in letters_in_order],
+    }
     for name, column in zip(("P", "Q", "front load"), points_in_order.T, strict=True):
         table = {**table, f"{name} / (P0/3)": column.tolist()}
     return _plate("figure_02", [panel], table)
@@ -273,7 +294,7 @@ def _figure_3(case: Case) -> Plate:
     y_axis = Axis(-2.4, 2.4, "traction · a(P₀) / (P₀/3)")
     panels = []
     table = {"x / a(P0)": x}
-    for letter, limit, shear, state, (p, q) in zip(
+    for letter, friction_limit, shear, state, (normal_load, tangential_load) in zip(
         LETTERS, limits_at_events, shears_at_events, solution.state, loads_at_events, strict=True
     ):
         marks: list[Mark] = []
@@ -281,17 +302,20 @@ def _figure_3(case: Case) -> Plate:
             slips = state == slip_state
             if slips.any():
                 css, label = _DIRECTIONS[sign]
-                bottom = np.where(slips, 0.0, np.nan)
-                top = np.where(slips, sign * limit, np.nan)
-                marks.append(Band(x, bottom, top, css, label))
-        marks += [_line(x, limit, "f p", "faint solid"), _line(x, -limit, "−f p", "faint dash")]
+                lower_edge = np.where(slips, 0.0, np.nan)
+                upper_edge = np.where(slips, sign * friction_limit, np.nan)
+                marks.append(Band(x, lower_edge, upper_edge, css, label))
+        marks += [
+            _line(x, friction_limit, "f p", "faint solid"),
+            _line(x, -friction_limit, "−f p", "faint dash"),
+        ]
         marks.append(_line(x, shear, "shear traction q", "shear-q"))
-        title = f"{letter}   P = {p:.2f}, Q = {q:.2f}"
+        title = f"{letter}   P = {normal_load:.2f}, Q = {tangential_load:.2f}"
         alt = f"Tractions at {letter}"
         panels.append(
             _panel(f"figure_03-{letter}", x_axis, y_axis, marks, alt, (270.0, 240.0), title)
         )
-        table[f"f p at {letter}"] = limit
+        table[f"f p at {letter}"] = friction_limit
     table |= {
         f"q at {letter}": shear for letter, shear in zip(LETTERS, shears_at_events, strict=True)
     }
@@ -335,12 +359,19 @@ class Zones:
         return {first: x, "t": self.time, "P / (P0/3)": case.loads(self.time)[0], **edges}
 
 
-def _zones(case: Case, marks: Sequence[tuple[float, int]], count: int = 91) -> Zones:
-    """Half-widths of contact and stick through the time between marks, each (time, direction of
-    slip up to the next); `count` instants between two marks.
+def _zones(case: Case, events: Sequence[tuple[float, int]], count: int = 91) -> Zones:
+    """Half-widths of contact and stick through time, over a(P0), with the direction of slip.
+
+    Parameters
+    ----------
+    events
+        instants at which slip begins, turns or ends, each with the direction of slip from there to
+        the next one: 1, -1, or 0 for stick
+    count
+        number of instants between two of these
     """
     time = np.concatenate(
-        [np.linspace(start, end, count) for (start, _), (end, _) in pairwise(marks)]
+        [np.linspace(start, end, count) for (start, _), (end, _) in pairwise(events)]
     )
     unique_times, rows_of_times = np.unique(time, return_inverse=True)
     solution = case.solve(time=unique_times)
@@ -348,7 +379,7 @@ def _zones(case: Case, marks: Sequence[tuple[float, int]], count: int = 91) -> Z
     stick_half_width = solution.stick_half_width[rows_of_times] / case.length
     # A turning point belongs to what ends there; the second time to what starts, where all sticks.
     stick_half_width[::count] = contact_half_width[::count]
-    directions = [direction for _, direction in marks[:-1]]
+    directions = [direction for _, direction in events[:-1]]
     return Zones(time, contact_half_width, stick_half_width, np.repeat(directions, count))
 
 
@@ -364,22 +395,24 @@ def _steady_marks(case: Case) -> list[tuple[float, int]]:
 
 
 def _figure_4a(case: Case) -> Plate:
-    """Figure 4a: half-widths of contact and stick over the way that the normal load P has gone."""
-    turning_marks = (
+    """Figure 4a: half-widths of contact and stick over the sum of all changes of the normal load P,
+    so that the axis goes on where P turns.
+    """
+    turning_events = (
         (case.time(letter), way_of_load)
         for letter, way_of_load in zip("BEGIM", (1, -1, 0, 1, 0), strict=True)
     )
     # P turns at C, F and K: finer than that nothing is needed, since the way of P is taken from the
     # instants.
-    zones = _zones(case, [(case.scene.load.path().start, 0), *turning_marks], 181)
+    zones = _zones(case, [(case.scene.load.path().start, 0), *turning_events], 181)
     way_of_load = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(case.loads(zones.time)[0])))])
     way_at_letter = {
         letter: float(np.interp(case.time(letter), zones.time, way_of_load))
         for letter in sorted(case.events)
     }
-    marks = list(zones.drawn(way_of_load))
+    drawn_marks = list(zones.drawn(way_of_load))
     for letter, way_there in way_at_letter.items():
-        marks += _text_at(
+        drawn_marks += _text_at(
             way_there,
             float(case.width(case.events[letter].normal_load)),
             letter,
@@ -394,7 +427,7 @@ def _figure_4a(case: Case) -> Plate:
     largest_way = float(way_of_load[-1]) + 0.05
     x_axis = Axis(0.0, largest_way, "normal load P / (P₀/3), along its path", ticks=tuple(ticks))
     alt = "Half-widths over the path of P"
-    panel = _panel("figure_04a", x_axis, _HALF_WIDTH, marks, alt, (820.0, 420.0))
+    panel = _panel("figure_04a", x_axis, _HALF_WIDTH, drawn_marks, alt, (820.0, 420.0))
     return _plate("figure_04a", [panel], zones.table(case, "way of P / (P0/3)", way_of_load))
 
 
@@ -402,45 +435,48 @@ def _figure_4b(case: Case) -> Plate:
     """Figure 4b: half-widths through the steady cycle for four coefficients of friction, about Q0 =
     0.
     """
-    case_of = {f: case.about_no_shear(f) for f in FRICTIONS}
+    case_of = {friction: case.about_no_shear(friction) for friction in FRICTIONS}
     case_of_largest = case_of[FRICTIONS[0]]
     case_of_least = case_of[FRICTIONS[-1]]
-    start = case_of_largest.time("M")
+    time_of_m = case_of_largest.time("M")
     # Stick and slip of the least coefficient, filled; two revolutions, for its letters are
     # elsewhere.
-    marks = _steady_marks(case_of_least)
-    second_revolution = [(time + 2 * math.pi, direction) for time, direction in marks]
-    zones = _zones(case_of_least, [*marks[:-1], *second_revolution])
-    angle = np.degrees(zones.time - start)
-    is_drawn = (angle >= 0) & (angle <= 360)
-    angle = angle[is_drawn]
+    events = _steady_marks(case_of_least)
+    second_revolution = [(time + 2 * math.pi, direction) for time, direction in events]
+    zones = _zones(case_of_least, [*events[:-1], *second_revolution])
+    angles = np.degrees(zones.time - time_of_m)
+    is_drawn = (angles >= 0) & (angles <= 360)
+    angles = angles[is_drawn]
     zones = Zones(*(getattr(zones, field.name)[is_drawn] for field in fields(zones)))
     remark = f", f = {case_of_least.friction:g}"
-    bands = [
-        Band(angle, np.zeros(len(angle)), zones.stick, "pale-stick", f"stick{remark}"),
-        *zones.slipping(angle, remark),
+    filled_bands = [
+        Band(angles, np.zeros(len(angles)), zones.stick, "pale-stick", f"stick{remark}"),
+        *zones.slipping(angles, remark),
     ]
     # Just after M, for f = 1 the instant of M itself still belongs to forward slip.
     angles_of_curves = np.linspace(1e-6, 360.0, 721)
     stick_by_friction = {
-        f: case_of_f.solve(time=start + np.radians(angles_of_curves)).stick_half_width
+        friction: case_of_f.solve(time=time_of_m + np.radians(angles_of_curves)).stick_half_width
         / case_of_f.length
-        for f, case_of_f in case_of.items()
+        for friction, case_of_f in case_of.items()
     }
     curves = [
-        _line(angles_of_curves, c, f"c / a(P₀), f = {f}", look)
-        for (f, c), look in zip(stick_by_friction.items(), _FAMILY, strict=True)
+        _line(angles_of_curves, stick_half_width, f"c / a(P₀), f = {friction}", look)
+        for (friction, stick_half_width), look in zip(
+            stick_by_friction.items(), _FAMILY, strict=True
+        )
     ]
     contact_half_width = case.width(
-        case_of_largest.solve(time=start + np.radians(angles_of_curves)).normal_load
+        case_of_largest.solve(time=time_of_m + np.radians(angles_of_curves)).normal_load
     )
     curves.append(_line(angles_of_curves, contact_half_width, "contact, a / a(P₀)", "bold"))
     axis_in_words = "angle θ of the cycle after M for f = 1  [degrees]"
     x_axis = Axis(0.0, 360.0, axis_in_words, ticks=_DEGREES)
     alt = "Half-widths over the angle"
-    panel = _panel("figure_04b", x_axis, _HALF_WIDTH, [*bands, *curves], alt, (700.0, 430.0))
+    panel = _panel("figure_04b", x_axis, _HALF_WIDTH, [*filled_bands, *curves], alt, (700.0, 430.0))
     table = {"theta [degrees]": angles_of_curves, "a / a(P0)": contact_half_width} | {
-        f"c / a(P0), f = {f}": c for f, c in stick_by_friction.items()
+        f"c / a(P0), f = {friction}": stick_half_width
+        for friction, stick_half_width in stick_by_friction.items()
     }
     return _plate("figure_04b", [panel], table)
 
@@ -449,35 +485,47 @@ def _figure_5(case: Case) -> Plate:
     """Figure 5: extent of contact and slip through the cycle above, displacement of four points
     beneath; slip is broad, separation dotted.
     """
-    start = case.time("M")
+    time_of_m = case.time("M")
     zones = _zones(case, _steady_marks(case))
-    marks_above = list(zones.drawn(np.degrees(zones.time - start)))
+    marks_above = list(zones.drawn(np.degrees(zones.time - time_of_m)))
     for letter in "MFGHIKJL":
-        time = case.time(letter) + (2 * math.pi if case.time(letter) < start else 0.0)
+        time = case.time(letter) + (2 * math.pi if case.time(letter) < time_of_m else 0.0)
         shift = {"M": (8.0, 9.0), "I": (0.0, -12.0), "J": (-6.0, -12.0)}.get(letter, (0.0, 9.0))
         height = float(case.width(case.events[letter].normal_load))
-        marks_above += _text_at(math.degrees(time - start), height, letter, shift, dot=True)
+        marks_above += _text_at(math.degrees(time - time_of_m), height, letter, shift, dot=True)
     angles = np.linspace(0.0, 360.0, 721)
     marks_below: list[Mark] = []
-    solution = case.solve(time=start + np.radians(angles), x=POINTS, fields=("slip", "state"))
+    solution = case.solve(time=time_of_m + np.radians(angles), x=POINTS, fields=("slip", "state"))
     displacement = (solution.slip - solution.slip[0]) / (case.compliance * case.unit)
-    for x, look, y, state in zip(POINTS, "d435", displacement.T, solution.state.T, strict=True):
-        css = look if look == "d" else f"c{look}"
+    for x, colour, displacement_of_point, state in zip(
+        POINTS, "d435", displacement.T, solution.state.T, strict=True
+    ):
+        css = colour if colour == "d" else f"c{colour}"
         marks_above.append(_line([0.0, 360.0], [x, x], "", f"{css} dot"))
-        marks_above += _text_at(360.0, x, f"{x:.2f}", (-14.0, 5.0), look)
+        marks_above += _text_at(360.0, x, f"{x:.2f}", (-14.0, 5.0), colour)
         for slip_state, direction in (
             (SurfaceState.SLIP_FORWARD, "forward"),
             (SurfaceState.SLIP_REVERSE, "reverse"),
         ):
             slips = state == slip_state
             if slips.any():
-                slipping_y = np.where(_grown(slips), y, np.nan)
+                slipping_y = np.where(_grown(slips), displacement_of_point, np.nan)
                 marks_below.append(_line(angles, slipping_y, "", f"{direction} broad-line"))
         is_open = state == SurfaceState.OPEN
-        marks_below.append(_line(angles, np.where(is_open, np.nan, y), "", css))
-        marks_below.append(_line(angles, np.where(_grown(is_open), y, np.nan), "", f"{css} dot"))
-        peak = int(np.argmin(y))
-        marks_below += _text_at(float(angles[peak]), float(y[peak]), f"{x:.2f}", (0.0, -10.0), look)
+        marks_below.append(_line(angles, np.where(is_open, np.nan, displacement_of_point), "", css))
+        marks_below.append(
+            _line(
+                angles, np.where(_grown(is_open), displacement_of_point, np.nan), "", f"{css} dot"
+            )
+        )
+        row_of_least = int(np.argmin(displacement_of_point))
+        marks_below += _text_at(
+            float(angles[row_of_least]),
+            float(displacement_of_point[row_of_least]),
+            f"{x:.2f}",
+            (0.0, -10.0),
+            colour,
+        )
     least_displacement = float(displacement.min())
     largest_displacement = float(displacement.max())
     range_shown = largest_displacement - least_displacement
@@ -502,8 +550,8 @@ def _figure_5(case: Case) -> Plate:
     }
     keys = [Key(css, text) for css, text in (looks | {"faint dot": "separated"}).items()]
     table: dict[str, Any] = {"theta [degrees]": angles}
-    for x, y in zip(POINTS, displacement.T, strict=True):
-        table[f"s/(A P0/3) at x = {x}"] = y
+    for x, displacement_of_point in zip(POINTS, displacement.T, strict=True):
+        table[f"s/(A P0/3) at x = {x}"] = displacement_of_point
     for x, state in zip(POINTS, solution.state.T, strict=True):
         table[f"state at x = {x}"] = list(map(int, state))
     return _plate("figure_05", panels, table, keys=keys)
@@ -537,15 +585,15 @@ def _figure_8(case: Case) -> Plate:
 
 
 # --------------------------------------------------------------------------------------------- work
-def _figure_of_density(name: str, paper: Paper, number: int) -> Plate:
-    """Figures 6 and 9: dissipation W(x) with the parts of the phases; `number` 0 for Hertz, 1 for
-    the flat and rounded contact.
+def _figure_of_density(name: str, paper: Paper, index_of_case: int) -> Plate:
+    """Figures 6 and 9: dissipation W(x) with the parts of the phases; `index_of_case` 0 for Hertz,
+    1 for the flat and rounded contact.
     """
-    case = (paper.hertz, paper.rounded)[number]
-    peak = paper.peaks[number]
+    case = (paper.hertz, paper.rounded)[index_of_case]
+    peak = paper.peaks[index_of_case]
     inner_edge = case.stick_edge
     outer_edge = case.outer_edge
-    share = float(peak.fraction)
+    share_of_way = float(peak.fraction)
     places_in_zone = (
         inner_edge + (outer_edge - inner_edge) * (1 - np.cos(np.linspace(0, np.pi, 241))) / 2
     )
@@ -573,14 +621,14 @@ def _figure_of_density(name: str, paper: Paper, number: int) -> Plate:
             (-50.0, 6.0),
             css="tick",
         ),
-        *_text_at(peak_place, peak_value, f"{share:.1%} of the way", (0.0, 10.0), dot=True),
+        *_text_at(peak_place, peak_value, f"{share_of_way:.1%} of the way", (0.0, 10.0), dot=True),
     ]
     x_axis = Axis(0.95 * inner_edge, outer_edge + 0.05 * inner_edge, "x / a(P₀)")
     y_axis = Axis(0.0, 1.22 * peak_value, "W(x) · a(P₀) / (A f² P₀²)")
     panel = _panel(name, x_axis, y_axis, marks, "Pointwise dissipation over x", (640.0, 400.0))
     table = {"x / a(P0)": x, "W a(P0)/(A f^2 P0^2)": density}
     table |= {f"in {phase}": phases[phase] for phase in ("IJ", "JM", "EG")}
-    return _plate(name, [panel], table, fraction=share, place=peak_place)
+    return _plate(name, [panel], table, fraction=share_of_way, place=peak_place)
 
 
 def _figure_of_sweep(
@@ -596,19 +644,31 @@ def _figure_of_sweep(
     if pale_sweep is not None:
         pale_values = getattr(pale_sweep, quantity)
         largest_value = max(largest_value, float(pale_values.max()))
-        for number, (ratio, value) in enumerate(zip(pale_sweep.ratio, pale_values, strict=True)):
-            marks.append(_line(ratio, value, "" if number else "Hertz, same f", "faint solid fine"))
-    for number, (f, ratio, value) in enumerate(
+        for number, (load_ratios, values_at_friction) in enumerate(
+            zip(pale_sweep.ratio, pale_values, strict=True)
+        ):
+            marks.append(
+                _line(
+                    load_ratios,
+                    values_at_friction,
+                    "" if number else "Hertz, same f",
+                    "faint solid fine",
+                )
+            )
+    for number, (friction, load_ratios, values_at_friction) in enumerate(
         zip(sweep.frictions, sweep.ratio, values, strict=True)
     ):
-        marks.append(_line(ratio, value, f"f = {f:g}", _FAMILY[number]))
-        marks += _text_at(float(ratio[0]), float(value[0]), "", look=f"{number}", dot=True)
+        marks.append(_line(load_ratios, values_at_friction, f"f = {friction:g}", _FAMILY[number]))
+        marks += _text_at(
+            float(load_ratios[0]), float(values_at_friction[0]), "", look=f"{number}", dot=True
+        )
     x_axis = Axis(1.0, float(sweep.ratio.max()), "P₀ / P₁")
     y_axis = Axis(0.0, 1.08 * largest_value, label)
     panel = _panel(name, x_axis, y_axis, marks, f"{label} over P₀/P₁", (620.0, 400.0))
     table = {
-        f"P0/P1, f = {f:g}": ratio for f, ratio in zip(sweep.frictions, sweep.ratio, strict=True)
+        f"P0/P1, f = {friction:g}": load_ratios
+        for friction, load_ratios in zip(sweep.frictions, sweep.ratio, strict=True)
     }
-    for f, value in zip(sweep.frictions, values, strict=True):
-        table[f"{quantity}, f = {f:g}"] = value
+    for friction, values_at_friction in zip(sweep.frictions, values, strict=True):
+        table[f"{quantity}, f = {friction:g}"] = values_at_friction
     return _plate(name, [panel], table)

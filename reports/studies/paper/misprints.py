@@ -50,8 +50,9 @@ def _proof(
 
 # -------------------------------------------------------------------- loads, friction and tractions
 def _cycle(case: Case) -> dict[str, Found]:
-    """Proofs for misprints of sections 2 and 3: which loads, letters and conditions are meant. Name
-    of a misprint -> (whether it is proven, numbers).
+    """Proofs for misprints in sections 2 and 3 of the paper, by computing with each reading: which
+    loads, events (the letters A to M) and conditions are meant. Name of a misprint -> (whether it
+    is proven, numbers that prove it).
     """
     formulas = Formulas(case)
     events = case.events
@@ -60,30 +61,39 @@ def _cycle(case: Case) -> dict[str, Found]:
     times = (times[1:] + times[:-1]) / 2
     solution = case.solve(time=times)
     sticks = solution.contact_half_width - solution.stick_half_width <= EXACT * case.length
-    dp, dq = formulas.rates(times)
-    printed_share = float(np.mean((dq / dp < case.friction) != sticks))
-    right_share = float(np.mean(((np.abs(dq / dp) < case.friction) & (dp > 0)) != sticks))
+    rate_of_p, rate_of_q = formulas.rates(times)
+    slope = rate_of_q / rate_of_p
+    printed_condition = slope < case.friction
+    right_condition = (np.abs(slope) < case.friction) & (rate_of_p > 0)
+    printed_share = float(np.mean(printed_condition != sticks))
+    right_share = float(np.mean(right_condition != sticks))
 
     level_of_e = formulas.level("E", -1)
-    b, g = (
-        float(case.width((formulas.level(name, 1) - level_of_e) / (2 * case.friction)))
-        for name in "BG"
-    )
-    p, q = (float(loads.min()) for loads in case.loads(case.round_times(3601)))
+
+    def edge_with(letter: str) -> float:
+        """Half-width of permanent stick with the level of Q - f P at this event."""
+        return float(case.width((formulas.level(letter, 1) - level_of_e) / (2 * case.friction)))
+
+    edge_with_b = edge_with("B")
+    edge_with_g = edge_with("G")
+    loads_of_cycle = case.loads(case.round_times(3601))
+    least_p = float(loads_of_cycle[0].min())
+    least_q = float(loads_of_cycle[1].min())
     loads_at_letters = {f"P at {letter}": events[letter].normal_load / case.unit for letter in "HF"}
     loads_at_letters |= {
         f"Q at {letter}": events[letter].tangential_load / case.unit for letter in "HF"
     }
     is_least = (
-        abs(loads_at_letters["P at F"] - p) < EXACT < loads_at_letters["P at H"] - p
-        and abs(loads_at_letters["Q at H"] - q) < EXACT
+        abs(loads_at_letters["P at F"] - least_p) < EXACT < loads_at_letters["P at H"] - least_p
+        and abs(loads_at_letters["Q at H"] - least_q) < EXACT
     )
-    j, i = (math.degrees(case.time(letter) - case.time("K")) for letter in "JI")
+    angle_of_j = math.degrees(case.time("J") - case.time("K"))
+    angle_of_i = math.degrees(case.time("I") - case.time("K"))
     error_of_front = _relative_error(events["J"].front_load, events["G"].normal_load)
     angles_after_k = {
-        "J after K in degrees": j,
-        "I after K in degrees": i,
-        "I before K in degrees": -i,
+        "J after K in degrees": angle_of_j,
+        "I after K in degrees": angle_of_i,
+        "I before K in degrees": -angle_of_i,
     }
 
     def loop_work_halved(name: str) -> float:
@@ -99,17 +109,21 @@ def _cycle(case: Case) -> dict[str, Found]:
     net_slip = abs(formulas.moved(0.8 * case.length, start, start + 2 * math.pi))
     relative_net_slip = net_slip / float(np.ptp(slip))
     dissipation = case.steady.dissipation / case.work_unit
-    named_numbers = {"with B": b, "with G": g, "permanent stick": case.stick_edge}
+    named_numbers = {
+        "with B": edge_with_b,
+        "with G": edge_with_g,
+        "permanent stick": case.stick_edge,
+    }
     return {
         "(2)": _corrective_load(case),
         "condition of stick": (
             right_share == 0 and printed_share > 0.01,
             {"printed": printed_share, "right": right_share},
         ),
-        "(9), (10)": _proof(g, b, case.stick_edge, named_numbers),
-        "3H": (is_least, loads_at_letters | {"least P": p, "least Q": q}),
+        "(9), (10)": _proof(edge_with_g, edge_with_b, case.stick_edge, named_numbers),
+        "3H": (is_least, loads_at_letters | {"least P": least_p, "least Q": least_q}),
         "J and K": (
-            error_of_front <= EXACT and i < 0 < j,
+            error_of_front <= EXACT and angle_of_i < 0 < angle_of_j,
             angles_after_k | {"front at J against P_G": error_of_front},
         ),
         "mean shear force": _proof(
@@ -123,8 +137,11 @@ def _cycle(case: Case) -> dict[str, Found]:
 
 
 def _corrective_load(case: Case, friction: float = 0.5, share_of_limit: float = 0.6) -> Found:
-    """Proof for equation (2), on Cattaneo and Mindlin's problem with Q = 0.6 f P: which corrective
-    load gives the engine's shear. (whether it is proven, errors of the readings).
+    """Proof for equation (2), on Cattaneo and Mindlin's problem: with which corrective load,
+    printed or mended, f times a difference of two pressures is the engine's shear. Returns whether
+    the mended reading is proven, and the error of each reading.
+
+    Q is `share_of_limit` times f P.
     """
     normal_load = case.load.mean_normal_load
     tangential_load = share_of_limit * friction * normal_load
@@ -187,8 +204,9 @@ def _sliding_condition(case: Case) -> Found:
 
 
 def _rounded_law(case: Case) -> Found:
-    """Proof for the contact law of section 4.2, from the load that the engine's pressure carries;
-    (1 + kappa)/mu = 2 A.
+    """Proof for the contact law of the flat and rounded profile (section 4.2): whether its left
+    side is over a^2, as printed, or over b^2. P is the integral of the engine's pressure; the
+    paper's (1 + kappa)/mu is 2 A.
     """
     load = case.load.mean_normal_load
     profile = case.scene.profile.model_dump()
@@ -199,21 +217,23 @@ def _rounded_law(case: Case) -> Found:
     angle_of_corner = math.asin(flat_half_length / case.length)
 
     def load_per_angle(angle: Array) -> Array:
-        return (
-            case.contact.pressure(case.length * np.sin(angle), load) * case.length * np.cos(angle)
-        )
+        """Pressure times dx/d(angle), x = a sin(angle)."""
+        x = case.length * np.sin(angle)
+        return case.contact.pressure(x, load) * case.length * np.cos(angle)
 
     carried_load = 2 * (
         integral(load_per_angle, 0.0, angle_of_corner)
         + integral(load_per_angle, angle_of_corner, math.pi / 2)
     )
-    right_side = (math.pi - 2 * angle_of_corner) / (
-        4 * math.sin(angle_of_corner) ** 2
-    ) - 1 / math.tan(angle_of_corner) / 2
-    left_side_over_a, left_side_over_b = (
-        carried_load * radius * 2 * case.compliance / (4 * length**2)
-        for length in (case.length, flat_half_length)
-    )
+    first_term = (math.pi - 2 * angle_of_corner) / (4 * math.sin(angle_of_corner) ** 2)
+    right_side = first_term - 1 / math.tan(angle_of_corner) / 2
+
+    def left_side_over(length: float) -> float:
+        """Left side of the law, with the square of this length as divisor."""
+        return carried_load * radius * 2 * case.compliance / (4 * length**2)
+
+    left_side_over_a = left_side_over(case.length)
+    left_side_over_b = left_side_over(flat_half_length)
     sides = {
         "left side over a²": left_side_over_a,
         "left side over b²": left_side_over_b,
@@ -229,39 +249,43 @@ def _slip(case: Case) -> dict[str, Found]:
     out of contact, by the printed and the mended formula.
     """
     formulas = Formulas(case)
-    t = {letter: case.time(letter) for letter in "GIJM"}
+    time_of = {letter: case.time(letter) for letter in "GIJM"}
     proofs_in_contact = _slip_in_contact(case)
 
     # After J: P_K is a front; as a constant load it leaves what the open surface does.
-    x1 = case.length
-    phase = t["J"], (t["J"] + t["M"]) / 2
-    factor = case.compliance * case.friction / math.pi
+    x_of_edge = case.length
+    phase = time_of["J"], (time_of["J"] + time_of["M"]) / 2
+    slip_factor = case.compliance * case.friction / math.pi
 
     def open_surface(time: Array) -> Array:
         """Rate of slip that is left where P_K is a constant load."""
         load, _ = formulas.loads(time)
         load_rate, _ = formulas.rates(time)
-        return factor * load_rate * formulas.reach(x1, load)
+        return slip_factor * load_rate * formulas.reach(x_of_edge, load)
 
-    slip_mended = integral(lambda time: formulas.slip_rate("JM", x1, time), *phase)
+    slip_mended = integral(lambda time: formulas.slip_rate("JM", x_of_edge, time), *phase)
     outer_value = integral(open_surface, *phase)
     named_numbers = {
-        "front at M": float(formulas.front("JM", t["M"])) / case.unit,
+        "front at M": float(formulas.front("JM", time_of["M"])) / case.unit,
         "load at K": case.events["K"].normal_load / case.unit,
     }
 
     # (12) is a closed integral; (15) is what becomes (23).
-    x2 = 0.8 * case.length
-    slip_by_15 = formulas.rubbing("JM", x2, lambda time: formulas.slip_rate("JM", x2, time))
-    forward_slip = formulas.moved(x2, t["I"], t["M"])
-    net_slip = formulas.moved(x2, t["G"], t["G"] + 2 * math.pi)
+    x_in_contact = 0.8 * case.length
+    slip_by_15 = formulas.rubbing(
+        "JM", x_in_contact, lambda time: formulas.slip_rate("JM", x_in_contact, time)
+    )
+    forward_slip = formulas.moved(x_in_contact, time_of["I"], time_of["M"])
+    net_slip = formulas.moved(x_in_contact, time_of["G"], time_of["G"] + 2 * math.pi)
     return {
         "(14), I–J": proofs_in_contact["(14), I–J"],
         "(15)": _gap_for_slope(case),
         "(16), second line": _slip_out_of_contact(case),
         "(17)": _stick_displacement(case),
         "(18)": proofs_in_contact["(18)"],
-        "P_K in (19)": _proof(slip_mended, outer_value, formulas.moved(x1, *phase), named_numbers),
+        "P_K in (19)": _proof(
+            slip_mended, outer_value, formulas.moved(x_of_edge, *phase), named_numbers
+        ),
         "reference before (23)": _proof(
             slip_by_15, net_slip, forward_slip, {"net over the slip": abs(net_slip / forward_slip)}
         ),
@@ -373,22 +397,24 @@ def _slip_after_j(case: Case) -> float:
 
 
 def _by_15(case: Case, x: float, reading: str) -> float:
-    """Slip of x from J to M by equation (15) with one reading of h_o, integrated over x from the
-    stick edge c; Hertz.
+    """Slip of the point x between the events J and M by the paper's equation (15), with one
+    `reading` of its h_o: the slope, the gap of the load increment, or the gap of the punch. Profile
+    of Hertz.
     """
     formulas = Formulas(case)
     radius = case.scene.profile.model_dump()["radius"]
 
-    def rate(t: Array) -> Array:
-        front = formulas.front("JM", t)
-        c = np.asarray(case.contact.half_width(front))
+    def rate(time: Array) -> Array:
+        front = formulas.front("JM", time)
+        stick_half_width = np.asarray(case.contact.half_width(front))
         slope = formulas.reach(x, front)
         integrals = {
             "slope": slope,
-            "gap of the increment": x * slope - np.sqrt(np.maximum(x**2 - c**2, 0.0)),
-            "gap of the punch": (x**3 - c**3) / (6 * radius),
+            "gap of the increment": x * slope
+            - np.sqrt(np.maximum(x**2 - stick_half_width**2, 0.0)),
+            "gap of the punch": (x**3 - stick_half_width**3) / (6 * radius),
         }
-        return formulas.driving("JM", t) * integrals[reading]
+        return formulas.driving("JM", time) * integrals[reading]
 
     return case.compliance * case.friction / math.pi * formulas.rubbing("JM", x, rate)
 
@@ -398,18 +424,18 @@ def _stick_displacement(hertz: Case) -> Found:
     two coefficients of friction.
     """
 
-    def ratio_to_engine(f: float) -> float:
+    def ratio_to_engine(friction: float) -> float:
         """A/pi int dQ arccosh(x/a) over the engine's movement."""
-        case = hertz.about_no_shear(f)
+        case = hertz.about_no_shear(friction)
         formulas = Formulas(case)
         x = 1.1 * case.length
         time_of_g = case.time("G")
         time_of_h = case.time("H")
 
-        def rate(t: Array) -> Array:
+        def rate(time: Array) -> Array:
             """dQ/dt arccosh(x/a)."""
-            load, _ = formulas.loads(t)
-            _, tangential_rate = formulas.rates(t)
+            load, _ = formulas.loads(time)
+            _, tangential_rate = formulas.rates(time)
             return tangential_rate * formulas.reach(x, load)
 
         sheared_distance = integral(rate, time_of_g, time_of_h)
@@ -417,13 +443,13 @@ def _stick_displacement(hertz: Case) -> Found:
             case.compliance / math.pi * sheared_distance / formulas.moved(x, time_of_g, time_of_h)
         )
 
-    ratios = {f: ratio_to_engine(f) for f in (1.0, 0.6)}
+    ratios = {friction: ratio_to_engine(friction) for friction in (1.0, 0.6)}
     errors = {
-        "right": max(abs(r - 1) for r in ratios.values()),
-        "printed": min(abs(2 * f * r - 1) for f, r in ratios.items()),
+        "right": max(abs(ratio - 1) for ratio in ratios.values()),
+        "printed": min(abs(2 * friction * ratio - 1) for friction, ratio in ratios.items()),
     }
     return proves(errors["right"], errors["printed"]), errors | {
-        f"factor at f = {f}": 2 * f * r for f, r in ratios.items()
+        f"factor at f = {friction}": 2 * friction * ratio for friction, ratio in ratios.items()
     }
 
 
@@ -437,43 +463,49 @@ def work(case: Case, x: float) -> dict[str, Found]:
     density = solution.dissipation_density[0]
     radius = case.scene.profile.model_dump()["radius"]
 
-    def root_over_density(t: Array) -> Array:
+    def root_over_density(time: Array) -> Array:
         """f^2/(pi R) sqrt(a^2 - x^2) over W."""
-        half_width = case.contact.half_width(formulas.loads(t)[0])
+        half_width = case.contact.half_width(formulas.loads(time)[0])
         square = np.maximum(np.square(half_width) - x * x, 0.0)
         return case.friction**2 / (math.pi * radius) * np.sqrt(square) / density
 
     def part_with_c_in_arccosh(phase: str, unit: float) -> float:
         """Part of W with the multiplier C of (14) for c in the arccosh, lengths in a unit."""
 
-        def rate(t: Array) -> Array:
-            reach_ratio = np.arccosh(
-                np.maximum(unit * x / np.abs(formulas.multiplier(phase, t)), 1.0)
-            )
-            return root_over_density(t) * np.abs(formulas.driving(phase, t)) * reach_ratio
+        def rate(time: Array) -> Array:
+            ratio = unit * x / np.abs(formulas.multiplier(phase, time))
+            reach_ratio = np.arccosh(np.maximum(ratio, 1.0))
+            return root_over_density(time) * np.abs(formulas.driving(phase, time)) * reach_ratio
 
         return formulas.rubbing(phase, x, rate)
 
     def real_time(phase: str) -> float:
         """How long x/C is at least 1, so that its arccosh is real."""
-        return formulas.rubbing(phase, x, lambda t: x >= np.abs(formulas.multiplier(phase, t)))
+        return formulas.rubbing(
+            phase, x, lambda time: x >= np.abs(formulas.multiplier(phase, time))
+        )
 
     def part_mended(phase: str) -> float:
         """Part of W with arccosh(x/c) and the size of C dP."""
 
-        def rate(t: Array) -> Array:
-            reach_ratio = formulas.reach(x, formulas.front(phase, t))
-            return root_over_density(t) * np.abs(formulas.driving(phase, t)) * reach_ratio
+        def rate(time: Array) -> Array:
+            reach_ratio = formulas.reach(x, formulas.front(phase, time))
+            return root_over_density(time) * np.abs(formulas.driving(phase, time)) * reach_ratio
 
         return formulas.rubbing(phase, x, rate)
 
     def part_with_minus(phase: str) -> float:
         """Part of W with the leading minus and C dP throughout."""
 
-        def rate(t: Array) -> Array:
-            load_rate, _ = formulas.rates(t)
-            reach_ratio = formulas.reach(x, formulas.front(phase, t))
-            return -root_over_density(t) * reach_ratio * formulas.multiplier(phase, t) * load_rate
+        def rate(time: Array) -> Array:
+            load_rate, _ = formulas.rates(time)
+            reach_ratio = formulas.reach(x, formulas.front(phase, time))
+            return (
+                -root_over_density(time)
+                * reach_ratio
+                * formulas.multiplier(phase, time)
+                * load_rate
+            )
 
         return formulas.rubbing(phase, x, rate)
 

@@ -95,8 +95,8 @@ def write(out: str | Path, stages: Stages, command: str = "halfplane paper") -> 
                     figure.csv(), encoding="utf-8"
                 )
         with stages.stage("page"):
-            program, script_digest = script()
-            page = template("paper.html").render(
+            page_script, script_hash = script()
+            page_text = template("paper.html").render(
                 authors=AUTHORS,
                 source=SOURCE,
                 figures=figures,
@@ -106,9 +106,9 @@ def write(out: str | Path, stages: Stages, command: str = "halfplane paper") -> 
                 proven=sum(row.proven is True for row in misprint_rows),
                 by_reading=sum(row.proven is None for row in misprint_rows),
                 proven_in_words=proven_in_words,
-                script=program,
-                script_hash=script_digest,
+                script=page_script,
+                script_hash=script_hash,
                 command=command,
             )
-            (folder / "report.html").write_text(page, encoding="utf-8")
+            (folder / "report.html").write_text(page_text, encoding="utf-8")
     return PaperReport(statement_rows, misprint_rows, Path(out) / "report.html")

@@ -50,14 +50,17 @@ def judged(paper: Paper) -> dict[str, Found]:
 
 # --------------------------------------------------------------------- tractions of the first cycle
 def tractions(case: Case) -> dict[str, Found]:
-    """Statements on the tractions: equations (5) to (8) against the engine's shear, and what the
-    transient leaves. Name of a statement -> (verdict, numbers).
+    """Checks of the paper's statements on the tractions: the shear by its equations (5) to (8)
+    against the engine's, at the events that it calls by letters, and what the first cycle leaves.
+    Name of a statement -> (verdict, numbers).
     """
     formulas = Formulas(case)
     x = np.array(_PLACES) * case.length
-    f = case.friction
+    friction = case.friction
     pressure = case.contact.pressure
-    a, b, c, d, e, g = (case.time(letter) for letter in "ABCDEG")
+    time_of_a, time_of_b, time_of_c, time_of_d, time_of_e, time_of_g = (
+        case.time(letter) for letter in "ABCDEG"
+    )
 
     def relative_error(time: float, by_formula: Array) -> float:
         """Largest difference at an instant over the largest value."""
@@ -68,54 +71,63 @@ def tractions(case: Case) -> dict[str, Found]:
         return float(formulas.loads(time)[0])
 
     # (5) holds in full stick; beyond B, where P still grows, the edges slip.
-    between_b_and_c = (b + c) / 2
-    error_in_stick = max(relative_error(t, formulas.stuck(x, load(t))) for t in (a, b))
+    between_b_and_c = (time_of_b + time_of_c) / 2
+    error_in_stick = max(
+        relative_error(time, formulas.stuck(x, load(time))) for time in (time_of_a, time_of_b)
+    )
     error_in_slip = relative_error(between_b_and_c, formulas.stuck(x, load(between_b_and_c)))
     errors_forward = {}
-    for name, t in {"B-C": between_b_and_c, "C": c, "D": d, "E": e}.items():
-        load_met = formulas.initial_meeting(t)
-        q = formulas.stuck(x, load_met) + f * (pressure(x, load(t)) - pressure(x, load_met))
-        errors_forward[f"error at {name}"] = relative_error(t, q)
+    for name, time in {
+        "B-C": between_b_and_c,
+        "C": time_of_c,
+        "D": time_of_d,
+        "E": time_of_e,
+    }.items():
+        load_met = formulas.initial_meeting(time)
+        shear_by_6 = formulas.stuck(x, load_met) + friction * (
+            pressure(x, load(time)) - pressure(x, load_met)
+        )
+        errors_forward[f"error at {name}"] = relative_error(time, shear_by_6)
     errors_reverse = {}
-    load_met = formulas.initial_meeting(e)
-    for name, t in {"E-F": (e + case.time("F")) / 2, "F": case.time("F"), "G": g}.items():
-        pressure_at_edge = pressure(x, float(formulas.front("EG", t)))
-        slipped_pressure = 2 * pressure_at_edge - pressure(x, load(t)) - pressure(x, load_met)
+    load_met = formulas.initial_meeting(time_of_e)
+    for name, time in {
+        "E-F": (time_of_e + case.time("F")) / 2,
+        "F": case.time("F"),
+        "G": time_of_g,
+    }.items():
+        pressure_at_edge = pressure(x, float(formulas.front("EG", time)))
+        slipped_pressure = 2 * pressure_at_edge - pressure(x, load(time)) - pressure(x, load_met)
         errors_reverse[f"error at {name}"] = relative_error(
-            t, formulas.stuck(x, load_met) + f * slipped_pressure
+            time, formulas.stuck(x, load_met) + friction * slipped_pressure
         )
     worst_forward = max(errors_forward.values())
     worst_reverse = max(errors_reverse.values())
 
     # Slip comes to rest at E everywhere; reverse slip then starts from the edges.
     time_before = 1e-6
-    around_e = case.solve(time=[e - time_before, e + time_before])
+    around_e = case.solve(time=[time_of_e - time_before, time_of_e + time_before])
     stick_ratio = (around_e.stick_half_width / around_e.contact_half_width).tolist()
-    slip_at_times = case.solve(time=[b, e - time_before, e], x=[0.8, 0.85], fields=("slip",)).slip
-    slowest_ratio = float(
-        np.max(
-            (slip_at_times[2] - slip_at_times[1])
-            / time_before
-            / ((slip_at_times[2] - slip_at_times[0]) / (e - b))
-        )
-    )
+    slip_at_times = case.solve(
+        time=[time_of_b, time_of_e - time_before, time_of_e], x=[0.8, 0.85], fields=("slip",)
+    ).slip
+    speed_before_e = (slip_at_times[2] - slip_at_times[1]) / time_before
+    mean_speed = (slip_at_times[2] - slip_at_times[0]) / (time_of_e - time_of_b)
+    slowest_ratio = float(np.max(speed_before_e / mean_speed))
     numbers_at_rest = {
         "stick before": stick_ratio[0],
         "slip after": 1 - stick_ratio[1],
         "speed before": slowest_ratio,
     }
+    comes_to_rest = (
+        stick_ratio[0] < 1 - EXACT and 1 - stick_ratio[1] <= EXACT and slowest_ratio <= 1e-5
+    )
     return {
         "(5)": (
             judge(max(error_in_stick, error_in_slip) <= EXACT, nearly=error_in_stick <= EXACT),
             {"error in full stick": error_in_stick, "error in slip": error_in_slip},
         ),
         "(6)": (judge(worst_forward <= EXACT), errors_forward | {"largest error": worst_forward}),
-        "full stick at E": (
-            judge(
-                stick_ratio[0] < 1 - EXACT and 1 - stick_ratio[1] <= EXACT and slowest_ratio <= 1e-5
-            ),
-            numbers_at_rest,
-        ),
+        "full stick at E": (judge(comes_to_rest), numbers_at_rest),
         "(7)": (judge(worst_reverse <= EXACT), errors_reverse | {"largest error": worst_reverse}),
         "residual tractions": _residual_tractions(case),
     }
@@ -128,11 +140,16 @@ def _residual_tractions(case: Case) -> Found:
     formulas = Formulas(case)
     inner_load = formulas.initial_meeting(case.time("E"))
     outer_load = float(formulas.front("EG", case.time("G")))
-    bounds = case.width([inner_load, outer_load])
+    bounds_of_locked = case.width([inner_load, outer_load])
     shares = np.linspace(0.01, 0.99, 50)
-    x = np.concatenate([bounds[0] * shares, bounds[0] + (bounds[1] - bounds[0]) * shares])
+    places = np.concatenate(
+        [
+            bounds_of_locked[0] * shares,
+            bounds_of_locked[0] + (bounds_of_locked[1] - bounds_of_locked[0]) * shares,
+        ]
+    )
     times = [case.time(letter) for letter in "BGM"]
-    slip = case.solve(time=times, x=x, fields=("slip",)).slip / (case.compliance * case.unit)
+    slip = case.solve(time=times, x=places, fields=("slip",)).slip / (case.compliance * case.unit)
     locked_slip = np.abs(slip[1] - slip[0])
     later_change = float(np.max(np.abs(slip[2] - slip[1])))
     largest_within = float(np.max(locked_slip[:50]))
@@ -141,16 +158,16 @@ def _residual_tractions(case: Case) -> Found:
     # At G: the engine's q without the hooks of reverse slip, and without what loading in stick to
     # P_T would have left.
     largest_half_width = float(case.width(case.events["G"].normal_load))
-    x = np.array(
+    places = np.array(
         [
             0.0,
-            bounds[0],
-            0.7 * bounds[1] + 0.3 * largest_half_width,
-            0.1 * bounds[1] + 0.9 * largest_half_width,
+            bounds_of_locked[0],
+            0.7 * bounds_of_locked[1] + 0.3 * largest_half_width,
+            0.1 * bounds_of_locked[1] + 0.9 * largest_half_width,
         ]
     )
-    shear = case.solve(time=[case.time("G")], x=x, fields=("shear",)).shear[0]
-    place_in_units = x * case.length
+    shear = case.solve(time=[case.time("G")], x=places, fields=("shear",)).shear[0]
+    place_in_units = places * case.length
     load_at_g = case.events["G"].normal_load
     pressure_hooks = case.contact.pressure(place_in_units, load_at_g) - case.contact.pressure(
         place_in_units, outer_load
@@ -161,8 +178,8 @@ def _residual_tractions(case: Case) -> Found:
     largest_beyond = float(np.max(np.abs(scaled_residual[2:])))
     holds = max(largest_within, later_change, largest_beyond) <= _ROUNDING < least_locked
     return judge(holds and abs(share_at_centre) <= _ROUNDING, nearly=holds), {
-        "a(P_Z)/a0": float(bounds[0]),
-        "a(P_T)/a0": float(bounds[1]),
+        "a(P_Z)/a0": float(bounds_of_locked[0]),
+        "a(P_T)/a0": float(bounds_of_locked[1]),
         "slip within a(P_Z)": largest_within,
         "slip beyond a(P_Z)": least_locked,
         "change in later cycles": later_change,
@@ -173,28 +190,28 @@ def _residual_tractions(case: Case) -> Found:
 
 # ----------------------------------------------------------------------- stick, slip and separation
 def course(case: Case) -> dict[str, Found]:
-    """Statements on stick, slip and separation through the cycle. Name of a statement -> (verdict,
-    numbers).
+    """Checks of the paper's statements on stick, slip and separation through the cycle, between
+    events that it calls by the letters A to M. Name of a statement -> (verdict, numbers).
     """
     revolution = 2 * math.pi
-    t = {letter: case.time(letter) for letter in LETTERS}
-    depth_of_hold = _slip_depth(case, t["G"], t["I"])
-    depth_of_forward_slip = _slip_depth(case, t["I"], t["M"])
+    time_of = {letter: case.time(letter) for letter in LETTERS}
+    depth_of_hold = _slip_depth(case, time_of["G"], time_of["I"])
+    depth_of_forward_slip = _slip_depth(case, time_of["I"], time_of["M"])
     numbers_of_stick = {
         "deepest slip in G-I": float(depth_of_hold.max()),
         "least slip in I-M": float(depth_of_forward_slip.min()),
-        "share of the cycle": (t["I"] - t["G"]) / revolution,
+        "share of the cycle": (time_of["I"] - time_of["G"]) / revolution,
     }
     front_of_first_cycle = float(case.width(case.events["E"].front_load))
     front_in_reverse = float(case.width(case.events["G"].front_load))
     front_forward = float(case.width(case.events["M"].front_load))
     shares_of_cycle = {
-        "forward": (t["M"] - t["I"]) / revolution,
-        "reverse": (t["G"] - t["E"]) / revolution,
+        "forward": (time_of["M"] - time_of["I"]) / revolution,
+        "reverse": (time_of["G"] - time_of["E"]) / revolution,
     }
     # From G of the first cycle on: the engine marches along it, later ones it looks up.
     slip = case.solve(
-        time=t["G"] + np.linspace(0.0, revolution, 361), x=POINTS, fields=("slip",)
+        time=time_of["G"] + np.linspace(0.0, revolution, 361), x=POINTS, fields=("slip",)
     ).slip
     relative_net_slip = float(np.max(np.abs(slip[-1] - slip[0])) / np.max(np.ptp(slip, axis=0)))
     return {
@@ -206,7 +223,7 @@ def course(case: Case) -> dict[str, Found]:
             judge(front_of_first_cycle < case.stick_edge),
             {"first cycle": front_of_first_cycle, "steady": case.stick_edge},
         ),
-        "slip advances from B to E": _advance_of_slip(case, t["B"], t["E"]),
+        "slip advances from B to E": _advance_of_slip(case, time_of["B"], time_of["E"]),
         "slip as deep forward as in reverse": (
             judge(abs(front_forward - front_in_reverse) <= _ROUNDING),
             {"forward": front_forward, "reverse": front_in_reverse},
@@ -236,15 +253,17 @@ def _advance_of_slip(case: Case, start_time: float, end_time: float) -> Found:
     """Statement that the stick zone shrinks from B to E (times `start_time` and `end_time`), while
     the contact grows from B to C.
     """
-    stick = case.solve(time=np.linspace(start_time, end_time, 201)).stick_half_width / case.length
-    contact = case.width([case.events[letter].normal_load for letter in "BC"])
-    least_fall = float(np.min(-np.diff(stick)))
-    return judge(least_fall > 0 and contact[1] > contact[0]), {
+    stick_half_widths = (
+        case.solve(time=np.linspace(start_time, end_time, 201)).stick_half_width / case.length
+    )
+    contact_half_widths = case.width([case.events[letter].normal_load for letter in "BC"])
+    least_fall = float(np.min(-np.diff(stick_half_widths)))
+    return judge(least_fall > 0 and contact_half_widths[1] > contact_half_widths[0]), {
         "least fall of c in a step": least_fall,
-        "c at B": float(stick[0]),
-        "c at E": float(stick[-1]),
-        "a at B": float(contact[0]),
-        "a at C": float(contact[1]),
+        "c at B": float(stick_half_widths[0]),
+        "c at E": float(stick_half_widths[-1]),
+        "a at B": float(contact_half_widths[0]),
+        "a at C": float(contact_half_widths[1]),
     }
 
 
@@ -259,15 +278,19 @@ def slip_speed(case: Case, x: float = POINTS[0]) -> Found:
     for span in chain.from_iterable(case.slipping.values()):
         start_time, end_time = (float(time[0]) for time in slip_times(span, edge_load))
         if end_time > start_time:
-            sense = 0 if span.direction > 0 else 1
+            index_of_direction = 0 if span.direction > 0 else 1
             slip = case.solve(
                 time=[start_time + span.delay, end_time + span.delay], x=[x], fields=("slip",)
             ).slip[:, 0]
-            distance[sense] += abs(float(slip[1] - slip[0])) / (case.compliance * case.unit)
-            duration[sense] += end_time - start_time
-    phases = np.array([case.time("M") - case.time("I"), case.time("G") - case.time("E")])
+            distance[index_of_direction] += abs(float(slip[1] - slip[0])) / (
+                case.compliance * case.unit
+            )
+            duration[index_of_direction] += end_time - start_time
+    duration_of_phases = np.array(
+        [case.time("M") - case.time("I"), case.time("G") - case.time("E")]
+    )
     ratio_in_slip = float(np.divide(*(distance / duration)))
-    ratio_over_phases = float(np.divide(*(distance / phases)))
+    ratio_over_phases = float(np.divide(*(distance / duration_of_phases)))
     numbers = {
         "speeds while the point slips": ratio_in_slip,
         "speeds over the phases": ratio_over_phases,
@@ -308,7 +331,9 @@ def _sequence(states: Sequence[str]) -> list[str]:
 
 
 def one_way_slip(case: Case) -> Found:
-    """Statement on the half-width beyond which no reverse slip rubs."""
+    """Check of the paper's statement on where slip is in one direction only: the |x|/a0, printed as
+    0.88, beyond which reverse slip does no work. It is found by halving the zone of slip down.
+    """
     inner_edge = case.stick_edge
     outer_edge = case.outer_edge
     for _ in range(5):
@@ -435,18 +460,20 @@ def _changes(case: Case, changed_cases: Sequence[Case]) -> dict[str, float]:
     of W as closed integral of Q dU, which knows Q0.
     """
 
-    def stick_zones(chosen_case: Case) -> Array:
+    def stick_half_widths_of(chosen_case: Case) -> Array:
         return (
             chosen_case.solve(time=chosen_case.round_times(73)).stick_half_width
             / chosen_case.length
         )
 
-    zones_of_case = stick_zones(case)
+    stick_of_case = stick_half_widths_of(case)
     work_of_case = case.steady.loop_work
     zone_changes = []
     work_changes = []
     for changed_case in changed_cases:
-        zone_changes.append(float(np.max(np.abs(stick_zones(changed_case) - zones_of_case))))
+        zone_changes.append(
+            float(np.max(np.abs(stick_half_widths_of(changed_case) - stick_of_case)))
+        )
         work_changes.append(abs(changed_case.steady.loop_work / work_of_case - 1))
     return {"change of c": max(zone_changes), "change of W": max(work_changes)}
 
@@ -461,11 +488,9 @@ def work(case: Case) -> dict[str, Found]:
     outer_edge = case.outer_edge
     forward_share = float(batch.forward / batch.value)
     shares = {"share of forward slip": forward_share, "share of reverse slip": 1 - forward_share}
-    values = total(
-        case.density(
-            inner_edge + (outer_edge - inner_edge) * np.array([-0.5, -1e-9, 0.5, 1 - 1e-9])
-        )
-    ).tolist()
+    shares_of_zone = np.array([-0.5, -1e-9, 0.5, 1 - 1e-9])
+    places = inner_edge + (outer_edge - inner_edge) * shares_of_zone
+    values = total(case.density(places)).tolist()
     work_of_stuck = max(values[:2])
     value_in_middle = values[2]
     value_at_edge = values[3]
@@ -477,10 +502,8 @@ def work(case: Case) -> dict[str, Found]:
     def exponent(origin: float, sense: float) -> float:
         """d ln W / d ln(distance) close to an end."""
         distance = (outer_edge - inner_edge) * np.array([1e-6, 1e-5])
-        return float(
-            np.diff(np.log(total(case.density(origin + sense * distance))))[0]
-            / np.diff(np.log(distance))[0]
-        )
+        density = total(case.density(origin + sense * distance))
+        return float(np.diff(np.log(density))[0] / np.diff(np.log(distance))[0])
 
     exponent_at_stick = exponent(inner_edge, 1.0)
     exponent_at_edge = exponent(outer_edge, -1.0)

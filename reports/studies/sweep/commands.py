@@ -29,8 +29,10 @@ def sweep(study: str, options: Options) -> Answer:
 
 
 def swept(source: str, options: Options, *, announced: bool = False) -> Answer:
-    """The command `sweep`: run a study into its folder, or resume it. `announced`: what it is about
-    is printed before the work.
+    """The command `sweep`: solve the points of a study that have no stored result, and list all.
+
+    `source` names the study's file. With `announced` the command first prints how many points it
+    has, and how many are stored.
     """
     from reports.folder import claim, default_folder
     from reports.studies.sweep.running import prepare, work, workers_of
@@ -76,8 +78,8 @@ def swept(source: str, options: Options, *, announced: bool = False) -> Answer:
 
 
 def _announced(prepared: Prepared) -> Iterator[str]:
-    """Lines on what a sweep is about: points, engines, figures, what is stored already, what was
-    damaged.
+    """Lines printed before a sweep: how many points it has, its engines and figures, how many
+    points have results already, and which stored results were damaged.
     """
     study = prepared.study
     n_points = len(prepared.points)
@@ -111,20 +113,12 @@ def _points(prepared: Prepared, table: DataFrame, state: dict[str, Any]) -> Iter
     if len(solved_rows) > _SHOWN:
         yield f"... and {len(solved_rows) - _SHOWN} other points; see index.csv"
     if len(failed_rows):
-        coordinates_in_words = [
-            described(prepared.points[k].coordinates) for k in failed_rows["number"][:_SHOWN]
-        ]
-        reasons = list(
-            zip(
-                map(str, failed_rows["number"]),
-                coordinates_in_words,
-                failed_rows["reason"],
-                strict=False,
-            )
-        )
-        yield Sheet(
-            f"{len(failed_rows)} of {len(table)} points failed", ("point", "at", "reason"), reasons
-        )
+        rows_shown = failed_rows[:_SHOWN]
+        failures = []
+        for number, reason in zip(rows_shown["number"], rows_shown["reason"], strict=True):
+            failures.append((str(number), described(prepared.points[number].coordinates), reason))
+        title = f"{len(failed_rows)} of {len(table)} points failed"
+        yield Sheet(title, ("point", "at", "reason"), failures)
     folder = prepared.store.folder
     yield (
         f"{len(solved_rows)} points done, {len(failed_rows)} failed; `halfplane sweep report"

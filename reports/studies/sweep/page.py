@@ -228,6 +228,9 @@ class _Sheet:
     """
 
     def __init__(self, name: str, table: pd.DataFrame, axes: Sequence[Axis], scene: Scene) -> None:
+        """Take from the table of a sweep the values of the figure `name` at all points, with their
+        uncertainties, in the unit that is shown, and the words for its title and axis.
+        """
         self.name = name
         self.table = table
         self.axes = {column: axis for axis in axes for column in axis.columns}
@@ -259,7 +262,7 @@ class _Sheet:
         number_axes = [name for name in varied_axes if name not in word_axes]
         stem = self.drawn_column.replace(".", "-")
         title = self.title_words
-        csv = {
+        csv_columns = {
             **{column: self.numbers(column) for column in number_axes},
             f"{self.drawn_column} [{self.unit}]": self.value,
             "uncertainty": self.uncertainty,
@@ -268,18 +271,21 @@ class _Sheet:
             text = (
                 f"{number(float(self.value[0]))}: the sweep has one point on every axis of numbers"
             )
-            return Plate(stem, title, text, text, (), csv)
-        keys = self._values_in_words(word_axes)
-        combinations = np.unique(keys).tolist()
-        masks = [(combination, keys == combination) for combination in combinations[:_PANELS]]
+            return Plate(stem, title, text, text, (), csv_columns)
+        combination_of_rows = self._values_in_words(word_axes)
+        combinations = np.unique(combination_of_rows).tolist()
+        masks = [
+            (combination, combination_of_rows == combination)
+            for combination in combinations[:_PANELS]
+        ]
         legend: tuple[Key, ...] = ()
         panels: list[Panel | Cell]
         if len(number_axes) == 1:
             signs_in_words = "bars are its uncertainty; hollow: not resolved"
             panels = [self.line(stem, masks, number_axes[0])]
             legend = tuple(
-                Key(f"line-{k}", _plain(combination))
-                for k, (combination, _) in enumerate(masks)
+                Key(f"line-{index}", _plain(combination))
+                for index, (combination, _) in enumerate(masks)
                 if combination
             )
         elif len(number_axes) == 2 and self._filled_share(number_axes) > _FILLED:
@@ -288,16 +294,16 @@ class _Sheet:
                 " result; bars are the uncertainty"
             )
             panels = [
-                self.map(f"{stem}-{k}", mask, number_axes, combination)
-                for k, (combination, mask) in enumerate(masks)
+                self.map(f"{stem}-{index}", mask, number_axes, combination)
+                for index, (combination, mask) in enumerate(masks)
             ]
-            for k, (_, mask) in enumerate(masks):
-                panels += self.along_each(f"{stem}-{k}", mask, number_axes)
+            for index, (_, mask) in enumerate(masks):
+                panels += self.along_each(f"{stem}-{index}", mask, number_axes)
         else:
             signs_in_words = "hollow: not resolved; colour: the second axis"
             panels = [
-                self.cloud(f"{stem}-{k}", mask, number_axes, combination)
-                for k, (combination, mask) in enumerate(masks)
+                self.cloud(f"{stem}-{index}", mask, number_axes, combination)
+                for index, (combination, mask) in enumerate(masks)
             ]
         if not np.isfinite(self.uncertainty).any():
             signs_in_words = "without uncertainty"
@@ -313,14 +319,22 @@ class _Sheet:
             caption,
             f"{title}. {caption}",
             tuple(panels),
-            csv,
+            csv_columns,
             legend,
             min(3, len(panels)),
         )
 
     def along_each(self, name: str, mask: Mask, columns: Sequence[str]) -> Iterator[Panel]:
-        """Panels with lines along each of two axes, one line for each value of the other, which
-        stands at its end; of many values the first, the last and some between.
+        """Two panels of lines for a map over two axes: one along each axis, with a line for each
+        value of the other axis, which is written at its end. Of many values the first, the last and
+        some between are drawn.
+
+        Parameters
+        ----------
+        mask
+            (n,) points of the sweep that belong to the map
+        columns
+            names of the two axes
         """
         for number_of_panel, (column, other_column) in enumerate((columns, columns[::-1])):
             values = np.unique(self.numbers(other_column)[mask])
@@ -392,53 +406,62 @@ class _Sheet:
     def line(
         self, name: str, masks: Sequence[tuple[str, Mask]], column: str, *, named: bool = False
     ) -> Panel:
-        """A panel of curves over one axis, one for each of `masks`: dots with bars; of many points
-        a band, and dots where unresolved, so that the page stays small.
+        """A panel of curves of the figure's values over one axis of the sweep.
 
-        With `named` each curve has its words at its end.
+        Points are dots with bars for their uncertainty; a curve of many points has a band instead,
+        and dots where the value is not resolved, so that the page stays small.
+
+        Parameters
+        ----------
+        masks
+            for each curve its label, and which points of the sweep it has, (n,)
+        column
+            name of the axis
+        named
+            whether each curve has its label at its end
         """
-        lower_end, upper_end = limits(self.low, self.high)
+        low_value, high_value = limits(self.low, self.high)
         if named:  # room for the words
-            upper_end += _WORDS_OF_LINE * len(masks) * (upper_end - lower_end)
-        marks: list[Mark] = [Rule(0.0, "zero")] if lower_end < 0 < upper_end else []
+            high_value += _WORDS_OF_LINE * len(masks) * (high_value - low_value)
+        drawn_marks: list[Mark] = [Rule(0.0, "zero")] if low_value < 0 < high_value else []
         places = self.numbers(column)
         x_axis = self.axis(column)
-        for k, (curve_in_words, mask) in enumerate(masks):
+        for curve_number, (curve_in_words, mask) in enumerate(masks):
             rows = np.flatnonzero(mask)[np.argsort(places[mask])]
-            look = f"line-{k % _LOOKS}"
-            fill = f"p{k % _LOOKS}"
+            look = f"line-{curve_number % _LOOKS}"
+            fill = f"p{curve_number % _LOOKS}"
             x = places[rows]
             y = self.value[rows]
-            marks.append(Curve(x, y, look, curve_in_words or self.title_words))
+            drawn_marks.append(Curve(x, y, look, curve_in_words or self.title_words))
             if named:
-                shift_down = 14.0 + 15.0 * k
-                marks.append(
+                shift_down = 14.0 + 15.0 * curve_number
+                drawn_marks.append(
                     Note(
                         x_axis.high,
-                        upper_end,
+                        high_value,
                         curve_in_words,
-                        f"tick over t{k}",
+                        f"tick over t{curve_number}",
                         "end",
                         (-4.0, shift_down),
                     )
                 )
             is_long = len(rows) > _MARKED
             if is_long:
-                marks.insert(0, Band(x, self.low[rows], self.high[rows], f"{fill} pale"))
+                drawn_marks.insert(0, Band(x, self.low[rows], self.high[rows], f"{fill} pale"))
             else:
-                marks.append(bars(x, self.low[rows], self.high[rows], look))
+                drawn_marks.append(bars(x, self.low[rows], self.high[rows], look))
             for dot_x, dot_y, is_unresolved in zip(
                 x.tolist(), y.tolist(), self.unresolved[rows], strict=True
             ):
                 if is_unresolved:
-                    marks.append(Dot(dot_x, dot_y, f"{look} hollow", 3.0))
+                    drawn_marks.append(Dot(dot_x, dot_y, f"{look} hollow", 3.0))
                 elif not is_long:
-                    marks.append(Dot(dot_x, dot_y, f"{look} {fill}", 3.0))
+                    drawn_marks.append(Dot(dot_x, dot_y, f"{look} {fill}", 3.0))
         return Panel(
             name,
             x_axis,
-            ChartAxis(lower_end, upper_end, self.words),
-            marks,
+            ChartAxis(low_value, high_value, self.words),
+            drawn_marks,
             f"{self.title_words} over {self.label(column)}",
             480.0,
             340.0,
@@ -457,15 +480,15 @@ class _Sheet:
         share_of_range = np.where(mask, (self.value - least_value) / range_of_values, np.nan)
         names = [self.title(row) for row in range(len(share_of_range))]
         x, y = map(self.numbers, columns)
-        marks = heat_map((x_axis, y_axis), (x, y), share_of_range, names, self.unresolved)
+        drawn_marks = heat_map((x_axis, y_axis), (x, y), share_of_range, names, self.unresolved)
         rows_of_cells = np.flatnonzero(mask & np.isfinite(self.value)).tolist()
         if len(rows_of_cells) <= _NUMBERED:
-            marks += [
+            drawn_marks += [
                 Note(x[row], y[row], significant(self.value[row], 3), "tick over", "middle", (0, 4))
                 for row in rows_of_cells
             ]
         alt = f"Map of {self.title_words}, {combination}"
-        panel = Panel(name, x_axis, y_axis, marks, alt, 480.0, 360.0, _plain(combination))
+        panel = Panel(name, x_axis, y_axis, drawn_marks, alt, 480.0, 360.0, _plain(combination))
         if is_flat:
             return Cell((panel,), None)
         scale = colour_scale(f"{name}-colours", (least_value, largest_value), self.words)
@@ -482,11 +505,11 @@ class _Sheet:
             share_of_scale = np.interp(np.log(coloured_values), np.log(ends), [0.0, 1.0])
         else:
             share_of_scale = np.interp(coloured_values, ends, [0.0, 1.0])
-        marks: list[Mark] = [bars(x[mask], self.low[mask], self.high[mask], "faint")]
+        drawn_marks: list[Mark] = [bars(x[mask], self.low[mask], self.high[mask], "faint")]
         for row in np.flatnonzero(mask & np.isfinite(self.value)).tolist():
             look = "faint hollow" if self.unresolved[row] else ""
             fill = "" if look else shades([share_of_scale[row]])[0]
-            marks.append(
+            drawn_marks.append(
                 Dot(float(x[row]), float(self.value[row]), look, 3.6, self.title(row), fill=fill)
             )
         y_axis = ChartAxis(*limits(self.low, self.high), self.words)
@@ -494,7 +517,7 @@ class _Sheet:
             name,
             x_axis,
             y_axis,
-            marks,
+            drawn_marks,
             f"{self.title_words} over {x_axis.words}, {combination}",
             480.0,
             340.0,
@@ -526,8 +549,18 @@ def heat_map(
     names: Sequence[str],
     is_unresolved: Mask,
 ) -> list[Mark]:
-    """Marks of a map: cells around places (n,) on both axes, coloured by `share` (n,) of the scale;
-    hatched where unresolved, grey where NaN.
+    """The coloured rectangles of a map, one around each of n places, on a grey ground.
+
+    Parameters
+    ----------
+    places
+        (n,) coordinates on each of the two axes
+    share
+        (n,) share of the scale of colours; where it is NaN the ground is seen
+    names
+        label of each rectangle
+    is_unresolved
+        (n,) whether it is hatched
     """
     x_axis, y_axis = axes
     marks: list[Mark] = [Block((x_axis.low, x_axis.high), (y_axis.low, y_axis.high), "no-value")]

@@ -117,8 +117,8 @@ class Dask:
         self._open: list[Any] = []  # the client, then the cluster if it is ours
 
     def died(self, fault: BaseException) -> bool:
-        """Whether a fault of a task means that its worker died; InputError where the scheduler is
-        gone.
+        """Whether the exception that a task ended with means that its worker process died.
+        InputError where it means that the dask scheduler is gone.
         """
         from distributed import KilledWorker
         from distributed.comm.core import CommClosedError
@@ -242,9 +242,9 @@ def workers_of(
         raise InputError(f"--workers {workers}: at least 1, or leave it out for all cores")
     if scheduler and executor != "dask":
         raise InputError(f"--scheduler {scheduler}: it goes with --executor dask")
-    return (
-        Dask(scheduler, workers) if executor == "dask" else Processes(workers or _available_cores())
-    )
+    if executor == "dask":
+        return Dask(scheduler, workers)
+    return Processes(workers or _available_cores())
 
 
 def _available_cores() -> int:
@@ -254,11 +254,12 @@ def _available_cores() -> int:
 
 @contextmanager
 def _born_without_ctrl_c() -> Generator[None, None, None]:
-    """Processes that start within this context never hear a Ctrl-C, which a terminal sends to all:
-    they inherit that the signal is blocked.
+    """Block Ctrl-C (SIGINT) within this context, so that worker processes started in it inherit the
+    block: a terminal sends Ctrl-C to all processes, and only this one shall act on it.
 
-    To us the block is of no use: the system hands the signal to any other thread, such as one of
-    BLAS, and Python acts on it in this one. So this is done where interrupts wait.
+    The block does not keep this process itself from a Ctrl-C: the system hands the signal to any
+    other thread, such as one of BLAS, and Python acts on it in this one. The context is therefore
+    used only where interrupts are already held back.
     """
     if sys.platform == "win32":
         yield
@@ -299,8 +300,22 @@ def prepare(
     folder: str | Path,
     report: Callable[[int], None] = lambda _count: None,
 ) -> Prepared:
-    """Check a whole study and look at what its folder holds already; nothing is written. InputError
-    for what is refused; `report` is called with the number of points checked.
+    """Check all points of a study, and find out which of them have no stored result yet. Nothing is
+    solved or written.
+
+    Parameters
+    ----------
+    study
+        a `Study`, or the name of its file
+    folder
+        where results are stored
+    report
+        called with the number of points checked so far
+
+    Raises
+    ------
+    InputError
+        For a study or a point of it that is refused, and where `folder` is a file.
     """
     checked_study = validated(study, Study) if isinstance(study, Study) else load_study(study)
     store = Store(Path(folder))
@@ -418,21 +433,24 @@ class _Sweep:
         )
 
     def _hand_out(self, tasks: deque[Task], signals: Sequence[int]) -> None:
-        """Keep every worker busy, and one task ready, until no task is left or a signal has
-        come.
+        """Give the tasks to the workers and store their answers, until no task is left or a signal
+        has come.
+
+        Every worker has a task, and one more waits. A task is a group of points; a signal is that
+        of Ctrl-C or of the system to end.
         """
         task_of: dict[Future[str], Task] = {}  # those with the workers
         while (tasks or task_of) and not signals:
             while tasks and len(task_of) <= self.pool.width:
                 questions = [point.question.as_json() for point in tasks[0]]
-                text = json.dumps({"versions": code_versions(), "points": questions})
-                task_of[self._submitted(text)] = tasks.popleft()
+                task_text = json.dumps({"versions": code_versions(), "points": questions})
+                task_of[self._submitted(task_text)] = tasks.popleft()
             for future in wait(task_of, timeout=_ROUND, return_when=FIRST_COMPLETED).done:
                 self._take(future, task_of.pop(future))
             if task_of:
                 self.pool.require_alive()
-            handed_out = sum(map(len, task_of.values()))
-            progress_in_words = f"{self.failed} failed, {handed_out} handed out"
+            n_handed_out = sum(map(len, task_of.values()))
+            progress_in_words = f"{self.failed} failed, {n_handed_out} handed out"
             if self.lost:
                 progress_in_words += f", {len(self.lost)} lost with a worker"
             self.report(

@@ -291,19 +291,18 @@ def _value_of_figure(
 def _stated_by_edges(
     name: str, scene: Scene, fe: ContactSolution, exact: ContactSolution | None
 ) -> float:
-    """Uncertainty that the finite elements themselves state for a half-width, 0 where they state
-    none.
+    """Uncertainty that a finite-element solution itself states for the figure `name`, where this is
+    a half-width of contact or stick; 0 for other figures, and where it states none.
 
-    That is the larger of both edges' uncertainties, the median over the last cycle; for an error,
-    over theory's half-width.
+    It is the larger uncertainty of both edges, as the median over the last cycle [length]; of an
+    error (finite elements/theory - 1) it is divided by theory's half-width.
     """
     prefix, _, quantity = name.partition(".")
     if prefix == "exact" or not QUANTITIES[quantity].edges:
         return 0.0
     edge_uncertainties = np.asarray(getattr(fe, QUANTITIES[quantity].edges))[fe.last_cycle]
-    uncertainty_of_worse_edge = edge_uncertainties.max(axis=1)[
-        np.isfinite(edge_uncertainties).all(axis=1)
-    ]
+    is_known = np.isfinite(edge_uncertainties).all(axis=1)
+    uncertainty_of_worse_edge = edge_uncertainties.max(axis=1)[is_known]
     scale = 1.0
     if prefix == "error" and exact is not None:
         scale = QUANTITIES[quantity].of(exact, scene)
@@ -408,8 +407,8 @@ def solve_task(text: str) -> str:
 
 
 def _answer(question: Question) -> dict[str, Any]:
-    """The answer to one question as JSON values: its status and figures, or the reason why it has
-    none; with seconds and host.
+    """Solve one point of a sweep; return the answer as JSON values: its status "done" or "failed",
+    the reason of a failure, its figures, notes and record, the seconds it took, and the host.
     """
     start_seconds = time.perf_counter()
     try:
@@ -441,8 +440,10 @@ def _answer(question: Question) -> dict[str, Any]:
 
 
 def _solve(question: Question) -> dict[str, Any]:
-    """Figures, notes and record that a question asks for, as JSON values. A number that is not
-    finite becomes None, and a note states it.
+    """Solve one point of a sweep by the engines that it asks for: its figures with their
+    uncertainties, notes on them, and the record of the solution, as JSON values.
+
+    A number that is not finite becomes None, and a note states it.
     """
     fe = None
     notes: dict[str, str] = {}
@@ -497,10 +498,12 @@ def _record(solution: ContactSolution | None) -> dict[str, Any]:
 
 
 def _finite_elements(question: Question) -> tuple[FiniteElementSolution, dict[str, str]]:
-    """The finite-element solution of a question, and notes by figure ("" for all).
+    """Solve one point of a sweep by finite elements; return the solution, and a note under "" where
+    it was solved on a mesh of its own.
 
-    Where its group of questions shares bodies it is solved on these; where they don't hold the
-    contact, on bodies of its own.
+    A group of points that differ in loads and friction shares a mesh, whose factorisation is then
+    done once. It is made for the largest load; where the contact leaves its fine side, or may move
+    with a tilt, the point gets a mesh of its own.
     """
     import halfplane_fe
 
@@ -524,8 +527,9 @@ def _finite_elements(question: Question) -> tuple[FiniteElementSolution, dict[st
 
 
 def _shared_scales(scene: Scene) -> Scales:
-    """Scales of the same bodies under the largest load alone, without friction: they are one for a
-    group of scenes that differ in friction, history or words.
+    """The size of contact for which the shared mesh of a group of scenes is made: that of the same
+    bodies under the largest load alone, without friction. It is the same for scenes that differ in
+    friction, in the history of the loads, or in their names and titles.
     """
     from halfplane_fe.scales import largest_load
 
@@ -547,8 +551,8 @@ def _shared_scales(scene: Scene) -> Scales:
 
 @lru_cache(maxsize=256)
 def _scales_of(scene: str) -> Scales:
-    """Scales that a mesh is made for, of a scene as JSON; without those of slip and dissipation,
-    since without friction or Q they say nothing.
+    """Contact sizes of a scene, stated as JSON text, from a coarse solve: a mesh is made by them.
+    Those of slip and dissipation are left out, since the scene has neither friction nor Q.
     """
     from halfplane_fe.scales import find_scales
 
@@ -586,7 +590,8 @@ def _effects_of_rig(scene: Scene) -> BodyEffects | None:
 
 
 def evaluate(question: Question, fe: ContactSolution | None, *, polygon: bool = False) -> Evaluated:
-    """Every figure that a question asks for.
+    """Compute every figure that a point of a sweep asks for, from a finite-element solution `fe`
+    (None without these) and from half-plane theory, which is solved here.
 
     Theory is solved on the points and instants of `fe`, with `polygon` on the straight lines
     between them. Theory alone, and that of prescribed displacements, is solved on its own points

@@ -71,8 +71,9 @@ class Axis(Frozen):
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
-        """Check that an axis has its values in exactly one of the four ways, and the names and keys
-        that go with it.
+        """Check that an axis states its values in exactly one of the four ways (a list, an even
+        range, a logarithmic range, pairs), with the names and keys that this way needs. ValueError
+        if not.
         """
         if self.key and not self.name and not self.names:
             object.__setattr__(self, "name", re.sub(r"\W", "_", self.key))
@@ -372,21 +373,25 @@ def _point(
     """The point `number` of a study at these coordinates: the scene, given by its keys, with all
     changes put in, and the question asked of it.
     """
-    values: dict[str, Value] = dict(study.set)
-    names: dict[str, Value] = dict(coordinates)
+    value_by_key: dict[str, Value] = dict(study.set)
+    value_by_name: dict[str, Value] = dict(coordinates)
     for axis in study.axes:
-        values |= {key: coordinates[column] for key, column in axis.targets}
-    for name, text in study.derived.items():
-        derived_value = evaluate(text, names) if isinstance(text, str) else float(text)
+        value_by_key |= {key: coordinates[column] for key, column in axis.targets}
+    for name, expression in study.derived.items():
+        derived_value = (
+            evaluate(expression, value_by_name)
+            if isinstance(expression, str)
+            else float(expression)
+        )
         if "." in name:  # a key of the scene
-            values[name] = derived_value
+            value_by_key[name] = derived_value
         else:
-            names[name] = derived_value
+            value_by_name[name] = derived_value
     settings: dict[str, dict[str, Any]] = {"mesh": {}, "solver": {}}
-    for key, value in values.items():
-        head, _, rest = key.partition(".")
-        if head in settings:
-            settings[head][rest] = value
+    for key, value in value_by_key.items():
+        first_part, _, setting_name = key.partition(".")
+        if first_part in settings:
+            settings[first_part][setting_name] = value
         else:
             _place(scene_content, key, value)
     scene = checked(Scene, scene_content, of_file=True)
@@ -404,37 +409,41 @@ def _point(
 
 
 def _place(content: dict[str, Any], key: str, value: Value) -> None:
-    """Set a dotted key of a scene given by its keys: the parts before the last must be there, the
-    last is judged by the scene. A key of one material is that of both bodies, as in a scene file.
+    """Set the value of a dotted key such as "load.mean_normal_load" in the nested tables of a
+    scene.
+
+    InputError where the tables that it names before its last part are not there; whether the scene
+    takes the last part is checked later. A key of one material is set for both bodies, as in a
+    scene file.
     """
-    *path, last_key = key.split(".")
-    if path == ["material"] and last_key not in content["material"]:
+    *outer_keys, last_key = key.split(".")
+    if outer_keys == ["material"] and last_key not in content["material"]:
         for body in content["material"]:
             _place(content, f"material.{body}.{last_key}", value)
         return
-    level: Any = content
-    for depth, part in enumerate(path):
-        if isinstance(level, list) and part.isdigit() and int(part) < len(level):
-            level = level[int(part)]
-        elif isinstance(level, dict) and part in level:
-            level = level[part]
+    table: Any = content
+    for depth, outer_key in enumerate(outer_keys):
+        if isinstance(table, list) and outer_key.isdigit() and int(outer_key) < len(table):
+            table = table[int(outer_key)]
+        elif isinstance(table, dict) and outer_key in table:
+            table = table[outer_key]
         else:
             known_parts = "none"
-            if isinstance(level, dict):
-                known_parts = ", ".join(level)
-            elif isinstance(level, list):
-                known_parts = f"numbers up to {len(level) - 1}"
-            cause = neglected(part) or f" known there: {known_parts}"
-            raise InputError(f"{key}: the scene has no {'.'.join(path[: depth + 1])};{cause}")
-    if isinstance(level, list) and last_key.isdigit() and int(last_key) < len(level):
-        level[int(last_key)] = value
-    elif isinstance(level, dict):
-        level[last_key] = value
+            if isinstance(table, dict):
+                known_parts = ", ".join(table)
+            elif isinstance(table, list):
+                known_parts = f"numbers up to {len(table) - 1}"
+            cause = neglected(outer_key) or f" known there: {known_parts}"
+            raise InputError(f"{key}: the scene has no {'.'.join(outer_keys[: depth + 1])};{cause}")
+    if isinstance(table, list) and last_key.isdigit() and int(last_key) < len(table):
+        table[int(last_key)] = value
+    elif isinstance(table, dict):
+        table[last_key] = value
         if last_key == "file":  # the rows that are there are those of another file
             for rows in ("rows", "points"):
-                level.pop(rows, None)
+                table.pop(rows, None)
     else:
-        raise InputError(f"{key}: {'.'.join(path)} is no table of keys")
+        raise InputError(f"{key}: {'.'.join(outer_keys)} is no table of keys")
 
 
 def _settings(
@@ -447,10 +456,10 @@ def _settings(
     from meshes import MeshSettings
 
     type_in_words = {int: "a whole number", float: "a number", str: "a word", bool: "true or false"}
-    settings: list[Any] = []
-    bases = (("mesh", MeshSettings.preset(preset)), ("solver", SolverSettings()))
-    for name, base in bases:
-        types = {key: type(value) for key, value in asdict(base).items()}
+    changed_settings: list[Any] = []
+    defaults_by_name = (("mesh", MeshSettings.preset(preset)), ("solver", SolverSettings()))
+    for name, default_settings in defaults_by_name:
+        types = {key: type(value) for key, value in asdict(default_settings).items()}
         if name == "solver":
             # without a value they have the method's own
             types |= {"normal_stiffness": float, "tangential_stiffness": float}
@@ -460,12 +469,11 @@ def _settings(
                     f"{name}.{key}: there is no such setting; known: {', '.join(types)}"
                 )
             type_of_setting = types[key]
-            if not (
-                type(value) is type_of_setting or (type_of_setting is float and type(value) is int)
-            ):
+            is_whole_for_float = type_of_setting is float and type(value) is int
+            if type(value) is not type_of_setting and not is_whole_for_float:
                 raise InputError(
                     f"{name}.{key} = {value!r} is refused: it is {type_in_words[type_of_setting]}"
                 )
-        settings.append(replace(base, **changes[name]))
-    mesh, solver = settings
+        changed_settings.append(replace(default_settings, **changes[name]))
+    mesh, solver = changed_settings
     return mesh, solver

@@ -95,17 +95,15 @@ class ThirdSolver:
         the error of each metric, then the time.
         """
         third_comparison = self.comparison
-        solutions = [comparison.reference, comparison.result] + (
-            [third_comparison.result] if third_comparison else []
-        )
-        table_rows = []
+        solutions = [comparison.reference, comparison.result]
+        if third_comparison:
+            solutions.append(third_comparison.result)
+        table_rows: list[tuple[str, ...]] = []
         for name, unit, value_in in _values(comparison.scene):
-            values = [value_in(solution) for solution in solutions] + [math.nan] * (
-                3 - len(solutions)
-            )
-            table_rows.append(
-                (f"{name} [{unit}]", *(number(v) if math.isfinite(v) else "–" for v in values))
-            )
+            values = [value_in(solution) for solution in solutions]
+            values += [math.nan] * (3 - len(values))
+            cells = [number(value) if math.isfinite(value) else "–" for value in values]
+            table_rows.append((f"{name} [{unit}]", *cells))
         for key in (
             "dissipation",
             "peak_pressure",
@@ -123,14 +121,12 @@ class ThirdSolver:
                     value_of(third_comparison.metric(key)) if third_comparison else "–",
                 )
             )
-        seconds = [sum(s.work.seconds.values()) for s in (comparison.reference, comparison.result)]
-        table_rows.append(
-            (
-                "time [s]",
-                *(f"{t:.2f}" if t else "–" for t in seconds),
-                f"{self.run_record.seconds:.1f}" if self.run_record else "–",
-            )
-        )
+        time_cells = []
+        for solution in (comparison.reference, comparison.result):
+            seconds = sum(solution.work.seconds.values())
+            time_cells.append(f"{seconds:.2f}" if seconds else "–")
+        time_cells.append(f"{self.run_record.seconds:.1f}" if self.run_record else "–")
+        table_rows.append(("time [s]", *time_cells))
         return table_rows
 
     @property
@@ -276,17 +272,17 @@ def run_calculix(
     program: Path,
     folder: Path,
     name: str,
-    end: float,
-    limit: float,
+    end_time: float,
+    time_limit: float,
     report: Callable[[int, int | None, str], None] | None = None,
 ) -> Done:
     """Run CalculiX on the deck `name`.inp of a folder, with one thread, until it ends.
 
     Parameters
     ----------
-    end
+    end_time
         total time of the deck's last instant
-    limit
+    time_limit
         wall time [s]
     report
         called with (done, total, text) in per cent of the deck's time
@@ -297,11 +293,11 @@ def run_calculix(
         With the last lines of its log where it stopped early, by itself or by the limit. The
         process is gone in any case.
     """
-    begin_time = time.monotonic()
+    start_time = time.monotonic()
     is_late = False
-    log = folder / f"{name}.log"
-    sta = folder / f"{name}.sta"
-    with log.open("w", encoding="utf-8") as stream:
+    log_file = folder / f"{name}.log"
+    status_file = folder / f"{name}.sta"
+    with log_file.open("w", encoding="utf-8") as stream:
         process = subprocess.Popen(
             [str(program), "-i", name],
             cwd=folder,
@@ -312,39 +308,37 @@ def run_calculix(
         )
         try:
             while process.poll() is None and not is_late:
-                is_late = time.monotonic() > begin_time + limit
+                is_late = time.monotonic() > start_time + time_limit
                 if report is not None:
-                    rows = status(sta)
-                    share = rows[-1].total / end if rows else 0.0
-                    report(round(100 * min(share, 1.0)), 100, f"increment {len(rows)}")
+                    increment_rows = status(status_file)
+                    share = increment_rows[-1].total / end_time if increment_rows else 0.0
+                    report(round(100 * min(share, 1.0)), 100, f"increment {len(increment_rows)}")
                 time.sleep(0.0 if is_late else _EVERY)
         finally:
             if process.poll() is None:
                 process.kill()
             process.wait()
-    rows = status(sta)
-    time_reached = max((row.total for row in rows if row.accepted), default=0.0)
-    if is_late or process.returncode != 0 or time_reached < end * (1 - _PRINTED):
-        cause = (
-            f"was stopped at the time limit of {limit:g} s"
-            if is_late
-            else f"ended with exit code {process.returncode}"
-        )
-        lines = [
-            line.strip() for line in log.read_text(encoding="utf-8", errors="replace").splitlines()
+    increment_rows = status(status_file)
+    time_reached = max((row.total for row in increment_rows if row.accepted), default=0.0)
+    if is_late or process.returncode != 0 or time_reached < end_time * (1 - _PRINTED):
+        cause = f"ended with exit code {process.returncode}"
+        if is_late:
+            cause = f"was stopped at the time limit of {time_limit:g} s"
+        log_lines = [
+            line.strip()
+            for line in log_file.read_text(encoding="utf-8", errors="replace").splitlines()
         ]
-        tail = (
-            " | ".join([line for line in lines if not set(line) <= set("_-* ")][-_TAIL:])
-            or "nothing"
-        )
+        lines_with_words = [line for line in log_lines if not set(line) <= set("_-* ")]
+        last_lines = " | ".join(lines_with_words[-_TAIL:]) or "nothing"
         raise ConvergenceError(
-            f"CalculiX {cause} at time {time_reached:.6g} of {end:.6g}, in increment {len(rows)};"
-            f" the last lines of its log: {tail}"
+            f"CalculiX {cause} at time {time_reached:.6g} of {end_time:.6g}, in increment"
+            f" {len(increment_rows)};"
+            f" the last lines of its log: {last_lines}"
         )
     return Done(
-        time.monotonic() - begin_time,
-        sum(row.accepted for row in rows),
-        sum(row.iterations for row in rows),
+        time.monotonic() - start_time,
+        sum(row.accepted for row in increment_rows),
+        sum(row.iterations for row in increment_rows),
     )
 
 
@@ -396,23 +390,24 @@ def _limits(deck: Deck) -> list[str]:
     """
     friction = deck.scene.friction.coefficient
     path = deck.scene.load.path()
-    pressure = deck.mean_pressure / deck.scales.half_width
-    cycle = deck.normal_load[deck.time >= path.cycle_start]
-    load_varies = friction and path.period is not None and np.ptp(cycle) > 1e-9 * cycle.max()
-    radius = (
-        "half_plane" in (deck.scene.bodies.lower.kind, deck.scene.bodies.upper.kind)
-        and deck.settings.far_radius
+    mean_pressure = deck.mean_pressure / deck.scales.half_width
+    load_of_cycle = deck.normal_load[deck.time >= path.cycle_start]
+    load_varies = (
+        friction and path.period is not None and np.ptp(load_of_cycle) > 1e-9 * load_of_cycle.max()
     )
-    creep = friction * pressure / deck.stick_slope
+    kinds = (deck.scene.bodies.lower.kind, deck.scene.bodies.upper.kind)
+    far_radius = "half_plane" in kinds and deck.settings.far_radius
+    creep = friction * mean_pressure / deck.stick_slope
     limits_in_words = words_of("limits_of_calculix")(
-        pressure / deck.stiffness, creep, load_varies, radius
+        mean_pressure / deck.stiffness, creep, load_varies, far_radius
     )
     return [line.strip() for line in str(limits_in_words).split("\n") if line.strip()]
 
 
 def _values(scene: Scene) -> list[tuple[str, str, Callable[[ContactSolution], float]]]:
-    """Label, unit and function of the values that theory, finite elements and CalculiX all have:
-    each of the last cycle, or of the whole path where nothing repeats.
+    """The values by which theory, finite elements and CalculiX are compared: for each its label,
+    its unit, and a function that takes it from a solution. They are of the last cycle, or of the
+    whole path where nothing repeats.
     """
     _, length_unit, stress_unit = units(scene)
     part_of_path = stretch(scene)  # "last cycle" or "whole path"
@@ -428,7 +423,11 @@ def _values(scene: Scene) -> list[tuple[str, str, Callable[[ContactSolution], fl
         return float(np.nanmax(solution.contact_half_width[solution.last_cycle]))
 
     return [
-        (f"work of friction, {part_of_path}", energy_unit(scene), lambda s: s.dissipation),
+        (
+            f"work of friction, {part_of_path}",
+            energy_unit(scene),
+            lambda solution: solution.dissipation,
+        ),
         (f"pressure, {largest_in_words}", stress_unit, largest_pressure),
         (f"shear, {largest_in_words}", stress_unit, largest_shear),
         (f"contact half-width, {largest_in_words}", length_unit, largest_half_width),

@@ -76,7 +76,9 @@ class DeckSettings:
     stick_stiffness: float = 10.0
 
     def __post_init__(self) -> None:
-        """InputError for settings of a deck that are out of range."""
+        """Refuse settings of a deck that are out of range: fewer than 4 or more than 10,000
+        increments a cycle, no cycle, a stiffness that is not positive. Raises InputError.
+        """
         if not 4 <= self.steps_per_cycle <= 10_000:
             raise InputError(
                 f"--steps-per-cycle {self.steps_per_cycle}: refused for a deck, it lies in [4,"
@@ -335,16 +337,18 @@ def _instants(scene: Scene, settings: DeckSettings) -> Array:
     points of the path, and even ones between them.
     """
     path = scene.load.path()
-    steps = settings.steps_per_cycle
+    steps_per_cycle = settings.steps_per_cycle
     n_cycles = min(settings.cycles, scene.cycles) if path.period is not None else 0
-    segments_and_counts = [(path.initial_loading, max(_INITIAL_LOADING * steps, 4.0))]
-    segments_and_counts += [(path.cycle_legs(k), float(steps)) for k in range(n_cycles)]
+    segments_and_counts = [(path.initial_loading, max(_INITIAL_LOADING * steps_per_cycle, 4.0))]
+    segments_and_counts += [
+        (path.cycle_legs(cycle_number), float(steps_per_cycle)) for cycle_number in range(n_cycles)
+    ]
     instants = [path.start]
     for legs, increments_of_part in segments_and_counts:
         duration = legs[-1].end - legs[0].start
         for leg in legs:
-            increments = increments_of_part * (leg.end - leg.start) / duration
-            for stretch in stretches(leg, scene.friction.coefficient, increments):
+            increments_of_leg = increments_of_part * (leg.end - leg.start) / duration
+            for stretch in stretches(leg, scene.friction.coefficient, increments_of_leg):
                 instants.extend(stretch.ends)
     return np.array(instants)
 
@@ -377,28 +381,37 @@ def _areas(places: Array, cells: Indices) -> Array:
 def _body(
     name: str, mesh: BodyMesh, places: Array, first_node: int, first_element: int
 ) -> DeckBody:
-    """One body of a deck, from a mesh whose nodes are moved to `places` (2, n); node and element
-    numbers count from the first ones given.
+    """One body of a deck: its nodes, its elements (anticlockwise), the element faces that may
+    touch, the nodes that are held in each direction, and the ends that bulk stress pulls.
+
+    Parameters
+    ----------
+    name
+        "LOWER" or "UPPER"
+    places
+        (2, n) coordinates of the mesh's nodes in the deck [length]
+    first_node, first_element
+        numbers from which its nodes and elements are counted
     """
     cells = mesh.mesh.t.copy()
-    clockwise = _areas(places, cells) < 0
-    cells[:, clockwise] = cells[:, clockwise][[0, 3, 2, 1]]
+    is_clockwise = _areas(places, cells) < 0
+    cells[:, is_clockwise] = cells[:, is_clockwise][[0, 3, 2, 1]]
     nodes_of = {
         boundary: mesh.mesh.facets[:, facets] for boundary, facets in mesh.mesh.boundaries.items()
     }
     # A side of an element is on a boundary where its two nodes, in either order, are those of a
     # facet there.
-    keys_of_sides = np.sort(np.stack([cells, np.roll(cells, -1, axis=0)], axis=-1), axis=-1) @ [
-        places.shape[1],
-        1,
-    ]
+    nodes_of_sides = np.sort(np.stack([cells, np.roll(cells, -1, axis=0)], axis=-1), axis=-1)
+    key_of_nodes = [places.shape[1], 1]  # makes one number of two node numbers
+    keys_of_sides = nodes_of_sides @ key_of_nodes
 
     def faces(facets: Indices) -> Indices:
-        """(k, 2) element number and face of the facets (2, k)."""
-        element, side = np.nonzero(
-            np.isin(keys_of_sides, np.sort(facets.T) @ [places.shape[1], 1]).T
+        """Number of the element and of its face, (k, 2), for each facet of the mesh (2, k)."""
+        keys_of_facets = np.sort(facets.T) @ key_of_nodes
+        element_numbers, side_numbers = np.nonzero(np.isin(keys_of_sides, keys_of_facets).T)
+        return freeze(
+            np.stack([element_numbers + first_element, side_numbers + 1], axis=1), np.int64
         )
-        return freeze(np.stack([element + first_element, side + 1], axis=1), np.int64)
 
     pulled_ends: tuple[Indices, ...] = ()
     if mesh.supports.get("sides") == "pulled":
@@ -459,18 +472,20 @@ def _upper_places(mesh: BodyMesh, profile: Profile | None) -> Array:
 
 # --------------------------------------------------------------------------------- the deck as text
 def deck_text(deck: Deck, command: str = "", versions: Mapping[str, str] | None = None) -> str:
-    """The text of a deck's input file; `command` and `versions` go into its first comment."""
+    """The text of the input file for CalculiX, with comments wrapped to its longest line. The
+    command line that wrote it and the versions of packages go into its first comment.
+    """
     packages = ", ".join(f"{name} {version}" for name, version in (versions or {}).items())
     tools = (amplitudes, equations_of, held_of, number, one_line, rows)
     tools_by_name = {tool.__name__: tool for tool in tools}
-    text = template("deck.inp").render(
+    text_of_template = template("deck.inp").render(
         deck=deck, command=command, versions=packages, **tools_by_name
     )
     lines: list[str] = []
-    for line in text.split("\n"):
+    for line in text_of_template.split("\n"):
         if line.startswith("**"):
-            comment = textwrap.wrap(line[2:].strip(), _LINE - 7, break_on_hyphens=False)
-            lines += [f"** {part}" for part in comment]
+            comment_lines = textwrap.wrap(line[2:].strip(), _LINE - 7, break_on_hyphens=False)
+            lines += [f"** {comment_line}" for comment_line in comment_lines]
         elif line:
             lines.append(line)
     return "\n".join(lines) + "\n"
@@ -511,7 +526,9 @@ def amplitudes(deck: Deck) -> dict[str, Array]:
             histories[f"{name}_STRAIN"] = strain * half_width
         stresses_of_ends = deck.end_stresses(body)
         if stresses_of_ends is not None:
-            histories[f"{name}_LEFT_END"], histories[f"{name}_RIGHT_END"] = stresses_of_ends
+            left_stress, right_stress = stresses_of_ends
+            histories[f"{name}_LEFT_END"] = left_stress
+            histories[f"{name}_RIGHT_END"] = right_stress
     if deck.tilt is not None:
         histories["TILT"] = deck.tilt * half_width
     if deck.moment is not None:
@@ -522,12 +539,12 @@ def amplitudes(deck: Deck) -> dict[str, Array]:
 
 
 def _constraints(deck: Deck, body: DeckBody) -> Iterator[list[tuple[int, int, float]]]:
-    """For each node and direction of a body's far side, by directions, the terms (node, direction,
-    factor) that add up to 0 in its constraint.
+    """The linear constraints on the held nodes of a body, one for each node and direction: terms
+    (node, direction, factor) whose displacements times factors add up to 0.
 
-    It moves as the rigid plane (of the upper body), by the bulk strain of its half-plane and by the
-    plane's turn. With one term it stands still: on the lower half-plane's arc bulk strain leaves
-    the middle alone.
+    A node of the upper body moves with the rigid plane that carries P and Q, and turns with it. A
+    node on the arc of a half-plane moves by the bulk strain. A constraint with one term means that
+    the node stands still.
     """
     half_width = deck.scales.half_width
     is_upper = body is deck.upper
@@ -543,12 +560,11 @@ def _constraints(deck: Deck, body: DeckBody) -> Iterator[list[tuple[int, int, fl
                 terms.append((deck.reference, direction, -1.0))
             if strain is not None:
                 # A uniform stress along x in plane strain: u_x = eps x, u_y = -nu/(1 - nu) eps y.
-                displacement_per_strain = (
-                    -x if direction == 1 else poisson_ratio / (1 - poisson_ratio) * y
-                )
-                terms.append(
-                    (deck.strained, int(is_upper) + 1, displacement_per_strain / half_width)
-                )
+                displacement_per_strain = -x
+                if direction == 2:
+                    displacement_per_strain = poisson_ratio / (1 - poisson_ratio) * y
+                factor = displacement_per_strain / half_width
+                terms.append((deck.strained, int(is_upper) + 1, factor))
             if turns:
                 # A turn that opens the gap at x > 0: u_x = -alpha y, u_y = alpha x.
                 terms.append((deck.turning, 1, (y if direction == 1 else -x) / half_width))
@@ -571,8 +587,8 @@ def _data_lines(terms: Sequence[tuple[int, int, float]]) -> str:
 
 
 def held_of(deck: Deck) -> list[str]:
-    """Lines of a deck for what stands still: nodes of the lower body, and movements without meaning
-    of the nodes that carry bulk strain and tilt.
+    """Lines "node, direction" of a deck for what stands still: held nodes of the lower body, and
+    those directions of the extra nodes (which stand for bulk strain and tilt) that have no meaning.
     """
     held_nodes = []
     for terms in _constraints(deck, deck.lower):
