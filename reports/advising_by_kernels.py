@@ -85,12 +85,14 @@ def advise_by_kernels(scene: Scene, limit: float, instead_of: str) -> KernelAdvi
 
     theory = _dissipating_theory(scene)  # before anything is solved
     changes = changes_of(halfplane_fe.solve(scene, bodies="kernel"), theory)
-    for quantity, compared in changes.items():
-        estimate = compared.change
+    for quantity, change_of_quantity in changes.items():
+        estimated_change = change_of_quantity.change
         error_of_kernels = _LEFT_OF_FLAT_PAD if _is_at_flank(scene, quantity) else _LEFT
         # It is a share of the value with bodies, which is 1 + change of theory's.
-        uncertainty = estimate.uncertainty + error_of_kernels * (1 + estimate.value)
-        changes[quantity] = compared._replace(change=Estimate(estimate.value, uncertainty))
+        uncertainty = estimated_change.uncertainty + error_of_kernels * (1 + estimated_change.value)
+        changes[quantity] = change_of_quantity._replace(
+            change=Estimate(estimated_change.value, uncertainty)
+        )
     return KernelAdvice(scene, changes, instead_of, limit)
 
 
@@ -103,8 +105,9 @@ def _is_at_flank(scene: Scene, quantity: str) -> bool:
 def changes_of(
     solution: ContactSolution, theory: ContactSolution | None = None
 ) -> dict[str, Change]:
-    """What finite elements or a kernel solve make of the values of theory, with what these state to
-    be uncertain by. Theory is solved where it is not given.
+    """How much the values of finite elements, or of a kernel solve, differ from those of half-plane
+    theory: for each quantity its name, theory's value, and solution/theory - 1 with the uncertainty
+    that the solution states. Theory is solved where it is not given.
 
     Raises
     ------
@@ -116,8 +119,8 @@ def changes_of(
 
     scene = solution.scene
     theory = theory or _dissipating_theory(scene)
-    largest = semi_analytic.extremes(theory, names=("edge_tension",))
-    stated = solution.uncertainties
+    largest_of_theory = semi_analytic.extremes(theory, names=("edge_tension",))
+    stated_uncertainties = solution.uncertainties
     last_cycle = solution.last_cycle
     half_width = np.nanmax(solution.contact_half_width[last_cycle])
     changes = {
@@ -129,27 +132,30 @@ def changes_of(
         ),
         "peak_pressure": _change(
             "largest pressure",
-            largest.pressure,
+            largest_of_theory.pressure,
             solution.pressure[last_cycle].max(),
-            stated["largest_pressure"],
+            stated_uncertainties["largest_pressure"],
         ),
         "half_width": _change(
             "largest contact half-width",
-            largest.half_width,
+            largest_of_theory.half_width,
             half_width,
-            stated["largest_half_width"],
+            stated_uncertainties["largest_half_width"],
         ),
         "permanent_stick": _change(
             "permanent stick half-width",
             theory.permanent_stick_half_width,
             solution.permanent_stick_half_width,
-            stated["permanent_stick_half_width"],
+            stated_uncertainties["permanent_stick_half_width"],
         ),
     }
     tension = halfplane_fe.largest_edge_tension(solution)
     if tension is not None:
         changes["edge_tension"] = _change(
-            "largest edge tension", largest.edge_tension, tension.value, tension.uncertainty
+            "largest edge tension",
+            largest_of_theory.edge_tension,
+            tension.value,
+            tension.uncertainty,
         )
     return changes
 
@@ -183,16 +189,18 @@ def _why(advice: KernelAdvice) -> str:
 
 
 def sentence(advice: KernelAdvice) -> str:
-    """By how much theory is expected to err in the dissipation, and what to do."""
+    """The advice in sentences: by how much half-plane theory is expected to err in the dissipation,
+    whether that is within the limit, and what to do.
+    """
     change = advice.work
-    words = (
+    first_sentence = (
         f"Half-plane theory is expected to err by {in_percent(change.value)}"
         f" ± {in_percent(change.uncertainty).lstrip('+')} % in the dissipation"
         f" (finite elements/theory − 1), by the kernel solve of the bodies: {_why(advice)}."
     )
-    limit = f"the limit of {100 * advice.limit:g} %"
+    limit_in_words = f"the limit of {100 * advice.limit:g} %"
     if advice.verdict is Verdict.WITHIN:
-        return f"{words} That is within {limit}: theory may be used."
+        return f"{first_sentence} That is within {limit_in_words}: theory may be used."
     if advice.verdict is Verdict.UNDECIDED:
-        return f"{words} Whether it is within {limit} is undecided: solve it (`halfplane run`)."
-    return f"{words} It is outside {limit}: solve the scene (`halfplane run`)."
+        return f"{first_sentence} Whether it is within {limit_in_words} is undecided: solve it (`halfplane run`)."
+    return f"{first_sentence} It is outside {limit_in_words}: solve the scene (`halfplane run`)."

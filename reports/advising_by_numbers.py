@@ -175,16 +175,17 @@ class Advice:
 def advise_by_numbers(
     scene: Scene | str | Path, limit: float = 0.05, effects: BodyEffects | None = None
 ) -> Advice:
-    """How far finite bodies are from half-plane theory, by corrected theory.
+    """How far finite bodies are from half-plane theory, by half-plane theory that is corrected with
+    what the bodies add to half-planes (curvatures of the faces per load, tilt, bulk strain).
 
     Parameters
     ----------
     scene
-        or a name of the library, or a file
+        a scene, the name of one in the library, or a file
     limit
-        share of the dissipation
+        share of the dissipation up to which theory may be used
     effects
-        the numbers of the bodies, where they are known already
+        what the bodies add to half-planes, where it is known already
 
     Raises
     ------
@@ -256,15 +257,15 @@ def advise_by_numbers(
 def _odd_part_of_work(
     effects: BodyEffects, scene: Scene, even_part: float, ratio: float
 ) -> Estimate | None:
-    """What tilt and bulk strain make of the dissipation; None where neither the second order nor
-    grids take the scene: then their size stays, and the sentence says it.
+    """The change of the dissipation by the tilt and the bulk strain of the bodies, relative to
+    theory's, with its uncertainty. None where no method of theory follows them in this scene.
 
     Parameters
     ----------
     even_part
-        change by the curvatures
+        relative change by the curvatures of the faces
     ratio
-        of the next order of the bodies
+        size of what the bodies' next order adds, over the first order
     """
     import semi_analytic
     from semi_analytic.next_order import left_of_tilt_and_strain
@@ -273,15 +274,15 @@ def _odd_part_of_work(
         odd_change = semi_analytic.change_by_tilt_and_strain(scene, effects)
     except InputError:
         return None
-    left = left_of_tilt_and_strain(even_part, ratio) * abs(odd_change.value)
-    return Estimate(odd_change.value, odd_change.uncertainty + left)
+    uncertainty_left = left_of_tilt_and_strain(even_part, ratio) * abs(odd_change.value)
+    return Estimate(odd_change.value, odd_change.uncertainty + uncertainty_left)
 
 
 def _change_of_stick(
     scene: Scene, effects: BodyEffects, theory_value: float, uncertainty: float
 ) -> Estimate:
-    """Change of the half-width that always sticks from `theory_value`, tilt and bulk strain in
-    the first order; NaN where that does not hold.
+    """Relative change of the permanent stick half-width by finite bodies, from `theory_value`, with
+    tilt and bulk strain to first order; NaN where that does not hold.
 
     Parameters
     ----------
@@ -296,10 +297,10 @@ def _change_of_stick(
     except Declined:
         return Estimate(math.nan, math.nan)
     # edges alone: no work is followed again
-    corrected_solution = semi_analytic.solve(
+    corrected_half_width = semi_analytic.solve(
         scene, x=0.0, cycles="steady", effects=effects, fields="pressure"
     ).permanent_stick_half_width
-    return Estimate(corrected_solution / theory_value - 1, uncertainty + _LEFT_OF_STICK)
+    return Estimate(corrected_half_width / theory_value - 1, uncertainty + _LEFT_OF_STICK)
 
 
 def split(comparison: JudgedPair, budget: ErrorBudget | None) -> Why:
@@ -343,8 +344,11 @@ def split(comparison: JudgedPair, budget: ErrorBudget | None) -> Why:
 
 
 def _parts_of_alike(advice: Advice, comparison: JudgedPair) -> dict[str, Estimate]:
-    """The parts by the numbers of the bodies; where these give no more than a size, also what the
-    kernel solve of the bodies finds beyond their sum.
+    """The causes of the change of the dissipation for bodies of like materials with flat faces:
+    cause -> relative change with its uncertainty.
+
+    They are those of corrected theory. Where that gives no more than their size, what the kernel
+    solve of the bodies finds beyond their sum is added as a further cause.
     """
     parts = dict(advice.parts)
     if not advice.declined:
@@ -352,16 +356,17 @@ def _parts_of_alike(advice: Advice, comparison: JudgedPair) -> dict[str, Estimat
             parts[ODD] = Estimate(0.0, advice.left_out)
         return parts
     theory_work = advice.changes[WORK].theory
-    by_kernels = _work_by_kernels(comparison)
-    by_numbers = sum(part.value for part in parts.values())
-    parts = {words: Estimate(part.value) for words, part in parts.items()}
-    beyond_numbers = by_kernels.value / theory_work - 1 - by_numbers
-    parts[HIGHER_ORDERS] = Estimate(beyond_numbers, by_kernels.uncertainty / theory_work)
+    work_by_kernels = _work_by_kernels(comparison)
+    sum_of_parts = sum(part.value for part in parts.values())
+    parts = {cause: Estimate(part.value) for cause, part in parts.items()}
+    beyond_numbers = work_by_kernels.value / theory_work - 1 - sum_of_parts
+    parts[HIGHER_ORDERS] = Estimate(beyond_numbers, work_by_kernels.uncertainty / theory_work)
     return parts
 
 
 def _parts_of_curved(comparison: JudgedPair) -> dict[str, Estimate]:
-    """What the kernel solve of bodies with curved faces makes of theory, in one part.
+    """The cause of the change of the dissipation for bodies with curved faces: one, their finite
+    size, by the kernel solve of the bodies; cause -> relative change with its uncertainty.
 
     Raises
     ------
@@ -370,15 +375,16 @@ def _parts_of_curved(comparison: JudgedPair) -> dict[str, Estimate]:
     """
     import semi_analytic
 
-    by_kernels = _work_by_kernels(comparison)
+    work_by_kernels = _work_by_kernels(comparison)
     theory_work = semi_analytic.solve(comparison.scene, fields=WORK).dissipation
-    change = by_kernels.value / theory_work - 1
-    return {FINITE_BODIES: Estimate(change, by_kernels.uncertainty / theory_work)}
+    change = work_by_kernels.value / theory_work - 1
+    return {FINITE_BODIES: Estimate(change, work_by_kernels.uncertainty / theory_work)}
 
 
 def _parts_of_unlike(comparison: JudgedPair) -> dict[str, Estimate]:
-    """Coupling of pressure and shear, by finite elements of half-planes of the same materials, and
-    what the kernel solve of the finite bodies makes of these.
+    """The causes of the change of the dissipation for bodies of unlike materials: cause -> relative
+    change with its uncertainty. The coupling of pressure and shear is that of half-planes of these
+    materials, by finite elements; the finite size is what the kernel solve of the bodies adds.
 
     Raises
     ------
@@ -389,16 +395,18 @@ def _parts_of_unlike(comparison: JudgedPair) -> dict[str, Estimate]:
     import semi_analytic
 
     scene = comparison.scene
-    by_kernels = _work_by_kernels(comparison)
+    work_by_kernels = _work_by_kernels(comparison)
     mesh, settings = _coarser_than(comparison)
-    half_planes = halfplane_fe.solve(scene.vary(bodies=Bodies()), mesh, settings)
+    solution_of_half_planes = halfplane_fe.solve(scene.vary(bodies=Bodies()), mesh, settings)
     theory_work = semi_analytic.solve(scene, fields=WORK).dissipation
-    coupling = half_planes.dissipation / theory_work - 1
-    of_coupling = half_planes.dissipation_uncertainty / theory_work
-    of_bodies = (by_kernels.value - half_planes.dissipation) / theory_work
+    change_by_coupling = solution_of_half_planes.dissipation / theory_work - 1
+    uncertainty_of_coupling = solution_of_half_planes.dissipation_uncertainty / theory_work
+    change_by_bodies = (work_by_kernels.value - solution_of_half_planes.dissipation) / theory_work
     return {
-        COUPLING: Estimate(coupling, of_coupling),
-        FINITE_BODIES: Estimate(of_bodies, by_kernels.uncertainty / theory_work + of_coupling),
+        COUPLING: Estimate(change_by_coupling, uncertainty_of_coupling),
+        FINITE_BODIES: Estimate(
+            change_by_bodies, work_by_kernels.uncertainty / theory_work + uncertainty_of_coupling
+        ),
     }
 
 
@@ -438,27 +446,31 @@ def _parts(
     corrected_solution: ContactSolution,
     uncertainties: Mapping[str, float],
 ) -> dict[str, Estimate]:
-    """What each curvature alone makes of the dissipation, and what both together make more.
+    """The change of the dissipation, relative to theory's, by each of the curvatures that the
+    bodies add (of the gap under P, of the faces under Q) alone, and what both together make beyond
+    that.
 
     Parameters
     ----------
+    theory, corrected_solution
+        half-plane theory, and theory with all curvatures
     uncertainties
-        of each part, relative to it
+        relative uncertainty of the change by each curvature
     """
     import semi_analytic
     from semi_analytic.next_order import CURVATURES, with_these_alone
 
     parts = {}
-    rest = corrected_solution.dissipation / theory.dissipation - 1
-    for words in CURVATURES:
-        effects_alone = with_these_alone(effects, words)
+    change_left = corrected_solution.dissipation / theory.dissipation - 1
+    for curvature in CURVATURES:
+        effects_alone = with_these_alone(effects, curvature)
         solution = semi_analytic.solve(
             theory.scene, x=0.0, time=theory.time, effects=effects_alone, fields=WORK
         )
         change = solution.dissipation / theory.dissipation - 1
-        parts[words] = Estimate(change, abs(change) * uncertainties[words])
-        rest -= change
-    parts["both together"] = Estimate(rest, abs(rest) * sum(uncertainties.values()))
+        parts[curvature] = Estimate(change, abs(change) * uncertainties[curvature])
+        change_left -= change
+    parts["both together"] = Estimate(change_left, abs(change_left) * sum(uncertainties.values()))
     return parts
 
 
@@ -482,8 +494,9 @@ def _size_of_odd_part(effects: BodyEffects, scene: Scene, half_width: float) -> 
 
 
 def _size_of_coupling(effects: BodyEffects, scene: Scene, half_width: float) -> float:
-    """About what the coupling of pressure and shear of unlike materials makes of the dissipation:
-    of half-planes by its square, of bodies with tilt and bulk strain.
+    """About how much the coupling of pressure and shear of unlike materials changes the
+    dissipation, relative to it: by the square of Dundurs' beta over f for half-planes, and by its
+    product with the bodies' bulk strain and tilt.
     """
     from halfplane_fe.dundurs import dundurs
 
@@ -511,41 +524,50 @@ def _tilt_and_strain(effects: BodyEffects, scene: Scene, half_width: float) -> t
 
 
 def sentence(advice: Advice) -> str:
-    """By how much theory is expected to err in the dissipation, and what makes the error."""
+    """The advice in sentences: by how much half-plane theory is expected to err in the dissipation,
+    what makes the error, whether that is within the limit, and what to do.
+    """
     change = advice.work
-    names = [f"{words} {in_percent(part.value)}" for words, part in advice.parts.items()]
-    words = (
+    causes_in_words = [
+        f"{first_words} {in_percent(change_by_cause.value)}"
+        for first_words, change_by_cause in advice.parts.items()
+    ]
+    first_words = (
         f"Half-plane theory is expected to err by {in_percent(change.value)}"
         f" ± {in_percent(change.uncertainty).lstrip('+')} % in the dissipation"
-        f" (finite elements/theory − 1): {', '.join(names)}"
+        f" (finite elements/theory − 1): {', '.join(causes_in_words)}"
     )
     if advice.left_out:
-        size = in_percent(advice.left_out).lstrip("+")
-        what = "tilt and bulk strain"
+        size_left_out = in_percent(advice.left_out).lstrip("+")
+        causes_left_out = "tilt and bulk strain"
         if coupled(advice.scene):
-            what = "coupling of pressure and shear, tilt and bulk strain"
-        words += f"; {what} are left out, and counted as ± {size} %"
+            causes_left_out = "coupling of pressure and shear, tilt and bulk strain"
+        first_words += f"; {causes_left_out} are left out, and counted as ± {size_left_out} %"
     if advice.declined:
-        words += f". That is no more than its size: {advice.declined}"
-    return f"{words}. {_what_to_do(advice)}"
+        first_words += f". That is no more than its size: {advice.declined}"
+    return f"{first_words}. {_what_to_do(advice)}"
 
 
 def _what_to_do(advice: Advice) -> str:
-    limit = f"the limit of {100 * advice.limit:g} %"
-    solve = "solve the scene (`halfplane run`)"
+    """A sentence on whether the expected error is within the limit, and what to do: use theory,
+    correct it, or solve the scene.
+    """
+    limit_in_words = f"the limit of {100 * advice.limit:g} %"
+    advice_to_solve = "solve the scene (`halfplane run`)"
     if advice.declined and not advice.declined_by_kernels:
         # flat faces, or the numbers would not be there: their kernels have every order
-        solve += (
+        advice_to_solve += (
             ', or its kernels in 1 to 5 s (Python: `halfplane_fe.solve(scene, bodies="kernel")`)'
         )
     if advice.verdict is Verdict.WITHIN:
-        return f"That is within {limit}: theory may be used."
+        return f"That is within {limit_in_words}: theory may be used."
     if advice.verdict is Verdict.UNDECIDED:
-        return f"Whether it is within {limit} is undecided: {solve}."
+        return f"Whether it is within {limit_in_words} is undecided: {advice_to_solve}."
     odd_estimate = advice.parts.get(ODD, Estimate(0.0))
     if advice.declined or max(advice.left_out, abs(odd_estimate.value)) > advice.limit / 2:
-        return f"It is outside {limit}: {solve}."
+        return f"It is outside {limit_in_words}: {advice_to_solve}."
     return (
-        f"That is outside {limit}: correct theory (`halfplane exact --corrected`), or solve the"
+        f"That is outside {limit_in_words}: correct theory (`halfplane exact --corrected`), or"
+        f" solve the"
         " scene (`halfplane run`)."
     )

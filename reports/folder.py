@@ -317,8 +317,18 @@ def _move_solutions(
     solutions: tuple[str, ...],
     fault: Exception,
 ) -> None:
-    """After `fault`, save at least the solutions that were written: move them from `staging` to
-    their folder, and add a note to the fault that names them.
+    """After an error (`fault`) save at least the solutions that were written: move them from the
+    temporary folder `staging` to `folder`, and add a note to the error that names them.
+
+    Parameters
+    ----------
+    fresh
+        beginnings of the names of an earlier run's files that are removed where they are not
+        written again
+    out
+        the folder as the user named it, for messages
+    solutions
+        names of the files to save
     """
     with suppress(OSError, InputError):  # the fault itself is what has to be said
         if written_names := _leave_only(staging / "results", solutions):
@@ -334,8 +344,9 @@ def _is_about_another_file(fault: OSError, staging: Path) -> bool:
 
 
 def _visible(staging: Path) -> Path:
-    """Give a hidden folder of results a name that users see and no run removes, empty folders and
-    files of our own bookkeeping taken out. Its path, the old one where that fails.
+    """Rename a hidden temporary folder of results so that users see it and no later run removes it.
+    Empty folders and the program's own bookkeeping files are removed from it first. Returns its
+    path, the old one where it can't be renamed.
     """
     try:
         for path in staging.iterdir():

@@ -46,13 +46,20 @@ def stated_in_words(scene: Scene) -> str:
     if not scene.inputs:
         return ""
     assert scene.uncertainty is not None
-    stated_words = ", ".join(entry.in_words for entry in scene.inputs)
-    pairs = [
+    inputs_in_words = ", ".join(entry.in_words for entry in scene.inputs)
+    correlated_pairs = [
         f"{first_key} and {second_key} {coefficient:g}"
         for first_key, second_key, coefficient in scene.uncertainty.correlations
     ]
-    together = f"correlated: {', '.join(pairs)}" if pairs else "independent of each other"
-    return f"Standard uncertainties of the inputs, as stated: {stated_words}; {together}."
+    correlation_in_words = (
+        f"correlated: {', '.join(correlated_pairs)}"
+        if correlated_pairs
+        else "independent of each other"
+    )
+    return (
+        f"Standard uncertainties of the inputs, as stated: {inputs_in_words};"
+        f" {correlation_in_words}."
+    )
 
 
 def stated_content(scene: Scene) -> list[dict[str, Any]] | None:
@@ -293,16 +300,15 @@ def rows_of_difference(effects: InputEffects) -> list[tuple[str, ...]]:
     input_in_words = {entry.key: entry.words for entry in effects.inputs}
     table: list[tuple[str, ...]] = []
     for value in effects.difference.values():
-        parts_of_inputs = [
+        shares_of_inputs = [
             f"{input_in_words[key]} {significant(100 * abs(value.changes[key].value), 2)}"
             for key in value.ranking[:3]
         ]
-        size_in_words = with_uncertainty(100 * value.value, 100 * value.uncertainty).partition(
-            " ±"
-        )[0]
+        size_with_uncertainty = with_uncertainty(100 * value.value, 100 * value.uncertainty)
+        size_in_words = size_with_uncertainty.partition(" ±")[0]
         points_of_uncertainty = significant(100 * value.uncertainty, 2)
         table.append(
-            (value.words, size_in_words, points_of_uncertainty, ", ".join(parts_of_inputs) or "–")
+            (value.words, size_in_words, points_of_uncertainty, ", ".join(shares_of_inputs) or "–")
         )
     return table
 
@@ -317,9 +323,9 @@ def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[
     work = effects.values.get(WORK)
     table: list[tuple[str, ...]] = []
     for entry in effects.inputs:
-        change_in_words = (
-            "–" if work is None else _signed(100 * work.changes[entry.key].value, work.value)
-        )
+        change_in_words = "–"
+        if work is not None:
+            change_in_words = _signed(100 * work.changes[entry.key].value, work.value)
         table.append((entry.words.removeprefix("the "), f"± {entry.stated}", change_in_words))
     total = f"± {significant(100 * effects.work_uncertainty, 2)}"
     table.append(("all inputs", "", total if math.isfinite(effects.work_uncertainty) else "–"))
@@ -374,8 +380,9 @@ def content_of_report(report: Report) -> dict[str, Any] | None:
 def content(
     effects: InputEffects | None, scene: Scene, comparison: JudgedPair | None = None
 ) -> dict[str, Any] | None:
-    """What uncertain inputs do to the answer, for JSON; None where the scene states no uncertainty
-    of them.
+    """The JSON content on uncertain inputs: what the scene states, sentences, the values of theory
+    and the difference of the models with their uncertainties by the inputs, random draws, how near
+    the loads come to sliding. None where the scene states no uncertainty of its inputs.
     """
     if effects is None:
         return None
@@ -411,8 +418,9 @@ def sliding_content(sliding: NearSliding | None) -> dict[str, Any] | None:
 
 
 def _content(value: Propagated) -> dict[str, Any]:
-    """A value with its uncertainty by the inputs, for JSON: what each input changes, and the inputs
-    in order of that.
+    """The JSON content of one value with its standard uncertainty by the inputs: how much one
+    standard uncertainty of each input changes it, and the keys of the inputs, those that change it
+    most first.
     """
     changes = {
         key: {"value": change.value, "error": change.uncertainty}

@@ -287,20 +287,25 @@ class InputEffects:
 def propagated(
     quantity: Quantity, value: float, moves: Sequence[_Move], key: str, correlation: Array
 ) -> Propagated:
-    """A value of theory with the standard uncertainty that all inputs give it. Each of `moves`
-    holds what one input changes of all values; `key` is that of this value.
+    """A value of theory with the standard uncertainty that all n inputs together give it.
 
     Parameters
     ----------
+    quantity, value
+        its name with unit, and its size
+    moves
+        for each input, how much one standard uncertainty of it changes every value
+    key
+        key of this value in `moves`
     correlation
-        of the inputs, (n, n)
+        (n, n) correlation matrix of the inputs
     """
     changes = {move.key: move.changes[key] for move in moves}
-    sizes = np.array([change.value for change in changes.values()])
+    change_by_input = np.array([change.value for change in changes.values()])
     second_order = math.hypot(*(change.uncertainty for change in changes.values()))
     # a correlation of -1 may leave a negative sum of squares by round-off
-    variance = max(float(sizes @ correlation @ sizes), 0.0)
-    if not np.all(np.isfinite(sizes)):
+    variance = max(float(change_by_input @ correlation @ change_by_input), 0.0)
+    if not np.all(np.isfinite(change_by_input)):
         variance = math.nan
     return Propagated(
         quantity.words, quantity.unit, value, changes, second_order, math.sqrt(variance)
@@ -309,11 +314,11 @@ def propagated(
 
 # ------------------------------------------------------------------------------- one scene's values
 def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Values:
-    """Half-plane theory's values of the last cycle by name (work, largest pressure, half-widths,
-    ...).
+    """Half-plane theory's values of the last cycle by name: dissipation, largest pressure,
+    half-widths, largest slip and edge tension; fewer for long records.
 
-    Under a prescribed displacement other names, with what the bodies add to half-planes in
-    `effects`.
+    Under a prescribed displacement the largest Q and the largest |Q|/(f P) are among them, and
+    `effects` states what the bodies add to half-planes.
 
     Raises
     ------
@@ -405,8 +410,15 @@ def central_differences(
 def _differences(
     values_at_inputs: _Values, values_above: _Values, values_below: _Values, share: float
 ) -> dict[str, Estimate]:
-    """By value: its change for one standard uncertainty of an input, and the second order of that.
-    From values with the input moved up and down by `share` of the uncertainty.
+    """For each value of theory its change by one standard uncertainty of an input, by the central
+    difference, and as error of that the second-order change.
+
+    Parameters
+    ----------
+    values_at_inputs, values_above, values_below
+        values by name with the input as it is, moved up, and moved down
+    share
+        by how many standard uncertainties it was moved
     """
     changes = {}
     for key, value in values_at_inputs.items():
@@ -870,19 +882,20 @@ def samples_of(scene: Scene, count: int) -> dict[str, Array]:
 def values_of_ellipses(
     scene: Scene, samples: Mapping[str, Array]
 ) -> tuple[dict[str, Array], Array]:
-    """Values of all draws under elliptical loads in one batch, (n,) each, NaN where a draw has
-    none; and which draws slide, (n,).
+    """The dissipation, and where known the permanent stick half-width, for n random draws of the
+    inputs under an elliptical load path, solved in one batch: values by name, (n,) each, NaN where
+    a draw has none; and which draws slide as a whole, (n,).
 
-    `samples` holds the relative change of each input. The permanent stick half-width is among them
-    where the profile is a parabola or is not moved. W of E*, P and Q is W of E*_0, P E*_0/E* and Q
-    E*_0/E*, times E*/E*_0; half-widths are the same.
+    `samples` holds the relative change of each input, (n,) by its key. The permanent stick
+    half-width is among them where the profile is a parabola or is not moved. W of E*, P and Q is W
+    of E*_0, P E*_0/E* and Q E*_0/E*, times E*/E*_0; half-widths are the same.
     """
     import semi_analytic
     from semi_analytic.elasticity import composite_modulus
     from semi_analytic.profiles import contact_of
 
-    count = len(next(iter(samples.values())))
-    ones = np.ones(count)
+    n_draws = len(next(iter(samples.values())))
+    ones = np.ones(n_draws)
 
     def factor(key: str) -> Array:
         return 1 + samples[key] if key in samples else ones
@@ -934,14 +947,17 @@ def _moduli(scene: Scene, samples: Mapping[str, Array]) -> Array:
             change_of_body = samples.get(f"material.{body}.{name}", np.zeros(()))
             change = samples.get(f"material.{name}", change_of_body)
             constants[name] = getattr(material, name) * (1 + change)
-        nu = np.where(np.abs(constants["poisson_ratio"]) < 0.5, constants["poisson_ratio"], np.nan)
-        compliance = compliance + (1 - nu**2) / constants["young_modulus"]
+        poisson_ratio = np.where(
+            np.abs(constants["poisson_ratio"]) < 0.5, constants["poisson_ratio"], np.nan
+        )
+        compliance = compliance + (1 - poisson_ratio**2) / constants["young_modulus"]
     return np.asarray(1 / compliance)
 
 
 def _profiles(scene: Scene, samples: Mapping[str, Array]) -> dict[str, Any]:
-    """Keys of the scene's profile, with an array of all draws for each key that is uncertain;
-    `samples` holds the relative changes.
+    """The scene's profile for all random draws at once: its keys, with an array (n,) in place of
+    the number of each key that is uncertain. `samples` holds the relative change of each input by
+    key.
     """
     keys = scene.profile.model_dump()
     for key, change in samples.items():
@@ -965,20 +981,22 @@ def values_one_by_one(scene: Scene, samples: Mapping[str, Array]) -> tuple[dict[
     """
     import semi_analytic
 
-    count = len(next(iter(samples.values())))
-    values = {WORK: np.full(count, np.nan), STICK: np.full(count, np.nan)}
-    slides = np.zeros(count, dtype=bool)
-    for k in range(count):
+    n_draws = len(next(iter(samples.values())))
+    values = {WORK: np.full(n_draws, np.nan), STICK: np.full(n_draws, np.nan)}
+    slides = np.zeros(n_draws, dtype=bool)
+    for draw in range(n_draws):
         try:
-            moved_scene = scene.moved({key: float(row[k]) for key, row in samples.items()})
+            moved_scene = scene.moved(
+                {key: float(changes[draw]) for key, changes in samples.items()}
+            )
             solution = semi_analytic.solve(moved_scene, x=0.0, fields=(WORK,))
         except InadmissibleLoadError:
-            slides[k] = True
+            slides[draw] = True
         except InputError:  # no scene can have these inputs: counted by its NaN
             continue
         else:
-            values[WORK][k] = solution.dissipation
-            values[STICK][k] = solution.permanent_stick_half_width
+            values[WORK][draw] = solution.dissipation
+            values[STICK][draw] = solution.permanent_stick_half_width
     return values, slides
 
 
@@ -1124,8 +1142,12 @@ def _effects_of_driven(
 def _difference(
     scene: Scene, effects: BodyEffects | None, correlation: Array
 ) -> dict[str, Propagated]:
-    """By value, the error of theory for the real bodies with the uncertainty that the inputs give
-    it; `correlation` (n, n) is that of the inputs.
+    """The error of half-plane theory for the real bodies (bodies/half-planes - 1) in the
+    dissipation and the largest pressure, each with the standard uncertainty that the inputs give
+    it.
+
+    `effects` is what the bodies add to half-planes, found here where it is None; `correlation` is
+    the correlation matrix of the inputs (n, n).
     """
     import halfplane_fe
 
@@ -1144,8 +1166,9 @@ def _difference(
 def _difference_or_reason(
     scene: Scene, effects: BodyEffects | None, correlation: Array
 ) -> tuple[dict[str, Propagated], str]:
-    """The error of theory by value, with the uncertainty that the inputs give it, and ""; or
-    nothing, and why it is not known.
+    """The error of half-plane theory for the real bodies by name of the value, each with the
+    uncertainty that the inputs give it, and ""; or an empty dictionary, and the reason why it is
+    not known.
     """
     reason = _no_difference(scene)
     if reason:

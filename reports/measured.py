@@ -169,8 +169,9 @@ def _sigma_of_differences(values: Array, order: int, variance: int) -> float:
 
 
 def _longest_means(rows: Array, sigma: tuple[float, float]) -> int:
-    """Over how many rows of a record (n, 3: time, P, Q) a mean may be taken to remove noise;
-    `sigma` is that of P and Q.
+    """The largest number of neighbouring rows of a record over which means may be taken to remove
+    its noise. `rows` is (n, 3): time, P, Q; `sigma` the standard deviation of the noise of P and of
+    Q, 0 for a load without noise.
 
     The means of a noisy load must still look like noise, and those of a load without noise keep its
     range: they blur nothing.
@@ -178,9 +179,9 @@ def _longest_means(rows: Array, sigma: tuple[float, float]) -> int:
     loads = (_NORMAL, _TANGENTIAL)
     noisy_columns = [column for column, size in zip(loads, sigma, strict=True) if size]
     clean_columns = [column for column in loads if column not in noisy_columns]
-    count = 1
-    while len(rows) // (count + 1) >= _LEAST_ROWS:
-        longer_means = means(rows, count + 1)
+    rows_per_mean = 1
+    while len(rows) // (rows_per_mean + 1) >= _LEAST_ROWS:
+        longer_means = means(rows, rows_per_mean + 1)
         if not all(noise_of(longer_means[:, column]) for column in noisy_columns):
             break
         if any(
@@ -188,8 +189,8 @@ def _longest_means(rows: Array, sigma: tuple[float, float]) -> int:
             for column in clean_columns
         ):
             break
-        count += 1
-    return count
+        rows_per_mean += 1
+    return rows_per_mean
 
 
 class Sentence(NamedTuple):
@@ -444,17 +445,17 @@ def _cycles_of_repeating_rows(rows: Array) -> list[LoadCycle]:
     """Load cycles of rows (n, 3: time, P, Q) that repeat, counted from the row of the largest Q to
     the same row one period later: all are closed.
     """
-    start = int(np.argmax(rows[:, _TANGENTIAL]))
+    row_of_largest = int(np.argmax(rows[:, _TANGENTIAL]))
     period = float(rows[-1, _TIME] - rows[0, _TIME])
     shift_by_period = np.array([period, 0.0, 0.0])
-    rows_later = rows[1 : start + 1] + shift_by_period
-    rows_in_turn = np.concatenate([rows[start:], rows_later])
+    rows_later = rows[1 : row_of_largest + 1] + shift_by_period
+    rows_in_turn = np.concatenate([rows[row_of_largest:], rows_later])
     cycles = counted(rows_in_turn[:, _TIME], rows_in_turn[:, _TANGENTIAL])
     # Between two equal peaks the largest swing is counted as its two halves.
-    halves = [cycle for cycle in cycles if cycle.count < 1]
-    if len(halves) != 2:
+    half_cycles = [cycle for cycle in cycles if cycle.count < 1]
+    if len(half_cycles) != 2:
         return cycles
-    largest_cycle = replace(halves[0], count=1.0, end=halves[1].end)
+    largest_cycle = replace(half_cycles[0], count=1.0, end=half_cycles[1].end)
     closed_cycles = [cycle for cycle in cycles if cycle.count == 1]
     return sorted([*closed_cycles, largest_cycle], key=lambda cycle: (cycle.end, -cycle.start))
 
@@ -524,11 +525,9 @@ def counted(time: Array, force: Array) -> list[LoadCycle]:
 
     cycles = []
     for size, mean, count, first_row, last_row in extract_cycles(force.tolist()):
-        end = (
-            _time_of_return(time, force, first_row, last_row)
-            if count == 1
-            else float(time[last_row])
-        )
+        end = float(time[last_row])
+        if count == 1:  # a closed cycle
+            end = _time_of_return(time, force, first_row, last_row)
         cycles.append(LoadCycle(count, size, mean, float(time[first_row]), end, 0.0))
     return sorted(cycles, key=lambda cycle: (cycle.end, -cycle.start))
 
@@ -558,9 +557,8 @@ def _time_of_return(time: Array, force: Array, first_row: int, last_row: int) ->
     first_searched = last_row + 1
     rows_searched = 64  # rows that are looked at together
     while first_searched < len(force):
-        rows_beyond = np.flatnonzero(
-            direction * (force[first_searched : first_searched + rows_searched] - level) >= 0
-        )
+        searched_force = force[first_searched : first_searched + rows_searched]
+        rows_beyond = np.flatnonzero(direction * (searched_force - level) >= 0)
         if len(rows_beyond):
             row = first_searched + int(rows_beyond[0])
             share = (level - force[row - 1]) / (force[row] - force[row - 1])
@@ -615,9 +613,8 @@ def section(scene: Scene, solutions: Sequence[ContactSolution]) -> dict[str, Any
     if cycles:
         _, cycles_of_first = cycles[0]
         dissipations = [cycle.dissipation for cycle in cycles_of_first.cycles]
-        rows_of_most_work = sorted(range(len(dissipations)), key=lambda k: -dissipations[k])[
-            :_SHOWN
-        ]
+        order = sorted(range(len(dissipations)), key=lambda number: -dissipations[number])
+        rows_of_most_work = order[:_SHOWN]
     return {
         "read": tables_read,
         "said": list(record_in_words(scene, record)) if record else [],

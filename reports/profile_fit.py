@@ -155,8 +155,9 @@ def _way_to_work(scene: Scene) -> _Work:
 def _values_of_another_fit(
     scene: Scene, profile_keys: dict[str, Any] | None, way: _Work
 ) -> NDArray[np.float64] | None:
-    """Dissipation, half-width and peak pressure (3,) with other keys of the profile; None where
-    there are no keys, or where the contact is wider than the rows.
+    """Dissipation, largest half-width and peak pressure, (3,), of the scene with another fit of its
+    profile. None where there is no such fit (`profile_keys` None), or where its contact would be
+    wider than the rows. `way` says how the dissipation is computed.
     """
     if profile_keys is None:
         return None
@@ -196,8 +197,8 @@ def _values_with_other_noise(
 
 
 def _pattern(scene: Scene) -> NDArray[np.float64] | None:
-    """Residuals (n,) of the fitted rows where they have a pattern along x; None where they may be
-    noise.
+    """Residuals of a profile's fitted rows, (n,), row minus curve minus their mean, where they have
+    a pattern along x; None where they may be noise.
 
     Of white noise neighbouring residuals are not correlated, and the mean of m of them has a
     variance m times less. Chance alone misses either in one case of 1,000.
@@ -208,19 +209,18 @@ def _pattern(scene: Scene) -> NDArray[np.float64] | None:
     residuals = fit.residuals(scene.profile.height)[used_rows]
     residuals = residuals - np.mean(residuals)
     sum_of_squares = float(residuals @ residuals)
-    if np.sqrt(sum_of_squares / len(residuals)) <= _ROUND_OFF * float(
-        np.ptp(fit.rows.values[used_rows, 1])
-    ):
+    range_of_heights = float(np.ptp(fit.rows.values[used_rows, 1]))
+    if np.sqrt(sum_of_squares / len(residuals)) <= _ROUND_OFF * range_of_heights:
         return None
-    count = len(residuals)
+    n_rows = len(residuals)
     correlation = float(residuals[1:] @ residuals[:-1]) / sum_of_squares
-    block_size = int(np.sqrt(count))
-    blocks = count // block_size
-    means = residuals[: blocks * block_size].reshape(blocks, block_size).mean(axis=1)
-    excess_variance = block_size * float(np.mean(means**2)) / (sum_of_squares / count) - 1
-    has_pattern = correlation * np.sqrt(count) > _CHANCE or excess_variance > _CHANCE * np.sqrt(
-        2 / blocks
-    )
+    block_size = int(np.sqrt(n_rows))
+    n_blocks = n_rows // block_size
+    block_means = residuals[: n_blocks * block_size].reshape(n_blocks, block_size).mean(axis=1)
+    excess_variance = block_size * float(np.mean(block_means**2)) / (sum_of_squares / n_rows) - 1
+    is_correlated = correlation * np.sqrt(n_rows) > _CHANCE
+    varies_over_blocks = excess_variance > _CHANCE * np.sqrt(2 / n_blocks)
+    has_pattern = is_correlated or varies_over_blocks
     return residuals if has_pattern else None
 
 
@@ -315,7 +315,9 @@ def _spikes_in_words(fit: Fitted) -> str:
 
 
 def _shape_in_words(scene: Scene) -> str:
-    """The kind of curve that a fitted profile is, with its sizes."""
+    """The curve that was fitted to a profile's rows, in words with its sizes: parabola, flat with
+    rounded edges, even polynomial, or smoothing spline.
+    """
     _, length, _ = units(scene)
     match scene.profile:
         case Hertz(radius=radius):

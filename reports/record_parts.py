@@ -98,19 +98,19 @@ def record_parts(scene: Scene) -> tuple[RecordPart, ...]:
     has_no_load = rows[:, _NORMAL] < _NO_LOAD * float(np.max(rows[:, _NORMAL]))
     cycles = _cycles_of(rows, ~has_no_load)
     parts: list[RecordPart] = []
-    words = f"no load: P is below {100 * _NO_LOAD:g} % of its largest"
+    words_of_no_load = f"no load: P is below {100 * _NO_LOAD:g} % of its largest"
     for begin, end in _stretches(has_no_load):
         if end - begin > 2:
-            parts.append(RecordPart("no load", begin + 1, end, words))
+            parts.append(RecordPart("no load", begin + 1, end, words_of_no_load))
     if cycles is not None:
-        at_rest = _at_rest(rows, cycles.rows_of_cycle) & ~has_no_load
-        for begin, end in _stretches(at_rest):
+        is_at_rest = _at_rest(rows, cycles.rows_of_cycle) & ~has_no_load
+        for begin, end in _stretches(is_at_rest):
             parts.append(RecordPart("rest", begin + 1, end, "at rest: neither P nor Q moves"))
         parts += _parts_of_cycles(cycles, unit)
-    ordered = sorted(parts, key=lambda part: (part.first, part.last))
+    ordered_parts = sorted(parts, key=lambda part: (part.first, part.last))
     return tuple(
         RecordPart(part.kind, part.first + first_row, part.last + first_row, part.words)
-        for part in ordered
+        for part in ordered_parts
     )
 
 
@@ -139,21 +139,29 @@ def turns_of(force: Array) -> NDArray[np.int64]:
 
 
 def _at_rest(rows: Array, count: int) -> Mask:
-    """Which rows (n,) lie among `count` neighbours or more between which neither P nor Q moves."""
+    """Which rows of a record (n, 3: time, P, Q) are at rest: those that lie in a run of at least
+    `count` rows over which neither P nor Q moves, (n,).
+    """
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
     if len(rows) < count:
         return np.zeros(len(rows), dtype=bool)
-    begins = np.ones(len(rows) - count + 1, dtype=bool)
+    window_is_at_rest = np.ones(len(rows) - count + 1, dtype=bool)
     for column in (_NORMAL, _TANGENTIAL):
         windows_start = count // 2
-        highest = maximum_filter1d(rows[:, column], count)[windows_start:][: len(begins)]
-        lowest = minimum_filter1d(rows[:, column], count)[windows_start:][: len(begins)]
-        begins &= highest - lowest <= _AT_REST * float(np.ptp(rows[:, column]))
+        highest_load = maximum_filter1d(rows[:, column], count)[windows_start:][
+            : len(window_is_at_rest)
+        ]
+        lowest_load = minimum_filter1d(rows[:, column], count)[windows_start:][
+            : len(window_is_at_rest)
+        ]
+        window_is_at_rest &= highest_load - lowest_load <= _AT_REST * float(np.ptp(rows[:, column]))
     # a row is at rest if any window that holds it is
-    covered = np.cumsum(np.concatenate([begins, np.zeros(count - 1, dtype=bool)]).astype(int))
-    before = np.concatenate([np.zeros(count, dtype=int), covered[:-count]])
-    return np.asarray(covered > before)
+    windows_until_row = np.cumsum(
+        np.concatenate([window_is_at_rest, np.zeros(count - 1, dtype=bool)]).astype(int)
+    )
+    windows_before = np.concatenate([np.zeros(count, dtype=int), windows_until_row[:-count]])
+    return np.asarray(windows_until_row > windows_before)
 
 
 def _stretches(mask: Mask) -> Iterator[tuple[int, int]]:
@@ -167,35 +175,44 @@ def _stretches(mask: Mask) -> Iterator[tuple[int, int]]:
 
 
 def _parts_of_cycles(cycles: _Cycles, unit: str) -> list[RecordPart]:
-    """Cycles that are alike, those that are not, and the drift of Q over the former."""
-    median = float(np.median(cycles.ranges[len(cycles.ranges) // 2 :]))
-    is_alike = np.abs(cycles.ranges - median) <= _UNLIKE * median
+    """The parts of a record by its cycles: runs of cycles whose ranges of Q are alike, runs of
+    other cycles (run-in), and drifts, over which the mean of Q of cycles that are alike moves.
+
+    `unit` is that of the loads.
+    """
+    median_range = float(np.median(cycles.ranges[len(cycles.ranges) // 2 :]))
+    is_alike = np.abs(cycles.ranges - median_range) <= _UNLIKE * median_range
     parts = []
-    for begin, end in _stretches(is_alike):
-        if end - begin < 2:
-            is_alike[begin:end] = False
-    for begin, end in _stretches(~is_alike):
-        first, last = int(cycles.turns[begin]) + 1, int(cycles.turns[end]) + 1
-        ranges = cycles.ranges[begin:end]
-        direction = "from" if end - begin > 1 else "of"
-        sizes = f"{direction} {number(float(ranges[0]))}"
-        if end - begin > 1:
-            sizes += f" to {number(float(ranges[-1]))}"
-        place = "run-in" if begin == 0 else "other cycles"
-        words = f"{place}, {_count(end - begin)} with ranges of Q {sizes} {unit}"
-        parts.append(RecordPart("other cycles", first, last, words))
-    for begin, end in _stretches(is_alike):
-        first, last = int(cycles.turns[begin]) + 1, int(cycles.turns[end]) + 1
-        words = (
-            f"{_count(end - begin)} that are alike, range of Q"
-            f" {number(float(np.mean(cycles.ranges[begin:end])))} {unit}"
+    for first_cycle, cycle_beyond in _stretches(is_alike):
+        if cycle_beyond - first_cycle < 2:
+            is_alike[first_cycle:cycle_beyond] = False
+    for first_cycle, cycle_beyond in _stretches(~is_alike):
+        first_row = int(cycles.turns[first_cycle]) + 1
+        last_row = int(cycles.turns[cycle_beyond]) + 1
+        ranges_of_part = cycles.ranges[first_cycle:cycle_beyond]
+        preposition = "from" if cycle_beyond - first_cycle > 1 else "of"
+        sizes_in_words = f"{preposition} {number(float(ranges_of_part[0]))}"
+        if cycle_beyond - first_cycle > 1:
+            sizes_in_words += f" to {number(float(ranges_of_part[-1]))}"
+        name_of_part = "run-in" if first_cycle == 0 else "other cycles"
+        words_of_part = (
+            f"{name_of_part}, {_count(cycle_beyond - first_cycle)} with ranges of Q"
+            f" {sizes_in_words} {unit}"
         )
-        parts.append(RecordPart("alike", first, last, words))
-        means = cycles.means[begin:end]
-        moved = float(means[-2:].mean() - means[:2].mean())
-        if end - begin > 4 and abs(moved) > _DRIFT * median:
-            words = f"drift: the mean of Q moves by {number(moved)} {unit}"
-            parts.append(RecordPart("drift", first, last, words))
+        parts.append(RecordPart("other cycles", first_row, last_row, words_of_part))
+    for first_cycle, cycle_beyond in _stretches(is_alike):
+        first_row = int(cycles.turns[first_cycle]) + 1
+        last_row = int(cycles.turns[cycle_beyond]) + 1
+        words_of_part = (
+            f"{_count(cycle_beyond - first_cycle)} that are alike, range of Q"
+            f" {number(float(np.mean(cycles.ranges[first_cycle:cycle_beyond])))} {unit}"
+        )
+        parts.append(RecordPart("alike", first_row, last_row, words_of_part))
+        means_of_part = cycles.means[first_cycle:cycle_beyond]
+        drift_of_mean = float(means_of_part[-2:].mean() - means_of_part[:2].mean())
+        if cycle_beyond - first_cycle > 4 and abs(drift_of_mean) > _DRIFT * median_range:
+            words_of_part = f"drift: the mean of Q moves by {number(drift_of_mean)} {unit}"
+            parts.append(RecordPart("drift", first_row, last_row, words_of_part))
     return parts
 
 
@@ -239,23 +256,28 @@ def sliding_in_words(load: TimeSeriesLoad, friction: float) -> str:
     """
     first_row, row_beyond = load.bounds()
     rows = load.rows.values[first_row:row_beyond]
-    normal = rows[:, _NORMAL]
-    slides = np.abs(rows[:, _TANGENTIAL]) > friction * normal
-    slides &= normal >= _NO_LOAD * float(np.max(normal))
+    normal_load = rows[:, _NORMAL]
+    slides = np.abs(rows[:, _TANGENTIAL]) > friction * normal_load
+    slides &= normal_load >= _NO_LOAD * float(np.max(normal_load))
     if not np.any(slides):
         return ""
-    first, last = (np.flatnonzero(slides)[[0, -1]] + first_row + 1).tolist()
-    strokes = sum(1 for _ in _stretches(slides))
-    highest = float(np.max(np.abs(rows[slides, _TANGENTIAL]) / normal[slides]))
-    cuts = []
-    if first - first_row > 2:
-        cuts.append(f"load.end = {{row = {first - 1}}}")
-    if row_beyond - last > 1:
-        cuts.append(f"load.start = {{row = {last + 1}}}")
-    cut = f"; or leave them out by {' or '.join(cuts)}" if cuts else ""
+    first_sliding_row, last_sliding_row = (np.flatnonzero(slides)[[0, -1]] + first_row + 1).tolist()
+    n_strokes = sum(1 for _ in _stretches(slides))
+    highest_ratio = float(np.max(np.abs(rows[slides, _TANGENTIAL]) / normal_load[slides]))
+    ways_to_leave_out = []
+    if first_sliding_row - first_row > 2:
+        ways_to_leave_out.append(f"load.end = {{row = {first_sliding_row - 1}}}")
+    if row_beyond - last_sliding_row > 1:
+        ways_to_leave_out.append(f"load.start = {{row = {last_sliding_row + 1}}}")
+    leave_out_in_words = (
+        f"; or leave them out by {' or '.join(ways_to_leave_out)}" if ways_to_leave_out else ""
+    )
     return (
-        f"{np.count_nonzero(slides):,} rows between {first:,} and {last:,} slide as a whole, in"
-        f" {strokes} {'stroke' if strokes == 1 else 'strokes'}, with |Q|/P up to {highest:.4g}."
+        f"{np.count_nonzero(slides):,} rows between {first_sliding_row:,} and"
+        f" {last_sliding_row:,} slide as a whole, in"
+        f" {n_strokes} {'stroke' if n_strokes == 1 else 'strokes'}, with |Q|/P up to"
+        f" {highest_ratio:.4g}."
         " Given loads have no such state: prescribe the displacement that the rig measured, by"
-        f" tangential_displacement = true and a column U; or check friction.coefficient{cut}"
+        f" tangential_displacement = true and a column U; or check"
+        f" friction.coefficient{leave_out_in_words}"
     )

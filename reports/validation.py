@@ -118,7 +118,10 @@ class AgainstMeasurement:
         return sentence
 
     def content(self) -> dict[str, Any]:
-        """For JSON."""
+        """The comparison with a measurement for JSON: both values, their difference, the
+        uncertainties by numerics, inputs and measurement (u_num, u_input, u_D), u_val of all three,
+        the verdict.
+        """
         return {
             "model": self.model,
             "computed": self.computed,

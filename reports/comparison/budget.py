@@ -121,9 +121,11 @@ def theory_on_steps(result: ContactSolution) -> ContactSolution | None:
 
 
 def without_steps(comparison: Comparison) -> dict[str, float | None]:
-    """Metric -> value with the error of the load increments taken out: against theory on the
-    result's own straight increments. On the smooth path where bulk stress or tilt leave theory no
-    other.
+    """Metric -> value without the error of the load increments: the result compared with theory on
+    the result's own straight increments.
+
+    Where bulk stress or tilt leave theory no such answer it is compared with theory on the smooth
+    path. InputError where the comparison lacks theory on straight increments for another reason.
     """
     if comparison.polygon_reference is None and not (comparison.pulled or comparison.turned):
         raise InputError(
@@ -262,8 +264,9 @@ def climb(
 
 
 def _no_refinements(base_run: Run, comparison: Comparison) -> Refinements:
-    """A refinement study of one run, for elements too large for three coarser meshes; each kind of
-    error states that as the reason why it is not measured.
+    """A refinement study of one run alone, for a mesh whose elements are so large that three
+    coarser meshes are not possible; for each kind of error that is stated as the reason why it was
+    not measured.
     """
     reason = "the run's own elements leave no room for three coarser meshes"
     return Refinements(
@@ -294,8 +297,15 @@ class _RunSolver:
         self.stage = stage
 
     def run(self, label: str, size: float, mesh: MeshSettings, settings: SolverSettings) -> Run:
-        """Solve one mesh and settings of a refinement study, and compare the answer with half-plane
-        theory. Where either has no answer the run has no values, and states the failure.
+        """Solve the scene by finite elements with one mesh and its settings, and compare the answer
+        with half-plane theory. Returns the value of each metric, or why there is none.
+
+        Parameters
+        ----------
+        label
+            name of the run, such as "2h"
+        size
+            size of its elements over that of the finest run
         """
         import halfplane_fe
 
@@ -345,12 +355,12 @@ def _far_field_runs(
 def _penalty_runs(
     solver: _RunSolver, runs: Iterable[Run], mesh: MeshSettings, settings: SolverSettings
 ) -> tuple[tuple[Run, Run], ...]:
-    """Pairs (with the penalty layer, with Coulomb's law met exactly), one on the mesh of each of
-    `runs`.
+    """Pairs of runs that show the error of a penalty layer: each of `runs`, and a run on the same
+    mesh in which Coulomb's law is met exactly.
 
-    These are the run's own mesh and the next: the second shows what the mesh does to the
-    difference. Coarser ones would not: where edges stand in their elements moves W by more than the
-    layer does.
+    `runs` are those on the finest mesh and the next coarser one; the second pair shows what the
+    mesh does to the difference. Still coarser meshes would not show it: on them W changes more by
+    where in an element an edge lies than by the layer.
     """
     exact_settings = replace(
         settings, method="active_set", normal_stiffness=None, tangential_stiffness=None
@@ -570,8 +580,10 @@ def _mesh(metric: Metric, comparison: Comparison, refinements: Refinements) -> T
 
 
 def _no_less_than_stated(term: Term, metric: Metric, comparison: Comparison) -> Term:
-    """`term`, its uncertainty raised to what the run states of contact edges, stick edges and
-    pressure peaks. For metrics whose own value has no stated uncertainty.
+    """The mesh's contribution `term` to a metric, with an uncertainty no smaller than what the run
+    itself states of its contact edges, stick edges and pressure peaks.
+
+    It is used for metrics whose own value has no stated uncertainty.
     """
     least_uncertainty = max(
         metric.uncertainty or 0.0,
@@ -751,8 +763,8 @@ class Refinement(PythonNumbers):
     rounding: float = 0.0  # differences up to this are none
 
     def __post_init__(self) -> None:
-        """ValueError for sizes that do not grow, and for values that are not finite or not as
-        many.
+        """Check the sizes and values of a refinement study. ValueError for sizes that do not grow
+        from the finest on, and for values that are not finite or not as many as sizes.
         """
         super().__post_init__()
         if len(self.sizes) != len(self.values) or not self.sizes:
@@ -840,7 +852,9 @@ def kind_of(refinement: Refinement) -> _Kind:
 
 
 def extrapolate(refinement: Refinement) -> Extrapolation:
-    """Order, kind, value at size zero and its uncertainty, from solutions of different size.
+    """Extrapolate a value to element size zero from solutions on meshes of different size: the
+    order of convergence, the kind of sequence (monotone, oscillating, ...), the limit and its
+    uncertainty.
 
     Where every three neighbours are monotone and their orders plausible and alike to a quarter of
     the formal one: Roache, safety factor 1.25, the uncertainty by the lowest order. Monotone
@@ -854,23 +868,23 @@ def extrapolate(refinement: Refinement) -> Extrapolation:
     ('monotone', 0.9713, 0.001031)
     """
     kind = kind_of(refinement)
-    count = len(refinement.values)
+    n_solutions = len(refinement.values)
     finest_value = refinement.values[0]
-    if count == 1:
+    if n_solutions == 1:
         return Extrapolation(None, kind, None, None, "a single solution says nothing")
     if refinement.spread <= refinement.rounding:
         rule = "all solutions agree to rounding"
         return Extrapolation(None, kind, finest_value, refinement.rounding, rule)
-    if count == 2:
+    if n_solutions == 2:
         correction = _richardson(refinement, refinement.formal_order)
         rule = "formal order assumed, safety factor 3"
         return Extrapolation(
             None, kind, finest_value + correction, _DOUBTFUL * abs(correction), rule
         )
-    orders = [
-        observed_order(refinement.sizes[i : i + 3], refinement.values[i : i + 3])
-        for i in range(count - 2)
-    ]
+    orders = []
+    for first in range(n_solutions - 2):
+        three = slice(first, first + 3)
+        orders.append(observed_order(refinement.sizes[three], refinement.values[three]))
     plausible_orders = [
         order for order in orders if order is not None and refinement.plausible(order)
     ]
@@ -882,7 +896,7 @@ def extrapolate(refinement: Refinement) -> Extrapolation:
             uncertainty = _SAFE * abs(_richardson(refinement, lowest_order))
             rule = "Roache, safety factor 1.25"
             return Extrapolation(finest_order, kind, limit, uncertainty, rule)
-    if count == 3:
+    if n_solutions == 3:
         rule = "the finest, three times the spread"
         return Extrapolation(orders[0], kind, finest_value, _DOUBTFUL * refinement.spread, rule)
     return _least_squares(refinement, kind)
@@ -982,13 +996,15 @@ def _fit_of_free_order(refinement: Refinement, weights: Array) -> _Fit:
     """The curve phi_0 + alpha h^p that fits best with these `weights` (k,), p free within
     `_ORDERS`. Its order is None where the best p is an end of that range.
     """
-    h = np.array(refinement.sizes) / refinement.sizes[-1]
+    relative_sizes = np.array(refinement.sizes) / refinement.sizes[-1]
     values = np.array(refinement.values)
     deviations = values - np.average(values, weights=weights)
 
     def residual(orders: Array) -> Array:
-        """Weighted sum of squares that the best alpha leaves, of each order (k,)."""
-        powers = h ** np.atleast_1d(orders)[:, None]
+        """Weighted sum of squares of the residuals with the best alpha, for each of some orders p,
+        (k,).
+        """
+        powers = relative_sizes ** np.atleast_1d(orders)[:, None]
         powers = powers - np.average(powers, axis=1, weights=weights)[:, None]
         alpha = (weights * powers) @ deviations / np.sum(weights * powers**2, axis=1)
         return np.asarray(np.sum(weights * (deviations - alpha[:, None] * powers) ** 2, axis=1))
@@ -1000,7 +1016,7 @@ def _fit_of_free_order(refinement: Refinement, weights: Array) -> _Fit:
         from scipy.optimize import minimize_scalar
 
         minimum = minimize_scalar(
-            lambda p: residual(p)[0],
+            lambda trial_order: residual(trial_order)[0],
             bounds=(float(trial_orders[best_index - 1]), float(trial_orders[best_index + 1])),
             method="bounded",
             options={"xatol": 1e-9},
@@ -1015,15 +1031,17 @@ def _fit(
     """Weighted least squares of phi_0 + sum alpha_k h^p_k through the solutions, h their sizes and
     p_k the `powers`. An `order` that was itself fitted counts as a parameter.
     """
-    h = np.array(refinement.sizes) / refinement.sizes[-1]
+    relative_sizes = np.array(refinement.sizes) / refinement.sizes[-1]
     values = np.array(refinement.values)
-    terms = np.column_stack([np.ones_like(h), *(h**p for p in powers)])
+    terms = np.column_stack(
+        [np.ones_like(relative_sizes), *(relative_sizes**power for power in powers)]
+    )
     root_of_weights = np.sqrt(weights)
     coefficients = np.linalg.lstsq(
         terms * root_of_weights[:, None], values * root_of_weights, rcond=None
     )[0]
     fitted_values = terms @ coefficients
-    degrees_of_freedom = max(len(h) - len(coefficients) - (order is not None), 1)
+    degrees_of_freedom = max(len(relative_sizes) - len(coefficients) - (order is not None), 1)
     deviation = math.sqrt(
         float(np.sum(weights * (values - fitted_values) ** 2)) / degrees_of_freedom
     )

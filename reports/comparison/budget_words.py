@@ -37,12 +37,13 @@ def _is_negligible(entry: Budget, term: Term) -> bool:
 def budget_table(
     budget: ErrorBudget, without: tuple[str, ...] = ()
 ) -> tuple[tuple[str, ...], list[tuple[str, ...]], list[tuple[str, ...]]]:
-    """The table of the error budget: heads, rows of the metrics of the first table, rows of the
-    other metrics.
+    """The table of the error budget as text: column heads, rows of the metrics that the page's
+    first table shows, and rows of the other metrics.
 
-    Without a column for the terms named in `without`, and for one that is none everywhere. The last
-    column says whether the uncertainty covers what is left (half-planes), or whether an
-    idealisation error stands out of it (real bodies).
+    There is a column for each source of error, but for those named in `without` and those that
+    contribute nothing anywhere. The last column says, for half-planes, whether the uncertainty
+    covers what the sources leave unexplained; for real bodies, whether the idealisation error is
+    larger than its uncertainty.
     """
     term_names = [term.name for term in budget.budgets[0].terms] if budget.budgets else []
     are_half_planes = all(entry.half_planes for entry in budget.budgets)
@@ -56,20 +57,20 @@ def budget_table(
         "covered" if are_half_planes else "resolved",
     )
     rows = [_budget_row(entry) for entry in budget.budgets]
-    columns = []
+    shown_columns = []
     for column, head in enumerate(heads):
         is_none_everywhere = all(row[column] == "none" for row in rows)
         if head not in without and not is_none_everywhere:
-            columns.append(column)
+            shown_columns.append(column)
     first_rows = []
     other_rows = []
     for entry, row in zip(budget.budgets, rows, strict=True):
-        cells = tuple(row[column] for column in columns)
+        cells = tuple(row[column] for column in shown_columns)
         if entry.metric.headline:
             first_rows.append(cells)
         else:
             other_rows.append(cells)
-    return tuple(heads[column] for column in columns), first_rows, other_rows
+    return tuple(heads[column] for column in shown_columns), first_rows, other_rows
 
 
 def _budget_row(budget: Budget) -> tuple[str, ...]:

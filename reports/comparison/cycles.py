@@ -122,11 +122,20 @@ def _all_instants(solution: ContactSolution) -> Cycle:
 def _cycle_of_steps(
     solution: ContactSolution, steps: NDArray[np.intp], fraction: Array, *, whole: bool
 ) -> Cycle:
-    """The instants `steps` of a solution as a `Cycle`; `fraction` is the share of the period at
-    each, or the time where they are not a whole cycle.
+    """Fields, edges and loads of a solution at the instants of one cycle.
+
+    Parameters
+    ----------
+    steps
+        (k,) indices of the instants in the solution
+    fraction
+        (k,) share of the period that is over at each; the time where they are no whole cycle
+    whole
+        whether they are a whole cycle
     """
 
     def at_steps(name: str) -> Any:
+        """The named array of the solution at these instants, read-only."""
         # Those of a path that is one cycle are not copied: of a long record they take tens of
         # megabytes each.
         values = getattr(solution, name)
@@ -148,13 +157,11 @@ def _cycle_of_steps(
 
 
 def sample_instants(reference: ContactSolution, like: Cycle) -> Cycle:
-    """The reference at the times and on the points of `like`, a result that is no whole cycle.
-    Times after the reference's end are those of its last cycle.
+    """The reference solution interpolated to the times and points of a result that holds no whole
+    cycle (`like`). For times after the reference's end its last cycle is taken again.
     """
     whole_reference = _all_instants(reference)
-    if len(whole_reference.time) == len(like.time) and np.array_equal(
-        whole_reference.time, like.time
-    ):
+    if np.array_equal(whole_reference.time, like.time):
         return sample(whole_reference, like, reference.engine)
 
     period = reference.scene.load.path().period
@@ -170,7 +177,8 @@ def sample_instants(reference: ContactSolution, like: Cycle) -> Cycle:
 
 
 def sample(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
-    """`cycle` on the points and instants of `like`; the same cycle where they are the same already.
+    """A cycle of one solution interpolated to the points and instants of another solution's cycle,
+    `like`; the same cycle where these are the same already.
 
     Instants are matched by the fraction of the cycle, since two engines may have needed different
     numbers of revolutions. Linear in x and in time; the state is that of the nearest point and
@@ -206,10 +214,11 @@ def _are_same_places(places: Array, other_places: Array, tolerance: float) -> bo
 
 
 def _sample_from_elsewhere(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
-    """`cycle` on the points and instants of `like`, which starts later in the load path's cycle.
+    """A cycle interpolated to the points and instants of another solution's cycle, `like`, that
+    starts later in the load path's cycle and so ends in the next one.
 
-    Its instants in the next cycle are taken one period earlier, sampled in the order of time, and
-    put back.
+    Instants in the next cycle are moved one period back, all are interpolated in the order of time,
+    and the results are put back into the order of `like`.
     """
     is_in_next_cycle = like.fraction > 1 + _SAME_FRACTION
     fraction_in_cycle = like.fraction - np.where(is_in_next_cycle, 1.0, 0.0)
@@ -244,10 +253,10 @@ def _refuse_points_beyond(cycle: Cycle, x: Array, engine: str) -> None:
 
 
 def _at_instants(cycle: Cycle, like: Cycle) -> tuple[Cycle, dict[str, float]]:
-    """`cycle` at the instants of `like`: linear in the fraction of the cycle, states from the
-    nearest instant.
+    """A cycle interpolated to the instants of another solution's cycle, `like`, and an estimate of
+    the interpolation error of each field and edge, over its largest value.
 
-    Also an estimate of the interpolation error of each field and edge, over its largest value.
+    Interpolation is linear in the fraction of the cycle; states are those of the nearest instant.
     """
     sampled_values: dict[str, Any] = {}
     for name in (*_FIELDS, *_EDGES, *cycle.series):
@@ -265,11 +274,11 @@ def _at_instants(cycle: Cycle, like: Cycle) -> tuple[Cycle, dict[str, float]]:
 
 
 def _at_points(cycle: Cycle, x: Array) -> tuple[Cycle, dict[str, float]]:
-    """`cycle` (k instants) at the points `x`: linear in x, states from the nearest point and open
-    beyond its range.
+    """A cycle interpolated to the points `x`, and an estimate of the interpolation error of each
+    field and of the pointwise dissipation, over its largest value.
 
-    Also an estimate of the interpolation error of each field and of the pointwise dissipation, over
-    its largest value.
+    Interpolation is linear in x; states are those of the nearest point, and open beyond the range
+    of the cycle's points.
     """
     # points first, as `_linear` takes them: (n_points, k), the pointwise dissipation (n_points,)
     given_values: dict[str, Array] = {
@@ -296,14 +305,26 @@ def _errors(samples: Array, values_at_samples: Mapping[str, Array]) -> dict[str,
 
 
 def _linear(places: Array, samples: Array, values: Array) -> Array:
-    """`values` (n_samples, ...) given at `samples`, at `places` instead: linear between samples,
-    constant beyond them.
+    """Linear interpolation of values with any number of further axes; constant beyond the samples.
+
+    Parameters
+    ----------
+    places
+        (k,) where values are wanted
+    samples
+        (n,) where they are given, ascending
+    values
+        (n, ...)
+
+    Returns
+    -------
+    Array
+        (k, ...); a NaN of a sample spoils no place that lies at another sample
     """
     sample_above = np.clip(np.searchsorted(samples, places, side="right"), 1, len(samples) - 1)
     sample_below = sample_above - 1
-    weight = np.clip(
-        (places - samples[sample_below]) / (samples[sample_above] - samples[sample_below]), 0.0, 1.0
-    )
+    spacing = samples[sample_above] - samples[sample_below]
+    weight = np.clip((places - samples[sample_below]) / spacing, 0.0, 1.0)
     weight = weight.reshape(-1, *(1,) * (values.ndim - 1))
     value_below = values[sample_below]
     value_above = values[sample_above]
@@ -381,15 +402,15 @@ def _extremes(cycle: Cycle, friction: float, first_index: int) -> dict[int, str]
     tangential_load = cycle.tangential_load[first_index:]
     # With bulk stress or tilt each edge has a law of its own, and slip ends elsewhere.
     ends_slip = cycle.tilt is None and cycle.shear_moment is None
+    label_of_largest = "forward slip ends" if ends_slip else "Q − f P largest"
+    label_of_least = "reverse slip ends" if ends_slip else "Q + f P least"
     quantities = {
         "P largest": normal_load,
         "P least": -normal_load,
         "Q largest": tangential_load,
         "Q least": -tangential_load,
-        ("forward slip ends" if ends_slip else "Q − f P largest"): tangential_load
-        - friction * normal_load,
-        ("reverse slip ends" if ends_slip else "Q + f P least"): -tangential_load
-        - friction * normal_load,
+        label_of_largest: tangential_load - friction * normal_load,
+        label_of_least: -tangential_load - friction * normal_load,
     }
     scale = float(np.max(np.abs(normal_load)))
     labels: dict[int, str] = {}

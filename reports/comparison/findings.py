@@ -134,10 +134,8 @@ def _of_answers(folder: Path, source: str | Path) -> Findings:
             f"{source}: it holds only the steps before an engine failed:"
             f" {answers[0].get('message')}"
         )
-    if any(
-        _physics(finding.scene) != _physics(findings_of_engines[0].scene)
-        for finding in findings_of_engines
-    ):
+    first_physics = _physics(findings_of_engines[0].scene)
+    if any(_physics(finding.scene) != first_physics for finding in findings_of_engines):
         raise InputError(
             f"{source}: the engines in this folder answer different scenes; name the file of one of"
             " them"
@@ -186,8 +184,11 @@ def of_content(content: Mapping[str, Any], source: str) -> Findings:
 
 
 def _read(kind: str, content: Mapping[str, Any], source: str) -> Findings:
-    """The values in JSON content of this kind (baseline, comparison or solution). Whatever is
-    missing or no number raises KeyError, TypeError or ValueError.
+    """The values of a run in the content of a JSON file of this kind ("baseline", "comparison" or
+    "solution"), by keys such as "metric.dissipation" or "theory.counts.steps", with the engines
+    that made them.
+
+    Whatever is missing or no number raises KeyError, TypeError or ValueError.
     """
     scene = Scene.model_validate(content["scene"])
     figures: dict[str, float | None] = {}
@@ -302,7 +303,8 @@ def _physics(scene: Scene) -> dict[str, Any]:
 
 
 def _flat(value: Any, name: str = "") -> dict[str, Any]:
-    """Nested mappings and lists as one mapping, names joined by dots and numbers in brackets.
+    """Flatten nested mappings and lists into one mapping: names are joined by dots, places in a
+    list stand in brackets. Keys called "file" are left out.
 
     >>> _flat({"load": {"cycle": [[1.0, 0.5]]}})
     {'load.cycle[0][0]': 1.0, 'load.cycle[0][1]': 0.5}
@@ -318,11 +320,10 @@ def _flat(value: Any, name: str = "") -> dict[str, Any]:
         entries = [(f"{name}[{number}]", entry) for number, entry in enumerate(value)]
     else:
         return {name: value}
-    return {
-        key: nested_value
-        for entry_name, entry in entries
-        for key, nested_value in _flat(entry, entry_name).items()
-    }
+    flat_values: dict[str, Any] = {}
+    for entry_name, entry in entries:
+        flat_values |= _flat(entry, entry_name)
+    return flat_values
 
 
 # -------------------------------------------------------------------------------------- differences

@@ -44,19 +44,19 @@ def spikes(values: Array) -> Mask:
 
 
 def _stands_out(values: Array, over_all: float) -> Mask:
-    """Where values (k, n) are several times larger than their four neighbours, and `over_all` times
-    larger than all others.
+    """Which values of a field (k instants, n points) stand alone: each is several times larger than
+    its neighbours in x and in time, and `over_all` times larger than every other value.
     """
-    size = np.abs(np.nan_to_num(values))
-    padded = np.pad(size, 1)
-    value_left = padded[1:-1, :-2]
-    value_right = padded[1:-1, 2:]
-    value_before = padded[:-2, 1:-1]
-    value_after = padded[2:, 1:-1]
+    sizes = np.abs(np.nan_to_num(values))
+    padded_sizes = np.pad(sizes, 1)
+    value_left = padded_sizes[1:-1, :-2]
+    value_right = padded_sizes[1:-1, 2:]
+    value_before = padded_sizes[:-2, 1:-1]
+    value_after = padded_sizes[2:, 1:-1]
     largest_neighbour = np.maximum.reduce([value_left, value_right, value_before, value_after])
-    stands_out = (size > 0) & (size > _OVER_NEIGHBOURS * largest_neighbour)
-    largest_of_rest = float(np.max(size, where=~stands_out, initial=0.0))
-    return np.asarray(stands_out & (size > over_all * largest_of_rest))
+    stands_out = (sizes > 0) & (sizes > _OVER_NEIGHBOURS * largest_neighbour)
+    largest_of_rest = float(np.max(sizes, where=~stands_out, initial=0.0))
+    return np.asarray(stands_out & (sizes > over_all * largest_of_rest))
 
 
 def _has_form(values: Array) -> Mask:
@@ -72,13 +72,15 @@ def without_spikes(values: Array) -> Array:
     is_spike = spikes(values)
     if not is_spike.any():
         return values
-    mended = values.copy()
-    for row, column in np.argwhere(is_spike):
+    smooth_values = values.copy()
+    for instant, point in np.argwhere(is_spike):
         neighbours = [
-            k for k in (column - 1, column + 1) if 0 <= k < values.shape[1] and not is_spike[row, k]
+            neighbour
+            for neighbour in (point - 1, point + 1)
+            if 0 <= neighbour < values.shape[1] and not is_spike[instant, neighbour]
         ]
-        mended[row, column] = np.mean(values[row, neighbours]) if neighbours else 0.0
-    return freeze(mended)
+        smooth_values[instant, point] = np.mean(values[instant, neighbours]) if neighbours else 0.0
+    return freeze(smooth_values)
 
 
 def isolated_values(result_cycle: Cycle, reference_cycle: Cycle) -> dict[str, Mask]:
@@ -95,12 +97,10 @@ def isolated_values(result_cycle: Cycle, reference_cycle: Cycle) -> dict[str, Ma
     for name, edges_of_field in edges.items():
         reference_values = np.nan_to_num(getattr(reference_cycle, name))
         difference = getattr(result_cycle, name) - reference_values
-        is_large = np.abs(difference) > _LEAST_DIFFERENCE * np.max(
-            np.abs(reference_values), initial=0.0
-        )
-        stands_alone = _stands_out(difference, _DIFFERENCE_OVER_ALL) & _has_form(
-            result_cycle.pressure
-        )
+        largest_reference = np.max(np.abs(reference_values), initial=0.0)
+        is_large = np.abs(difference) > _LEAST_DIFFERENCE * largest_reference
+        stands_alone = _stands_out(difference, _DIFFERENCE_OVER_ALL)
+        stands_alone &= _has_form(result_cycle.pressure)
         is_near_edge = _near(edges_of_field, reference_cycle)
         masks[name] = masks[name] | (stands_alone & is_large & ~is_near_edge)
     return masks

@@ -143,14 +143,14 @@ def _slip(solution: ContactSolution) -> Array:
     slip, and |q + f p| in reverse slip, over f times the largest pressure.
     """
     friction = solution.scene.friction.coefficient
-    sign = (solution.state == SLIP_FORWARD) * 1.0 - (solution.state == SLIP_REVERSE)
-    shortfall = np.max(
-        np.abs(sign * solution.shear - friction * solution.pressure),
+    slip_direction = (solution.state == SLIP_FORWARD) * 1.0 - (solution.state == SLIP_REVERSE)
+    violation = np.max(
+        np.abs(slip_direction * solution.shear - friction * solution.pressure),
         axis=1,
-        where=sign != 0,
+        where=slip_direction != 0,
         initial=0.0,
     )
-    return np.asarray(shortfall / ((friction or 1.0) * _largest_pressure(solution)))
+    return np.asarray(violation / ((friction or 1.0) * _largest_pressure(solution)))
 
 
 def _loads(solution: ContactSolution) -> Array:

@@ -185,8 +185,8 @@ def _worst(series: Array, applies: Mask, places: Array) -> tuple[float | None, f
     """
     if not applies.any():
         return None, None
-    size = np.where(np.isnan(series), np.inf, np.abs(series))
-    worst_index = _first_largest(np.where(applies, size, -1.0))
+    sizes = np.where(np.isnan(series), np.inf, np.abs(series))
+    worst_index = _first_largest(np.where(applies, sizes, -1.0))
     return float(series[worst_index]), float(places[worst_index])
 
 
@@ -209,8 +209,9 @@ def _nothing_to_compare(reason: str) -> Measured:
 def _of_amounts(
     reference_amount: float, result_amount: float, scale: float, **further_fields: Any
 ) -> Measured:
-    """The difference of the result's amount from the reference's, over the reference's. Where that
-    is nothing beside `scale` (1e-12 of it), over `scale`.
+    """A metric of two amounts of the same quantity: (result - reference)/reference. Where the
+    reference's amount is nothing (below 1e-12 of `scale`) the difference is over `scale` instead,
+    and called absolute.
     """
     is_absolute = abs(reference_amount) <= _NOTHING * scale
     denominator = scale if is_absolute else reference_amount
@@ -273,8 +274,17 @@ def _beside_extremum(
 def _beside_theory(
     pair: Pair, name: str, value_on_points: float, value_of_result: float, scale: float
 ) -> Measured:
-    """The largest `name` of the result beside theory's own; of another reference, beside its value
-    on common points.
+    """The metric of a quantity's largest value, (result - reference)/reference.
+
+    Half-plane theory knows its largest value (`name` in `pair.largest`) wherever it lies. Of
+    another reference it is the largest on the points and instants that both have.
+
+    Parameters
+    ----------
+    value_on_points, value_of_result
+        largest value of the reference on those points, and of the result
+    scale
+        what the difference is over where the reference's value is 0
     """
     extremum = value_on_points
     note = ""
@@ -288,8 +298,8 @@ def _beside_theory(
 
 
 def _with_stated(pair: Pair, measurement: Measured, name: str, error: str = "") -> Measured:
-    """`measurement` with the uncertainties that the reference and the result state of its two
-    amounts.
+    """The measured metric with the uncertainties that reference and result themselves state of the
+    two amounts that it compares.
 
     Parameters
     ----------
@@ -465,7 +475,9 @@ def dissipation(pair: Pair) -> Measured:
 
 
 def largest_dissipation_density(pair: Pair) -> Measured:
-    """Largest w(x)."""
+    """Largest friction work per area w(x) of the last cycle: (result - reference)/reference, with
+    the place of the result's largest value.
+    """
     reference_cycle = pair.expected
     result_cycle = pair.found
     value_on_points = float(reference_cycle.dissipation_density.max())
@@ -613,14 +625,12 @@ def _resultant(
     normals = getattr(pair.result, "normals", None)
     note = ""
     weights_of_points = shares(x) if weights is None else weights
-    resultant = resultant_of(
-        pair.found, weights_of_points, normals_of_flat if normals is None else normals
-    )
+    normals_of_points = normals_of_flat if normals is None else normals
+    resultant = resultant_of(pair.found, weights_of_points, normals_of_points)
     excess = resultant - getattr(pair.found, name_of_load)
     if weights is None:
-        error_of_rule = resultant_of(pair.expected, shares(x), normals_of_flat) - getattr(
-            pair.expected, name_of_load
-        )
+        resultant_of_reference = resultant_of(pair.expected, shares(x), normals_of_flat)
+        error_of_rule = resultant_of_reference - getattr(pair.expected, name_of_load)
         excess = excess - error_of_rule
         note = (
             "the result states no weights, so by the trapezoidal rule, minus its error for the"
@@ -736,7 +746,9 @@ def _is_that_of_a_neighbour(status: NDArray[np.int8], neighbours: NDArray[np.int
 
 
 def state(pair: Pair) -> Measured:
-    """Share of the length in contact whose state differs, mean over the cycle."""
+    """Share of the length in contact on which the states (stick, slip, open) of result and
+    reference differ, at each instant; the value is the mean over time of the instants in contact.
+    """
     reference_cycle = pair.expected
     result_cycle = pair.found
     lengths = np.gradient(result_cycle.x)

@@ -175,9 +175,8 @@ def judge(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric, ...]:
             )
         else:
             measurement = metric.measure(pair)
-            metrics.append(
-                metric.with_value(measurement, None if measurement.value is None else tolerance)
-            )
+            tolerance_of_value = None if measurement.value is None else tolerance
+            metrics.append(metric.with_value(measurement, tolerance_of_value))
     return tuple(metrics)
 
 

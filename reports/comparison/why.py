@@ -171,7 +171,10 @@ class Why(PythonNumbers):
         return [*rows, ("finite elements/theory − 1", percent_of(self.total))]
 
     def content(self) -> dict[str, Any]:
-        """For comparison.json: the difference of W and its causes, as shares of theory's W."""
+        """The entry "why" of comparison.json: the difference of the dissipation W between finite
+        elements and theory, the change that each cause makes, all as shares of theory's W, the main
+        cause, and why the difference was not split, if so.
+        """
         steps = [
             {"cause": cause, "value": change.value, "uncertainty": change.uncertainty}
             for cause, change, _ in self.steps

@@ -73,11 +73,9 @@ def of_stretch(text: str, scene: Scene) -> str:
     if stretch_name == "last cycle":
         return text
     noun = stretch_name.split()[-1]
-    return (
-        text.replace("whole last cycle", stretch_name)
-        .replace("last cycle", stretch_name)
-        .replace("the cycle", f"the {noun}")
-    )
+    text = text.replace("whole last cycle", stretch_name)
+    text = text.replace("last cycle", stretch_name)
+    return text.replace("the cycle", f"the {noun}")
 
 
 def question(scene: Scene) -> str:
@@ -102,11 +100,17 @@ def bulk_and_tilt(scene: Scene) -> str:
 
 
 def _over_time(scene: Scene, name_of_pair: str, index: int, value: Any, of: str = "of") -> str:
-    """A load in words, with a preposition: a number, the formula of a cosine, or the range of
-    anything else along the path.
+    """A bulk stress, tilt or moment over time in words, with a preposition: "of 50", "of 50 + 20
+    cos(t - 30°)", or "from -50 to 50" for anything that is neither a number nor a cosine.
 
-    The range is that of the load at index `index` in a pair of loads; `name_of_pair` names that
-    pair in each load segment.
+    Parameters
+    ----------
+    name_of_pair, index
+        where each load segment holds it: name of a pair of loads ("bulk", "turning"), and 0 or 1
+    value
+        what the scene states of it
+    of
+        the preposition of a number or a cosine
     """
     if isinstance(value, Wave):
         return (
@@ -600,7 +604,10 @@ def read_in_words(name: str, read_as: ReadAs) -> str:
 
 
 def for_notebook(comparison: JudgedPair, *, has_budget: bool) -> str:
-    """A comparison as HTML for a notebook: headline, table of absolute values, verdict."""
+    """A comparison as an HTML fragment for a notebook: headline, table of the values of both
+    solutions, verdict, and how the verdict was reached. `has_budget` says that an error budget was
+    measured.
+    """
     heads, rows = first_cells(comparison)
     sentences = (
         lead(comparison),
@@ -647,11 +654,13 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
     ]
     rows = []
     for metric in _in_first_table(comparison):
-        label, short = metric.label, metric.short or metric.label
+        label = metric.label
+        short_label = metric.short or metric.label
         factor = 1.0
         if metric.headline:
             factor, unit = shown_unit(comparison.scene, metric.quantity)
-            label, short = f"{label} [{unit}]", f"{short} [{unit}]"
+            label = f"{label} [{unit}]"
+            short_label = f"{short_label} [{unit}]"
         reference_amount, result_amount = metric.amounts or (math.nan, math.nan)
         stated_of_reference, stated_of_result = metric.stated
         place = ""
@@ -661,7 +670,7 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
             {
                 "key": metric.key,
                 "label": label,
-                "short": short,
+                "short": short_label,
                 "reference": _with_stated(reference_amount, stated_of_reference, factor),
                 "result": _with_stated(result_amount, stated_of_result, factor),
                 "place": place,
@@ -770,17 +779,19 @@ def _difference_of(metric: Metric) -> str:
 
 
 def summary(comparison: JudgedPair) -> str:
-    """A comparison as plain text: headline, table of absolute values, verdict."""
-    heads, rows = first_cells(comparison)
-    widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
-    lines = []
-    for row in (heads, *rows):
-        cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
-        lines.append("  ".join(cells).rstrip())
-    head_line, *row_lines = lines
+    """A comparison as plain text: headline; table of the values of both solutions with columns of
+    equal width; verdict.
+    """
+    heads, table_rows = first_cells(comparison)
+    column_widths = [max(map(len, column)) for column in zip(heads, *table_rows, strict=True)]
+    table_lines = []
+    for row in (heads, *table_rows):
+        padded_cells = [cell.ljust(width) for cell, width in zip(row, column_widths, strict=True)]
+        table_lines.append("  ".join(padded_cells).rstrip())
+    head_line, *row_lines = table_lines
     rule = "-" * len(head_line)
-    table = [head_line, rule, *row_lines]
-    return "\n".join([headline(comparison), "", *table, "", verdict(comparison)])
+    parts = [headline(comparison), "", head_line, rule, *row_lines, "", verdict(comparison)]
+    return "\n".join(parts)
 
 
 def in_five_lines(comparison: JudgedPair, kind: str) -> str:
@@ -838,12 +849,16 @@ _LATEX = {
 
 
 def summary_latex(comparison: JudgedPair) -> str:
-    """The table of absolute values as a `tabular` of LaTeX; needs the package booktabs."""
+    """The table of the values of both solutions as a LaTeX `tabular`, with a column for their
+    difference and one for the verdict. It needs the LaTeX package booktabs.
+    """
     heads, cells = first_cells(comparison)
-    escapes = str.maketrans(_LATEX)
-    rows = [" & ".join(cell.translate(escapes) for cell in row) for row in (heads, *cells)]
-    heads_row, *value_rows = [rf"{row} \\" for row in rows]
-    lines = [
+    escape_table = str.maketrans(_LATEX)
+    latex_rows = [
+        " & ".join(cell.translate(escape_table) for cell in row) for row in (heads, *cells)
+    ]
+    heads_row, *value_rows = [rf"{row} \\" for row in latex_rows]
+    latex_lines = [
         rf"\begin{{tabular}}{{l{'r' * (len(heads) - 2)}l}}",
         r"\toprule",
         heads_row,
@@ -852,7 +867,7 @@ def summary_latex(comparison: JudgedPair) -> str:
         r"\bottomrule",
         r"\end{tabular}",
     ]
-    return "\n".join(lines) + "\n"
+    return "\n".join(latex_lines) + "\n"
 
 
 # ---------------------------------------------------------------------------------- of one solution
@@ -865,9 +880,9 @@ def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     dissipation = _or_none(solution.dissipation)
     uncertainty = solution.dissipation_uncertainty
     if not np.isnan(uncertainty):
-        share_in_words = (
-            f" ({uncertainty / solution.dissipation:.2%})" if solution.dissipation else ""
-        )
+        share_in_words = ""
+        if solution.dissipation:
+            share_in_words = f" ({uncertainty / solution.dissipation:.2%})"
         dissipation += f" ± {uncertainty:.2g}{share_in_words}, by mesh and steps"
     last_loads = (
         f"P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g} {load_unit(scene)}"
@@ -915,8 +930,9 @@ def row_of_sliding(solution: ContactSolution) -> tuple[str, str]:
 def summary_rows(
     solution: ContactSolution, *, loads_are_found: bool = False
 ) -> list[tuple[str, str]]:
-    """Rows (label with unit, value) of the summary of a solution: those of `first_rows`, then drift
-    and loops of the work, load cycles, laws of contact, notes and what was skipped.
+    """Rows (label with unit, value) of the summary of a solution: engine, size, largest pressure,
+    half-widths and dissipation first; then how the dissipation changes from cycle to cycle, the
+    work of the loads, load cycles of a record, laws of contact, notes, and what was skipped.
 
     With `loads_are_found`, under a prescribed displacement, also how near the loads come to gross
     sliding.

@@ -26,9 +26,10 @@ def bulk_strains(materials: Materials) -> tuple[float, float]:
     >>> [round(1 / compliance) for compliance in bulk_strains(steel)]
     [230769, -230769]
     """
-    lower_compliance, upper_compliance = (
-        (1 - m.poisson_ratio**2) / m.young_modulus for m in (materials.lower, materials.upper)
-    )
+    lower_material = materials.lower
+    upper_material = materials.upper
+    lower_compliance = (1 - lower_material.poisson_ratio**2) / lower_material.young_modulus
+    upper_compliance = (1 - upper_material.poisson_ratio**2) / upper_material.young_modulus
     return lower_compliance, -upper_compliance
 
 

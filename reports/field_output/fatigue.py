@@ -87,11 +87,11 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
     import semi_analytic
 
     cycle = np.asarray(solution.last_cycle)
-    steps = np.linspace(0, len(cycle) - 1, min(_INSTANTS, len(cycle))).round().astype(int)
+    even_steps = np.linspace(0, len(cycle) - 1, min(_INSTANTS, len(cycle))).round().astype(int)
     turning_steps = []
     for load in (solution.normal_load[cycle], solution.tangential_load[cycle]):
         turning_steps += [int(load.argmax()), int(load.argmin())]
-    times = solution.time[cycle[np.unique([*steps, *turning_steps])]]
+    times = solution.time[cycle[np.unique([*even_steps, *turning_steps])]]
     edge_tension = halfplane_fe.largest_edge_tension(solution)
     if edge_tension is None:
         raise InputError(
@@ -103,12 +103,14 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
         solution.scene, x=solution.x, time=times, fields=("pressure", "shear")
     )
     theory_edges = reference.contact_edges[np.searchsorted(times, edge_tension.time)]
-    edges = np.array([theory_edges, edge_tension.edges])  # a row for each engine
-    middles = edges.mean(axis=1)
-    half_widths = (edges[:, 1] - edges[:, 0]) / 2
+    edges_of_engines = np.array([theory_edges, edge_tension.edges])  # a row for each engine
+    middles = edges_of_engines.mean(axis=1)
+    half_widths = (edges_of_engines[:, 1] - edges_of_engines[:, 0]) / 2
     depths, weights = _depths_and_weights(criteria, half_widths[0])
-    depth, x = (axis.ravel() for axis in np.meshgrid(depths, _ACROSS, indexing="ij"))
-    x_theory, x_elements = middles[:, None] + half_widths[:, None] * x
+    depth, x_over_half_width = (
+        axis.ravel() for axis in np.meshgrid(depths, _ACROSS, indexing="ij")
+    )
+    x_theory, x_elements = middles[:, None] + half_widths[:, None] * x_over_half_width
     tables = []
     bodies: tuple[Literal["lower", "upper"], ...] = ("lower", "upper")
     for body in bodies:
@@ -118,7 +120,7 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
             semi_analytic.stress(reference, x_theory, y, times, body=body),
             halfplane_fe.stress(solution, x_elements, y, times, body=body),
         ]
-        places = x
+        places = x_over_half_width
         if weights is not None:
             stresses = [_averaged_over_depth(stress, weights) for stress in stresses]
             places = _ACROSS
@@ -156,22 +158,22 @@ def largest(table: pd.DataFrame) -> list[dict[str, Any]]:
     """The largest value of each measure of a survey in each body with its place, by both engines: a
     dict for each.
     """
-    rows = []
+    largest_values = []
     for body, rows_of_body in table.groupby("body", sort=False):
         first_columns = (name for name in table.columns if name.endswith(f", {ENGINES[0]}"))
         for measure in (name.removesuffix(f", {ENGINES[0]}") for name in first_columns):
             if measure == "x":
                 continue
-            row: dict[str, Any] = {"body": body, "measure": measure}
+            largest_of_measure: dict[str, Any] = {"body": body, "measure": measure}
             for name in ENGINES:
                 largest_row = rows_of_body.loc[rows_of_body[f"{measure}, {name}"].idxmax()]
-                row[name.replace(" ", "_")] = {
+                largest_of_measure[name.replace(" ", "_")] = {
                     "value": float(largest_row[f"{measure}, {name}"]),
                     "x": float(largest_row[f"x, {name}"]),
                     "y": float(largest_row["y"]) + 0.0,
                 }
-            rows.append(row)
-    return rows
+            largest_values.append(largest_of_measure)
+    return largest_values
 
 
 def measures(

@@ -139,8 +139,8 @@ def series_of(
         steps = steps[::every]
     return (
         tuple(
-            Instant(float(solution.time[step]), f"{n + 1} of {len(steps)}")
-            for n, step in enumerate(steps)
+            Instant(float(solution.time[step]), f"{number + 1} of {len(steps)}")
+            for number, step in enumerate(steps)
         ),
         notes,
     )
@@ -206,17 +206,22 @@ def write_fields(
             parts.append((body.name, body.points, body.cells, nodal_values))
         lower_fields = snapshot.bodies[0]
         tractions = {name: getattr(solution, name)[step] for name in ("pressure", "shear", "slip")}
-        states = {
+        further_fields = {
             "state": solution.state[step].astype(np.int32),
             "displacement": lower_fields.displacement[nodes_of_line],
         }
         parts.append(
-            ("contact", lower_fields.points[nodes_of_line], cells_of_line, tractions | states)
+            (
+                "contact",
+                lower_fields.points[nodes_of_line],
+                cells_of_line,
+                tractions | further_fields,
+            )
         )
-        for part, (name, points, cells, nodal_values) in enumerate(parts):
-            file = f"{name}_{number:03d}.vtu"
-            meshes.write_vtu(folder / file, points, cells, nodal_values)
-            entries.append(meshes.PvdEntry(snapshot.time, part, name, file))
+        for part_number, (name, points, cells, nodal_values) in enumerate(parts):
+            file_name = f"{name}_{number:03d}.vtu"
+            meshes.write_vtu(folder / file_name, points, cells, nodal_values)
+            entries.append(meshes.PvdEntry(snapshot.time, part_number, name, file_name))
     meshes.write_pvd(folder / _COLLECTION, entries)
     return [_COLLECTION, *(entry.file for entry in entries)]
 
@@ -241,10 +246,10 @@ def contact_line(mesh: BodyMesh, boundaries: Sequence[str] = ("contact",)) -> In
 def peak(
     snapshot: Snapshot, stress_of: Callable[[BodyFields], Array] = lambda body: body.von_mises
 ) -> dict[str, Any]:
-    """The largest nodal value of a stress [stress], its body and undeformed place [length]; see
-    `NO_PEAK` for what it is worth.
+    """The largest nodal value of a stress in both bodies [stress], with its body and its undeformed
+    place [length]. It depends on the mesh: at an edge of contact the stress may be infinite.
 
-    `stress_of` gives the stress at each node of a body: von Mises' stress, or `tension`.
+    `stress_of` gives the stress at each node of a body: von Mises' stress by default.
     """
     body = max(snapshot.bodies, key=lambda body: float(stress_of(body).max()))
     values = stress_of(body)

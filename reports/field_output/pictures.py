@@ -127,8 +127,8 @@ def picture(skins: Sequence[Skin], window: Window, width: int) -> NDArray[np.uin
     )
     try:
         plotter.set_background("white")
-        for k, skin in enumerate(skins):
-            depth = 1e-3 * k * height
+        for skin_number, skin in enumerate(skins):
+            depth = 1e-3 * skin_number * height
             mesh = skin.grid().translate((0, 0, depth), inplace=False)
             plotter.add_mesh(
                 mesh,
@@ -168,10 +168,23 @@ def rendered(
     marks_over: Sequence[Mark] = (),
     size: tuple[float, float] = (440.0, 460.0),
 ) -> Panel:
-    """A panel of that size with a rendered picture of meshes in the window, `pixels` wide, and
-    marks over it.
+    """A panel that shows meshes as a rendered picture, with axes, and with curves drawn over it.
 
-    The window is widened where the panel is wider; one unit has one length along both axes.
+    Parameters
+    ----------
+    window
+        left, right, bottom and top of what is shown [length]; widened where the panel is wider,
+        since a unit has the same length along both axes
+    skins
+        the meshes with their colours
+    pixels
+        width of the picture
+    words
+        unit of length, title, note and description
+    marks_over
+        what is drawn over the picture
+    size
+        width and height of the panel
     """
     left, right, bottom, top = window
     x_axis = Axis(left, right, f"x  [{words.length_unit}]")
@@ -217,10 +230,10 @@ def mesh(
     sides: dict[str, Array] = {}  # (n, 2, 2) ends of the elements' sides over a_ref
     quality: dict[str, float] = {}
     for body_name, sign_of_y, body in placed_bodies:
-        ends = np.asarray(body.mesh.p.T[body.mesh.facets.T])
-        sides[body_name] = ends * (1.0, sign_of_y) / half_width
+        ends_of_sides = np.asarray(body.mesh.p.T[body.mesh.facets.T])
+        sides[body_name] = ends_of_sides * (1.0, sign_of_y) / half_width
         quality |= {f"{body_name} {key}": value for key, value in body.quality.items()}
-    points = np.concatenate([lines.reshape(-1, 2) for lines in sides.values()])
+    points = np.concatenate([sides_of_body.reshape(-1, 2) for sides_of_body in sides.values()])
     least_corner = points.min(axis=0)
     largest_corner = points.max(axis=0)
     edge_over_a = edge / half_width if np.isfinite(edge) else 1.0
@@ -242,25 +255,25 @@ def mesh(
             if name in body.mesh.boundaries
         ]
         for sign_of_y, body in bounded:
-            lines = _boundary(body, name, sign_of_y) / half_width
-            boundaries.append(Segments(lines, f"curve side-{name}"))
+            sides_of_body = _boundary(body, name, sign_of_y) / half_width
+            boundaries.append(Segments(sides_of_body, f"curve side-{name}"))
         if bounded:
             support = _support_in_words([body for _, body in bounded], name)
             keys.append(Key(f"side-{name}", f"{name.replace('_', ' ')}{support}"))
     panels = []
-    for k, (view_in_words, centre, half_size) in enumerate(views):
+    for view_number, (view_in_words, centre, half_size) in enumerate(views):
         left, bottom = (centre - half_size).tolist()
         right, top = (centre + half_size).tolist()
-        link_end = " again" if k else ""  # an SVG holds the lines of a mesh once
+        link_end = " again" if view_number else ""  # an SVG holds the lines of a mesh once
         marks: list[Mark] = [
-            Segments(lines, f"mesh-{name}", f"mesh-{name}{link_end}")
-            for name, lines in sides.items()
+            Segments(sides_of_body, f"mesh-{name}", f"mesh-{name}{link_end}")
+            for name, sides_of_body in sides.items()
         ]
-        if k == 0:
+        if view_number == 0:
             marks += boundaries
         panels.append(
             Panel(
-                f"mesh-{k}",
+                f"mesh-{view_number}",
                 Axis(left, right, "x / a_ref"),
                 Axis(bottom, top, "y / a_ref"),
                 marks,
@@ -303,8 +316,9 @@ def _support_in_words(bodies: Sequence[BodyMesh], boundary: str) -> str:
 
 
 def scales_of(snapshots: Sequence[Snapshot]) -> tuple[float, float]:
-    """What all pictures of a run share: the largest von Mises stress, and the factor by which
-    displacements of whole bodies are magnified.
+    """Two values that all pictures of a run share: the largest nodal von Mises stress [stress], the
+    end of the scale of colours, and the factor by which displacements of whole bodies are
+    magnified.
     """
     bodies = [body for snapshot in snapshots for body in snapshot.bodies]
     largest_extent = max(float(np.ptp(body.points, axis=0).max()) for body in bodies)
@@ -338,10 +352,12 @@ def stress(
     peaks = [peak(snapshot) for snapshot in snapshots]
     largest_stress, _ = scales
     cells: list[Cell] = []
-    for k, (instant, snapshot) in enumerate(zip(instants, snapshots, strict=True)):
-        whole_name = f"{name}-{k}-whole"
+    for instant_number, (instant, snapshot) in enumerate(zip(instants, snapshots, strict=True)):
+        whole_name = f"{name}-{instant_number}-whole"
         cells.append(_whole_bodies(solution, snapshot, instant.label, scales, whole_name, pixels))
-        cells.append(_at_the_contact(solution, snapshot, largest_stress, f"{name}-{k}", pixels))
+        cells.append(
+            _at_the_contact(solution, snapshot, largest_stress, f"{name}-{instant_number}", pixels)
+        )
     return Plate(
         name,
         "Von Mises stress",
@@ -352,10 +368,12 @@ def stress(
         {
             "instant": [instant.label for instant in instants],
             "time": [snapshot.time for snapshot in snapshots],
-            f"largest nodal value [{stress_unit}]": [place["value"] for place in peaks],
-            "body": [place["body"] for place in peaks],
-            f"x [{length_unit}]": [place["x"] for place in peaks],
-            f"y [{length_unit}]": [place["y"] for place in peaks],
+            f"largest nodal value [{stress_unit}]": [
+                peak_of_instant["value"] for peak_of_instant in peaks
+            ],
+            "body": [peak_of_instant["body"] for peak_of_instant in peaks],
+            f"x [{length_unit}]": [peak_of_instant["x"] for peak_of_instant in peaks],
+            f"y [{length_unit}]": [peak_of_instant["y"] for peak_of_instant in peaks],
         },
         STATE_KEYS,
     )
@@ -382,13 +400,16 @@ def _whole_bodies(
     for body_mesh, body in zip(solution.bodies, snapshot.bodies, strict=True):
         # Magnified displacements let the bodies overlap where the gap is not magnified with them;
         # hence they are drawn apart.
-        side = 1.0 if body.name == "lower" else -1.0
-        offset = np.array([0.0, -side * (0.03 + _LARGEST_DISPLACEMENT) * largest_extent / 2])
+        outward_sign = 1.0 if body.name == "lower" else -1.0
+        offset = np.array(
+            [0.0, -outward_sign * (0.03 + _LARGEST_DISPLACEMENT) * largest_extent / 2]
+        )
         values = np.log10(np.maximum(body.von_mises, least_stress))
         deformed_points = body.points + factor * body.displacement + offset
         skins.append(Skin(deformed_points, body.cells, values, limits))
         outlines += [
-            _boundary(body_mesh, boundary, side) + offset for boundary in body_mesh.mesh.boundaries
+            _boundary(body_mesh, boundary, outward_sign) + offset
+            for boundary in body_mesh.mesh.boundaries
         ]
     points = np.concatenate(
         [*(skin.points for skin in skins), *(lines.reshape(-1, 2) for lines in outlines)]
@@ -398,11 +419,11 @@ def _whole_bodies(
     margin = 0.04 * (largest_corner - least_corner)
     left, bottom = (least_corner - margin).tolist()
     right, top = (largest_corner + margin).tolist()
-    loads = (
+    loads_in_words = (
         f"P = {number(snapshot.normal_load)}, Q = {number(snapshot.tangential_load)}"
         f" {load_unit(solution.scene)}"
     )
-    note = f"{loads}; displacements × {number(factor)}, drawn apart"
+    note = f"{loads_in_words}; displacements × {number(factor)}, drawn apart"
     panel_words = PanelWords(length_unit, f"t = {number(snapshot.time)}, {label}", note)
     undeformed = Segments(np.concatenate(outlines), "curve undeformed")
     panel = rendered(name, (left, right, bottom, top), skins, pixels, panel_words, [undeformed])
