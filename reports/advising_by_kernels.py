@@ -202,5 +202,8 @@ def sentence(advice: KernelAdvice) -> str:
     if advice.verdict is Verdict.WITHIN:
         return f"{first_sentence} That is within {limit_in_words}: theory may be used."
     if advice.verdict is Verdict.UNDECIDED:
-        return f"{first_sentence} Whether it is within {limit_in_words} is undecided: solve it (`halfplane run`)."
+        return (
+            f"{first_sentence} Whether it is within {limit_in_words} is undecided: solve it"
+            " (`halfplane run`)."
+        )
     return f"{first_sentence} It is outside {limit_in_words}: solve the scene (`halfplane run`)."
