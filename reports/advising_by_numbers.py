@@ -349,6 +349,11 @@ def _parts_of_alike(advice: Advice, comparison: JudgedPair) -> dict[str, Estimat
 
     They are those of corrected theory. Where that gives no more than their size, what the kernel
     solve of the bodies finds beyond their sum is added as a further cause.
+
+    Parameters
+    ----------
+    advice
+        the advice of corrected theory on this scene
     """
     parts = dict(advice.parts)
     if not advice.declined:
@@ -497,6 +502,13 @@ def _size_of_coupling(effects: BodyEffects, scene: Scene, half_width: float) -> 
     """About how much the coupling of pressure and shear of unlike materials changes the
     dissipation, relative to it: by the square of Dundurs' beta over f for half-planes, and by its
     product with the bodies' bulk strain and tilt.
+
+    Parameters
+    ----------
+    effects
+        what the bodies add to half-planes
+    half_width
+        largest half-width of the contact [length]
     """
     from halfplane_fe.dundurs import dundurs
 

@@ -509,8 +509,9 @@ def _pressed_convex(scene: Scene, load: float, time: float) -> _Pressed | None:
 
 
 def _pressed_by_the_engine(scene: Scene, load: float, time: float, source: str) -> _Pressed:
-    """Ends and pressure of the contact under one load, of any profile that theory takes. InputError
-    naming `source` for another load or profile.
+    """Ends and pressure of the contact under one load P, by solving the scene with this load alone.
+    It takes any profile that theory takes, and the tilt or moment that the load path has at `time`.
+    InputError, naming `source`, for what theory does not take.
     """
     import semi_analytic
 
@@ -615,8 +616,8 @@ def bulk_in_words(effect: _BulkAndTilt) -> str:
 
 
 def _ratios(scene: Scene, half_width: float) -> dict[str, float]:
-    """Sizes of profile and bodies beside the half-width a of the contact, by name, such as "a/R"
-    and "lower width/a".
+    """Ratios of the sizes of profile and bodies to the half-width a of the contact (`half_width`
+    [length]), by name, such as "a/R" and "lower width/a".
     """
     sizes = scene.profile.model_dump(include={*_RADII, *_HALF_LENGTHS})
     ratios = {f"a/{name}": half_width / sizes[key] for key, name in _RADII.items() if key in sizes}
@@ -663,7 +664,8 @@ def rows_of_contact(scene: Scene, contact: _LargestContact) -> list[tuple[str, s
 
 def remarks(scene: Scene, contact: _LargestContact) -> list[str]:
     """Sentences about input that is allowed but looks like a mistake: a modulus in a wrong unit,
-    friction in per cent, strains or slopes beyond linear elasticity. None where all is as usual.
+    friction in per cent, strains or slopes beyond linear elasticity. An empty list where nothing is
+    unusual. `contact` is the contact at the largest load.
     """
     sentences = []
     force, length, stress = units(scene)

@@ -127,7 +127,8 @@ class Stages:
     @contextmanager
     def _progress_bar(self, name: str) -> Generator[_Report, None, None]:
         """Show the progress of a stage on a terminal, as a bar that vanishes at the end. Yields
-        report(count, total, text).
+        report(count, total, text), which the stage calls with the number of steps done, how many
+        there are, and what it is at.
         """
         from rich.progress import (
             BarColumn,
@@ -162,8 +163,9 @@ class Stages:
 
     @contextmanager
     def _lines(self, name: str, steps_noun: str) -> Generator[_Report, None, None]:
-        """Show the progress of a stage in a file or a pipe, as a line now and then. Yields
-        report(count, total, text).
+        """Show the progress of a stage where output goes to a file or a pipe: a line now and then
+        with the steps done and the time left. Yields report(count, total, text), which the stage
+        calls after each step. `steps_noun` says what the steps are.
         """
         time_of_last_line = time.perf_counter()
         time_left = TimeLeft()

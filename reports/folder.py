@@ -99,8 +99,8 @@ def replace_text(path: Path, text: str) -> None:
 
 @contextmanager
 def _made(folder: Path) -> Generator[None, None, None]:
-    """Within this context `folder` is there, with all above it. What had to be made for that goes
-    again after an error, unless something lies in it.
+    """Within this context `folder` exists, with all folders above it. Folders that had to be made
+    are removed again after an error, unless they hold something.
     """
     missing_folders = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
@@ -442,6 +442,13 @@ def _move(staging: Path, folder: Path, fresh: tuple[str, ...], out: str | Path) 
     After an error everything is as it was before. The manifest that goes there before any file
     lists what was there and what will be; the last one lists what is there. So a run killed between
     two moves leaves nothing that the next one takes for somebody else's.
+
+    Parameters
+    ----------
+    fresh
+        beginnings of the names of earlier files that are removed where they are not written again
+    out
+        the folder as the user named it, for messages
     """
     results = staging / "results"
     old_results = staging / "before"

@@ -380,11 +380,20 @@ class _Move(NamedTuple):
 def central_differences(
     values_at: Callable[[Scene], _Values], scene: Scene, entry: Input, values_at_inputs: _Values
 ) -> _Move:
-    """What one input changes of all values of theory: they are taken with the input moved up and
-    down by its standard uncertainty.
+    """How much one standard uncertainty of an input changes each value of theory, by central
+    differences: the values are computed with the input moved up and down by its standard
+    uncertainty.
 
-    Where that makes the loads slide, by a smaller step. `values_at_inputs` holds the values at the
-    input itself.
+    Where the loads would then slide a smaller step is taken, down to a sixteenth.
+
+    Parameters
+    ----------
+    values_at
+        computes the values of a scene
+    entry
+        the input: its key and its standard uncertainty
+    values_at_inputs
+        the values with the input as it is
 
     Raises
     ------
@@ -466,8 +475,19 @@ def _by_laws(
     values_at_inputs: _Values,
     values_at: Callable[[Scene], _Values],
 ) -> _Move:
-    """What one input `entry` changes of theory's values: by a scaling law where there is one for
-    its key, else by central differences.
+    """How much one standard uncertainty of an input changes each value of theory: by a scaling law
+    where there is one for its key, else by central differences.
+
+    Parameters
+    ----------
+    laws
+        the scaling laws of this scene
+    entry
+        the input
+    values_at_inputs
+        the values with the input as it is
+    values_at
+        computes the values of a scene
     """
     key = entry.key
     if key.startswith("bodies.") and not key.endswith(".radius"):
@@ -707,8 +727,9 @@ class _LawOfModulus:
         return self.loads.by_differences(key)
 
     def move(self, entry: Input) -> _Move:
-        """What one standard uncertainty of Young's modulus changes in the differences; both bodies
-        are of one material.
+        """How much one standard uncertainty of Young's modulus (`entry`) changes the error of
+        theory in each value, where both bodies are of one material: the error depends on loads over
+        E, so the derivatives by the loads give it.
         """
         by_normal_load = self.loads.derivative("normal_load")
         by_tangential_load = self.loads.derivative("tangential_load")
@@ -765,6 +786,7 @@ def _works_by_batch(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
     assert isinstance(load, EllipseLoad)  # for the type checker: see `takes_batch`
 
     def work_with(body_effects: BodyEffects | None) -> float:
+        """W with what these bodies add to half-planes; of half-planes for None."""
         batch = semi_analytic.dissipation(
             profile=scene.profile,
             material=scene.material,

@@ -275,8 +275,9 @@ def _reduction_in_words(scene: Scene, load: TimeSeriesLoad, record: RecordCheck)
 
 
 def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record: RecordCheck) -> Sentence:
-    """A sentence on how noisy the rows of a record are, and what that noise changes in W; a warning
-    where that is much.
+    """A sentence on how noisy the rows of a record of loads are, and what that noise changes in the
+    dissipation W; a warning where the change is large. `record` holds what was checked of the
+    record.
     """
     noisy_loads = []
     quiet_load = ""

@@ -75,15 +75,24 @@ def fit_of(scene: Scene) -> Fitted | None:
 
 
 def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) -> FitUncertainty:
-    """Dissipation W, half-width a and peak pressure p0 under a profile fitted to rows, with their
-    95 % uncertainty by the noise of the rows: fits to rows with other noise change them by 2
-    standard deviations and a mean. In place of the mean, if it is more: the change by a tenth of
-    the smoothing. The curve that gets the noise has lost already what smoothing takes from the
-    rows.
+    """Dissipation W, half-width a and peak pressure p0 under a profile that was fitted to measured
+    rows, each with the 95 % uncertainty that the noise of the rows leaves.
 
-    Residuals with a pattern are no noise. Then each other measurement has them too, moved along x,
-    and the change by a smoothing spline through the same rows, with a tilt of its own, is added: it
-    follows shapes that this kind of profile does not have.
+    The fit is repeated with other noise added to the fitted curve. The uncertainty is twice the
+    standard deviation of the values so found, plus their mean change; or in place of the mean, if
+    it is larger, the change by a tenth of the smoothing, since the fitted curve has lost already
+    what smoothing takes from the rows.
+
+    Residuals with a pattern along x are no noise. Then each repeated fit gets them too, moved along
+    x, and the change by a smoothing spline through the same rows, with a tilt of its own, is added:
+    it follows shapes that this kind of profile does not have.
+
+    Parameters
+    ----------
+    resamples
+        how many fits with other noise
+    seed
+        of the random numbers
 
     Raises
     ------
@@ -179,6 +188,13 @@ def _values_with_other_noise(
     the fitted curve with other noise, and a `pattern` of the residuals moved along x.
 
     n is less than `count` where a fit can't carry the load; InputError where half of them can't.
+
+    Parameters
+    ----------
+    way_to_work
+        how the dissipation is computed, or that it is left out
+    seed
+        of the random numbers
     """
     random = np.random.default_rng(seed)
     values_of_resamples = []

@@ -55,8 +55,8 @@ def number(value: float) -> str:
 
 
 def significant(value: float, count: int) -> str:
-    """A value in words to so many significant digits, zeros at the end among them; a dash for what
-    is no number.
+    """A number as text with `count` significant digits, zeros at the end among them; a dash for NaN
+    and infinity.
 
     >>> significant(4.0, 2), significant(184.2, 2), significant(2.5e-6, 2)
     ('4.0', '180', '2.5e−06')

@@ -139,8 +139,9 @@ class AgainstMeasurement:
 def against_result(
     comparison: JudgedPair, effects: InputEffects | None, measured: Measured
 ) -> tuple[AgainstMeasurement, ...]:
-    """Values of an external result, taken as a measurement, beside those of half-plane theory. None
-    where the scene states no uncertainty of its inputs, by which theory is uncertain (`effects`).
+    """Compare the values of an external result, taken as a measurement, with those of half-plane
+    theory, whose uncertainty is that by the scene's inputs (`effects`). Empty where the scene
+    states no uncertainty of its inputs.
 
     Parameters
     ----------
@@ -153,8 +154,9 @@ def against_result(
 def _against_result(
     comparison: JudgedPair, effects: InputEffects | None, measured: Measured
 ) -> Iterator[AgainstMeasurement]:
-    """Each scored value of an external result beside that of half-plane theory, with the
-    uncertainties of both.
+    """Each scored value of an external result, taken as a measurement, beside that of half-plane
+    theory, with the uncertainties of both. Nothing where the scene states no uncertainty of its
+    inputs (`effects`). `measured` holds the standard uncertainties of the result.
     """
     if effects is None or effects.unknown:
         return

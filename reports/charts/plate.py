@@ -649,11 +649,12 @@ def _element(name: str, content: str = "", /, **attributes: object) -> str:
 def _path_of(
     horizontal: ArrayLike, vertical: ArrayLike, tolerance: float = 0.0, passes: int = 0
 ) -> str:
-    """The "d" attribute of an SVG path: a line through places, which a NaN breaks.
+    """The "d" attribute of an SVG path: a line through places given by their coordinates
+    `horizontal` and `vertical` [pixels]. A NaN breaks the line.
 
-    Places that repeat the one before to a hundredth are left out; of a line longer than
-    `_LONG_LINE` so are those that do not show. In each of `passes` every other place goes that lies
-    within `tolerance` of the straight line between its neighbours.
+    Places that repeat the one before to a hundredth are left out; of a very long line so are those
+    that can't be seen. Then every other place is left out that lies within `tolerance` of the
+    straight line between its neighbours; this is done `passes` times.
 
     >>> (
     ...     _path_of([0, 1, np.nan, 2, 3], [0, 1, 1, 1, 1]),
@@ -725,8 +726,8 @@ def _places_that_show(x: Array, y: Array, is_known: NDArray[np.bool_]) -> NDArra
 def _png(
     pixels: NDArray[np.uint8], colours: Sequence[str] = (), *, all_colours: bool = False
 ) -> bytes:
-    """A picture as the bytes of a PNG file: (n, m) numbers of `colours`, or (n, m, 3) colours, of
-    which 255 are kept unless `all_colours`.
+    """A picture as the bytes of a PNG file. `pixels` are numbers of the given `colours`, (n, m), or
+    colours themselves, (n, m, 3), of which the 255 most frequent are kept unless `all_colours`.
 
     >>> _png(np.zeros((1, 1), np.uint8), ["#ffffff"])[:8]
     b'\\x89PNG\\r\\n\\x1a\\n'
@@ -854,8 +855,8 @@ class _Pen:
         return _element("path", d=path, **self.look(f"curve {mark.css}"), **attributes)
 
     def band(self, mark: Band) -> str:
-        """The SVG element of an area between two curves: a gap ends one outline, and the next
-        begins behind it.
+        """The SVG element of the area between a lower and an upper curve. Where either has a gap
+        (NaN) one outline ends and another begins.
         """
         x = np.asarray(mark.x, dtype=float)
         lower_edge = np.asarray(mark.low, dtype=float)
@@ -870,7 +871,9 @@ class _Pen:
         return _element("path", d=path or "M0 0", **self.look(f"band {mark.css}"))
 
     def note(self, mark: Note) -> str:
-        """The SVG elements of a text, its lines one under the other."""
+        """The SVG elements of a text at a place of the panel, one for each of its lines, one below
+        the other.
+        """
         x = float(self.frame.x.place(mark.x))
         y = float(self.frame.y.place(mark.y))
         shift_right, shift_down = mark.shift
@@ -926,7 +929,9 @@ class _Pen:
         return "".join(lines)
 
     def block(self, mark: Block) -> str:
-        """The SVG elements of a rectangle, with lines of slope 1 over it where it is hatched."""
+        """The SVG elements of a rectangle given by its ends on both axes; where `mark.hatched`,
+        oblique lines are drawn over it.
+        """
         left, right = np.sort(self.frame.x.place(mark.x))
         lower_edge, upper_edge = np.sort(self.frame.y.place(mark.y))
         place = {
@@ -979,7 +984,9 @@ class _Pen:
         return line + _element("path", d=outline, **self.look(f"head {mark.css}"))
 
     def axes(self, x: Axis, y: Axis) -> str:
-        """The SVG elements of both axes: grid lines, numbers beside them, and what they show."""
+        """The SVG elements of both axes of a panel: grid lines, the numbers beside them, and the
+        axis titles. A number or title for which there is no room below the panel is left out.
+        """
         frame = self.frame
         left, top, right, bottom = frame.box
         room_below = frame.height - bottom
@@ -1078,8 +1085,8 @@ def _kind_of(panel: Panel) -> str:
 
 
 def _for_the_script(panel: Panel, frame: Frame) -> dict[str, object]:
-    """Attributes of a panel's element that the page's script reads: scales, words and ticks of its
-    axes.
+    """Attributes of a panel's SVG element that the page's script reads: scales of both axes, their
+    titles and ticks. `frame` is the panel's area with its scales.
     """
     attributes: dict[str, object] = {}
     if not _is_sketch(panel):

@@ -124,8 +124,8 @@ def _rules() -> list[tuple[frozenset[str], bool, Mapping[str, str]]]:
 
 @cache
 def style_of(css: str, *, text: bool = False) -> Mapping[str, str]:
-    """What the style sheet declares for an element with these classes, on a light page; `text` if
-    it is a text.
+    """The declarations of the style sheet (name -> value) for an element with the classes in `css`,
+    on a light page. `text` says whether the element is a text.
 
     >>> style_of("curve f q")["stroke-dasharray"]
     '6 2.5'
@@ -335,7 +335,8 @@ def _number_cell(value: Any) -> str:
 
 
 def markdown_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table in Markdown; ValueError for a row that has not as many cells as heads.
+    """A table in Markdown with these column heads and rows of cells. ValueError for a row that has
+    not as many cells as there are heads.
 
     >>> print(markdown_table(("x", "|q|"), [("0", "1")]))
     | x | \\|q\\| |

@@ -590,10 +590,10 @@ def share_of(text: str) -> float:
 
 
 def requested_tolerances(option_texts: Sequence[str]) -> dict[str, float]:
-    """Metric key -> tolerance, from the texts after `--tolerance`.
+    """Metric key -> tolerance, from the texts that the user wrote after `--tolerance`.
 
-    `5%` is for W, p0, a and c together, `KEY=VALUE` for one metric; the last of a key counts.
-    `KEY=none` is infinite: the metric is not judged.
+    `5%` sets that of W, p0, a and c together, `KEY=VALUE` that of one metric; the last text for a
+    key counts. `KEY=none` makes it infinite: the metric is not judged.
 
     Raises
     ------
@@ -867,8 +867,8 @@ def _warnings_in_sentences() -> Generator[None, None, None]:
 
 
 def _report_fault(fault: Exception, tokens: list[str], signals_received: Sequence[int]) -> int:
-    """Print what went wrong as one sentence on stderr, and return the exit code for it.
-    `signals_received` holds the signals until now.
+    """Print what went wrong in a command line (`tokens`) as one sentence on stderr, and return the
+    exit code for it. `signals_received` holds the signals until now.
     """
     # scenes is heavy: it is imported when it must have been imported already, never for --help.
     if isinstance(fault, ValueError | RuntimeError):
@@ -903,8 +903,8 @@ def _interrupted(sentence: str) -> int:
 
 
 def _internal(fault: Exception, tokens: Sequence[str]) -> int:
-    """Report a fault of the program itself: one sentence, and where its traceback was written.
-    Returns the exit code.
+    """Report an exception that is a fault of the program itself: one sentence, and where its
+    traceback was written. `tokens` are the words of the command line. Returns the exit code.
     """
     lines = [
         time.strftime("%Y-%m-%d %H:%M:%S %z  ") + shlex.join(["halfplane", *tokens]),
@@ -929,8 +929,9 @@ def _notes_of(fault: Exception) -> str:
 
 
 def _keep_traceback(text: str) -> str:
-    """Write a traceback to run.log of the output folder, else to the temporary folder, else to
-    stderr. Returns in words where it is.
+    """Write a traceback to run.log of the output folder; where that fails, to a file in the
+    temporary folder; else to stderr. Returns a phrase that says where it is, such as "in
+    out/run.log".
     """
     with suppress(Exception):  # where the folder can't take it, the next place does
         from reports.folder import add_to_log, output_folder
@@ -957,8 +958,8 @@ def _one_line(text: str) -> str:
 
 
 def _misspelt(fault: CycloptsError) -> str:
-    """One sentence on what is wrong with a command line that can't be read: the nearest known word,
-    and what to do.
+    """One sentence on what is wrong with a command line that can't be read, for the exception
+    `fault` of the command-line library: the unknown word, the nearest known one, and what to do.
     """
     if isinstance(fault, UnknownCommandError):
         unused_words = list(fault.unused_tokens or [""])

@@ -219,8 +219,11 @@ def _parts(
 def _largest_measures(
     measures: Sequence[dict[str, Any]], unit_of_stress: str
 ) -> list[tuple[str, ...]]:
-    """Rows of a table: each fatigue measure, its largest value by theory and by finite elements,
-    their difference and place. Of the two bodies that in which the finite elements have more.
+    """Rows of a table of fatigue measures: name, largest value by theory, largest value by finite
+    elements, their difference, and its place. Each measure is that of the body in which it is
+    larger by finite elements.
+
+    `measures` holds the largest values of each measure in each body.
     """
     from reports.units import minus
 
@@ -282,7 +285,9 @@ def _draw(
     folder: Path,
     stages: Stages,
 ) -> list[str]:
-    """Draw the mesh and the stress of each snapshot as files in `folder`; returns their names."""
+    """Draw the mesh, and the von Mises stress of each snapshot, as SVG files in the new `folder`;
+    returns the names of the files. `stills` are the instants with their fields.
+    """
     with stages.stage("pictures", "pictures") as report:
         import numpy as np
 

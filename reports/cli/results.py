@@ -88,7 +88,8 @@ def score(result: str | None, options: Options) -> Answer:
 
 
 def _folder_of(path: Path, is_loop: bool) -> Path:
-    """The default output folder of a score, out/score-<stem of the file>.
+    """The default output folder of a score: out/score-NAME for a result file NAME.csv. `is_loop`
+    says that the result is a measured loop.
 
     Raises
     ------
@@ -340,8 +341,8 @@ def _difference_answer(change: Difference) -> Answer:
 
 
 def _difference_parts(change: Difference) -> Iterator[Part]:
-    """What the terminal shows of the difference of A and B: a table of the values that are not the
-    same, and how many there are.
+    """What the terminal shows of the difference of two runs A and B: a table of the values that are
+    not identical, how many are, and how many differ by more than their tolerance.
     """
     from reports.comparison.findings import SAME
 

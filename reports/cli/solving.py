@@ -323,29 +323,32 @@ def _third_solver(name: str) -> Any:
 
 
 def _compare_engines(job: Job, tolerances: dict[str, float]) -> Report:
-    """Solve by both engines, compare, measure the uncertainties and ask the third solver as
-    requested, and write the page. The finite elements' solution is saved if anything after it
-    fails.
+    """Solve a scene by both engines, compare them, and write the page. On request the uncertainties
+    are measured and a third solver is asked; for real bodies the uncertainties are measured in any
+    case, unless the record of loads is long.
+
+    The finite elements' solution is saved if anything after it fails.
     """
     from reports.comparison.pairs import are_half_planes
 
     # Of real bodies theory is wrong by some amount, which is worth its uncertainty.
-    wants_budget = bool(job.options.budget)
-    reason_for_none = ""
+    measures_budget = bool(job.options.budget)
+    reason_for_no_budget = ""
     if job.options.budget is None and not are_half_planes(job.scene):
-        reason_for_none = _reason_for_no_budget(job.scene)
-        wants_budget = not reason_for_none
-    if reason_for_none:
-        job.stages.remark(reason_for_none)
+        reason_for_no_budget = _reason_for_no_budget(job.scene)
+        measures_budget = not reason_for_no_budget
+    if reason_for_no_budget:
+        job.stages.remark(reason_for_no_budget)
     seconds_before = time.process_time()
     fe = solve_finite_elements(job)
     with _kept_if_interrupted(fe):
         with _saved_if_it_fails(fe, job.folder):
             comparison = _comparison_with_theory(job, fe, tolerances)
-            if reason_for_none:
-                note = f"{reason_for_none[:1].upper()}{reason_for_none[1:]}."
+            if reason_for_no_budget:
+                note = f"{reason_for_no_budget[:1].upper()}{reason_for_no_budget[1:]}."
                 comparison = replace(comparison, notes=(*comparison.notes, note))
-            report = _report_with_budget(job, comparison, seconds_before if wants_budget else None)
+            start_of_run = seconds_before if measures_budget else None
+            report = _report_with_budget(job, comparison, start_of_run)
             inputs = _effects_of_inputs(job, comparison.effects)
             report = replace(report, inputs=inputs)
             if job.options.third:
@@ -358,8 +361,9 @@ def _compare_engines(job: Job, tolerances: dict[str, float]) -> Report:
 def _comparison_with_theory(
     job: Job, fe: ContactSolution, tolerances: dict[str, float]
 ) -> Comparison:
-    """The finite elements' solution compared with half-plane theory at its points and instants;
-    with theory on the straight lines between these instants too.
+    """Compare the finite elements' solution `fe` with half-plane theory, solved at its points and
+    instants. Theory on the straight lines between these instants is solved too, which shows the
+    error of the load steps.
     """
     from reports.comparison.budget import theory_on_steps
 
@@ -522,6 +526,7 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
             code = OUTSIDE
 
     def parts() -> Iterator[Part]:
+        """What the terminal shows, from the headline to the path of the page."""
         yield from verdict_shown(report, verbose)
         yield from _inputs_shown(report.inputs, scene, comparison)
         if verbose:
@@ -542,6 +547,9 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
         yield str(page)
 
     def json_content() -> dict[str, Any]:
+        """The object "result" of --json: headline, table, verdict, values of each metric, path of
+        the page.
+        """
         report_content = whole_content(report, "", stages.seconds)
         content_of_elements = report_content["result"]
         metrics: dict[str, Any] = {}
@@ -798,6 +806,9 @@ def _answer_alone(
         yield path
 
     def json_content() -> dict[str, Any]:
+        """The object "result" of --json: whether it passed, values of the solution, path of its
+        file.
+        """
         content_of_solution = solution_content(solution, law_checks)
         return {
             "passed": code == WITHIN,
@@ -819,8 +830,11 @@ def _answer_alone(
 
 
 def _answer_of_rig(job: Job, engines: Engines, no_comparison: str) -> Answer:
-    """The answer to prescribed displacements: theory, or finite elements where it refuses the
-    bodies, saved first; then the page of both. `no_comparison` says why the two are not compared.
+    """The answer of `run` to prescribed displacements. Theory is solved and saved first, or finite
+    elements where theory refuses the bodies; then finite elements are solved beside theory, and the
+    page of both is written.
+
+    `engines` says which engine takes the scene; `no_comparison` why the two are not compared.
     """
     from reports.comparison.words import summary_rows
 

@@ -176,8 +176,9 @@ def mesh_ratio(mesh: MeshSettings) -> float | None:
 def coarser(
     mesh: MeshSettings, settings: SolverSettings, factor: float
 ) -> tuple[MeshSettings, SolverSettings]:
-    """Settings with all surface elements `factor` times larger, at most 0.25 a. The stiffnesses of
-    a penalty layer grow with the elements, so that the layer stays the same.
+    """Settings of mesh and solver for a coarser mesh: `mesh` with all surface elements `factor`
+    times larger, but at most 0.25 a. The stiffnesses of a penalty layer are multiplied by the
+    factor too: they are relative to the elements, and so the layer stays the same.
     """
     middle_size = min(_LARGEST, factor * mesh.element_size)
     edge_size = min(_LARGEST, factor * mesh.edge_element_size)
@@ -535,6 +536,11 @@ def _term_by_extrapolation(
 ) -> Term:
     """The error of a metric by one kind of refinement: its value in the run itself (size 1) minus
     the limit of `runs` at size zero. No value where the values only scatter.
+
+    Parameters
+    ----------
+    formal_order
+        order of convergence that the method has in theory
     """
     value_at = dict(_sizes_and_values(metric, runs))
     if name in refinements.not_measured or len(value_at) < 3 or 1.0 not in value_at:
@@ -807,9 +813,18 @@ class Extrapolation(PythonNumbers):
 
 
 def observed_order(sizes: tuple[float, ...], values: tuple[float, ...]) -> float | None:
-    """Order p of the curve phi_0 + alpha h^p through three solutions, finest first. None where they
-    are not monotone, or drift apart as the size h falls.
+    """Order of convergence p of three solutions: that of the curve phi_0 + alpha h^p through their
+    values. None where the values are not monotone, or drift apart as the size h falls.
 
+    Parameters
+    ----------
+    sizes
+        (3,) element sizes h, the finest first
+    values
+        (3,) values phi of one quantity
+
+    Examples
+    --------
     >>> round(observed_order((1.0, 2.0, 4.0), (0.97050, 0.96854, 0.96178)), 6)
     1.78617
     """
@@ -927,6 +942,11 @@ def _least_squares(refinement: Refinement, kind: _Kind) -> Extrapolation:
 
     The uncertainty is no less than the spread of the three finest solutions where all are monotone,
     else than the spread of all. Without a trend the value is that of the finest.
+
+    Parameters
+    ----------
+    kind
+        how the values change with the size: "monotone", "oscillating" or "diverging"
     """
     fit, order_in_words, order = _trusted_curve(refinement)
     finest_value = refinement.values[0]
@@ -949,10 +969,11 @@ def _least_squares(refinement: Refinement, kind: _Kind) -> Extrapolation:
 
 
 def _trusted_curve(refinement: Refinement) -> tuple[_Fit, str, float | None]:
-    """The fitted curve that is trusted, its order in words, and the order observed.
+    """The curve of a refinement study's values over element size that is used for the limit; its
+    order in words; and the order that was observed, None where it is beyond the range searched.
 
-    That is the curve of free order where its order lies between a quarter of the formal one and the
-    formal one; else the best of those with fixed orders.
+    It is the curve of fitted order where this lies between a quarter of the formal order and the
+    formal order; else the best of the curves with fixed orders.
     """
     formal_order = refinement.formal_order
     free_fit = _best_free_fit(refinement)
@@ -1028,8 +1049,16 @@ def _fit_of_free_order(refinement: Refinement, weights: Array) -> _Fit:
 def _fit(
     refinement: Refinement, powers: tuple[float, ...], weights: Array, order: float | None = None
 ) -> _Fit:
-    """Weighted least squares of phi_0 + sum alpha_k h^p_k through the solutions, h their sizes and
-    p_k the `powers`. An `order` that was itself fitted counts as a parameter.
+    """Fit the curve phi_0 + sum alpha_k h^p_k to the solutions of a refinement study by weighted
+    least squares; h are their sizes, p_k the `powers`. Returns limit phi_0, finest value and
+    standard deviation.
+
+    Parameters
+    ----------
+    weights
+        (k,) weights of the k solutions
+    order
+        the single power, where it was itself fitted; it then counts as a parameter
     """
     relative_sizes = np.array(refinement.sizes) / refinement.sizes[-1]
     values = np.array(refinement.values)

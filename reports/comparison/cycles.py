@@ -335,9 +335,18 @@ def _linear(places: Array, samples: Array, values: Array) -> Array:
 
 
 def _halving(samples: Array, values: Array) -> float:
-    """Error of linear interpolation in `values`, estimated by leaving out every second sample: the
-    largest difference over the largest |value|. Both halves are tried: a square-root edge errs most
-    where it falls into the middle of an interval.
+    """Estimate the error of linear interpolation between samples: every second one is left out and
+    interpolated from the others; the largest difference is returned, over the largest |value|.
+
+    Both halves of the samples are left out in turn, since the error at a square-root edge depends
+    on where in an interval it lies.
+
+    Parameters
+    ----------
+    samples
+        (n,) places or instants, ascending
+    values
+        (n, ...) at the samples
     """
     largest_value = float(np.nanmax(np.abs(values), initial=0.0))
     if len(samples) < 4 or largest_value == 0.0:
@@ -395,8 +404,9 @@ def first_row(cycle: Cycle, scene: Scene) -> int:
 
 
 def _extremes(cycle: Cycle, friction: float, first_index: int) -> dict[int, str]:
-    """Index -> label of the first instants from `first_index` on at which P, Q, Q − f P or Q + f P
-    is largest or least. None for a quantity that is constant.
+    """Instants of a cycle at which P, Q, Q − f P or Q + f P is largest or least, with a label for
+    each: index -> label. Of several equal instants the first counts; instants before `first_index`,
+    and quantities that are constant, are left out.
     """
     normal_load = cycle.normal_load[first_index:]
     tangential_load = cycle.tangential_load[first_index:]

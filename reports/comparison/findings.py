@@ -237,8 +237,8 @@ def of_solution(solution: ContactSolution, source: str) -> Findings:
 
 
 def write_baseline(findings: Findings, path: Path, tolerances: Mapping[str, float]) -> None:
-    """Write the values of a run to `path` as a baseline that later runs are compared with; all of
-    it or nothing.
+    """Write the values of a run (`findings`) to `path` as a baseline that later runs are compared
+    with, together with `tolerances` by key. The file is written whole or not at all.
 
     Raises
     ------
@@ -474,8 +474,11 @@ def patterned_tolerances(texts: Sequence[str]) -> dict[str, float]:
 
 
 def _row(key: str, a: Findings, b: Findings, tolerance: float) -> Row:
-    """The value `key` of two runs, its difference and whether that is within the tolerance.
-    Differences are over the larger of the two; of a metric, which is relative already, as they are.
+    """Compare one value of two runs `a` and `b`: both values, the difference b − a, and whether
+    that is within the tolerance.
+
+    The difference is divided by the larger value; of a metric, which is relative already, it is
+    taken as it is. A value that one run lacks makes the verdict "only in A" or "only in B".
     """
     value_of_a = a.figures.get(key)
     value_of_b = b.figures.get(key)

@@ -84,10 +84,13 @@ def without_spikes(values: Array) -> Array:
 
 
 def isolated_values(result_cycle: Cycle, reference_cycle: Cycle) -> dict[str, Mask]:
-    """Where values (k, n) of pressure, shear and slip stand alone in a result: spikes, and
-    pressures and shears whose difference from the reference is a spike away from all edges.
+    """Which values of pressure, shear and slip in a result's last cycle stand alone, (k instants, n
+    points) each by name: single values that are far larger than all others; and pressures and
+    shears whose difference from the reference is such a value, away from the edges of contact and
+    stick.
 
-    The slip counts from a datum of its own, so that its difference from the reference says nothing.
+    Slip is counted from a datum of its own, so that its difference from the reference is not looked
+    at.
     """
     edges = {
         "pressure": [reference_cycle.contact_edges],

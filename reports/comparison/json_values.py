@@ -69,8 +69,9 @@ def metric_content(metric: Metric, scene: Scene, honest: bool | None) -> dict[st
 
 
 def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...]) -> dict[str, Any]:
-    """A solution without its fields, for JSON: energies, sizes, record, laws of contact, counts and
-    settings.
+    """A solution without its fields for JSON: energies, largest half-width and pressure, record of
+    convergence, laws of contact, counts of work, settings. `checks` are the laws of contact as they
+    were checked.
     """
     names_of_values = (
         "engine",

@@ -177,9 +177,20 @@ def _first_largest(size: Array) -> int:
 
 
 def _worst(series: Array, applies: Mask, places: Array) -> tuple[float | None, float | None]:
-    """The value of largest size and its place, of those of `series` (k,) that apply; the first
-    where several are as large. A NaN counts as largest; (None, None) where none applies.
+    """The value of largest size in a series, and its place; the first where several are as large. A
+    NaN counts as largest; (None, None) where no value applies.
 
+    Parameters
+    ----------
+    series
+        (k,) values
+    applies
+        (k,) which of them are looked at
+    places
+        (k,) times or places of the values
+
+    Examples
+    --------
     >>> _worst(np.array([1.0, -3.0, 9.0]), np.array([True, True, False]), np.array([0.0, 0.5, 1.0]))
     (-3.0, 0.5)
     """

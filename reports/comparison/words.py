@@ -59,8 +59,8 @@ def stretch(scene: Scene) -> str:
 
 
 def of_stretch(text: str, scene: Scene) -> str:
-    """`text` of a metric, which speaks of the last cycle, with "whole record" or "whole path" in
-    its place where the loads of `scene` do not repeat.
+    """The text of a metric, which speaks of the last cycle, made to fit a scene: where its loads do
+    not repeat, "whole record" or "whole path" takes the place of "last cycle".
 
     >>> from scenes import load_scene
     >>> (

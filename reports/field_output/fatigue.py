@@ -197,6 +197,10 @@ def measures(
 
     Parameters
     ----------
+    young_modulus
+        E of the body [stress]
+    poisson_ratio
+        nu of the body
     stress
         (n_instants, n_points, 4) s_xx, s_yy, s_xy, s_zz of a cycle
     criteria

@@ -63,8 +63,16 @@ def instant_of(word: str, option: str, start: float, end: float) -> float:
 def instants_of(
     texts: Sequence[str], solution: ContactSolution, option: str
 ) -> tuple[Instant, ...]:
-    """Instants asked for on the command line, in order of time: numbers are times, "events" are the
-    loaded ones among the numbered instants of the page.
+    """Instants of a solution that the user asked for on the command line, in order of time, each
+    with a label.
+
+    Parameters
+    ----------
+    texts
+        a time each, or the word "events" for the loaded ones among the instants that the page
+        numbers
+    option
+        name of the option, for messages
 
     Raises
     ------
@@ -177,11 +185,24 @@ def write_fields(
     report: Report = lambda _done, _total, _text: None,
     total: int | None = None,
 ) -> list[str]:
-    """Write the fields of both bodies and of the contact line at each snapshot as VTU files, and
-    the collection of them; returns the names of the files, that of the collection first.
+    """Write the fields of both bodies and of the contact line at each snapshot as VTU files, and a
+    PVD file that names them all with their times. Returns the names of the files, that of the PVD
+    file first.
 
-    Stress is VTK's symmetric tensor xx, yy, zz, xy, yz, xz. The contact line has the answer at its
-    points x, and the lower body's displacement to warp it by.
+    Stress is VTK's symmetric tensor xx, yy, zz, xy, yz, xz. The contact line has the tractions,
+    slip and state at its points x, and the lower body's displacement, by which a viewer can deform
+    it.
+
+    Parameters
+    ----------
+    snapshots
+        displacement and stress of both bodies at each instant
+    folder
+        made if need be
+    report
+        called with (number written, total, text)
+    total
+        how many snapshots there are, if known
     """
     import meshes
 
@@ -227,8 +248,9 @@ def write_fields(
 
 
 def contact_line(mesh: BodyMesh, boundaries: Sequence[str] = ("contact",)) -> Indices:
-    """Nodes of a body's contact face from left to right, mid-side nodes among them: indices into
-    the points of its fields. Other `boundaries` may be named.
+    """Nodes of a body's contact face from left to right, mid-side nodes among them, as indices into
+    the points of the body's fields. Instead of the contact, other `boundaries` of the mesh may be
+    named.
     """
     skfem_mesh = mesh.mesh
     facets = np.concatenate(
@@ -267,8 +289,9 @@ def tension(body: BodyFields) -> Array:
 
 
 def edge_tension(snapshot: Snapshot) -> dict[str, Any] | None:
-    """The largest tension along the faces at the edges of contact with its uncertainty [stress],
-    its body and place x [length]. None out of contact, and where it is not known of a body.
+    """The largest tension along the faces of both bodies at the edges of contact, at the instant of
+    `snapshot`, with its uncertainty [stress], its body and its place x [length]. None out of
+    contact, and where it is not known of a body.
     """
     if not all(np.isfinite(body.edge_tension).all() for body in snapshot.bodies):
         return None
@@ -284,8 +307,9 @@ def edge_tension(snapshot: Snapshot) -> dict[str, Any] | None:
 
 
 def stated(instant: Instant, snapshot: Snapshot) -> dict[str, Any]:
-    """What is stated of an instant that was written, in fields.json and on the command line: loads
-    [force/length] and largest stresses.
+    """The values stated of an instant whose fields were written (`snapshot`), in fields.json and on
+    the terminal: time, loads [force/length], largest nodal stresses, and tension at the edges of
+    contact.
     """
     return {
         "asked": instant.time,

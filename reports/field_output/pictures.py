@@ -104,6 +104,11 @@ def picture(skins: Sequence[Skin], window: Window, width: int) -> NDArray[np.uin
     """A picture of meshes in the `window` (left, right, bottom, top), rendered off-screen: pixels
     (height, width, 3). Meshes that come first are drawn first.
 
+    Parameters
+    ----------
+    skins
+        the meshes, each with values at its nodes and a scale of colours
+
     Raises
     ------
     InputError
@@ -343,6 +348,8 @@ def stress(
 
     Parameters
     ----------
+    snapshots
+        displacement and stress of both bodies at each of the `instants`
     scales
         of the run, from `scales_of`
     pixels
@@ -387,8 +394,19 @@ def _whole_bodies(
     name: str,
     pixels: int,
 ) -> Cell:
-    """Panels of both bodies at one instant, coloured by von Mises' stress and deformed, with the
-    outlines of the undeformed ones; the scale of colours beneath.
+    """Panels of both bodies at one instant: coloured by von Mises' stress on a logarithmic scale,
+    deformed, and with the outlines of the undeformed bodies; beneath them the scale of colours.
+
+    Parameters
+    ----------
+    snapshot
+        displacement and stress of both bodies
+    label
+        name of the instant
+    scales
+        largest stress of the scale of colours, and factor by which displacements are magnified
+    pixels
+        width of the picture
     """
     largest_stress, factor = scales
     _, length_unit, stress_unit = units(solution.scene)
@@ -453,8 +471,17 @@ def _at_the_contact(
     name: str,
     pixels: int,
 ) -> Cell:
-    """Panels of the contact at one instant to true scale, coloured by von Mises' stress, with the
-    mesh; the state of its points and the scale of colours beneath.
+    """Panels of the contact at one instant to true scale: both bodies coloured by von Mises'
+    stress, with the mesh; beneath them the state of the contact's points, and the scale of colours.
+
+    Parameters
+    ----------
+    snapshot
+        displacement and stress of both bodies
+    largest_stress
+        end of the scale of colours [stress]
+    pixels
+        width of the picture
     """
     _, length_unit, stress_unit = units(solution.scene)
     half_size = 1.75 * outermost(solution)
@@ -509,8 +536,9 @@ def state_blocks(
     lower_edge: float,
     upper_edge: float,
 ) -> list[Block]:
-    """Blocks of a strip from `lower_edge` to `upper_edge` with the states of the points |x| <= half
-    at a step; neighbours of one state are one block.
+    """Rectangles that show the state (open, stick, slip) of the contact's points along x at one
+    step, for |x| up to `half_length`. Neighbours of one state share a rectangle; all go from
+    `lower_edge` to `upper_edge`.
     """
     is_drawn = np.abs(solution.x) <= half_length
     x = solution.x[is_drawn]

@@ -224,11 +224,11 @@ def _frame(outlines: dict[str, Array]) -> Frame:
 
 
 def outline(scene: Scene, name: str, half_width: float) -> Array:
-    """Outline (n, 2) of a body in the common frame, from the left end of its face to the right one
-    and round its base [length].
+    """Outline of a body, (n, 2) x and y in the common frame [length], from the left end of its face
+    to the right one and round its base.
 
-    A half-plane is drawn as a piece of itself: as wide as suits the other body, or the contact of
-    this half-width.
+    A half-plane is drawn as a rectangle: of a width that suits the other body, or where both are
+    half-planes the contact, whose half-width is `half_width`. `name` is "lower" or "upper".
     """
     shape = getattr(scene.bodies, name)
     facing_shape = getattr(scene.bodies, "upper" if name == "lower" else "lower")
@@ -357,6 +357,13 @@ def _label(scene: Scene, name: str) -> str:
 def _loads(frame: Frame, scene: Scene, outlines: dict[str, Array]) -> Iterator[Mark]:
     """What is drawn for the loads: arrows of P and Q at the top of the upper body, a turning arrow
     for its tilt or moment, and arrows of bulk stress at both ends of a body that has one.
+
+    Parameters
+    ----------
+    frame
+        scales of the sketch
+    outlines
+        (n, 2) outline of each body, by "lower" and "upper" [length]
     """
     load = scene.load
     y_of_top = float(frame.y.place(outlines["upper"][:, 1].max())) - 8

@@ -235,8 +235,9 @@ def _blocks_of_bar(
 
 
 def _budget_table(budgets: Sequence[Budget], term_names: Sequence[str], rest_name: str) -> Table:
-    """The numbers of the budget figure as a table by column: a row for each metric with tolerance,
-    E, its parts by source, what is left, uncertainty.
+    """The numbers of the budget figure as a table by column, a row for each metric: tolerance,
+    difference E, the contribution of each source of error (`term_names`), what is left of E (in the
+    column `rest_name`), and uncertainty u. NaN where there is no value.
     """
     columns: dict[str, list[float | None]] = {
         "tolerance": [row.metric.tolerance for row in budgets],

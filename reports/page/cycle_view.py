@@ -184,8 +184,9 @@ def permanent_edges(solution: ContactSolution) -> Array:
 
 
 def slip_points(comparison: Comparison, count: int = 4) -> list[int]:
-    """Indices of some points of the result whose slip is worth a look: from the permanent stick
-    zone (or the middle) to just outside the largest contact, on the right-hand side, none twice.
+    """Indices of up to `count` points of the result at which the page shows slip over time: evenly
+    from the edge of the permanent stick zone (or the middle) to just outside the largest contact,
+    on the right-hand side.
     """
     edges = comparison.expected.contact_edges
     x = comparison.found.x

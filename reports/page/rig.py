@@ -225,8 +225,8 @@ def _engine(rig: RigMotion) -> str:
 
 
 def _loop_panel(rig: RigMotion, name: str, width: float, height: float, title: str = "") -> Panel:
-    """A panel with the loop of a rig: Q over the displacement of the contact, and of the actuator
-    where a spring is between; by finite elements too where they were solved.
+    """A panel of Q over the displacement U through the motion of a rig: U of the contact, and of
+    the actuator where a spring is between; by finite elements too where they were solved.
     """
     key_of_contact, key_of_actuator = _KEYS_OF_LOOP
     curves = [Curve(rig.contact, rig.tangential_load, key_of_contact.css, key_of_contact.text)]

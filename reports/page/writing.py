@@ -315,7 +315,8 @@ def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
 
 
 def _flat(settings: Mapping[str, Any], prefix: str = "") -> dict[str, str]:
-    """Nested settings as one dict of texts: names joined by dots, numbers to six digits.
+    """Nested settings as one dictionary of texts: names joined by dots, numbers to six digits.
+    `prefix` begins each name.
 
     >>> _flat({"mesh": {"order": 2}, "element_size": 0.0144202817})
     {'mesh.order': '2', 'element_size': '0.0144203'}
@@ -342,8 +343,8 @@ _NO_NUMBER = -32768
 
 
 def _quantised(values: Array) -> dict[str, Any]:
-    """Numbers as 16-bit multiples of a step, little-endian in base64, for the page's script. What
-    is not finite has a number of its own.
+    """Numbers packed for the page's script: as 16-bit multiples of a step, little-endian, in
+    base64, together with the step. A NaN or infinity has a code of its own.
 
     >>> _quantised(np.array([0.0, 2.0, -1.0]))["step"] * 32766
     2.0
@@ -445,7 +446,9 @@ def _place_of(index: int, indices: NDArray[np.int_]) -> int:
 
 
 def _carried_in_words(cycle_data: dict[str, Any]) -> str:
-    """A sentence on how much of the cycle the slider moves through, all or a part."""
+    """A sentence on how many of the cycle's instants and points the page's slider moves through.
+    `cycle_data` is what the page's script is given.
+    """
     instants, points = cycle_data["of"]
     carried_instants = cycle_data["instants"]
     carried_points = cycle_data["points"]

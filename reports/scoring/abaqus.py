@@ -97,8 +97,8 @@ def read_field_report(path: Path, mapping: Mapping) -> tuple[dict[Quantity, Arra
 
 
 def _region_with_pressure(path: Path, blocks: Sequence[_Block], mapping: Mapping) -> str:
-    """Name of the one region of a report that carries pressure; of several the one that the mapping
-    names.
+    """Name of the one region (surface) of an Abaqus report that carries pressure; where several do,
+    the one that the mapping names. `blocks` are the report's tables.
     """
     regions = {block.region for block in blocks}
     if mapping.surface is not None and mapping.surface not in regions:
@@ -169,8 +169,12 @@ def _columns(
 def _rows_of_nodes(
     path: Path, blocks: Sequence[_Block], mapping: Mapping, frames: Sequence[tuple[str, str]]
 ) -> pd.DataFrame:
-    """A row for each frame and node with a pressure, by the node's label: its tractions and place,
-    and the number of its frame among `frames`; InputError where a node has no place.
+    """A table of an Abaqus report with a row for each frame and each node that has a pressure,
+    indexed by the node's label: pressure, shear, slip, x, y where there are any, and the number of
+    the frame in `frames`.
+
+    `blocks` are the report's tables, each of one frame; places may stand in tables of their own.
+    InputError where a node has no place.
     """
     import pandas as pd
 

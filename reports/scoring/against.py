@@ -193,12 +193,21 @@ def score_solution(
     polygon: bool = False,
     tolerances: dict[str, float] | None = None,
 ) -> Report:
-    """Score a solution against a reference that is solved here, without likely causes.
+    """Score a solution: compare it with a reference that is solved here. Likely causes of the
+    difference are not looked for.
 
-    `theory_of_path` is theory on the whole path of its scene; with None it is solved where the
-    solution comes from an external result. `polygon` asks for theory on the straight steps
-    between the instants as well, which tells the error of the steps where the instants are all the
-    increments of a solver.
+    Parameters
+    ----------
+    guesses
+        sentences on what was guessed when the solution was read
+    theory_of_path
+        theory on the whole path of the scene; with None it is solved where the solution comes from
+        another program
+    against
+        "exact" for half-plane theory as reference, "fe" for finite elements
+    polygon
+        whether theory is solved on the straight steps between the instants as well, which shows the
+        error of the load steps
 
     Raises
     ------

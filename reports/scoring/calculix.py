@@ -195,8 +195,9 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
 def _face_by_stress(
     mesh: CalculixMesh, mapping: Mapping
 ) -> tuple[Integers, dict[_Quantity, float], list[str]]:
-    """Node rows of the lower body's face; factors that make pressure and shear of its stress there,
-    p = -SYY and q = SXY, the traction on its outward normal +y; and a note.
+    """The lower body's face by its stress, where a file has no contact values: rows of its nodes in
+    the mesh; the factors that turn -SYY and SXY there into pressure and shear, p = -SYY and q = SXY
+    (outward normal +y); and a note that says so.
     """
     height = mesh.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0)
     is_on_face = (np.abs(height) <= SAME * extent(mesh.points)) & (mesh.above < 0)
@@ -218,8 +219,9 @@ def _face_by_stress(
 def _face_by_contact(
     mesh: CalculixMesh, blocks: Sequence[FrdBlock], mapping: Mapping
 ) -> tuple[Integers, dict[_Quantity, float], list[str]]:
-    """Node rows of the slave face, factors that make pressure, shear and slip of its contact
-    values, and notes.
+    """The slave face by its contact values: rows of its nodes in the mesh; the factors that turn
+    the values of `blocks` into pressure, shear and slip with the project's signs; and notes.
+    InputError where nothing touches at any time.
     """
     touched_rows = [mesh.rows(block.nodes[np.any(block.values != 0, axis=1)]) for block in blocks]
     touched = np.unique(np.concatenate(touched_rows))
@@ -286,6 +288,13 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
     def column_of(tables: Sequence[DatTable], column: int, quantity: _Quantity) -> Array:
         """One quantity at every time and point, (n_times, n_points): the mean over the rows of a
         table that belong to the node or face, 0 where it has none; in the scene's unit and sign.
+
+        Parameters
+        ----------
+        tables
+            a table for each time
+        column
+            number of the quantity among the table's values
         """
         means = np.zeros((len(tables), len(rows)))
         for row_of_means, table in zip(means, tables, strict=True):
@@ -320,10 +329,14 @@ def _factor(mapping: Mapping, quantity: _Quantity, body: str) -> float:
 
 
 def _printed_places(mesh: CalculixMesh, place_keys: Integers) -> tuple[Array, Array]:
-    """Places (n, 3) that printed values belong to, and how far the material lies above each, (n,).
+    """The places in the mesh that printed values belong to, (n, 3), and how far the material lies
+    above each along y, (n,).
 
-    A row of `place_keys` is a node's number, or an element's number and that of its face, whose
-    middle is the place.
+    Parameters
+    ----------
+    place_keys
+        (n, 1) number of a node; or (n, 2) number of an element and of its face, whose middle is the
+        place
     """
     if place_keys.shape[1] == 1:
         node_rows = mesh.rows(place_keys[:, 0])

@@ -142,11 +142,22 @@ def _shear_history(
 def _shear_of_state(
     matrix: Array, width: float, coulomb_limit: Array, held_shear: Array, force: float
 ) -> tuple[Array, float]:
-    """Shear q of cells with |q| <= limit that adds up to `force`, and the relative tangential
-    displacement U.
+    """Shear q of cells under Coulomb's law |q| <= limit that adds up to `force`, and the relative
+    tangential displacement U. The set of cells that stick is found by trial.
 
     Cells that stick have U - A q = held_shear; the others have slipped in the direction of their
     shear.
+
+    Parameters
+    ----------
+    matrix
+        (n, n) displacement A of the cells by a unit shear of each
+    width
+        of a cell [length]
+    coulomb_limit
+        (n,) f p
+    held_shear
+        (n,) what slip so far and the pressure have moved each cell by [length]
 
     Raises
     ------

@@ -97,10 +97,11 @@ def _of_cone(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
 def _findings_of_causes(
     judgement: Judgement, verdict: Verdict, *, is_traced: bool
 ) -> Iterator[Diagnosis]:
-    """A finding for each cause of the verdict that all its rivals (explanations which the file does
-    not tell apart) have too.
+    """The findings (sentence, evidence, strength) on the causes of a verdict. Where the file does
+    not tell several explanations apart, only causes that all of them share are named.
 
-    With `is_traced` a cause of the shear alone is left out: it has a trace of its own.
+    With `is_traced` causes of the shear alone are left out: a trace in the shear has been found
+    already, which needs no second explanation.
     """
     fit = verdict.fit
     if fit is None:
@@ -172,8 +173,9 @@ def _evidence(judgement: Judgement, fit: Fit, share_left: float) -> Iterator[str
 
 
 def _own_bodies(judgement: Judgement) -> Iterator[Diagnosis]:
-    """A finding of the idealisation itself: theory with what the scene's own bodies add leaves less
-    than a third of what half-plane theory leaves.
+    """The finding that the difference is the idealisation itself: half-plane theory corrected by
+    what the scene's own bodies add leaves less than a third of the difference that half-plane
+    theory leaves. Nothing otherwise.
     """
     discrepancy = judgement.discrepancy
     if not discrepancy.has_bodies:

@@ -166,8 +166,9 @@ def _parts(paths: Sequence[Path]) -> list[FieldPart]:
 
 
 def _read_apart(paths: Sequence[Path]) -> bytes:
-    """Content of these VTK files, as bytes of an NPZ archive, read in a process that may end, grow
-    or take long without harm to this one.
+    """Read VTK files in a process of its own, which may crash, need too much memory or take too
+    long without harm to this one. Returns the arrays of all files as bytes of an NPZ archive.
+    InputError, naming the file, where that fails.
     """
     command = [sys.executable, "-P", str(vtk_files.__file__), str(UNPACKED), str(int(SECONDS) + 1)]
     request = json.dumps([str(path.absolute()) for path in paths]).encode()

@@ -104,7 +104,9 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
 
 
 def _require_one_mesh(path: Path, frames: Sequence[FieldFrame]) -> None:
-    """InputError where the points of any instant of a field file are not those of the first one."""
+    """InputError where the points of any instant (`frames`) of a field file are not those of the
+    first instant.
+    """
     first_points = joined(frames[0].parts).points
     tolerance = SAME * extent(first_points)
     for k, frame in enumerate(frames[1:], start=2):
@@ -138,11 +140,11 @@ def _times_of(path: Path, frames: Sequence[FieldFrame], mapping: Mapping) -> Arr
 
 
 def _tractions(path: Path, frame: FieldFrame, mapping: Mapping) -> tuple[str, _Components, str]:
-    """Where the first instant of a file holds tractions: the kind ("fields", "vector" or "stress",
-    looked for in this order), the field or component of each quantity, and a sentence on it, in
-    which {} stands for the body.
+    """Find the tractions in the first instant (`frame`) of a field file. Three kinds are looked for
+    in this order: "fields" for pressure and shear, a traction "vector", a "stress" tensor.
 
-    InputError where it holds none.
+    Returns the kind, the name of the field or component of each quantity (such as "S:3"), and a
+    sentence on it, in which {} stands for the body. InputError where the file holds none.
     """
     fields = dict(ChainMap(*(part.point_fields for part in frame.parts)))
     scalars = [name for name, values in fields.items() if values.ndim == 1]
@@ -220,8 +222,9 @@ def _order(path: Path, name: str, values: Array) -> tuple[int, int, str]:
 def _parts_with(
     path: Path, frame: FieldFrame, mapping: Mapping, names: list[str]
 ) -> tuple[list[int], FieldPart, list[str]]:
-    """Of an instant in several files, those that hold all fields `names` and what marks the
-    surface: their numbers, all of them as one mesh, and a note on each file left out.
+    """Of the files that make up one instant (`frame`), those that hold all fields `names` and the
+    field that marks the surface: their numbers, all of them joined as one mesh, and a note on each
+    file that is left out.
 
     InputError where no file holds all.
     """

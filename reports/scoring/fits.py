@@ -134,9 +134,16 @@ class Search:
     def _fitted(
         self, causes: tuple[Cause, ...], channels: tuple[int, ...], known_sizes: tuple[float, ...]
     ) -> Fit | None:
-        """The best fit of causes from all starting sizes: the best starts go on by least squares,
-        roughly first, and closely where that is worth it. `known_sizes` sizes of the first causes
-        are kept.
+        """Fit the sizes of some causes (known faults of a result) to the difference from the
+        reference: each combination of starting sizes is tried, and the best are refined by least
+        squares. None where theory has no solution for any.
+
+        Parameters
+        ----------
+        channels
+            the tractions that are fitted: pressure, shear or both
+        known_sizes
+            sizes of the first causes, which are kept
         """
         searched_causes = causes[len(known_sizes) :]
         starts_of_causes: list[tuple[float, ...]] = [(size,) for size in known_sizes]
@@ -182,8 +189,9 @@ class Search:
     def _starts(
         self, cause: Cause, searched_causes: tuple[Cause, ...], channels: tuple[int, ...]
     ) -> tuple[float, ...]:
-        """Sizes of a cause at which a search starts. Beside other `searched_causes` the size that
-        was fitted alone is one of them.
+        """Sizes of a cause from which a search starts. Where it is searched beside other causes
+        (`searched_causes`), the size that it has when fitted alone is among them. `channels` are
+        the tractions that are fitted.
         """
         starts = tuple(cause.starts(self.discrepancy))
         if len(searched_causes) == 1 or not starts or not cause.has_size:
@@ -203,8 +211,8 @@ class Search:
         channels: tuple[int, ...],
         tolerance: float,
     ) -> tuple[float, ...]:
-        """Sizes of the causes by least squares, from `sizes` on and to `tolerance`; only those at
-        the indices `fitted_indices` change.
+        """Sizes of the causes that leave the least squares in the tractions `channels`, from
+        `sizes` on; only the sizes at `fitted_indices` change. `tolerance` is that of the search.
         """
         from scipy.optimize import least_squares
 
@@ -235,8 +243,9 @@ class Search:
     def _residuals(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> Array:
-        """Weighted residuals of result minus prediction by causes of these sizes, in one row; large
-        numbers where theory has no solution.
+        """Weighted differences between the result and what a result with these faults (`causes`) of
+        these sizes would be, in the tractions `channels`, in one row. Large numbers where theory
+        has no solution.
         """
         size = self.discrepancy.weight.size
         try:
@@ -255,8 +264,8 @@ class Search:
     def _predicted(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> Tractions:
-        """Tractions that a result with these faults (causes) of these sizes has; InputError for a
-        size beyond the search.
+        """Tractions that a result with these faults (`causes`) of these sizes would have; the shear
+        only where it is among `channels`. InputError for a size beyond the range of the search.
         """
         variant = Variant()
         for cause, size in zip(causes, sizes, strict=True):
@@ -268,8 +277,9 @@ class Search:
     def _fit_of(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> Fit | None:
-        """The fit of causes with these sizes: what they predict and leave. None where theory has no
-        solution for them.
+        """The fit of causes with given sizes: the tractions that they predict, and the residuals
+        that they leave. None where theory has no solution for them. The shear is predicted only
+        where it is among `channels`.
         """
         try:
             predicted_values = self._predicted(causes, sizes, channels)

@@ -74,11 +74,12 @@ def without_tangential_load(scene: Scene) -> bool:
 
 
 def matched(surface: SurfaceResult, scene: Scene, *, sure_of_times: bool = True) -> History:
-    """The instants of an external result on the load path of a scene: by its times, else by the
-    loads that it states, else by the sums of its tractions.
+    """Find the instants of an external result (`surface`) on the load path of a scene: by its
+    times, else by the loads that it states, else by the integrals of its tractions.
 
-    Times that nobody vouches for (a solver's own, counted from 0 in each step) are given up where
-    they can't be the scene's and the loads or the tractions tell better.
+    `sure_of_times` False means that the times may be a solver's own, such as counted from 0 in each
+    step. They are then given up where they can't be the scene's and the loads or the tractions fit
+    better.
 
     Raises
     ------
@@ -107,8 +108,9 @@ def matched(surface: SurfaceResult, scene: Scene, *, sure_of_times: bool = True)
 
 
 def _by_resultants(surface: SurfaceResult, scene: Scene) -> History:
-    """Find the instants on the load path by the sums of the tractions over x. What the trapezoidal
-    rule misses of theory at the instants so found is subtracted.
+    """Find the instants of a result (`surface`) on the load path by the integrals of its tractions
+    over x. The error of the trapezoidal rule, found from theory at these instants, is subtracted,
+    and they are found again.
     """
     source_in_words = "the integrals of its pressure and shear over x"
     if not surface.sheared and not without_tangential_load(scene):
@@ -125,7 +127,9 @@ def _by_resultants(surface: SurfaceResult, scene: Scene) -> History:
         normal_force = surface.normal_load
 
     def with_shear_times(shear_sign: float, words: str) -> History | None:
-        """The instants with the shear as it is (1) or turned (-1); None where they don't fit."""
+        """The instants with the shear times `shear_sign`: 1 as it is, -1 turned. None where they
+        don't fit the path. `words` says where the loads come from.
+        """
         try:
             return _by_loads(
                 surface,
@@ -164,8 +168,8 @@ def _by_resultants(surface: SurfaceResult, scene: Scene) -> History:
 
 
 def _errors_of_rule(surface: SurfaceResult, scene: Scene, history: History) -> tuple[Array, Array]:
-    """What the trapezoidal rule on the result's points makes of theory's tractions, minus theory's
-    loads, at the instants of `history`: (n_steps,) of P and of Q.
+    """Error of the trapezoidal rule on the result's points: integral of theory's tractions minus
+    theory's loads, at the instants of `history`; (n_steps,) of P and of Q.
     """
     import semi_analytic
 
@@ -183,6 +187,14 @@ def _by_time(surface: SurfaceResult, stated_time: Array, scene: Scene, *, sure: 
 
     InputError where these times are not on the path, or where loads and sums of pressure there are
     not the scene's; `sure` sets how closely the sums must agree.
+
+    Parameters
+    ----------
+    stated_time
+        (n_steps,) times in the file
+    sure
+        whether they are known to be the scene's; else the integrals of the pressure may differ more
+        from P
     """
     path = scene.load.path()
     if path.period is None:
@@ -249,8 +261,17 @@ def _snapped(time: Array, path: LoadPath, scene: Scene) -> Array:
 
 
 def _constant_ratio(result_values: Array, scene_values: Array, largest_load: float) -> str:
-    """A hint for a message, where all values of the result differ from the scene's by one factor:
-    its size and likely reasons; else empty.
+    """A hint for an error message where the loads of a result are those of the scene times one
+    factor at every instant: the factor and its likely reason. "" where there is no such factor.
+
+    Parameters
+    ----------
+    result_values
+        (k,) of the result
+    scene_values
+        (k,) of the scene
+    largest_load
+        smaller loads than 1 % of it are not looked at
     """
     is_loaded = np.abs(scene_values) > 0.01 * largest_load
     if not is_loaded.any():
@@ -417,8 +438,8 @@ def _times_in_order(
 
 
 def _nearest(squares: Array) -> Places:
-    """Indices of the samples at which the squared distance is least among its neighbours; at most
-    the `_PLACES` nearest of them.
+    """Indices of the samples of a load path at which the squared distance from an instant's loads
+    (`squares`, (n,)) is least among its neighbours; of these at most the `_PLACES` nearest.
 
     >>> _nearest(np.array([4.0, 1.0, 1.0, 4.0, 1.5])).tolist()
     [1, 4]

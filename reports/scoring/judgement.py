@@ -178,10 +178,11 @@ class Judgement:
         return [fit] if left <= _ALONE or self.is_right(pressure_fit, PRESSURE) else []
 
     def _with_small_body(self, pressure_fits: Sequence[Fit]) -> list[Fit]:
-        """Explanations in which bodies are too small, in place of a wrong modulus E* that leaves
-        the shear unexplained.
+        """Explanations of pressure and shear by bodies that are too small. They are tried in place
+        of a wrong modulus E* where that explains the pressure (among `pressure_fits`) but not the
+        shear.
 
-        Under a constant P a base that is near moves the pressure as another radius does.
+        Under a constant P a rigid base that is near changes the pressure as another radius does.
         """
         explanations = []
         for fit in pressure_fits:
@@ -196,10 +197,11 @@ class Judgement:
     def _fitted_jointly(
         self, pressure_fits: Sequence[Fit], explanations: Sequence[Fit]
     ) -> list[Fit]:
-        """The best explanation with each other explanation of the pressure in it, their sizes
-        fitted to pressure and shear at once.
+        """The best explanation again, with its causes of the pressure replaced by those of each
+        other fit of the pressure, and all sizes fitted to pressure and shear at once.
 
-        Sizes that a noisy pressure has given may be too far off for the shear to decide fairly.
+        Sizes that were fitted to a noisy pressure alone may be too far off for the shear to decide
+        between the explanations.
         """
         if not explanations or len(pressure_fits) < 2 or not self.discrepancy.sheared:
             return []
@@ -225,8 +227,11 @@ class Judgement:
 
     # ------------------------------------------------------------------------------ the pressure
     def _fits_of_pressure(self) -> list[Fit]:
-        """Explanations of the pressure by one or two causes (known faults), the best first. No
-        cause where the pressure is right, or where nothing explains it.
+        """Explanations of the difference in the pressure by one or two causes (known faults), the
+        best first. It is the fit without a cause where the pressure is right, or where nothing
+        explains it.
+
+        Single causes are tried first, pairs only where no single cause is enough.
         """
         no_cause = self.no_cause
         if self.is_right(no_cause, PRESSURE) and self.discrepancy.is_within(PRESSURE):
@@ -249,9 +254,9 @@ class Judgement:
         return self._near_the_best(fits_of_pairs or single_fits) or [no_cause]
 
     def _needs_no_pair(self, single_fits: Sequence[Fit]) -> bool:
-        """Whether the best single cause of the pressure difference, or none, leaves so little that
-        no pair is needed. Few values may look like noise by chance: there it must leave next to
-        nothing.
+        """Whether one cause of the pressure difference, or none, explains it so well that pairs of
+        causes need not be tried. `single_fits` are the fits of one cause, the best first. With few
+        values, which may look like noise by chance, next to nothing must be left.
         """
         if not single_fits:
             best_cause = self.no_cause
@@ -273,10 +278,16 @@ class Judgement:
     def _pairs_worth_trying(
         self, single_fits: Sequence[Fit], quick_causes: Sequence[Cause]
     ) -> list[tuple[Cause, ...]]:
-        """Pairs of causes: those that help alone, the one that helps most with any other, and a
-        cause without a size with any other.
+        """Pairs of causes that are worth a fit: any two that help alone, the one that helps most
+        with any other, and a cause without a size (a sign, a swap) with any other, since beside
+        such a cause no other one helps alone.
 
-        Behind a sign, a swap, a unit or a large offset no other one helps alone.
+        Parameters
+        ----------
+        single_fits
+            fits of one cause that explain the pressure
+        quick_causes
+            causes that are quick to predict
         """
         helpful_causes = [cause for cause in quick_causes if self._helps(cause)]
         pairs = list(itertools.combinations(helpful_causes, 2))
@@ -302,8 +313,8 @@ class Judgement:
         return np.inf if fit is None else share_left(fit, self.no_cause, (PRESSURE,))
 
     def _best_single(self, causes: Sequence[Cause]) -> Fit | None:
-        """The fit of one cause that leaves least of the pressure difference, by chance or not; None
-        where each leaves a third or more.
+        """The fit of one of the `causes` that leaves least of the pressure difference, whether or
+        not chance could do as much. None where each leaves a third or more.
         """
         possible_fits = []
         for cause in causes:
@@ -370,9 +381,12 @@ class Judgement:
         return not self._is_contradicted(fit)
 
     def _is_factor_of_shear(self, fit: Fit, fit_before: Fit) -> bool:
-        """Whether the sums of the shear over x follow a factor of the file's shear, and next to
-        nothing is left. Another f leaves the sums as they are, and another Q moves the edges of
-        stick.
+        """Whether the shear of the file is the right one times a factor: the integrals of the shear
+        over x follow the fitted factor, and next to nothing is left of the difference from
+        `fit_before`.
+
+        Another coefficient of friction would leave these integrals as they are, and another Q would
+        move the edges of stick.
         """
         if share_left(fit, fit_before, (SHEAR,)) > _ALONE:
             return False
@@ -419,8 +433,8 @@ class Judgement:
         return fits[0] if fits and self.is_right(fits[0], SHEAR) else None
 
     def _with_shear(self, pressure_fit: Fit) -> list[Fit]:
-        """Explanations of pressure and shear that begin with this one of the pressure, whose sizes
-        are kept; the best first.
+        """Explanations of pressure and shear that begin with the causes of `pressure_fit`, whose
+        sizes are kept, and add causes of the shear where it needs any; the best first.
         """
         if not self.discrepancy.sheared:
             return [pressure_fit] if pressure_fit.causes else []
@@ -453,8 +467,8 @@ class Judgement:
         return bool(explanations) and self.is_right(explanations[0], SHEAR)
 
     def _causes_of_shear(self, fit_before: Fit, count: int) -> list[Fit]:
-        """Explanations of the shear by `count` causes beside those of the pressure, two in all at
-        most; the best first.
+        """Explanations of the shear by `count` causes beside those of `fit_before`, which explain
+        the pressure; two causes in all at most; the best first.
         """
         if len(fit_before.causes) + count > 2:
             return []
@@ -471,10 +485,12 @@ class Judgement:
         return self._explanations_of_shear(filter(_may_meet, choices), fit_before)
 
     def _coupled_fit(self, fit_before: Fit) -> Fit | None:
-        """The fit in which unlike bodies couple shear and pressure, beside the causes of
-        `fit_before`; None where less than most of what these leave is odd in x.
+        """The fit in which unlike materials couple shear and pressure, beside the causes of
+        `fit_before`. None unless most of the shear that these leave is odd in x, as that of a
+        coupling is.
 
-        Theory is known to lack what the scene's own materials make: there the odd part is enough.
+        Where the scene's own materials are unlike, theory is known to lack the coupling, and the
+        odd part itself is the explanation.
         """
         if len(fit_before.causes) > 1:
             return None

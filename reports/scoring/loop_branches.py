@@ -207,6 +207,15 @@ def _crossings(
     row of the other, and whether Q rises from one to the other.
 
     Rows between a lower and an upper level, so that noise makes no crossing, belong to no half.
+
+    Parameters
+    ----------
+    load
+        (n,) Q of the rows
+    bottom
+        least Q of the range
+    top
+        largest Q of the range
     """
     is_low = load < bottom + _LOWER * (top - bottom)
     is_high = load > bottom + _UPPER * (top - bottom)
@@ -308,6 +317,15 @@ def _middles(
 ) -> Array:
     """Times at which Q passes the middle of its range, (k,): by the straight line fitted to the
     rows begins[k] to ends[k] of each crossing.
+
+    Parameters
+    ----------
+    load
+        (n,) Q of the rows
+    time
+        (n,) their times
+    middle_load
+        the middle of Q's range
     """
     times = []
     for begin, end in zip(begins.tolist(), ends.tolist(), strict=True):

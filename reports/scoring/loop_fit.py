@@ -287,6 +287,13 @@ class LoopsOverFriction:
         """C and U0 from which a fit begins. Each row is laid on theory's loop where Q is its own,
         on its own branch; rows near the turning points, where that place is not certain, are left
         out as long as enough others remain.
+
+        Parameters
+        ----------
+        highest
+            Q at the upper turning point of the rows
+        lowest
+            Q at the lower one
         """
         scale = self.scale(highest, lowest)
         shift = self.shift(friction / scale)
@@ -516,6 +523,11 @@ class _Search:
         trial values of f (k,) at which the sum of squares is smaller than at both neighbours.
 
         A loop that hardly slips, in a stiffer rig, is a minimum of its own where P varies.
+
+        Parameters
+        ----------
+        trials
+            (k,) values of f, ascending
         """
         starts = [self.start(friction) for friction in trials.tolist()]
         sums = np.array(

@@ -324,6 +324,13 @@ def distances_from(
 ) -> Distances:
     """Distances of the rows from the loop with the seven parameters `values`, in sigma, with their
     derivatives by these. A row beside a turning point is measured from the nearer of both branches.
+
+    Parameters
+    ----------
+    curve
+        memory curve of theory, from which the loop is built
+    weights
+        sigma of U and of Q
     """
     loop = MasingLoop(curve, values)
     shift = rows.shift - values[ORIGIN] - values[DRIFT_RATE] * rows.share_of_time

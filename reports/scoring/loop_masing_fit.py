@@ -600,6 +600,13 @@ def _misfit(distances: Distances, weights: Weights, least_noise: Weights) -> Mis
     Neighbours in time and neighbours on the loop, which are of several cycles, are both tried; the
     larger correlation counts. Where the digits of the rows explain the distances nothing is
     systematic.
+
+    Parameters
+    ----------
+    weights
+        sigma of U and of Q with which the distances were taken
+    least_noise
+        sigma that the digits of the rows leave
     """
     variance_by_digits = distances.across**2 @ (np.array(least_noise) / np.array(weights)) ** 2
     digits_explain_all = float(np.mean(distances.value**2)) < _BY_DIGITS * float(

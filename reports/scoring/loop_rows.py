@@ -74,9 +74,8 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
     )
     names = table.names
     file_name = str(path)
-    has_two_nameless_columns = (
-        not table.head and len(names) == 2
-    )  # the other of two columns without names
+    # Of two columns without names the one is the other's partner.
+    has_two_nameless_columns = not table.head and len(names) == 2
     load_name = find_column(
         mapping, "tangential_load", names, file_name, needed=not has_two_nameless_columns
     )
@@ -120,9 +119,9 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
         time_in_words = f"{time_name!r}, as it stands: no result depends on its unit"
     rows_going_back = np.flatnonzero(np.diff(instants) <= 0)
     if len(rows_going_back):
-        k = int(rows_going_back[0]) + 1
+        row = int(rows_going_back[0]) + 1
         raise InputError(
-            f"{file_name}, line {table.lines[k]}: {time_name} = {instants[k]:.6g} does not"
+            f"{file_name}, line {table.lines[row]}: {time_name} = {instants[row]:.6g} does not"
             f" ascend: rows"
             " stand in the order of time"
         )

@@ -190,6 +190,11 @@ def drift_of_shift(shift: Array, load: Array, time: Array, branches: Branches) -
 
     U of a row is compared with U a cycle later, both minus the slope dU/dQ times Q. Rows near the
     turning points are left out. None where too few rows have another a cycle later.
+
+    Parameters
+    ----------
+    branches
+        branch of each row, and the cycles that are over there
     """
     phase = np.maximum.accumulate(branches.phase)
     share_of_branch = np.mod(2 * branches.phase, 1.0)

@@ -246,6 +246,13 @@ def _candidate(
 ) -> _Candidate:
     """Fit the loop to rows without their run-in, and test whether they are steady: whether f, U or
     Q change with time, whether the first half-cycle differs, and whether every second cycle does.
+
+    Parameters
+    ----------
+    curve
+        memory curve of theory
+    rig_compliance
+        C [1/stress]; None fits it
     """
     loop_rows = without_run_in.rows
     branches = _branches_of_both(loop_rows)
@@ -299,6 +306,11 @@ def _candidate(
 def _require_a_loop_of_theory(chosen: _Candidate, loop: MeasuredLoop, scene: Scene) -> None:
     """Raise InputError, with the reason, where even the best fit lies so far beside the rows, as a
     share of the loop's opening, that theory has no such steady loop. `loop` holds all rows.
+
+    Parameters
+    ----------
+    chosen
+        the fit of the rows that were chosen, with the tests of their steadiness
     """
     misfit = chosen.best.misfit
     limit = _OF_THEORY_AT_ALL
@@ -338,6 +350,11 @@ def _require_a_loop_of_theory(chosen: _Candidate, loop: MeasuredLoop, scene: Sce
 def _with_change(fit: FittedLoop, chosen: _Candidate) -> FittedLoop:
     """The fit with its interval of f widened by how much f still changes up to the last row; the
     fit as it is where no such change was found.
+
+    Parameters
+    ----------
+    chosen
+        the fit with the tests of its rows' steadiness
     """
     log_friction_change = chosen.log_friction_at_end
     if chosen.of_size.chance > _HELD and not chosen.had_run_in:

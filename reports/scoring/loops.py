@@ -361,13 +361,14 @@ def _with_rig(
 
 
 def _sliding_loops(
-    loop: MeasuredLoop, fit: FittedLoop, fitted: MasingLoop, scene: Scene, against: Against
+    loop: MeasuredLoop, fit: FittedLoop, fitted_loop: MasingLoop, scene: Scene, against: Against
 ) -> _Beside:
-    """The fitted loop that slides as a whole, and that of the scene's f with the same range of U,
-    where it slides too.
+    """The loops beside a measured one that slides as a whole: the fitted one, and the one that
+    theory has with the scene's f and the same range of U, where it slides too. Finite elements are
+    left out, which is stated where `against` is "fe".
     """
-    sliding_loops = {"theory, best f": fitted}
-    loop_of_scene = fitted.with_friction(scene.friction.coefficient)
+    sliding_loops = {"theory, best f": fitted_loop}
+    loop_of_scene = fitted_loop.with_friction(scene.friction.coefficient)
     if loop_of_scene is not None:
         sliding_loops[f"theory, {OF_SCENE}"] = loop_of_scene
     middle_load = float(loop.load.max() + loop.load.min()) / 2

@@ -238,6 +238,13 @@ def converted(mapping: Mapping, quantity: Quantity, values: Array) -> Array:
     """Values of a file in the scene's unit and the project's signs, as far as the mapping states
     them: times factor and sign; loads divided by the thickness; x and y minus the offset.
 
+    Parameters
+    ----------
+    quantity
+        what the values are, such as "x" or "shear"
+
+    Examples
+    --------
     >>> converted(Mapping(x_offset=2.0), "x", np.array([2.0, 3.0])).tolist()
     [0.0, 1.0]
     """

@@ -22,8 +22,11 @@ def score_folder(
     against: Against = "exact",
     tolerances: dict[str, float] | None = None,
 ) -> Report:
-    """Score all files of a folder as results of one problem on different meshes: the report of the
-    finest mesh with the study over all. Files that can't be scored are named in its notes.
+    """Score all files of a folder as results of one problem on different meshes. Returns the report
+    of the finest mesh, with a study of how each metric converges over all meshes. Files that can't
+    be scored are named in its notes.
+
+    `against` is the reference: "exact" for half-plane theory, "fe" for finite elements.
 
     Raises
     ------

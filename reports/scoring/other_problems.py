@@ -196,10 +196,19 @@ def _closed_form(
 def _fitted_row(
     x: Array, pressure: Array, carries: Mask, weight: Array, functions: Callable[[Array], Array]
 ) -> tuple[Array, Array, float]:
-    """Fitted pressure (n,), factors of the functions, and half-width of one instant.
+    """Fit a sum of given functions to the pressure of one instant; return the fitted pressure (n,),
+    the factor of each function, and the half-width of the contact.
 
-    The centre is the middle of what carries. Half-widths are tried from the outermost point that
-    carries to a spacing beyond it; the functions are linear in their factors.
+    The functions are of xi = (x - centre)/half-width. The centre is the middle of the points that
+    carry pressure; half-widths are tried from the outermost of these to a spacing beyond it, and
+    for each the factors follow by linear least squares.
+
+    Parameters
+    ----------
+    carries
+        (n,) which points carry pressure
+    weight
+        (n,) weights of the points
     """
     carrying_points = np.flatnonzero(carries)
     first_point, last_point = carrying_points[0], carrying_points[-1]

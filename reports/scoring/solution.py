@@ -84,6 +84,11 @@ def contact_solution(
     edges, and of a whole cycle with slip the work of friction. `theory` is that of the scene's
     whole path.
 
+    Parameters
+    ----------
+    sure_of_times
+        whether the result's times are known to be those of the load path
+
     Raises
     ------
     InputError
@@ -134,6 +139,11 @@ def _without_zones(
     edges and all that follows from them are not known yet, and NaN.
 
     Loads that the result does not state are the scene's at its instants (`history`).
+
+    Parameters
+    ----------
+    missing_fields
+        what the result lacks: name -> (number of instants, reason)
     """
     normal_load = surface.normal_load
     tangential_load = surface.tangential_load
@@ -598,8 +608,9 @@ def whole_path(scene: Scene) -> ContactSolution:
 def _in_our_units(
     surface: SurfaceResult, mapping: Mapping, theory: ContactSolution
 ) -> tuple[SurfaceResult, tuple[str, ...]]:
-    """An external result in the scene's units and our signs, and a sentence for each guess that
-    took. What the mapping states is never guessed at. `theory` is that of the scene's whole path.
+    """An external result in the scene's units and the project's signs, and a sentence for each
+    unit, sign or offset that had to be guessed. What the mapping states is never guessed. `theory`
+    is that of the scene's whole path.
 
     Raises
     ------
@@ -626,8 +637,8 @@ def _in_our_units(
 
 
 def _in_compression(surface: SurfaceResult, mapping: Mapping) -> tuple[SurfaceResult, list[str]]:
-    """An external result with pressure and normal load positive in compression, and a sentence for
-    each that was negative throughout and was turned.
+    """An external result in which compression and pressing loads are positive: where its pressure,
+    or its normal load, is negative throughout it is turned, with a sentence on each.
     """
     sentences = []
     pressure = surface.pressure
@@ -649,10 +660,11 @@ def _in_compression(surface: SurfaceResult, mapping: Mapping) -> tuple[SurfaceRe
 def _centred(
     surface: SurfaceResult, mapping: Mapping, theory: ContactSolution
 ) -> tuple[SurfaceResult, str]:
-    """An external result with x counted from where theory has it, and a sentence that says so;
-    empty where it is so already, or the mapping states the offset.
+    """An external result with its x shifted so that the centroid of its largest pressure lies where
+    theory has it (x = 0 without a tilt), and a sentence that says so.
 
-    The middle is that of the largest pressure's centroid; theory's is 0 without a tilt.
+    As it is, with an empty sentence, where it is centred already, where it is far wider than the
+    contact, or where the mapping states the offset.
     """
     left_end, right_end = _extent(surface)
     half_width = float(np.nanmax(theory.contact_half_width))
@@ -783,10 +795,9 @@ def _extent(surface: SurfaceResult) -> tuple[float, float]:
 
 
 def _oddities(surface: SurfaceResult, tangential_load: Array, scene: Scene) -> Iterator[str]:
-    """Sentences about signs of a result that look wrong and are scored as they are: tension, shear
-    against Q, slip against the shear.
-
-    `tangential_load` (k,) is Q of the scene at the result's instants.
+    """Sentences about signs of a result that look wrong though they are scored as they are:
+    tension, shear against Q, slip against the shear. `tangential_load` (k,) is Q of the scene at
+    the result's instants.
     """
     if surface.pressure.min() < -TOUCHES * surface.pressure.max():
         row, column = np.unravel_index(np.argmin(surface.pressure), surface.pressure.shape)

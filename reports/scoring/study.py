@@ -154,8 +154,15 @@ class Study:
 
 
 def study(levels: Sequence[Level], notes: Sequence[str] = ()) -> Study:
-    """Orders and limits at size zero of every metric over meshes of different element size, given
-    in any order.
+    """A mesh study: for each metric the order of convergence and the limit at element size zero,
+    from results of one problem on meshes of different size.
+
+    Parameters
+    ----------
+    levels
+        a result for each mesh with its element size, in any order
+    notes
+        sentences that come first in the notes of the study
 
     Raises
     ------
@@ -186,8 +193,9 @@ def study(levels: Sequence[Level], notes: Sequence[str] = ()) -> Study:
 
 
 def _line(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
-    """One metric over the meshes, at the instant at which the finest mesh is worst; where the
-    instants are not the same, each mesh at its own worst. None where a mesh has no value.
+    """One metric over the meshes of a study, with its extrapolation to size zero: its value at the
+    instant at which the finest mesh (`levels[0]`) is worst, or, where the meshes have other
+    instants, each mesh at its own worst. None where a mesh has no value.
     """
     values = []
     times_of_finest = levels[0].comparison.found.time

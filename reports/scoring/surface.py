@@ -96,6 +96,12 @@ def surface_result(
 
     Parameters
     ----------
+    source
+        name of the file, for messages
+    code
+        name of the program that computed it
+    notes
+        sentences that come first in its notes
     x
         (n_points,), or (n_steps, n_points) where every instant has its own places
     fields

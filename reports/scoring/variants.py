@@ -161,8 +161,10 @@ class Predictions:
         return (difference - mirrored) / 2
 
     def _solved(self, variant: Variant, *, sheared: bool) -> Tractions:
-        """Tractions (2, k, n) of theory with the faults of a variant, on the result's points moved
-        or stretched as the variant says; less what the reference differs from theory by.
+        """Tractions (2, k, n) of theory with the faults of a variant, at the result's points, which
+        are shifted or stretched where that is among the faults. Where the reference is not theory
+        itself the difference of the two is added. Without `sheared` only the pressure is solved,
+        and q is the reference's.
         """
         if variant == Variant():
             return self.discrepancy.reference_tractions
@@ -286,8 +288,9 @@ def _tractions(
     straight: bool = False,
     fields: tuple[str, ...] = ("pressure", "shear"),
 ) -> Tractions:
-    """Pressure p and shear q of half-plane theory at points x and at times in any order, (2, k, n);
-    on `straight` lines between the times if wanted.
+    """Pressure p and shear q of half-plane theory at points x and at times in any order, (2, k, n).
+    With `straight` the load path is straight between the times; `effects` is what finite bodies add
+    to half-planes; of `fields` those not named are NaN.
     """
     times, rows_of_times = np.unique(time, return_inverse=True)
     solution = semi_analytic.solve(

@@ -117,14 +117,15 @@ def _answer_in_words(scene: Scene, limit: float, verdict: str | None, sentence: 
 
 
 def _answer_by_numbers(advice: Advice) -> Answer:
-    """The answer of `advise` from corrected theory: the sentence, what the bodies change, and the
-    causes.
+    """The answer of the command `advise` by corrected theory: the sentence of the advice, a table
+    of what the bodies change, and a table of the causes.
     """
     from reports.advising_by_numbers import sentence
     from reports.comparison.pairs import coupled
     from reports.comparison.verdicts import Verdict
 
     def parts() -> Iterator[Part]:
+        """What the terminal shows."""
         yield sentence(advice)
         if advice.declined_by_kernels:
             yield f"The kernel solve does not take this scene: {advice.declined_by_kernels}"
@@ -151,8 +152,8 @@ def _answer_by_numbers(advice: Advice) -> Answer:
 
 
 def _answer_by_kernels(advice: KernelAdvice) -> Answer:
-    """The answer of `advise` from a solve with the kernels of the real bodies: the sentence, and
-    what the bodies change.
+    """The answer of the command `advise` by a solve with the kernels of the real bodies: the
+    sentence of the advice, and a table of what the bodies change.
     """
     from reports.advising_by_kernels import sentence
     from reports.comparison.verdicts import Verdict

@@ -60,8 +60,17 @@ class Row(NamedTuple):
 
 
 def row_of(kind: Kind, place: Place, way: Way) -> Row:
-    """The errors of theory at one point of a map, found by one `way`: numbers of the bodies, kernel
-    solve, or finite elements.
+    """The errors of half-plane theory (bodies/theory − 1) at one point of a map of bodies:
+    dissipation, largest pressure and others.
+
+    Parameters
+    ----------
+    kind
+        the kind of bodies
+    place
+        height, width and friction coefficient of the point
+    way
+        how they are found: "numbers" of the bodies, "kernels", or "elements"
 
     Raises
     ------
@@ -158,8 +167,17 @@ def _row_of_record(record: dict[str, Any]) -> Row:
 
 
 def computed(kind: Kind, table: Path, report: Report) -> bool:
-    """Compute the rows that a map's table lacks, storing the table after each. Returns whether any
-    row was new.
+    """Compute the rows that the table of a map still lacks, and write the table after each. Returns
+    whether any row was computed.
+
+    Parameters
+    ----------
+    kind
+        the kind of bodies
+    table
+        the CSV file
+    report
+        called with (number of the row, how many, text)
     """
     rows = {(row.place, row.way): row for row in rows_in(table)}
     points = points_of(kind)
@@ -190,8 +208,18 @@ class Distance(NamedTuple):
 
 
 def distances_of(kind: Kind, rows: Sequence[Row], report: Report) -> list[Distance]:
-    """The least heights of bodies from which on theory is within each of `LEVELS` of the kernel
-    solve, for every width and quantity of a map.
+    """The least heights of bodies from which on half-plane theory is within 1, 5 and 10 % of the
+    kernel solve, for every width and quantity of a map; the larger of those for the map's friction
+    coefficients.
+
+    Parameters
+    ----------
+    kind
+        the kind of bodies
+    rows
+        errors of theory at the points of the map
+    report
+        called with (number, how many, text)
     """
     quantities = list(OF_DESIGNERS)
     if kind.is_curved:

@@ -82,8 +82,9 @@ class Kind:
     is_flat_pad: bool = False
 
     def scene(self, place: Place) -> Scene:
-        """The scene at a point of the map: bodies, friction and load such that a(P0) is 1 mm and
-        the loads are the paper's.
+        """The scene at a point of the map (`place`: height, width, friction coefficient): bodies of
+        this kind, a profile, and the mean load at which the half-width a is 1 mm; the loads have
+        the paper's proportions.
         """
         profile: dict[str, Any] = {"kind": "hertz", "radius": _RADIUS}
         if self.is_curved:

@@ -276,6 +276,11 @@ def _marks_of_line(
     with bars. Errors below their uncertainty are left out of the line.
 
     `colour_number` and `line_style` give its colour and its dashes.
+
+    Parameters
+    ----------
+    rows_of_line
+        errors of theory at the points of the line, by each way of solving
     """
     rows_by_kernels = [row for row in rows_of_line if row.way == "kernels"]
     error_sizes = np.array([100 * abs(row.errors[quantity].value) for row in rows_by_kernels])

@@ -28,7 +28,7 @@ _REVOLUTION = Axis(0.0, 360.0, _ANGLE, ticks=_DEGREES)
 
 
 def sheets(paper: Paper) -> tuple[Plate, ...]:
-    """Every figure of the paper, in its order, recomputed."""
+    """Every figure of the paper, in its order, computed anew from its cases."""
     hertz = paper.hertz
     rounded = paper.rounded
     sweep_of_hertz, sweep_of_rounded = paper.sweeps
@@ -482,8 +482,9 @@ def _figure_4b(case: Case) -> Plate:
 
 
 def _figure_5(case: Case) -> Plate:
-    """Figure 5: extent of contact and slip through the cycle above, displacement of four points
-    beneath; slip is broad, separation dotted.
+    """Figure 5, in two panels over the angle of the steady cycle. Above: the half-widths of contact
+    and stick, and the places of four points. Below: the displacement of the four points, broad
+    where they slip and dotted where they are out of contact.
     """
     time_of_m = case.time("M")
     zones = _zones(case, _steady_marks(case))
@@ -634,8 +635,8 @@ def _figure_of_density(name: str, paper: Paper, index_of_case: int) -> Plate:
 def _figure_of_sweep(
     name: str, quantity: str, sweep: Sweep, pale_sweep: Sweep | None = None
 ) -> Plate:
-    """Figures 7 and 10: one quantity over P0/P1, a curve for each f; those of another sweep as pale
-    lines beneath.
+    """Figures 7 and 10: the dissipation ("work") or its peak ("peak") over P0/P1, a curve for each
+    coefficient of friction f of `sweep`; those of `pale_sweep`, if given, as pale lines beneath.
     """
     label = {"work": "W / (A P₁²)", "peak": "max W(x) · a(P₀) / (A P₁²)"}[quantity]
     values = getattr(sweep, quantity)

@@ -420,8 +420,10 @@ def _by_15(case: Case, x: float, reading: str) -> float:
 
 
 def _stick_displacement(hertz: Case) -> Found:
-    """Proof for equation (17): movement of a point out of contact from G to H, in full stick, at
-    two coefficients of friction.
+    """Proof for equation (17), the displacement of a point out of contact in full stick, between
+    the events G (end of reverse slip) and H: the formula without and with the printed factor 2 f is
+    compared with the engine's displacement at two coefficients of friction. Returns whether the
+    misprint is proven, with the errors of both readings.
     """
 
     def ratio_to_engine(friction: float) -> float:

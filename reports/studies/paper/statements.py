@@ -456,8 +456,9 @@ def bands_of_slip(hertz: Case, rounded: Case) -> dict[str, Found]:
 
 
 def _changes(case: Case, changed_cases: Sequence[Case]) -> dict[str, float]:
-    """Largest change between a case and some others: of the stick half-width through the cycle, and
-    of W as closed integral of Q dU, which knows Q0.
+    """Largest changes that some variants of a case (`changed_cases`) make: of the stick half-width
+    through the cycle, and of the dissipation W, taken as the closed integral of Q dU, which depends
+    on the mean shear force.
     """
 
     def stick_half_widths_of(chosen_case: Case) -> Array:

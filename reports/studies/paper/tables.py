@@ -62,8 +62,8 @@ Found = tuple[Any, dict[str, Any]]
 
 
 def filled_in(text: str, values: Mapping[str, Any]) -> str:
-    """A text of paper.toml with numbers in place of {name:format}; formats are Python's, or
-    "small". A name may hold any sign but : and braces.
+    """A text of paper.toml with each {name:format} replaced by a number of `values`, by name.
+    Formats are Python's, or "small" for one digit. A name may hold any sign but : and braces.
 
     >>> filled_in("error {error at a/b:small}", {"error at a/b": 3.14e-15})
     'error 3e-15'

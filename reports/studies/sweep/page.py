@@ -107,8 +107,8 @@ def _rate(times: Sequence[float]) -> float | None:
 
 
 def write_page(store: Store) -> Path:
-    """Write the page of a sweep, DIR/sweep.html, and DIR/index.csv that it leads to; returns the
-    path of the page.
+    """Write the page of a sweep to DIR/sweep.html, and the table DIR/index.csv that it links to,
+    DIR being the folder of the `store` of results. Returns the path of the page.
     """
     state = state_of(store)
     table = state["table"]
@@ -468,8 +468,9 @@ class _Sheet:
         )
 
     def map(self, name: str, mask: Mask, columns: list[str], combination: str) -> Cell:
-        """A panel with coloured cells over two axes for the points of `mask`, the scale of colours
-        beneath; `combination` says in words which combination of the other axes it is.
+        """A panel with a coloured rectangle for each point of `mask` over two axes of the sweep
+        (`columns`), and the scale of colours beneath. `combination` says in words which values of
+        the other axes it is for.
         """
         x_axis, y_axis = (self.axis(column, cells=True) for column in columns)
         least_value = float(np.nanmin(self.value))
@@ -495,8 +496,9 @@ class _Sheet:
         return Cell((panel, scale), None)
 
     def cloud(self, name: str, mask: Mask, columns: list[str], combination: str) -> Cell:
-        """A panel with dots over the first axis, coloured by the second, for the points of `mask`;
-        `combination` says in words which combination of the other axes it is.
+        """A panel with a dot for each point of `mask`: the figure's value over the first of
+        `columns`, coloured by the second, with the scale of colours beneath. `combination` says in
+        words which values of the other axes it is for.
         """
         x, coloured_values = map(self.numbers, columns[:2])
         x_axis, colour_axis = map(self.axis, columns[:2])

@@ -332,10 +332,22 @@ def prepare(
 def work(
     prepared: Prepared, *, report: Report = lambda _count, _total, _words: None, **workers: Any
 ) -> pd.DataFrame:
-    """Solve every point of a sweep that has no result; returns the table of all.
+    """Solve every point of a sweep that has no stored result; returns the table of all results.
 
-    `report` gets (done, total, words) of those points. InputError where no workers can be had,
-    their code differs from ours, results can't be stored, or a process died with points.
+    Parameters
+    ----------
+    prepared
+        the checked study with its points and its store
+    report
+        called with (points done, how many there are to do, text)
+    workers
+        who solves the points: the parameters of `workers_of`
+
+    Raises
+    ------
+    InputError
+        Where no workers can be had, their code differs from ours, results can't be stored, or a
+        process died with points.
     """
     store = prepared.store
     points = prepared.points
@@ -478,8 +490,9 @@ class _Sweep:
                 self.pool.start()
 
     def _take(self, future: Future[str], points: Task) -> None:
-        """Store what a task gave for its points; they are lost where its worker died. InputError
-        where the worker has other code.
+        """Store the answers of a task's points when its `future` is done. Where its worker process
+        died, the points are noted as lost. InputError where the worker has other versions of the
+        code.
         """
         try:
             answer = json.loads(future.result())

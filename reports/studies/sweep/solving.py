@@ -648,8 +648,10 @@ def _theory_for(
 def _compared_for(
     question: Question, exact: ContactSolution, fe: ContactSolution, *, polygon: bool
 ) -> Comparison:
-    """Finite elements compared with theory, for the metrics that a question asks for; with theory
-    on the straight lines between instants and effects of the bodies where a metric needs them.
+    """Finite elements (`fe`) compared with theory (`exact`) for the metrics that a point of a sweep
+    asks for. Theory on the straight lines between the instants is solved too where a metric needs
+    it, unless `polygon` says that `exact` is that already; so is what the bodies add to
+    half-planes.
     """
     from reports.comparison import compare
     from reports.comparison.budget import theory_on_steps
@@ -688,6 +690,15 @@ def _cheap_uncertainty(
     The mesh is made twice as coarse at the surface and in the bulk; its part is `_MESH` times the
     change, or what the solution itself states where that is more. The far field's part is `_FAR`
     times its change. A figure that one of the runs lacks has none, and `notes` gets the reason.
+
+    Parameters
+    ----------
+    fe
+        the finite-element solution
+    evaluation
+        the figures by it, with the uncertainty that it states itself
+    notes
+        gets the reason where a figure has no uncertainty
     """
     import halfplane_fe
     from reports.comparison.budget import coarser, finer_steps
@@ -741,10 +752,10 @@ def _silent(_name: str) -> Any:
 
 
 def _budget(question: Question, evaluation: Evaluated, notes: dict[str, str]) -> Values:
-    """What is left of each metric when all numerical errors are taken off, by its name +
-    ".idealisation", and the uncertainty of that, by its name + ".uncertainty".
-
-    Where there is none, `notes` gets the reasons.
+    """By a full error budget, for each metric of a sweep's point: the idealisation error, which is
+    left when all numerical errors are subtracted, under its name + ".idealisation"; and the
+    uncertainty of that under its name + ".uncertainty". Where there is none, `notes` gets the
+    reasons.
     """
     from reports.comparison.budget import climb, error_budget
 

@@ -287,8 +287,8 @@ def load_study(source: str | Path) -> Study:
 
 
 def study_of(content: dict[str, Any], where: str, folder: Path = Path()) -> Study:
-    """A checked study from raw keys; a scene that is named as a file lies in `folder`. InputError
-    beginning with `where`.
+    """A checked study from the keys of its file (`content`). A scene that is named as a file lies
+    in `folder`. InputError, beginning with `where`, for anything that is refused.
     """
     scene_name = content.get("scene")
     if scene_name is None and {"material", "profile", "load"} <= content.keys():
@@ -370,8 +370,9 @@ def described(coordinates: Mapping[str, Any]) -> str:
 def _point(
     study: Study, scene_content: dict[str, Any], number: int, coordinates: Coordinates
 ) -> Point:
-    """The point `number` of a study at these coordinates: the scene, given by its keys, with all
-    changes put in, and the question asked of it.
+    """The point `number` of a study at these coordinates on its axes: the scene with all changes of
+    the study and its axes put in, the settings, and so the question to be solved. `scene_content`
+    is the study's scene as nested tables, which are changed here.
     """
     value_by_key: dict[str, Value] = dict(study.set)
     value_by_name: dict[str, Value] = dict(coordinates)

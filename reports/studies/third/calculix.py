@@ -235,8 +235,18 @@ def solve_with_calculix(
     scales: Scales | None = None,
     command: str = "",
 ) -> ThirdSolver:
-    """Write the input deck of a scene into a temporary folder, run CalculiX, read and judge the
-    result; a run that fails is reported in `failure`.
+    """Solve a scene with CalculiX: write its input deck into a temporary folder, run the program,
+    read the result, and compare it with half-plane theory. A run that fails is reported in
+    `failure` of the answer.
+
+    Parameters
+    ----------
+    settings
+        of the deck: element sizes, increments
+    scales
+        size of the contact from an earlier solution; spares a coarse solve
+    command
+        command line that is stated in the deck
 
     Raises
     ------

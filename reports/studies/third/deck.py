@@ -262,6 +262,8 @@ def build_deck(
 
     Parameters
     ----------
+    settings
+        element sizes, increments and stiffnesses; defaults if None
     scales
         size of the contact, from an earlier solution; spares the coarse run
 
