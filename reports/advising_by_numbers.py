@@ -318,7 +318,7 @@ def split(comparison: JudgedPair, budget: ErrorBudget | None) -> Why:
     if metric.value is None or metric.absolute or not math.isfinite(metric.value):
         return Why(Estimate(math.nan, math.nan), not_split="the dissipation was not compared")
     uncertainty = math.nan if metric.uncertainty is None else metric.uncertainty
-    total = Estimate(metric.value, uncertainty)
+    total_change = Estimate(metric.value, uncertainty)
     numerical_part = 0.0
     if budget is not None:
         terms = next(row.terms for row in budget.budgets if row.metric.key == WORK)
@@ -332,15 +332,17 @@ def split(comparison: JudgedPair, budget: ErrorBudget | None) -> Why:
             advice = advise_by_numbers(comparison.scene, effects=comparison.effects)
             parts = _parts_of_alike(advice, comparison)
     except (InputError, ConvergenceError) as reason:
-        return Why(total, not_split=str(reason))
-    without_estimate = [words for words, part in parts.items() if math.isnan(part.uncertainty)]
-    if without_estimate:
+        return Why(total_change, not_split=str(reason))
+    parts_without_estimate = [
+        words for words, part in parts.items() if math.isnan(part.uncertainty)
+    ]
+    if parts_without_estimate:
         return Why(
-            total,
-            not_split=f"on this mesh the error of {' and of '.join(without_estimate)} has no"
+            total_change,
+            not_split=f"on this mesh the error of {' and of '.join(parts_without_estimate)} has no"
             " estimate; a finer mesh splits it",
         )
-    return Why(total, parts, Estimate(numerical_part))
+    return Why(total_change, parts, Estimate(numerical_part))
 
 
 def _parts_of_alike(advice: Advice, comparison: JudgedPair) -> dict[str, Estimate]:
@@ -580,6 +582,5 @@ def _what_to_do(advice: Advice) -> str:
         return f"It is outside {limit_in_words}: {advice_to_solve}."
     return (
         f"That is outside {limit_in_words}: correct theory (`halfplane exact --corrected`), or"
-        f" solve the"
-        " scene (`halfplane run`)."
+        " solve the scene (`halfplane run`)."
     )

@@ -452,18 +452,18 @@ def largest_contact(scene: Scene, source: str) -> _LargestContact:
     contact = _pressed_convex(scene, largest_load, time)
     if contact is None:
         contact = _pressed_by_the_engine(scene, largest_load, time, source)
-    left, right = contact.left, contact.right
+    left_edge, right_edge = contact.left, contact.right
     # Close points at the edges, where a flat with rounded corners has its peak; then closer ones
     # around the best.
-    half_width = (right - left) / 2
-    x = (left + right) / 2 + half_width * np.sin(np.linspace(-np.pi / 2, np.pi / 2, 257))
+    half_width = (right_edge - left_edge) / 2
+    x = (left_edge + right_edge) / 2 + half_width * np.sin(np.linspace(-np.pi / 2, np.pi / 2, 257))
     kinks = np.array([*scene.profile.kinks, *(-kink for kink in scene.profile.kinks)])
-    x = np.union1d(x, kinks[(left < kinks) & (kinks < right)])
+    x = np.union1d(x, kinks[(left_edge < kinks) & (kinks < right_edge)])
     pressure = contact.pressure(x)
     peak_index = int(np.argmax(pressure))
     x_around_peak = np.linspace(x[max(peak_index - 1, 0)], x[min(peak_index + 1, len(x) - 1)], 65)
     peak = max(float(pressure[peak_index]), float(np.max(contact.pressure(x_around_peak))))
-    contact_edges = np.array([left, right])
+    contact_edges = np.array([left_edge, right_edge])
     heights = scene.profile.height(contact_edges[:, None] * np.array([1 - 1e-6, 1 + 1e-6]))
     slopes = (heights[:, 1] - heights[:, 0]) / (2e-6 * np.abs(contact_edges))
     typical_pressure = peak if np.isfinite(peak) else largest_load / (2 * half_width)
@@ -522,10 +522,10 @@ def _pressed_by_the_engine(scene: Scene, load: float, time: float, source: str) 
         return semi_analytic.solve(pressed_scene, x=x, time=[1.0], fields=fields)
 
     try:
-        left, right = solution_at(np.zeros(1)).contact_edges[0].tolist()
+        left_edge, right_edge = solution_at(np.zeros(1)).contact_edges[0].tolist()
     except InputError as fault:
         raise InputError(f"{source}: half-plane theory refuses it: {fault}") from fault
-    return _Pressed(left, right, lambda x: solution_at(x, "pressure").pressure[0])
+    return _Pressed(left_edge, right_edge, lambda x: solution_at(x, "pressure").pressure[0])
 
 
 def _tilt_or_moment_at(scene: Scene, time: float) -> dict[str, float]:

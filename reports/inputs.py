@@ -731,11 +731,11 @@ class _LawOfModulus:
         theory in each value, where both bodies are of one material: the error depends on loads over
         E, so the derivatives by the loads give it.
         """
-        by_normal_load = self.loads.derivative("normal_load")
-        by_tangential_load = self.loads.derivative("tangential_load")
+        derivative_by_p = self.loads.derivative("normal_load")
+        derivative_by_q = self.loads.derivative("tangential_load")
         changes = {}
-        for key in by_normal_load:
-            change = -entry.standard * (by_normal_load[key] + by_tangential_load[key])
+        for key in derivative_by_p:
+            change = -entry.standard * (derivative_by_p[key] + derivative_by_q[key])
             # E is linear in small 1/E: the second order is the first times the share
             changes[key] = Estimate(change, abs(change) * entry.standard)
         return _Move(entry.key, changes)

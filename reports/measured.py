@@ -500,11 +500,13 @@ def _work_at_rows(scene: Scene, rows: Array, shift_of_time: float) -> tuple[Arra
         np.where(cycle_ends > row_times[-1], cycle_ends - np.ptp(row_times), cycle_ends)
     )
     row_after = np.clip(np.searchsorted(row_times, cycle_ends), 1, len(rows) - 1)
-    to_after = np.abs(row_times[row_after] - cycle_ends)
-    from_before = np.abs(cycle_ends - row_times[row_after - 1])
+    time_to_next_row = np.abs(row_times[row_after] - cycle_ends)
+    time_from_last_row = np.abs(cycle_ends - row_times[row_after - 1])
     spacing = row_times[row_after] - row_times[row_after - 1]
-    between_rows = cycle_ends[np.minimum(to_after, from_before) > 1e-9 * spacing]
-    time = np.sort(np.concatenate([row_times, between_rows]))
+    ends_between_rows = cycle_ends[
+        np.minimum(time_to_next_row, time_from_last_row) > 1e-9 * spacing
+    ]
+    time = np.sort(np.concatenate([row_times, ends_between_rows]))
     normal_load = np.interp(time, row_times, rows[:, _NORMAL])
     tangential_load = np.interp(time, row_times, rows[:, _TANGENTIAL])
     loads_at_times = np.column_stack([time, normal_load, tangential_load])
@@ -539,8 +541,8 @@ def with_work(cycles: Sequence[LoadCycle], time: Array, work_so_far: Array) -> I
     """
     open_cycles: list[tuple[float, float]] = []  # start and work; none of them lies in another yet
     for cycle in cycles:
-        at_start, at_end = np.interp([cycle.start, cycle.end], time, work_so_far).tolist()
-        work = at_end - at_start
+        work_at_start, work_at_end = np.interp([cycle.start, cycle.end], time, work_so_far).tolist()
+        work = work_at_end - work_at_start
         work_outside = work
         while open_cycles and open_cycles[-1][0] >= cycle.start:
             _, work_within = open_cycles.pop()

@@ -273,11 +273,9 @@ def sliding_in_words(load: TimeSeriesLoad, friction: float) -> str:
         f"; or leave them out by {' or '.join(ways_to_leave_out)}" if ways_to_leave_out else ""
     )
     return (
-        f"{np.count_nonzero(slides):,} rows between {first_sliding_row:,} and"
-        f" {last_sliding_row:,} slide as a whole, in"
-        f" {n_strokes} {'stroke' if n_strokes == 1 else 'strokes'}, with |Q|/P up to"
-        f" {highest_ratio:.4g}."
-        " Given loads have no such state: prescribe the displacement that the rig measured, by"
-        f" tangential_displacement = true and a column U; or check"
+        f"{np.count_nonzero(slides):,} rows between {first_sliding_row:,} and {last_sliding_row:,}"
+        f" slide as a whole, in {n_strokes} {'stroke' if n_strokes == 1 else 'strokes'}, with |Q|/P"
+        f" up to {highest_ratio:.4g}. Given loads have no such state: prescribe the displacement"
+        " that the rig measured, by tangential_displacement = true and a column U; or check"
         f" friction.coefficient{leave_out_in_words}"
     )

@@ -378,19 +378,19 @@ class Panel:
         """The part of the panel in which curves and dots are drawn, with the scales of both axes.
         On a panel with `equal` a unit of x is as long as a unit of y.
         """
-        left, top, right, bottom = self.room or self._automatic_room()
+        room_left, room_above, room_right, room_below = self.room or self._automatic_room()
         low_x = self.x.low
         high_x = self.x.high
         low_y = self.y.low
         high_y = self.y.high
         if self.equal:
-            panel_width = self.width - left - right
-            panel_height = self.height - top - bottom
+            panel_width = self.width - room_left - room_right
+            panel_height = self.height - room_above - room_below
             length_of_unit = max((high_x - low_x) / panel_width, (high_y - low_y) / panel_height)
             low_x, high_x = _about_the_middle(low_x, high_x, length_of_unit * panel_width)
             low_y, high_y = _about_the_middle(low_y, high_y, length_of_unit * panel_height)
-        x_scale = Scale(low_x, high_x, left, self.width - right, self.x.log)
-        y_scale = Scale(low_y, high_y, self.height - bottom, top, self.y.log)
+        x_scale = Scale(low_x, high_x, room_left, self.width - room_right, self.x.log)
+        y_scale = Scale(low_y, high_y, self.height - room_below, room_above, self.y.log)
         return Frame(x_scale, y_scale, self.width, self.height)
 
     def _automatic_room(self) -> tuple[float, float, float, float]:
@@ -502,25 +502,27 @@ class Plate:
         0 without a legend. An entry is a short line or a patch of its colour, and its text.
         """
         pen = _Pen(Frame(_UNIT, _UNIT, 0, 0), alone=True)
-        left = 10.0
-        top = 6.0
+        x_of_entry = 10.0
+        y_of_entry = 6.0
         elements = []
         for key in self.keys:
             width_of_entry = 44.0 + 6.6 * len(key.text)  # letters 12 high are 6.6 wide in the mean
-            if left > 10.0 and left + width_of_entry > width:
-                left = 10.0
-                top += 18.0
+            if x_of_entry > 10.0 and x_of_entry + width_of_entry > width:
+                x_of_entry = 10.0
+                y_of_entry += 18.0
             if key.patch:
                 look = pen.look(f"{key.css} patch")
                 elements.append(
-                    _element("rect", x=left + 4, y=top + 2, width=16, height=10, **look)
+                    _element(
+                        "rect", x=x_of_entry + 4, y=y_of_entry + 2, width=16, height=10, **look
+                    )
                 )
             else:
-                path = f"M{left:g} {top + 7:g}L{left + 24:g} {top + 7:g}"
+                path = f"M{x_of_entry:g} {y_of_entry + 7:g}L{x_of_entry + 24:g} {y_of_entry + 7:g}"
                 elements.append(_element("path", d=path, **pen.look(f"curve {key.css}")))
-            elements.append(pen.words(left + 30, top + 11, key.text, "word"))
-            left += width_of_entry
-        return elements, top + 22.0 if self.keys else 0.0
+            elements.append(pen.words(x_of_entry + 30, y_of_entry + 11, key.text, "word"))
+            x_of_entry += width_of_entry
+        return elements, y_of_entry + 22.0 if self.keys else 0.0
 
     def csv(self) -> str:
         """The table, numbers to the last digit; an empty cell stands for "no such thing"."""
@@ -686,12 +688,12 @@ def _path_of(
         place_after = kept_places[2::2]
         chord_x = x[place_after] - x[place_before]
         chord_y = y[place_after] - y[place_before]
-        to_middle_x = x[middle_place] - x[place_before]
-        to_middle_y = y[middle_place] - y[place_before]
+        x_of_middle = x[middle_place] - x[place_before]
+        y_of_middle = y[middle_place] - y[place_before]
         # twice the area of the triangle is its height times its base, the chord
-        twice_the_area = np.abs(chord_x * to_middle_y - chord_y * to_middle_x)
-        on_chord = twice_the_area <= tolerance * np.hypot(chord_x, chord_y)
-        dropped_places = middle_place[on_chord & ~starts[middle_place] & ~starts[place_after]]
+        twice_the_area = np.abs(chord_x * y_of_middle - chord_y * x_of_middle)
+        is_on_chord = twice_the_area <= tolerance * np.hypot(chord_x, chord_y)
+        dropped_places = middle_place[is_on_chord & ~starts[middle_place] & ~starts[place_after]]
         kept_places = kept_places[~np.isin(kept_places, dropped_places)]
     path_text = ""
     for number in kept_places.tolist():
@@ -794,7 +796,7 @@ class _Pen:
         bitmap, text, arrow, or a group of these.
         """
         frame = self.frame
-        left, top, right, bottom = frame.box
+        left_x, top_y, right_x, bottom_y = frame.box
         match mark:
             case Curve():
                 return self.curve(mark)
@@ -813,17 +815,22 @@ class _Pen:
             case Rule():
                 if mark.upright:
                     place = float(frame.x.place(mark.at))
-                    ends = {"x1": place, "x2": place, "y1": top, "y2": bottom}
+                    ends = {"x1": place, "x2": place, "y1": top_y, "y2": bottom_y}
                 else:
                     place = float(frame.y.place(mark.at))
-                    ends = {"x1": left, "x2": right, "y1": place, "y2": place}
+                    ends = {"x1": left_x, "x2": right_x, "y1": place, "y2": place}
                 return _element("line", **ends, **self.look(mark.css))
             case Block():
                 return self.block(mark)
             case Bitmap():
                 picture = base64.b64encode(_png(mark.pixels, mark.colours, all_colours=self.alone))
                 data_address = "data:image/png;base64," + picture.decode()
-                box = {"x": left, "y": top, "width": right - left, "height": bottom - top}
+                box = {
+                    "x": left_x,
+                    "y": top_y,
+                    "width": right_x - left_x,
+                    "height": bottom_y - top_y,
+                }
                 return _element(
                     "image",
                     **box,
@@ -932,24 +939,24 @@ class _Pen:
         """The SVG elements of a rectangle given by its ends on both axes; where `mark.hatched`,
         oblique lines are drawn over it.
         """
-        left, right = np.sort(self.frame.x.place(mark.x))
-        lower_edge, upper_edge = np.sort(self.frame.y.place(mark.y))
+        left_x, right_x = np.sort(self.frame.x.place(mark.x))
+        least_y, largest_y = np.sort(self.frame.y.place(mark.y))
         place = {
-            "x": float(left),
-            "y": float(lower_edge),
-            "width": float(right - left),
-            "height": float(upper_edge - lower_edge),
+            "x": float(left_x),
+            "y": float(least_y),
+            "width": float(right_x - left_x),
+            "height": float(largest_y - least_y),
         }
         attributes = {"fill": mark.fill or None} | self.data_attributes({"label": mark.label})
         rectangle = _element("rect", **place, **self.look(mark.css), **attributes)
         if not mark.hatched:
             return rectangle
         # x + y is constant along each line
-        first_line = np.ceil((left + lower_edge) / _HATCH)
-        last_line = np.floor((right + upper_edge) / _HATCH)
+        first_line = np.ceil((left_x + least_y) / _HATCH)
+        last_line = np.floor((right_x + largest_y) / _HATCH)
         sums_of_lines = np.arange(first_line, last_line + 1) * _HATCH
-        starts = np.maximum(left, sums_of_lines - upper_edge)
-        ends = np.minimum(right, sums_of_lines - lower_edge)
+        starts = np.maximum(left_x, sums_of_lines - largest_y)
+        ends = np.minimum(right_x, sums_of_lines - least_y)
         path = ""
         for start, end, sum_of_line in zip(
             starts.tolist(), ends.tolist(), sums_of_lines.tolist(), strict=True
@@ -967,8 +974,8 @@ class _Pen:
         start_x, end_x = self.frame.x.place([mark.start[0], mark.end[0]])
         start_y, end_y = self.frame.y.place([mark.start[1], mark.end[1]])
         tip = np.array([end_x, end_y])
-        from_start = tip - np.array([start_x, start_y])
-        direction = from_start / np.hypot(*from_start)
+        vector_from_start = tip - np.array([start_x, start_y])
+        direction = vector_from_start / np.hypot(*vector_from_start)
         normal_direction = np.array([-direction[1], direction[0]])
         head = np.array(
             [
@@ -988,32 +995,40 @@ class _Pen:
         axis titles. A number or title for which there is no room below the panel is left out.
         """
         frame = self.frame
-        left, top, right, bottom = frame.box
-        room_below = frame.height - bottom
+        left_x, top_y, right_x, bottom_y = frame.box
+        room_below = frame.height - bottom_y
         elements = []
         for number, text in _tick_pairs(x, frame.x):
             place = float(frame.x.place(number))
             look_of_grid = self.look("grid across")
-            elements.append(_element("line", x1=place, x2=place, y1=top, y2=bottom, **look_of_grid))
+            elements.append(
+                _element("line", x1=place, x2=place, y1=top_y, y2=bottom_y, **look_of_grid)
+            )
             if room_below > 16:
                 elements.append(
-                    self.words(place, bottom + 15, text, "tick across", text_anchor="middle")
+                    self.words(place, bottom_y + 15, text, "tick across", text_anchor="middle")
                 )
         for number, text in _tick_pairs(y, frame.y):
             place = float(frame.y.place(number))
             look_of_grid = self.look("grid upright")
-            elements.append(_element("line", x1=left, x2=right, y1=place, y2=place, **look_of_grid))
             elements.append(
-                self.words(left - 6, place + 4, text, "tick upright", text_anchor="end")
+                _element("line", x1=left_x, x2=right_x, y1=place, y2=place, **look_of_grid)
+            )
+            elements.append(
+                self.words(left_x - 6, place + 4, text, "tick upright", text_anchor="end")
             )
         if x.words and room_below > 30:
-            middle = (left + right) / 2
-            elements.append(self.words(middle, bottom + 36, x.words, "name", text_anchor="middle"))
-        if y.words:
-            middle = (top + bottom) / 2
-            rotation = f"rotate(-90 12 {middle:g})"
+            middle_of_axis = (left_x + right_x) / 2
             elements.append(
-                self.words(12, middle, y.words, "name", text_anchor="middle", transform=rotation)
+                self.words(middle_of_axis, bottom_y + 36, x.words, "name", text_anchor="middle")
+            )
+        if y.words:
+            middle_of_axis = (top_y + bottom_y) / 2
+            rotation = f"rotate(-90 12 {middle_of_axis:g})"
+            elements.append(
+                self.words(
+                    12, middle_of_axis, y.words, "name", text_anchor="middle", transform=rotation
+                )
             )
         return "".join(elements)
 
@@ -1035,13 +1050,13 @@ def _panel_svg(panel: Panel, *, alone: bool = False, **place: object) -> str:
     """
     frame = panel.frame
     pen = _Pen(frame, alone)
-    left, top, right, bottom = frame.box
-    area = {"x": left, "y": top, "width": right - left, "height": bottom - top}
+    left_x, top_y, right_x, bottom_y = frame.box
+    area = {"x": left_x, "y": top_y, "width": right_x - left_x, "height": bottom_y - top_y}
     content = "".join(map(pen.draw, panel.marks)) or " "
     drawn_marks = _element("g", content, **({} if alone else {"class_": "marks"}))
     elements = [drawn_marks]
     if not panel.bare:
-        corner = f"M{left:g} {top:g}L{left:g} {bottom:g}L{right:g} {bottom:g}"
+        corner = f"M{left_x:g} {top_y:g}L{left_x:g} {bottom_y:g}L{right_x:g} {bottom_y:g}"
         elements = [
             _element("clipPath", _element("rect", **area), id=f"clip-{panel.name}"),
             _element("rect", **area, **pen.look("area")),
@@ -1049,11 +1064,11 @@ def _panel_svg(panel: Panel, *, alone: bool = False, **place: object) -> str:
             _element("g", drawn_marks, clip_path=f"url(#clip-{panel.name})"),
             _element("path", d=corner, **pen.look("axis")),
         ]
-    lines_above = [(left, panel.title, "title")] if panel.title else []
+    lines_above = [(left_x, panel.title, "title")] if panel.title else []
     lines_above += [(24.0, note, "measure") for note in panel.notes]
-    height_of_first = top - 9.0 - _LINE * (len(lines_above) - 1)
-    for line_number, (left_of_line, text, css) in enumerate(lines_above):
-        elements.append(pen.words(left_of_line, height_of_first + _LINE * line_number, text, css))
+    height_of_first = top_y - 9.0 - _LINE * (len(lines_above) - 1)
+    for line_number, (x_of_line, text, css) in enumerate(lines_above):
+        elements.append(pen.words(x_of_line, height_of_first + _LINE * line_number, text, css))
     box = {"viewBox": f"0 0 {frame.width:g} {frame.height:g}"}
     if alone:
         return _element("svg", "".join(elements), **box, **place)

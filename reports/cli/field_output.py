@@ -183,8 +183,7 @@ def _parts(
     yield Sheet(scene.title or scene.name, heads_of_instants, rows_of_instants, (1, 2, 3))
     yield (
         f"places x, y in {unit_of_length}, on the undeformed bodies; tension: the largest stress"
-        f" along a"
-        " face at an edge of contact"
+        " along a face at an edge of contact"
     )
     yield NO_PEAK
     if len(instants_listed) < len(instants):

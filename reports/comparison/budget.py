@@ -679,8 +679,8 @@ def _penalty(metric: Metric, comparison: Comparison, refinements: Refinements) -
     for run_pair in refinements.penalty:
         values = [value for _, value in _sizes_and_values(metric, run_pair)]
         if len(values) == 2:
-            with_layer, without_layer = values
-            differences.append(with_layer - without_layer)
+            value_with_layer, value_without_layer = values
+            differences.append(value_with_layer - value_without_layer)
     if "penalty" in refinements.not_measured or len(differences) < 2:
         reason = refinements.not_measured.get("penalty", "")
         return _not_measured("penalty", chain(*refinements.penalty), reason)

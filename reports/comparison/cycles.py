@@ -134,7 +134,7 @@ def _cycle_of_steps(
         whether they are a whole cycle
     """
 
-    def at_steps(name: str) -> Any:
+    def array_at_steps(name: str) -> Any:
         """The named array of the solution at these instants, read-only."""
         # Those of a path that is one cycle are not copied: of a long record they take tens of
         # megabytes each.
@@ -142,7 +142,7 @@ def _cycle_of_steps(
         return values if len(steps) == len(values) else freeze(values[steps], values.dtype)
 
     names = (*_FIELDS, "state", *_EDGES, *_SERIES, *_stated_of_bulk(solution))
-    values: dict[str, Any] = {name: at_steps(name) for name in names}
+    values: dict[str, Any] = {name: array_at_steps(name) for name in names}
     return Cycle(
         time=freeze(solution.time[steps]),
         fraction=freeze(fraction),

@@ -70,10 +70,10 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
     """A table of fatigue measures through the last cycle at places beside the contact in both
     bodies, by theory and finite elements; a row a place.
 
-    Columns: body; x in theory and in finite elements, the same over their own half-widths at the
-    largest tension, so that the edges, where stress has an infinite slope, are among them in both
-    [length]; y out of the lower body, 0 for averages over depth [length]; each measure by both
-    engines.
+    Columns: body; x in theory and x in finite elements [length]; y out of the lower body, 0 for
+    averages over depth [length]; each measure by both engines. Each engine is evaluated at the same
+    x over its own contact half-width at the instant of the largest tension, so that the contact
+    edges, where stress has an infinite slope, are among the places of both.
 
     Raises
     ------
@@ -179,7 +179,8 @@ def largest(table: pd.DataFrame) -> list[dict[str, Any]]:
 def measures(
     stress: Array, criteria: Criteria, young_modulus: float, poisson_ratio: float
 ) -> dict[str, Array]:
-    """Every measure by its words, (n_points,) each [stress], but Fatemi and Socie's, a strain.
+    """Every fatigue measure, by its name in words: (n_points,) each [stress]; that of Fatemi and
+    Socie is a strain.
 
     Largest of the cycle: principal stress, shear stress (s_1 - s_3)/2, von Mises stress of the
     difference of two instants. Largest over the planes, s_n their normal stress, tau and gamma
@@ -218,7 +219,7 @@ def measures(
     >>> round(float(values["Findley"][0]), 9), round(float(values["Fatemi-Socie"][0]), 12)
     (25.0, 0.000325)
     """
-    xx, yy, xy, zz = np.moveaxis(stress, -1, 0)
+    s_xx, s_yy, s_xy, s_zz = np.moveaxis(stress, -1, 0)
     principal_stress = principal(stress)
     shear_modulus = young_modulus / (2 * (1 + poisson_ratio))
     shear_stress = (principal_stress[..., 0] - principal_stress[..., 2]) / 2
@@ -231,30 +232,47 @@ def measures(
     for angle in np.pi * np.arange(_PLANES) / _PLANES:
         cosine = np.cos(2 * angle)
         sine = np.sin(2 * angle)
-        normal_stress = (xx + yy) / 2 + (xx - yy) / 2 * cosine + xy * sine
-        strain = (normal_stress - poisson_ratio * (xx + yy - normal_stress + zz)) / young_modulus
-        tau = np.ptp(-(xx - yy) / 2 * sine + xy * cosine, axis=0) / 2
+        normal_stress = (s_xx + s_yy) / 2 + (s_xx - s_yy) / 2 * cosine + s_xy * sine
+        strain = (
+            normal_stress - poisson_ratio * (s_xx + s_yy - normal_stress + s_zz)
+        ) / young_modulus
+        tau = np.ptp(-(s_xx - s_yy) / 2 * sine + s_xy * cosine, axis=0) / 2
         largest_normal = normal_stress.max(axis=0)
         measures_on_plane = {"Smith-Watson-Topper": largest_normal * np.ptp(strain, axis=0) / 2}
         if criteria.fatemi_socie is not None:
-            k, yield_stress = criteria.fatemi_socie
-            fatemi_socie = tau / shear_modulus * (1 + k * largest_normal / yield_stress)
+            k_of_normal_stress, yield_stress = criteria.fatemi_socie
+            fatemi_socie = (
+                tau / shear_modulus * (1 + k_of_normal_stress * largest_normal / yield_stress)
+            )
             measures_on_plane["Fatemi-Socie"] = np.maximum(fatemi_socie, 0.0)
         if criteria.findley is not None:
             measures_on_plane["Findley"] = tau + criteria.findley * largest_normal
         for name, value in measures_on_plane.items():
             largest_values[name] = np.maximum(value, largest_values.get(name, value))
-    mean = (xx + yy + zz) / 3
+    amplitude, hydrostatic_stress = _crossland(stress)
+    largest_values["Crossland, amplitude of sqrt(J2)"] = amplitude
+    largest_values["Crossland, largest hydrostatic stress"] = hydrostatic_stress
+    return largest_values
+
+
+def _crossland(stress: Array) -> tuple[Array, Array]:
+    """Crossland's two measures at each point, (n_points,) each [stress]: the amplitude of sqrt(J2),
+    and the largest hydrostatic stress, of a cycle of stresses (n_instants, n_points, 4).
+
+    The amplitude is the radius of the least sphere around the path of the deviator. The sphere's
+    centre is found by steps towards the instant that is farthest from it, each shorter than the one
+    before.
+    """
+    s_xx, s_yy, s_xy, s_zz = np.moveaxis(stress, -1, 0)
+    mean_stress = (s_xx + s_yy + s_zz) / 3
     # Coordinates in which distances are sqrt(J2): half the double product of the deviator.
-    path = np.stack([(xx - yy) / 2, xy, (zz - mean) * np.sqrt(0.75)], axis=-1)
+    path = np.stack([(s_xx - s_yy) / 2, s_xy, (s_zz - mean_stress) * np.sqrt(0.75)], axis=-1)
     centre = path.mean(axis=0)
     for step in range(_STEPS):
         furthest_instant = np.argmax(np.sum((path - centre) ** 2, axis=-1), axis=0)
         centre = centre + (path[furthest_instant, np.arange(path.shape[1])] - centre) / (step + 2)
     radius = np.sqrt(np.sum((path - centre) ** 2, axis=-1).max(axis=0))
-    largest_values["Crossland, amplitude of sqrt(J2)"] = radius
-    largest_values["Crossland, largest hydrostatic stress"] = mean.max(axis=0)
-    return largest_values
+    return radius, mean_stress.max(axis=0)
 
 
 def _von_mises_range(stress: Array) -> Array:

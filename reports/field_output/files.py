@@ -217,8 +217,10 @@ def write_fields(
         step = int(np.argmin(np.abs(solution.time - snapshot.time)))
         parts: list[tuple[str, Array, Indices, dict[str, NDArray[Any]]]] = []
         for body in snapshot.bodies:
-            xx, yy, xy, zz = body.stress.T
-            tensor = np.column_stack([xx, yy, zz, xy, np.zeros_like(xx), np.zeros_like(xx)])
+            s_xx, s_yy, s_xy, s_zz = body.stress.T
+            tensor = np.column_stack(
+                [s_xx, s_yy, s_zz, s_xy, np.zeros_like(s_xx), np.zeros_like(s_xx)]
+            )
             nodal_values = {
                 "displacement": body.displacement,
                 "stress": tensor,

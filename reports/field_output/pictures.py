@@ -124,9 +124,9 @@ def picture(skins: Sequence[Skin], window: Window, width: int) -> NDArray[np.uin
             f"pictures can't be drawn: {reason}; `halfplane doctor` says what is missing"
         ) from reason
 
-    left, right, bottom, top = window
-    height = top - bottom
-    pixel_height = max(round(width * height / (right - left)), 2)
+    left_x, right_x, bottom_y, top_y = window
+    height = top_y - bottom_y
+    pixel_height = max(round(width * height / (right_x - left_x)), 2)
     plotter: Any = pyvista.Plotter(
         off_screen=True, window_size=[width, pixel_height], lighting="none"
     )
@@ -150,8 +150,8 @@ def picture(skins: Sequence[Skin], window: Window, width: int) -> NDArray[np.uin
                 plotter.add_mesh(
                     lines, color="black", line_width=1, opacity=skin.edges, lighting=False
                 )
-        x = (left + right) / 2
-        y = (bottom + top) / 2
+        x = (left_x + right_x) / 2
+        y = (bottom_y + top_y) / 2
         camera = plotter.camera
         camera.parallel_projection = True
         camera.focal_point = (x, y, 0.0)
@@ -191,9 +191,9 @@ def rendered(
     size
         width and height of the panel
     """
-    left, right, bottom, top = window
-    x_axis = Axis(left, right, f"x  [{words.length_unit}]")
-    y_axis = Axis(bottom, top, f"y  [{words.length_unit}]")
+    left_x, right_x, bottom_y, top_y = window
+    x_axis = Axis(left_x, right_x, f"x  [{words.length_unit}]")
+    y_axis = Axis(bottom_y, top_y, f"y  [{words.length_unit}]")
     marks: list[Mark] = []  # of the panel, which keeps this list
     width, height = size
     panel = Panel(
@@ -267,8 +267,8 @@ def mesh(
             keys.append(Key(f"side-{name}", f"{name.replace('_', ' ')}{support}"))
     panels = []
     for view_number, (view_in_words, centre, half_size) in enumerate(views):
-        left, bottom = (centre - half_size).tolist()
-        right, top = (centre + half_size).tolist()
+        left_x, bottom_y = (centre - half_size).tolist()
+        right_x, top_y = (centre + half_size).tolist()
         link_end = " again" if view_number else ""  # an SVG holds the lines of a mesh once
         marks: list[Mark] = [
             Segments(sides_of_body, f"mesh-{name}", f"mesh-{name}{link_end}")
@@ -279,8 +279,8 @@ def mesh(
         panels.append(
             Panel(
                 f"mesh-{view_number}",
-                Axis(left, right, "x / a_ref"),
-                Axis(bottom, top, "y / a_ref"),
+                Axis(left_x, right_x, "x / a_ref"),
+                Axis(bottom_y, top_y, "y / a_ref"),
                 marks,
                 f"Mesh, {view_in_words}",
                 340.0,
@@ -435,8 +435,8 @@ def _whole_bodies(
     least_corner = points.min(axis=0)
     largest_corner = points.max(axis=0)
     margin = 0.04 * (largest_corner - least_corner)
-    left, bottom = (least_corner - margin).tolist()
-    right, top = (largest_corner + margin).tolist()
+    left_x, bottom_y = (least_corner - margin).tolist()
+    right_x, top_y = (largest_corner + margin).tolist()
     loads_in_words = (
         f"P = {number(snapshot.normal_load)}, Q = {number(snapshot.tangential_load)}"
         f" {load_unit(solution.scene)}"
@@ -444,7 +444,9 @@ def _whole_bodies(
     note = f"{loads_in_words}; displacements × {number(factor)}, drawn apart"
     panel_words = PanelWords(length_unit, f"t = {number(snapshot.time)}, {label}", note)
     undeformed = Segments(np.concatenate(outlines), "curve undeformed")
-    panel = rendered(name, (left, right, bottom, top), skins, pixels, panel_words, [undeformed])
+    panel = rendered(
+        name, (left_x, right_x, bottom_y, top_y), skins, pixels, panel_words, [undeformed]
+    )
     colours = colour_scale(
         f"{name}-colours",
         (least_stress, largest_stress),

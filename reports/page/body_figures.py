@@ -208,18 +208,21 @@ def _frame(outlines: dict[str, Array]) -> Frame:
     2).
     """
     points = np.concatenate(list(outlines.values()))
-    left, lower_end = points.min(axis=0)
-    right, upper_end = points.max(axis=0)
-    unit_across = (right - left) / (_WIDTH - 2 * _SIDE)
-    unit_up = (upper_end - lower_end) / (_LARGEST_HEIGHT - _ROOM - _SIDE)
+    left_x, least_y = points.min(axis=0)
+    right_x, largest_y = points.max(axis=0)
+    unit_across = (right_x - left_x) / (_WIDTH - 2 * _SIDE)
+    unit_up = (largest_y - least_y) / (_LARGEST_HEIGHT - _ROOM - _SIDE)
     unit = max(unit_across, unit_up)
-    height = float((upper_end - lower_end) / unit + _ROOM + _SIDE)
-    middle = (left + right) / 2
+    height = float((largest_y - least_y) / unit + _ROOM + _SIDE)
+    middle_x = (left_x + right_x) / 2
     half_width_shown = (_WIDTH / 2 - _SIDE) * unit
     x_scale = Scale(
-        float(middle - half_width_shown), float(middle + half_width_shown), _SIDE, _WIDTH - _SIDE
+        float(middle_x - half_width_shown),
+        float(middle_x + half_width_shown),
+        _SIDE,
+        _WIDTH - _SIDE,
     )
-    y_scale = Scale(float(lower_end), float(upper_end), height - _SIDE, _ROOM)
+    y_scale = Scale(float(least_y), float(largest_y), height - _SIDE, _ROOM)
     return Frame(x_scale, y_scale, _WIDTH, height)
 
 

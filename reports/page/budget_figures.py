@@ -90,12 +90,12 @@ def waterfall(why: Why) -> Plate | None:
     if not steps:
         return None
     ends_of_bars = [100 * (step.start + step.change.value) for step in steps]
-    total = 100 * why.total.value
+    total_change = 100 * why.total.value
     uncertainty = 100 * why.total.uncertainty
     if not math.isfinite(uncertainty):
         uncertainty = 0.0
-    least_value = min(0.0, *ends_of_bars, total - uncertainty)
-    largest_value = max(0.0, *ends_of_bars, total + uncertainty)
+    least_value = min(0.0, *ends_of_bars, total_change - uncertainty)
+    largest_value = max(0.0, *ends_of_bars, total_change + uncertainty)
     margin = 0.08 * (largest_value - least_value) or 1.0
     axis = Axis(least_value - margin, largest_value + margin, "change of W, per cent", count=8)
     marks: list[Mark] = []
@@ -109,13 +109,13 @@ def waterfall(why: Why) -> Plate | None:
             Segments(np.array([[[0.0, height_of_row + 0.06], [0.0, height_of_row + 0.56]]]), "zero")
         )
         # from bar to bar, with a gap for the label between
-        to_next_bar = np.array(
+        line_to_next_bar = np.array(
             [
                 [[end_of_bar, height_of_row + 0.14], [end_of_bar, height_of_row]],
                 [[end_of_bar, height_of_row - 0.36], [end_of_bar, height_of_row - 0.5]],
             ]
         )
-        marks.append(Segments(to_next_bar, "limit"))
+        marks.append(Segments(line_to_next_bar, "limit"))
         if end_of_bar != start_of_bar:
             marks.append(
                 Block(
@@ -127,7 +127,7 @@ def waterfall(why: Why) -> Plate | None:
             )
         labels.append(Note(axis.low, height_of_row + 0.7, label, "tick over", shift=(6.0, 0.0)))
     marks.append(Segments(np.array([[[0.0, 0.06], [0.0, 0.56]]]), "zero"))
-    marks += _marks_of_total(0.0, total, uncertainty, max(-axis.low, axis.high))
+    marks += _marks_of_total(0.0, total_change, uncertainty, max(-axis.low, axis.high))
     label = f"finite elements/theory − 1: {percent_of(why.total)}"
     labels.append(Note(axis.low, 0.7, label, "tick over", shift=(6.0, 0.0)))
     marks += labels

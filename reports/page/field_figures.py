@@ -224,8 +224,8 @@ def _strip_of_states(view: CycleView, engine: EngineView, strip_number: int) -> 
 
     `strip_number` is its number from the top.
     """
-    top = 20.0 + 40.0 * strip_number
-    bottom = top + 16
+    top_y = 20.0 + 40.0 * strip_number
+    bottom_y = top_y + 16
     x = engine.cycle.x / view.scales.half_width
     state_of_points = engine.cycle.state[view.shown_instant]
     # A state ends midway between two points of different states.
@@ -237,10 +237,10 @@ def _strip_of_states(view: CycleView, engine: EngineView, strip_number: int) -> 
     blocks = []
     for left_end, right_end, state_code in zip(ends[:-1], ends[1:], states_of_blocks, strict=True):
         if right_end > left_end:
-            blocks.append(Block((left_end, right_end), (top, bottom), f"state-{state_code}"))
-    yield Note(-view.largest_x, top - 5, engine.name)
-    yield Group(tuple(blocks), "strip", {"strip": strip_number, "top": f"{top:g}"})
-    yield Block((-view.largest_x, view.largest_x), (top, bottom), "outline")
+            blocks.append(Block((left_end, right_end), (top_y, bottom_y), f"state-{state_code}"))
+    yield Note(-view.largest_x, top_y - 5, engine.name)
+    yield Group(tuple(blocks), "strip", {"strip": strip_number, "top": f"{top_y:g}"})
+    yield Block((-view.largest_x, view.largest_x), (top_y, bottom_y), "outline")
 
 
 def state_map(view: CycleView) -> Plate:

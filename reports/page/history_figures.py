@@ -162,15 +162,15 @@ def discrepancies(view: CycleView) -> Plate:
         last_time = float(view.time[-1])
         marks.append(Note(last_time, 1.0, "tolerance", anchor="end", shift=(-4.0, -5.0)))
     if is_judged:
-        top = min(max(1.0, largest_ratio), _MOST_TOLERANCES)
+        largest_drawn = min(max(1.0, largest_ratio), _MOST_TOLERANCES)
         axis_words = "|discrepancy| / tolerance"
     else:
-        top = largest_ratio or 1.0
+        largest_drawn = largest_ratio or 1.0
         axis_words = "|discrepancy|, %"
     panel = broad_panel(
         "errors",
         view.over_time(8),
-        Axis(0.0, 1.08 * top, axis_words),
+        Axis(0.0, 1.08 * largest_drawn, axis_words),
         marks,
         f"Discrepancy through the {view.noun}",
         time="x",
@@ -462,9 +462,9 @@ def _within(shift: Array, dot_place: Array, box: tuple[float, float, float, floa
     box
         left, top, right and bottom end of the box
     """
-    left, top, right, bottom = box
-    lower_corner = np.array([left, top]) + _HALF_NUMBER
-    upper_corner = np.array([right, bottom]) - _HALF_NUMBER
+    left_x, top_y, right_x, bottom_y = box
+    lower_corner = np.array([left_x, top_y]) + _HALF_NUMBER
+    upper_corner = np.array([right_x, bottom_y]) - _HALF_NUMBER
     for sign in ([1, 1], [1, -1], [-1, 1], [-1, -1]):
         number_place = dot_place + sign * shift
         if np.all((lower_corner <= number_place) & (number_place <= upper_corner)):

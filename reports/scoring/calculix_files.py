@@ -222,9 +222,8 @@ class _Lines(Iterator[str]):
         if format_number not in _LABELS:
             raise InputError(
                 f"{self.path}: line {header_line}: the file is binary (form {format_number}), and"
-                f" only the"
-                " ASCII forms are read; write *NODE FILE, *EL FILE and *CONTACT FILE in place of"
-                " *NODE OUTPUT, *ELEMENT OUTPUT and *CONTACT OUTPUT"
+                " only the ASCII forms are read; write *NODE FILE, *EL FILE and *CONTACT FILE in"
+                " place of *NODE OUTPUT, *ELEMENT OUTPUT and *CONTACT OUTPUT"
             )
         records: list[_Record] = []
         for line in self:

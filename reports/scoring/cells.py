@@ -81,8 +81,8 @@ def shear_by_coupling(
     of the load steps.
 
     The pressure moves the faces along x, with the slope 2 beta p/E*; what the shear adds to the
-    pressure is neglected (Goodman's approximation). Steps in which the Coulomb law holds at the
-    end.
+    pressure is neglected (Goodman's approximation). The Coulomb law is met at the end of each
+    load step.
 
     Parameters
     ----------
@@ -98,13 +98,13 @@ def shear_by_coupling(
     displacement_by_pressure = slope * cell_width * (np.cumsum(pressure, axis=1) - pressure / 2)
     coulomb_limit = scene.friction.coefficient * pressure
     tangential_load = loads[:, 1]
-    with_coupling = _shear_history(
+    shear_with_coupling = _shear_history(
         matrix, cell_width, coulomb_limit, tangential_load, displacement_by_pressure
     )
-    without_coupling = _shear_history(
+    shear_without_coupling = _shear_history(
         matrix, cell_width, coulomb_limit, tangential_load, 0 * displacement_by_pressure
     )
-    change = np.array(with_coupling) - np.array(without_coupling)
+    change = np.array(shear_with_coupling) - np.array(shear_without_coupling)
     return np.array([np.interp(x, cell_centres, row, left=0.0, right=0.0) for row in change[rows]])
 
 

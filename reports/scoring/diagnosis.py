@@ -302,5 +302,5 @@ def _left_by_each(judgement: Judgement) -> Iterator[str]:
     if shares_in_words:
         yield (
             f"each alone leaves of the difference (pressure, or shear): {shares_in_words}; all"
-            f" others all"
+            " others all"
         )

@@ -154,7 +154,7 @@ def _tractions(path: Path, frame: FieldFrame, mapping: Mapping) -> tuple[str, _C
         names = list(scalars)
         if has_names:
             for name, values in arrays.items():
-                names += [f"{name}:{k}" for k in range(values.shape[1])]
+                names += [f"{name}:{number}" for number in range(values.shape[1])]
         return _named_tractions(path, names, mapping)
     for name, values in arrays.items():
         if values.shape[1] >= 2 and plain(name) in map(plain, _VECTORS):
@@ -163,8 +163,8 @@ def _tractions(path: Path, frame: FieldFrame, mapping: Mapping) -> tuple[str, _C
             return "vector", components, source_in_words
     for name, values in arrays.items():
         if values.shape[1] >= 3 and plain(name) in map(plain, _STRESSES):
-            yy, xy, order = _order(path, name, values)
-            components = {"pressure": f"{name}:{yy}", "shear": f"{name}:{xy}"}
+            place_of_yy, place_of_xy, order = _order(path, name, values)
+            components = {"pressure": f"{name}:{place_of_yy}", "shear": f"{name}:{place_of_xy}"}
             source_in_words = (
                 "no contact tractions in the file: p = -sigma_yy and q = sigma_xy of the {} body's"
                 f" nodal {name} (components {order}), which is extrapolated to the surface and"

@@ -407,8 +407,8 @@ def _times_in_order(
     """
     normal_load, tangential_load = path.at(times)
     squared_distances = [
-        _squares(normal_load - p, tangential_load - q) / largest_load**2
-        for p, q in zip(*loads, strict=True)
+        _squares(normal_load - row_p, tangential_load - row_q) / largest_load**2
+        for row_p, row_q in zip(*loads, strict=True)
     ]
     least_squares = [float(squares_of_instant.min()) for squares_of_instant in squared_distances]
     largest_misfit = max(least_squares) + _SAME**2
@@ -420,18 +420,26 @@ def _times_in_order(
     ]  # of each instant
     cost = _AHEAD * (times[places[0]] - times[0]) / duration
     predecessors: list[Places] = []  # of each place of an instant, the best of the one before
-    for k, place in enumerate(places):
-        if k:
-            step = times[place] - times[places[k - 1]][:, None]
+    for number_of_instant, places_of_instant in enumerate(places):
+        if number_of_instant:
+            step = times[places_of_instant] - times[places[number_of_instant - 1]][:, None]
             cost_of_pair = cost[:, None] + (step / np.where(step < 0, step_back, mean_step)) ** 2
             predecessors.append(np.argmin(cost_of_pair, axis=0))
             cost = np.min(cost_of_pair, axis=0)
-        cost = cost + _DISTANCE * squared_distances[k][place] / largest_misfit
+        cost = (
+            cost
+            + _DISTANCE * squared_distances[number_of_instant][places_of_instant] / largest_misfit
+        )
     best_from_end = [int(np.argmin(cost))]
     for predecessor in reversed(predecessors):
         best_from_end.append(int(predecessor[best_from_end[-1]]))
     best_places = reversed(best_from_end)
-    chosen_places = np.array([place[k] for place, k in zip(places, best_places, strict=True)])
+    chosen_places = np.array(
+        [
+            places_of_instant[number_of_instant]
+            for places_of_instant, number_of_instant in zip(places, best_places, strict=True)
+        ]
+    )
     return np.maximum.accumulate(
         _snapped(_refined_times(times, chosen_places, path, loads), path, scene)
     )

@@ -110,27 +110,28 @@ def find_branches(
         Where Q does not go up and down, or where the rows cover less than a cycle.
     """
     noise = max(row_noise(load), resolution / math.sqrt(12))
-    bottom, top = _range(load, noise)
-    if noise > _SCATTER * (top - bottom) / 2:
+    least_load, largest_load = _range(load, noise)
+    if noise > _SCATTER * (largest_load - least_load) / 2:
         raise InputError(
             f"{source}: its Q goes up and down to {200 * noise / np.ptp(load):.0f} % of its"
             f" amplitude only (limit {100 * _SCATTER:.0f} %), the rest is scatter: give the rows in"
             " the order of time, and whole cycles"
         )
-    begins, ends, upward = _crossings(load, bottom, top)
+    begins, ends, rises_at_crossing = _crossings(load, least_load, largest_load)
     cyclic_load = load
     cyclic_time = time
     period = math.inf
     copies = 1
     if len(begins) < 3:  # less than two cycles: the first one follows itself round
-        closing_row = _closing_row(shift, load, begins, upward, noise)
+        closing_row = _closing_row(shift, load, begins, rises_at_crossing, noise)
         if closing_row is None:
             covered_cycles = float(
-                np.sum(np.abs(np.diff(_turned(load, begins, ends)))) / (2 * (top - bottom))
+                np.sum(np.abs(np.diff(_turned(load, begins, ends))))
+                / (2 * (largest_load - least_load))
             )
             raise InputError(
                 f"{source}: its rows cover {covered_cycles:.2g} of a cycle: a loop needs a whole"
-                f" one"
+                " one"
             )
         last_repeats_first = abs(load[closing_row] - load[0]) < 0.5 * float(
             np.median(np.abs(np.diff(load)))
@@ -143,14 +144,14 @@ def find_branches(
             [time[: closing_row + 1], time[first_row : closing_row + 1] + period]
         )
         copies = 2
-        begins, ends, upward = _crossings(cyclic_load, bottom, top)
-    middles = _middles(cyclic_load, cyclic_time, begins, ends, (bottom + top) / 2)
+        begins, ends, rises_at_crossing = _crossings(cyclic_load, least_load, largest_load)
+    middles = _middles(cyclic_load, cyclic_time, begins, ends, (least_load + largest_load) / 2)
     if len(middles) < 3 or 2 * (ends[-1] - begins[0]) / (len(begins) - 1) < _FEWEST_OF_CYCLE:
         raise InputError(
             f"{source}: a loop needs at least {_FEWEST_OF_CYCLE} rows a cycle, in the order of time"
         )
     centres = (middles[1:] + middles[:-1]) / 2  # of the two crossings of a turning point
-    is_top = upward[:-1]
+    is_top = rises_at_crossing[:-1]
     turning_points = {
         side: _turning_point(
             cyclic_load,
@@ -163,23 +164,31 @@ def find_branches(
         )
         for side in (True, False)
     }
-    highest, top_after_centre = turning_points[True]
-    lowest, bottom_after_centre = turning_points[False]
+    highest, highest_after_centre = turning_points[True]
+    lowest, lowest_after_centre = turning_points[False]
 
     # Turning points in the order of time, with one before the first and one behind the last.
     half_branch = {
         side: float(np.median(np.diff(middles)[is_top == side])) / 2 for side in (True, False)
     }
-    turn_after_centre = {True: top_after_centre, False: bottom_after_centre}
-    turns = centres + np.where(is_top, top_after_centre, bottom_after_centre)
+    turn_after_centre = {True: highest_after_centre, False: lowest_after_centre}
+    turns = centres + np.where(is_top, highest_after_centre, lowest_after_centre)
     turns = np.concatenate(
         [
-            [middles[0] - half_branch[not upward[0]] + turn_after_centre[not upward[0]]],
+            [
+                middles[0]
+                - half_branch[not rises_at_crossing[0]]
+                + turn_after_centre[not rises_at_crossing[0]]
+            ],
             turns,
-            [middles[-1] + half_branch[bool(upward[-1])] + turn_after_centre[bool(upward[-1])]],
+            [
+                middles[-1]
+                + half_branch[bool(rises_at_crossing[-1])]
+                + turn_after_centre[bool(rises_at_crossing[-1])]
+            ],
         ]
     )
-    first_is_top = not bool(upward[0])
+    first_is_top = not bool(rises_at_crossing[0])
     # the record begins again: the turning points of the second time round belong to the first too
     if math.isfinite(period):
         first_is_top = not first_is_top
@@ -201,7 +210,7 @@ def _range(load: Array, noise: float) -> tuple[float, float]:
 
 
 def _crossings(
-    load: Array, bottom: float, top: float
+    load: Array, least_load: float, largest_load: float
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.bool_]]:
     """Crossings of the middle of Q, (k,) each: the last row of one half of the range and the first
     row of the other, and whether Q rises from one to the other.
@@ -212,13 +221,13 @@ def _crossings(
     ----------
     load
         (n,) Q of the rows
-    bottom
+    least_load
         least Q of the range
-    top
+    largest_load
         largest Q of the range
     """
-    is_low = load < bottom + _LOWER * (top - bottom)
-    is_high = load > bottom + _UPPER * (top - bottom)
+    is_low = load < least_load + _LOWER * (largest_load - least_load)
+    is_high = load > least_load + _UPPER * (largest_load - least_load)
     rows_beyond_levels = np.flatnonzero(is_low | is_high)
     is_high_there = is_high[rows_beyond_levels]
     changes = np.flatnonzero(is_high_there[1:] != is_high_there[:-1])
@@ -238,9 +247,9 @@ def sizes_of_cycles(values: Array, load: Array, time: Array, noise: float) -> Ar
     load, time, noise
         Q (n,), its time, and its sigma
     """
-    bottom, top = _range(load, noise)
-    begins, ends, _ = _crossings(load, bottom, top)
-    crossing_times = _middles(load, time, begins, ends, (bottom + top) / 2)
+    least_load, largest_load = _range(load, noise)
+    begins, ends, _ = _crossings(load, least_load, largest_load)
+    crossing_times = _middles(load, time, begins, ends, (least_load + largest_load) / 2)
     instants = [
         np.linspace(begin, end, _INSTANTS_OF_CYCLE)
         for begin, end in zip(crossing_times[:-2], crossing_times[2:], strict=True)

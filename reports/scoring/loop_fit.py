@@ -302,13 +302,13 @@ class LoopsOverFriction:
         n_instants = len(self.load) - 1
         shift_at_rows = np.empty(len(rows.load))
         for rising in (True, False):
-            on_branch = rows.branches.rising == rising
+            is_on_branch = rows.branches.rising == rising
             begin, end = self.turns(rising=rising)
             instants = np.arange(begin, end + 1) % n_instants
-            by_rising_load = instants if rising else instants[::-1]
-            rising_loads = np.maximum.accumulate(self.load[by_rising_load])
-            shift_at_rows[on_branch] = np.interp(
-                load_of_scene[on_branch], rising_loads, shift[by_rising_load]
+            instants_by_load = instants if rising else instants[::-1]
+            rising_loads = np.maximum.accumulate(self.load[instants_by_load])
+            shift_at_rows[is_on_branch] = np.interp(
+                load_of_scene[is_on_branch], rising_loads, shift[instants_by_load]
             )
         is_in_middle = (share_of_range > _MIDDLE[0]) & (share_of_range < _MIDDLE[1])
         return rows.rig(
@@ -394,9 +394,9 @@ class LoopsOverFriction:
         return points.distance, derivatives
 
 
-def _cubic(part: float) -> tuple[Array, Array]:
+def _cubic(x: float) -> tuple[Array, Array]:
     """Lagrange's cubic through values at x = -1, 0, 1 and 2: the weight of each value in the cubic
-    at x = `part` (4,), and in its derivative there (4,).
+    at x = `x` (4,), and in its derivative there (4,).
 
     >>> at = np.array([-1.0, 0.0, 1.0, 2.0])
     >>> values, rates = _cubic(0.5)
@@ -406,13 +406,15 @@ def _cubic(part: float) -> tuple[Array, Array]:
     nodes = np.array([-1.0, 0.0, 1.0, 2.0])
     weights = np.empty(4)
     weights_of_derivative = np.empty(4)
-    for k in range(4):
-        other_nodes = np.delete(nodes, k)
-        divisor = np.prod(nodes[k] - other_nodes)
-        from_first, from_second, from_third = part - other_nodes
-        weights[k] = from_first * from_second * from_third / divisor
-        weights_of_derivative[k] = (
-            from_first * from_second + from_second * from_third + from_third * from_first
+    for number in range(4):
+        other_nodes = np.delete(nodes, number)
+        divisor = np.prod(nodes[number] - other_nodes)
+        x_from_first, x_from_second, x_from_third = x - other_nodes
+        weights[number] = x_from_first * x_from_second * x_from_third / divisor
+        weights_of_derivative[number] = (
+            x_from_first * x_from_second
+            + x_from_second * x_from_third
+            + x_from_third * x_from_first
         ) / divisor
     return weights, weights_of_derivative
 
@@ -439,35 +441,39 @@ def nearest_on_line(rows: Array, line: Array) -> Array:
     [[1.5, 0.0], [1.0, 1.0], [0.0, -1.0], [1.0, 0.0]]
     """
     last_corner = line.shape[1] - 1
-    corners = np.minimum(np.arange(0, last_corner + _STRIDE, _STRIDE), last_corner)
-    corner = corners[_nearest_corner(rows, line[:, corners][:, None, :])]
-    around = np.clip(corner[:, None] + np.arange(-_STRIDE, _STRIDE + 1), 0, last_corner)
-    index_of_nearest = _nearest_corner(rows, line[:, around])
-    corner = around[np.arange(len(index_of_nearest)), index_of_nearest]
+    coarse_corners = np.minimum(np.arange(0, last_corner + _STRIDE, _STRIDE), last_corner)
+    nearest_corner = coarse_corners[_nearest_corner(rows, line[:, coarse_corners][:, None, :])]
+    corners_around = np.clip(
+        nearest_corner[:, None] + np.arange(-_STRIDE, _STRIDE + 1), 0, last_corner
+    )
+    index_of_nearest = _nearest_corner(rows, line[:, corners_around])
+    nearest_corner = corners_around[np.arange(len(index_of_nearest)), index_of_nearest]
 
     # The piece in front of the nearest corner, or the one behind it.
-    piece = np.clip(corner[:, None] + np.array([-1, 0]), 0, last_corner - 1)
+    piece = np.clip(nearest_corner[:, None] + np.array([-1, 0]), 0, last_corner - 1)
     begin = line[:, piece]
     piece_vector = line[:, piece + 1] - begin
-    from_begin = rows[:, :, None] - begin
+    vector_from_begin = rows[:, :, None] - begin
     length_squared = np.maximum(np.sum(piece_vector**2, axis=0), 1e-300)
-    share_of_piece = np.clip(np.sum(from_begin * piece_vector, axis=0) / length_squared, 0.0, 1.0)
-    to_row = from_begin - share_of_piece * piece_vector
-    index_of_nearest = np.argmin(np.sum(to_row**2, axis=0), axis=1)
+    share_of_piece = np.clip(
+        np.sum(vector_from_begin * piece_vector, axis=0) / length_squared, 0.0, 1.0
+    )
+    vector_to_row = vector_from_begin - share_of_piece * piece_vector
+    index_of_nearest = np.argmin(np.sum(vector_to_row**2, axis=0), axis=1)
 
-    row = np.arange(rows.shape[1])
-    share_of_piece = share_of_piece[row, index_of_nearest]
-    piece_vector = piece_vector[:, row, index_of_nearest]
-    to_row = to_row[:, row, index_of_nearest]
-    distance = np.hypot(to_row[0], to_row[1])
-    cross_product = piece_vector[0] * to_row[1] - piece_vector[1] * to_row[0]
+    row_numbers = np.arange(rows.shape[1])
+    share_of_piece = share_of_piece[row_numbers, index_of_nearest]
+    piece_vector = piece_vector[:, row_numbers, index_of_nearest]
+    vector_to_row = vector_to_row[:, row_numbers, index_of_nearest]
+    distance = np.hypot(vector_to_row[0], vector_to_row[1])
+    cross_product = piece_vector[0] * vector_to_row[1] - piece_vector[1] * vector_to_row[0]
     distance = np.where(cross_product < 0, -distance, distance)
     # A unit vector across the piece; beyond a corner of the line it points from there to the row.
-    length = np.sqrt(length_squared[row, index_of_nearest])
+    length = np.sqrt(length_squared[row_numbers, index_of_nearest])
     across = np.array([-piece_vector[1], piece_vector[0]]) / length
-    at_corner = ((share_of_piece == 0) | (share_of_piece == 1)) & (distance != 0)
-    unit = np.where(at_corner, to_row / np.where(at_corner, distance, 1.0), across)
-    return np.array([piece[row, index_of_nearest] + share_of_piece, distance, *unit])
+    is_at_corner = ((share_of_piece == 0) | (share_of_piece == 1)) & (distance != 0)
+    unit = np.where(is_at_corner, vector_to_row / np.where(is_at_corner, distance, 1.0), across)
+    return np.array([piece[row_numbers, index_of_nearest] + share_of_piece, distance, *unit])
 
 
 def _nearest_corner(rows: Array, corners: Array) -> Indices:
@@ -633,15 +639,15 @@ class _Search:
 
         def excess_over_limit(log_trial: float) -> float:
             nonlocal latest_terms
-            total, latest_terms = self.best_terms(math.exp(log_trial), latest_terms)
-            return total - limit
+            sum_of_squares, latest_terms = self.best_terms(math.exp(log_trial), latest_terms)
+            return sum_of_squares - limit
 
         side = 1.0 if end > log_friction else -1.0
         # The sum of squares is nearly a parabola: its rise at a step says how far the limit is.
-        at_best = excess_over_limit(log_friction)
+        excess_at_best = excess_over_limit(log_friction)
         step = min(1e-3, abs(end - log_friction) / 2)
-        rise = max(excess_over_limit(log_friction + side * step) - at_best, 1e-300)
-        step *= math.sqrt(max(-at_best / rise, 1e-8))
+        rise = max(excess_over_limit(log_friction + side * step) - excess_at_best, 1e-300)
+        step *= math.sqrt(max(-excess_at_best / rise, 1e-8))
         log_within = log_friction
         for _ in range(_STEPS):
             log_beyond = log_friction + side * min(step, abs(end - log_friction))

@@ -338,9 +338,9 @@ def distances_from(
     points_of_loop = np.array(loop.points(_PLACES))
     points_of_loop /= np.array(weights)[:, None]
     side = np.where(rows.branches.rising, 1.0, -1.0)
-    from_own_branch = _from_branch(loop, points_of_loop, shift, load, side, weights)
+    values_by_own_branch = _from_branch(loop, points_of_loop, shift, load, side, weights)
     rows_beside_turns = rows.beside_turns
-    from_other_branch = _from_branch(
+    values_by_other_branch = _from_branch(
         loop,
         points_of_loop,
         shift[rows_beside_turns],
@@ -348,25 +348,29 @@ def distances_from(
         -side[rows_beside_turns],
         weights,
     )
-    other_is_nearer = np.abs(from_other_branch[0]) < np.abs(from_own_branch[0][rows_beside_turns])
-    for values_of_rows, values_of_other in zip(from_own_branch, from_other_branch, strict=True):
+    other_is_nearer = np.abs(values_by_other_branch[0]) < np.abs(
+        values_by_own_branch[0][rows_beside_turns]
+    )
+    for values_of_rows, values_of_other in zip(
+        values_by_own_branch, values_by_other_branch, strict=True
+    ):
         values_of_rows[rows_beside_turns[other_is_nearer]] = values_of_other[other_is_nearer]
     side[rows_beside_turns[other_is_nearer]] *= -1
 
-    distance, across_shift, across_load, place = from_own_branch
+    distance, unit_shift, unit_load, place = values_by_own_branch
     shift_derivatives, load_derivatives = loop.derivatives(place)
     shift_derivatives *= side[:, None]
     load_derivatives *= side[:, None]
     shift_derivatives[:, ORIGIN] = 1.0
     shift_derivatives[:, DRIFT_RATE] = rows.share_of_time
     load_derivatives[:, MIDDLE] = 1.0
-    derivatives = -across_shift[:, None] * shift_derivatives / weights.shift
-    derivatives -= across_load[:, None] * load_derivatives / weights.load
+    derivatives = -unit_shift[:, None] * shift_derivatives / weights.shift
+    derivatives -= unit_load[:, None] * load_derivatives / weights.load
     place_on_branch = np.clip(place, 0.0, 2.0) / 2
     return Distances(
         value=distance,
         derivatives=derivatives,
-        across=np.column_stack([across_shift, across_load]),
+        across=np.column_stack([unit_shift, unit_load]),
         place=np.where(side > 0, place_on_branch, 1 + place_on_branch),
     )
 
@@ -392,9 +396,9 @@ def _from_branch(
     place_on_line, _, _, _ = nearest_on_line(row_points, corners)
     place = (place_on_line - _BEYOND) / _CORNERS
     # Where the slide begins the line has a corner; it has ends beyond the turning points.
-    at_end = (place_on_line <= 0) | (place == 1) | (place_on_line >= len(_PLACES) - 1)
+    is_at_end = (place_on_line <= 0) | (place == 1) | (place_on_line >= len(_PLACES) - 1)
     if not loop.values[SLIDE] > 0:
-        at_end &= place != 1
+        is_at_end &= place != 1
 
     loop_point = loop.points(place)
     shift_from_loop = row_points[0] - loop_point[0] / weights.shift
@@ -403,16 +407,16 @@ def _from_branch(
     tangent_shift = tangent_shift / weights.shift
     tangent_load = tangent_load / weights.load
     tangent_length = np.hypot(tangent_shift, tangent_load)
-    across_shift = tangent_load / tangent_length
-    across_load = -tangent_shift / tangent_length
-    distance = shift_from_loop * across_shift + load_from_loop * across_load
+    unit_shift = tangent_load / tangent_length
+    unit_load = -tangent_shift / tangent_length
+    distance = shift_from_loop * unit_shift + load_from_loop * unit_load
 
     # At a corner or an end the distance is that from the point; its sign is that across the branch.
-    from_end = np.hypot(shift_from_loop, load_from_loop)
-    at_end &= from_end > 0
-    signed_distance = np.where(distance < 0, -from_end, from_end)
-    divisor = np.where(at_end, signed_distance, 1.0)
-    across_shift = np.where(at_end, shift_from_loop / divisor, across_shift)
-    across_load = np.where(at_end, load_from_loop / divisor, across_load)
-    distance = np.where(at_end, signed_distance, distance)
-    return side * distance, across_shift, across_load, place
+    distance_from_point = np.hypot(shift_from_loop, load_from_loop)
+    is_at_end &= distance_from_point > 0
+    signed_distance = np.where(distance < 0, -distance_from_point, distance_from_point)
+    divisor = np.where(is_at_end, signed_distance, 1.0)
+    unit_shift = np.where(is_at_end, shift_from_loop / divisor, unit_shift)
+    unit_load = np.where(is_at_end, load_from_loop / divisor, unit_load)
+    distance = np.where(is_at_end, signed_distance, distance)
+    return side * distance, unit_shift, unit_load, place

@@ -208,17 +208,19 @@ class _Search:
         for k, (turn, side, instant) in enumerate(
             zip(turns_of_rows, (1.0, -1.0), rows.instants_of_turns, strict=True)
         ):
-            of_shift_here = side * shift_derivatives[0]
-            of_shift_here[ORIGIN] = 1.0
-            of_shift_here[DRIFT_RATE] = instant
-            of_load_here = side * load_derivatives[0]
-            of_load_here[MIDDLE] = 1.0
+            derivatives_of_shift = side * shift_derivatives[0]
+            derivatives_of_shift[ORIGIN] = 1.0
+            derivatives_of_shift[DRIFT_RATE] = instant
+            derivatives_of_load = side * load_derivatives[0]
+            derivatives_of_load[MIDDLE] = 1.0
             shift_here = side * shift_at_turn[0] + values[ORIGIN] + values[DRIFT_RATE] * instant
             load_here = side * load_at_turn[0] + values[MIDDLE]
             height_of_loop = shift_here / range_of_shift + load_here / range_of_load
             error = max(turn.error, _ERROR_OF_TURN)
             residuals[k] = (height_of_loop - turn.load) / error
-            derivatives[k] = of_shift_here / range_of_shift + of_load_here / range_of_load
+            derivatives[k] = (
+                derivatives_of_shift / range_of_shift + derivatives_of_load / range_of_load
+            )
             derivatives[k] /= error
         return residuals, derivatives
 
@@ -616,10 +618,10 @@ def _misfit(distances: Distances, weights: Weights, least_noise: Weights) -> Mis
     # and no chance either.
     least_deviations = 0.0 if digits_explain_all else BY_CHANCE
     order_on_loop = np.argsort(distances.place, kind="stable")
-    inwards = np.where(distances.place > 1, -1.0, 1.0) * distances.value
-    in_time = misfit_of(distances.value, weights.shift, least_deviations)
-    on_loop = misfit_of(inwards[order_on_loop], weights.shift, least_deviations)
-    misfit = max(in_time, on_loop, key=lambda misfit: misfit.correlation)
+    inward_distance = np.where(distances.place > 1, -1.0, 1.0) * distances.value
+    misfit_in_time = misfit_of(distances.value, weights.shift, least_deviations)
+    misfit_on_loop = misfit_of(inward_distance[order_on_loop], weights.shift, least_deviations)
+    misfit = max(misfit_in_time, misfit_on_loop, key=lambda misfit: misfit.correlation)
     return replace(misfit, systematic=0.0) if digits_explain_all else misfit
 
 
@@ -640,9 +642,9 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
     degrees_of_freedom = len(rows.shift) - 6 - (rows.compliance is None)
     fits = search.best()
     log_noise_ratio = (math.log(weights.shift / weights.load), _RATIO_OF_NOISE)
-    for k in range(_REWEIGHTED):
+    for times_reweighted in range(_REWEIGHTED):
         distances = distances_from(rows, curve, _better(fits).values, search.weights)
-        if k == 0:
+        if times_reweighted == 0:
             # Where the first fit leaves what neighbouring rows show, they show noise alone.
             scatter_by_fit = abs(math.log(max(float(np.std(distances.value)), 1e-9)))
             least_scatter = _OF_ROW_NOISE / math.sqrt(len(rows.shift))
@@ -658,7 +660,7 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
             break
         search = replace(search, weights=weights)
         # With another noise another minimum may be the lowest.
-        fits = search.best() if k == 0 else search.again(*fits)
+        fits = search.best() if times_reweighted == 0 else search.again(*fits)
     values = _better(fits).values
     distances = distances_from(rows, curve, values, search.weights)
     return BestLoop(
@@ -672,7 +674,7 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
     )
 
 
-def with_interval(best: BestLoop, error_of_theory: float) -> MasingFit:
+def with_interval(best_loop: BestLoop, error_of_theory: float) -> MasingFit:
     """The best loop with the 95 % interval of f: where the least sum of squares rises by what the F
     distribution admits, widened where neighbouring rows deviate alike.
 
@@ -683,42 +685,42 @@ def with_interval(best: BestLoop, error_of_theory: float) -> MasingFit:
     """
     from scipy.stats import f as fisher
 
-    search = best.search
-    variance = max(_better(best.fits).squares / best.freedom, 1.0)
-    influence = _influence(search, best.values, best.gross)
+    search = best_loop.search
+    variance = max(_better(best_loop.fits).squares / best_loop.freedom, 1.0)
+    influence = _influence(search, best_loop.values, best_loop.gross)
     errors = np.sqrt(variance * np.sum(influence**2, axis=1))
-    widening = best.misfit.widening
-    excess = float(fisher.ppf(0.95, 1, best.freedom)) * widening**2 * variance
+    widening = best_loop.misfit.widening
+    excess = float(fisher.ppf(0.95, 1, best_loop.freedom)) * widening**2 * variance
     step = float(np.clip(2 * errors[LOG_F] * widening, 1e-9, 0.3))
-    friction = math.exp(best.values[LOG_F])
-    parameters_at_lower_end = search.interval_end(best.fits, -1.0, excess, step)
-    parameters_at_upper_end = search.interval_end(best.fits, 1.0, excess, step)
+    friction = math.exp(best_loop.values[LOG_F])
+    parameters_at_lower_end = search.interval_end(best_loop.fits, -1.0, excess, step)
+    parameters_at_upper_end = search.interval_end(best_loop.fits, 1.0, excess, step)
     error_by_digits = 0.0
-    if best.gross:
+    if best_loop.gross:
         error_by_digits = _digits_of_plateau(search.rows, search.curve, search.weights)
     error_without_rows = math.hypot(friction * error_of_theory, error_by_digits)
-    low = 0.0
+    lowest_friction = 0.0
     if parameters_at_lower_end is not None:
-        low = friction - math.hypot(
+        lowest_friction = friction - math.hypot(
             friction - math.exp(parameters_at_lower_end[LOG_F]), error_without_rows
         )
-    high = None
+    highest_friction = None
     if parameters_at_upper_end is not None:
-        high = friction + math.hypot(
+        highest_friction = friction + math.hypot(
             math.exp(parameters_at_upper_end[LOG_F]) - friction, error_without_rows
         )
     return MasingFit(
         friction=friction,
-        low=max(low, 0.0),
-        high=high,
-        values=best.values,
+        low=max(lowest_friction, 0.0),
+        high=highest_friction,
+        values=best_loop.values,
         errors=errors,
-        gross=best.gross,
+        gross=best_loop.gross,
         weights=search.weights,
-        distances=best.distances,
-        misfit=best.misfit,
+        distances=best_loop.distances,
+        misfit=best_loop.misfit,
         influence=influence,
-        freedom=best.freedom,
+        freedom=best_loop.freedom,
         by_digits=error_by_digits,
         ends=(parameters_at_lower_end, parameters_at_upper_end),
     )

@@ -186,9 +186,8 @@ def _on_the_cycle(loop: MeasuredLoop, scene: Scene) -> _Place:
     if alignment.misfit > _FOLLOWS:
         raise InputError(
             f"{loop.source}: its Q follows that of {scene.name} to {100 * alignment.misfit:.0f} %"
-            f" of"
-            f" its amplitude only (limit {100 * _FOLLOWS:.0f} %): give a column time, whole cycles,"
-            " and a scene with this form of Q"
+            f" of its amplitude only (limit {100 * _FOLLOWS:.0f} %): give a column time, whole"
+            " cycles, and a scene with this form of Q"
         )
     if cycles < _LEAST_CYCLES:
         raise InputError(

@@ -103,8 +103,8 @@ def _plates(score: LoopScore) -> tuple[Plate, ...]:
     )
     opened_shift = shift_of_dot - slope * load_of_dot - mean_offset
     curves = [
-        Curve(q, u - slope * q - mean_offset, f"line-{k}", name)
-        for k, (name, u, q) in enumerate(score.curves, 1)
+        Curve(loads, shifts - slope * loads - mean_offset, f"line-{number}", name)
+        for number, (name, shifts, loads) in enumerate(score.curves, 1)
     ]
     keys = [Key(curve.css, curve.label) for curve in curves]
 

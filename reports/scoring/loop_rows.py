@@ -122,8 +122,7 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
         row = int(rows_going_back[0]) + 1
         raise InputError(
             f"{file_name}, line {table.lines[row]}: {time_name} = {instants[row]:.6g} does not"
-            f" ascend: rows"
-            " stand in the order of time"
+            " ascend: rows stand in the order of time"
         )
     read_as = layout_in_words(path, table)
     read_as.append(("relative displacement U", shifts_read.words))

@@ -132,16 +132,16 @@ def fit_steady_rows(
     candidates = []
     growth_words = ""
     difference_of_cycles = _cycles_differ(loop)
-    for without_run_in in _without_run_in(loop):
-        growth_here = without_run_in.goes_on_growing
+    for rows_without_run_in in _without_run_in(loop):
+        growth_here = rows_without_run_in.goes_on_growing
         if growth_here:
             growth_words = growth_here
             continue
-        difference_here = _cycles_differ(without_run_in.rows)
+        difference_here = _cycles_differ(rows_without_run_in.rows)
         if difference_here:
             difference_of_cycles = difference_of_cycles or difference_here
             continue
-        candidate = _candidate(without_run_in, curve, rig_compliance)
+        candidate = _candidate(rows_without_run_in, curve, rig_compliance)
         candidates.append(candidate)
         if candidate.is_steady:
             break
@@ -150,28 +150,29 @@ def fit_steady_rows(
         if growth_words not in reason:
             reason = (
                 f"its cycles {growth_words}, and its noise is too large to tell whether the last"
-                f" ones"
-                " still do"
+                " ones still do"
             )
         raise InputError(
             f"{loop.source}: its rows are of no steady loop: {reason}; give the rows of cycles that"
             " are alike"
         )
-    chosen = candidates[-1]
-    if not chosen.is_steady:
-        chosen = min(candidates, key=lambda candidate: candidate.unsteady_share)
+    chosen_candidate = candidates[-1]
+    if not chosen_candidate.is_steady:
+        chosen_candidate = min(candidates, key=lambda candidate: candidate.unsteady_share)
     if rig_compliance is None:
-        _require_a_loop_of_theory(chosen, loop, scene)
-    chosen_rows, fit = _fit_at_constant_load(chosen, scene, curve)
+        _require_a_loop_of_theory(chosen_candidate, loop, scene)
+    chosen_rows, fit = _fit_at_constant_load(chosen_candidate, scene, curve)
     fit = replace(fit, cycles=_branches_of_both(loop).cycles)
-    if chosen.share > _OF_THEORY_AT_ALL:
+    if chosen_candidate.share > _OF_THEORY_AT_ALL:
         sentence = (
-            f"With the stated rig compliance the best fit is {100 * chosen.share:.2g} % of the"
-            " loop's opening away from rows that lie beside each other: leave it out, and it is"
-            " fitted"
+            f"With the stated rig compliance the best fit is {100 * chosen_candidate.share:.2g} %"
+            " of the loop's opening away from rows that lie beside each other: leave it out, and it"
+            " is fitted"
         )
         fit = replace(fit, said=(*fit.said, sentence))
-    return chosen_rows, _with_widening_said(_with_change(fit, chosen), chosen.share)
+    return chosen_rows, _with_widening_said(
+        _with_change(fit, chosen_candidate), chosen_candidate.share
+    )
 
 
 # ------------------------------------------------------------------ rows that may be a steady loop
@@ -342,36 +343,37 @@ def _require_a_loop_of_theory(chosen: _Candidate, loop: MeasuredLoop, scene: Sce
     raise InputError(
         f"{loop.source}: its rows are of no steady loop of {scene.name}:"
         f" {_cycles_differ(loop) or reason}; the best fit is {100 * largest_share:.2g} % of the"
-        f" loop's"
-        f" opening away from rows that lie beside each other (limit {100 * limit:.2g} %)"
+        f" loop's opening away from rows that lie beside each other (limit {100 * limit:.2g} %)"
     )
 
 
-def _with_change(fit: FittedLoop, chosen: _Candidate) -> FittedLoop:
+def _with_change(fit: FittedLoop, candidate: _Candidate) -> FittedLoop:
     """The fit with its interval of f widened by how much f still changes up to the last row; the
     fit as it is where no such change was found.
 
     Parameters
     ----------
-    chosen
+    candidate
         the fit with the tests of its rows' steadiness
     """
-    log_friction_change = chosen.log_friction_at_end
-    if chosen.of_size.chance > _HELD and not chosen.had_run_in:
+    log_friction_change = candidate.log_friction_at_end
+    if candidate.of_size.chance > _HELD and not candidate.had_run_in:
         return fit
     friction_change = fit.friction * math.expm1(min(abs(log_friction_change), 1.0))
     sentence = (
         "The loop still changes over the rows that are left, f by"
         f" {100 * math.expm1(min(log_friction_change, 1.0)):+.2g} % to the last one: the interval"
-        f" of f holds it"
+        " of f holds it"
     )
-    low = fit.friction - math.hypot(fit.friction - fit.low, friction_change)
-    high = (
+    lowest_friction = fit.friction - math.hypot(fit.friction - fit.low, friction_change)
+    highest_friction = (
         None
         if fit.high is None
         else fit.friction + math.hypot(fit.high - fit.friction, friction_change)
     )
-    return replace(fit, low=max(low, 0.0), high=high, said=(*fit.said, sentence))
+    return replace(
+        fit, low=max(lowest_friction, 0.0), high=highest_friction, said=(*fit.said, sentence)
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -422,9 +424,8 @@ def _without_run_in(loop: MeasuredLoop) -> Iterator[_WithoutRunIn]:
         sentence = f"Rows 1 to {first_row} are left out: run-in, unlike the later cycles"
         if not half_cycles:
             sentence = (
-                f"Rows 1 to {first_row}, before the first turning point, are left out: they may"
-                f" be of"
-                " the initial loading"
+                f"Rows 1 to {first_row}, before the first turning point, are left out: they may be"
+                " of the initial loading"
             )
         yield _WithoutRunIn(loop, first_row, half_cycles, sentence)
 
@@ -465,7 +466,7 @@ def _with_widening_said(fit: FittedLoop, share: float) -> FittedLoop:
     if fit.misfit.widening == 1.0 or share < _WORTH_SAYING:
         return fit
     sentence = (
-        f"Neighbouring rows lie on the same side of the best fit (correlation"
+        "Neighbouring rows lie on the same side of the best fit (correlation"
         f" {fit.misfit.correlation:.2g}), by {100 * share:.2g} % of the loop's opening: the"
         f" interval of f is {fit.misfit.widening:.2g} times as wide for it"
     )
@@ -592,7 +593,7 @@ def _fit_where_load_varies(
 
 
 def _share_by_load(
-    load: Array, on_rising: NDArray[np.bool_], fit: MasingFit, load_of_cycle: Array
+    load: Array, row_rises: NDArray[np.bool_], fit: MasingFit, load_of_cycle: Array
 ) -> Array:
     """Share of the scene's cycle that is over where its Q equals that of each row, (n,), on the
     same branch.
@@ -611,7 +612,7 @@ def _share_by_load(
     highest_instant = int(np.argmax(load_of_cycle[:-1]))
     share_of_cycle = np.empty(len(load))
     for rising in (True, False):
-        on_branch = on_rising == rising
+        is_on_branch = row_rises == rising
         begin = lowest_instant if rising else highest_instant
         end = highest_instant if rising else lowest_instant
         if end < begin:
@@ -620,8 +621,8 @@ def _share_by_load(
         if not rising:
             instants = instants[::-1]
         loads_of_branch = load_of_cycle[instants % (INSTANTS - 1)]
-        load_of_scene = load_of_cycle[lowest_instant] + (load[on_branch] - fit.lowest) / scale
-        share_of_cycle[on_branch] = (
+        load_of_scene = load_of_cycle[lowest_instant] + (load[is_on_branch] - fit.lowest) / scale
+        share_of_cycle[is_on_branch] = (
             np.interp(load_of_scene, loads_of_branch, instants / (INSTANTS - 1)) % 1.0
         )
     return share_of_cycle

@@ -299,14 +299,14 @@ def _columns_of_frames(
     for number, head in enumerate(heads):
         if head.quantity is None:
             continue
-        by_frame = values_of[head.quantity]
-        frame = float(len(by_frame)) if head.frame is None else head.frame
-        if frame in by_frame:
+        values_by_frame = values_of[head.quantity]
+        frame = float(len(values_by_frame)) if head.frame is None else head.frame
+        if frame in values_by_frame:
             raise InputError(
                 f"{source}: two columns hold {head.quantity} of the same frame; leave one out or"
                 " rename it"
             )
-        by_frame[frame] = converted(mapping, head.quantity, table.values[:, number])
+        values_by_frame[frame] = converted(mapping, head.quantity, table.values[:, number])
     frames = sorted(values_of["pressure"])
     has_frame_in_name = any(
         head.quantity == "pressure" and head.frame is not None for head in heads
@@ -317,18 +317,20 @@ def _columns_of_frames(
         (x,) = values_of["x"].values()
         values_of["x"] = dict.fromkeys(frames, x)
     columns = {}
-    for quantity, by_frame in values_of.items():
-        if not by_frame:
+    for quantity, values_by_frame in values_of.items():
+        if not values_by_frame:
             continue
-        missing_frames = sorted(set(frames) ^ by_frame.keys())
+        missing_frames = sorted(set(frames) ^ values_by_frame.keys())
         if missing_frames:
             raise InputError(
                 f"{source}: frame {missing_frames[0]:g} has no {quantity}, or no pressure; every"
                 " frame needs both pressure and shear"
             )
-        columns[quantity] = np.concatenate([by_frame[frame] for frame in frames])
-    key: Quantity = "time" if any(head.is_time for head in heads) else "frame"
-    columns[key] = converted(mapping, key, np.repeat(frames, len(table.values)))
+        columns[quantity] = np.concatenate([values_by_frame[frame] for frame in frames])
+    quantity_of_frames: Quantity = "time" if any(head.is_time for head in heads) else "frame"
+    columns[quantity_of_frames] = converted(
+        mapping, quantity_of_frames, np.repeat(frames, len(table.values))
+    )
     has_number_in_name = any(head.quantity is not None and head.frame is not None for head in heads)
     order_in_words = (
         "by the figures in their names" if has_number_in_name else "in the order of the columns"

@@ -266,10 +266,10 @@ def _with_zones(
         stick_edges = np.full_like(stick_edges, np.nan)
     permanent_edges = np.full(2, np.nan)  # of what sticks through the whole cycle
     if len(steps) and not np.isnan(stick_edges[steps]).any():
-        left = stick_edges[steps, 0].max()
-        right = stick_edges[steps, 1].min()
-        if right > left:
-            permanent_edges = np.array([left, right])
+        left_edge = stick_edges[steps, 0].max()
+        right_edge = stick_edges[steps, 1].min()
+        if right_edge > left_edge:
+            permanent_edges = np.array([left_edge, right_edge])
     changes: dict[str, Any] = {
         "state": freeze(state, np.int8),
         "contact_edges": freeze(contact_edges),
@@ -731,16 +731,16 @@ def _yardsticks(surface: SurfaceResult, theory: ContactSolution) -> tuple[_Yards
     """Half-width, largest pressure and largest normal load of a result, each beside that of theory.
     The unit of the result's lengths, stresses and loads is guessed from their ratios.
     """
-    left, right = _extent(surface)
+    left_end, right_end = _extent(surface)
     half_width = float(np.nanmax(theory.contact_half_width))
-    load = float(np.max(theory.normal_load))
+    largest_load_of_theory = float(np.max(theory.normal_load))
     largest_load = 0.0 if surface.normal_load is None else float(np.max(surface.normal_load))
     return (
         _Yardstick(
             "length",
             ("x", "slip"),
             "x",
-            (right - left) / 2,
+            (right_end - left_end) / 2,
             half_width,
             "the contact's half-width is",
         ),
@@ -749,7 +749,7 @@ def _yardsticks(surface: SurfaceResult, theory: ContactSolution) -> tuple[_Yards
             ("pressure", "shear"),
             "pressure and shear",
             float(surface.pressure.max()),
-            load / (2 * half_width),
+            largest_load_of_theory / (2 * half_width),
             "the largest pressure is",
         ),
         _Yardstick(
@@ -757,7 +757,7 @@ def _yardsticks(surface: SurfaceResult, theory: ContactSolution) -> tuple[_Yards
             ("normal_load", "tangential_load"),
             "P and Q",
             largest_load,
-            load,
+            largest_load_of_theory,
             "the largest P is",
         ),
     )

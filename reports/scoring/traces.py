@@ -108,9 +108,8 @@ def outliers(comparison: Comparison) -> list[Diagnosis]:
     """
     result_cycle = comparison.found
     values_in_words = [
-        f"{name} {getattr(result_cycle, name)[instant, point]:.6g} at instant {instant + 1} of"
-        f" the last cycle (time"
-        f" {result_cycle.time[instant]:.6g}), x = {result_cycle.x[point]:.6g}"
+        f"{name} {getattr(result_cycle, name)[instant, point]:.6g} at instant {instant + 1} of the"
+        f" last cycle (time {result_cycle.time[instant]:.6g}), x = {result_cycle.x[point]:.6g}"
         for name, mask in comparison.isolated.items()
         for instant, point in np.argwhere(mask)
     ]

@@ -193,8 +193,8 @@ class Predictions:
         if variant.history == "no memory" and sheared:
             return _without_memory(scene, x, time)
         if variant.history in ("straight steps", "end of steps") and sheared:
-            of_ends = variant.history == "end of steps"
-            return _long_steps(discrepancy, scene, x, of_ends=of_ends)
+            takes_ends = variant.history == "end of steps"
+            return _long_steps(discrepancy, scene, x, of_ends=takes_ends)
         effects = None
         if variant.small_body < 0 or variant.soft_normal < 0:
             raise InputError("a body of negative height, a layer of negative compliance")
@@ -209,8 +209,8 @@ class Predictions:
             return self._pressure(scene, x, time, effects, layer_compliance)[None]
         if variant.soft_normal:
             pressure = self._theory(variant, x, sheared=False)[PRESSURE]
-            without_layer = replace(variant, soft_normal=0.0)
-            return np.array([pressure, self._theory(without_layer, x, sheared=True)[SHEAR]])
+            variant_without_layer = replace(variant, soft_normal=0.0)
+            return np.array([pressure, self._theory(variant_without_layer, x, sheared=True)[SHEAR]])
         if scene.unsymmetric and one_curve(scene) is None:
             raise InputError("its memory of friction is no one curve: not looked for")
         tractions = _tractions(scene, x, time, effects=effects)

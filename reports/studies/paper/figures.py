@@ -156,10 +156,10 @@ def _figure_1(case: Case) -> Plate:
     axle = (0.0, 2.35)
     radius = 0.85
     angle_of_mass = math.radians(35.0)
-    along_x = math.cos(angle_of_mass)
-    along_y = math.sin(angle_of_mass)
-    place_of_weight = (axle[0] + 0.55 * along_x, axle[1] + 0.55 * along_y)
-    tip_of_force = (axle[0] + 1.6 * along_x, axle[1] + 1.6 * along_y)
+    direction_x = math.cos(angle_of_mass)
+    direction_y = math.sin(angle_of_mass)
+    place_of_weight = (axle[0] + 0.55 * direction_x, axle[1] + 0.55 * direction_y)
+    tip_of_force = (axle[0] + 1.6 * direction_x, axle[1] + 1.6 * direction_y)
     heights_of_strut = [1.1, axle[1] - radius * math.sin(math.acos(0.4 / radius))]
     turn_x = axle[0] + 0.6 * np.cos(angle_of_arrow)
     turn_y = axle[1] + 0.6 * np.sin(angle_of_arrow)

@@ -301,13 +301,13 @@ def _slip_in_contact(case: Case) -> dict[str, Found]:
     x = 1.05 * case.length
     moved_distance = formulas.moved(x, case.time("I"), case.time("J"))
 
-    def by_14(time: Array) -> Array:
+    def rate_by_14(time: Array) -> Array:
         """Rate of slip by equation (14) as printed, C dP."""
         load_rate, _ = formulas.rates(time)
         reach = formulas.reach(x, formulas.front("IJ", time))
         return factor * formulas.multiplier("IJ", time) * reach * load_rate
 
-    def by_18(unit: float | None) -> float:
+    def slip_by_18(unit: float | None) -> float:
         """Slip with dQ/dP multiplied by the load P_Y in some unit; None: not multiplied."""
 
         def rate(time: Array) -> Array:
@@ -321,16 +321,16 @@ def _slip_in_contact(case: Case) -> dict[str, Found]:
 
         return formulas.rubbing("IJ", x, rate)
 
-    slip_right = by_18(None)
-    printed_value = formulas.rubbing("IJ", x, by_14)
-    ratio_after = integral(by_14, case.time("K"), case.time("J")) / moved_distance
+    slip_right = slip_by_18(None)
+    printed_value = formulas.rubbing("IJ", x, rate_by_14)
+    ratio_after = integral(rate_by_14, case.time("K"), case.time("J")) / moved_distance
     ratios_of_halves = {
         "printed I-K": printed_value / moved_distance - ratio_after,
         "printed K-J": ratio_after,
     }
     ratios_with_unit = {
-        "printed in N/mm": by_18(1.0) / moved_distance,
-        "printed in P0/3": by_18(case.unit) / moved_distance,
+        "printed in N/mm": slip_by_18(1.0) / moved_distance,
+        "printed in P0/3": slip_by_18(case.unit) / moved_distance,
     }
     nearest_ratio = min(ratios_with_unit.values(), key=lambda ratio: abs(ratio - 1))
     have_other_signs = ratios_of_halves["printed I-K"] * ratio_after < 0
@@ -378,10 +378,10 @@ def _gap_for_slope(case: Case) -> Found:
     errors = {}
     powers = {}
     for name in ("slope", "gap of the increment", "gap of the punch"):
-        by_15_as_is = _by_15(case_as_is, 0.8 * case_as_is.length, name)
-        by_15_ten_times = _by_15(case_ten_times, 0.8 * case_ten_times.length, name)
-        errors[name] = _relative_error(by_15_as_is, slip_as_is)
-        powers[name] = math.log10(by_15_ten_times / by_15_as_is)
+        slip_by_15_as_is = _by_15(case_as_is, 0.8 * case_as_is.length, name)
+        slip_by_15_ten_times = _by_15(case_ten_times, 0.8 * case_ten_times.length, name)
+        errors[name] = _relative_error(slip_by_15_as_is, slip_as_is)
+        powers[name] = math.log10(slip_by_15_ten_times / slip_by_15_as_is)
     error_of_slope = errors.pop("slope")
     least_error = min(errors.values())
     numbers = {"right": error_of_slope, "printed": least_error, "power of the slip": power_of_slip}

@@ -142,14 +142,16 @@ def _residual_tractions(case: Case) -> Found:
     outer_load = float(formulas.front("EG", case.time("G")))
     bounds_of_locked = case.width([inner_load, outer_load])
     shares = np.linspace(0.01, 0.99, 50)
-    places = np.concatenate(
+    places_of_slip = np.concatenate(
         [
             bounds_of_locked[0] * shares,
             bounds_of_locked[0] + (bounds_of_locked[1] - bounds_of_locked[0]) * shares,
         ]
     )
     times = [case.time(letter) for letter in "BGM"]
-    slip = case.solve(time=times, x=places, fields=("slip",)).slip / (case.compliance * case.unit)
+    slip = case.solve(time=times, x=places_of_slip, fields=("slip",)).slip / (
+        case.compliance * case.unit
+    )
     locked_slip = np.abs(slip[1] - slip[0])
     later_change = float(np.max(np.abs(slip[2] - slip[1])))
     largest_within = float(np.max(locked_slip[:50]))
@@ -158,7 +160,7 @@ def _residual_tractions(case: Case) -> Found:
     # At G: the engine's q without the hooks of reverse slip, and without what loading in stick to
     # P_T would have left.
     largest_half_width = float(case.width(case.events["G"].normal_load))
-    places = np.array(
+    places_of_shear = np.array(
         [
             0.0,
             bounds_of_locked[0],
@@ -166,8 +168,8 @@ def _residual_tractions(case: Case) -> Found:
             0.1 * bounds_of_locked[1] + 0.9 * largest_half_width,
         ]
     )
-    shear = case.solve(time=[case.time("G")], x=places, fields=("shear",)).shear[0]
-    place_in_units = places * case.length
+    shear = case.solve(time=[case.time("G")], x=places_of_shear, fields=("shear",)).shear[0]
+    place_in_units = places_of_shear * case.length
     load_at_g = case.events["G"].normal_load
     pressure_hooks = case.contact.pressure(place_in_units, load_at_g) - case.contact.pressure(
         place_in_units, outer_load

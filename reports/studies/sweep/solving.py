@@ -718,8 +718,8 @@ def _cheap_uncertainty(
         half_increments = values_with(coarse_mesh, finer_steps(coarse_solver))
         comparisons.append((4 / 3, values_with(coarse_mesh), half_increments))
     elif "exact" in question.engines:
-        on_polygon = evaluate(question, fe, polygon=True).values
-        comparisons.append((1.0, evaluation.values, on_polygon))
+        values_on_polygon = evaluate(question, fe, polygon=True).values
+        comparisons.append((1.0, evaluation.values, values_on_polygon))
     has_half_plane = "half_plane" in (scene.bodies.lower.kind, scene.bodies.upper.kind)
     if has_half_plane and question.mesh.far_radius <= 500:
         # Both with the bulk as it is: a far field beyond a coarse bulk shows what the bulk does.

@@ -140,8 +140,7 @@ class ThirdSolver:
         else:
             first_sentence = (
                 f"{self.code} on the exported deck: {size}, {self.run_record.increments}"
-                f" increments,"
-                f" {self.run_record.iterations} iterations."
+                f" increments, {self.run_record.iterations} iterations."
             )
         return [first_sentence, *_limits(self.deck)]
 
