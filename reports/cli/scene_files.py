@@ -8,7 +8,7 @@ import json
 import os
 import re
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from importlib import resources
 from pathlib import Path
@@ -138,12 +138,9 @@ def check(scene: str, options: Options) -> Answer:
         rows_of_contact,
         rows_of_sliding,
     )
-    from reports.comparison.words import read_in_words
-    from reports.input_words import sliding_in_words, stated_content, stated_in_words
-    from reports.inputs import not_stated, sliding_of_loads
-    from reports.measured import check_record, read_in_pairs, record_in_words
+    from reports.input_words import stated_content
+    from reports.measured import read_in_pairs
     from reports.profile_fit import content as fit_content
-    from reports.profile_fit import findings, fit_warnings
     from scenes import InputError, TimeSeriesLoad
 
     scene_read = read(scene, driven=True)
@@ -171,20 +168,11 @@ def check(scene: str, options: Options) -> Answer:
             f"The record has {rows} rows, and finite elements take at least two increments a row."
             " Solve it by half-plane theory alone: `halfplane exact`."
         )
-    notes = _question_in_words(scene_read)
     tables_read = read_in_pairs(scene_read) | loop_read
-    notes += [read_in_words(name, pairs) for name, pairs in tables_read.items()]
-    if record := check_record(scene_read):
-        for sentence, is_warning in record_in_words(scene_read, record):
-            if is_warning:
-                remarks_on_scene.append(sentence)
-            else:
-                notes.append(sentence)
-    sliding = sliding_in_words(sliding_of_loads(scene_read))
-    remarks_on_scene += filter(None, [sliding, not_stated(scene_read)])
-    remarks_on_scene += fit_warnings(scene_read, contact.half_width if contact else 0.0)
-    notes += [sentence for sentence in findings(scene_read)[0] if sentence not in remarks_on_scene]
-    notes += filter(None, [stated_in_words(scene_read)])
+    notes, further_remarks = _notes_and_remarks(
+        scene_read, tables_read, contact.half_width if contact else 0.0
+    )
+    remarks_on_scene += further_remarks
     verdict = (
         f"{scene}: the scene is well formed and its load path admissible. |Q|/(f P) is at most"
         f" {nearest_instant.ratio:.4g}; gross sliding starts at 1."
@@ -210,6 +198,42 @@ def check(scene: str, options: Options) -> Answer:
     marked_remarks = [f"Remark: {remark}" for remark in remarks_on_scene]
     parts: list[Part] = [verdict, table, *marked_remarks, *sizes, *notes]
     return Answer(WITHIN, parts, lambda: content, scene_read.name)
+
+
+def _notes_and_remarks(
+    scene: Scene, tables_read: Mapping[str, tuple[tuple[str, str], ...]], half_width: float
+) -> tuple[list[str], list[str]]:
+    """Sentences that `check` prints on a scene: notes (its question, tables, record, fitted profile
+    and stated uncertainties), and remarks, which warn.
+
+    Parameters
+    ----------
+    tables_read
+        how each table of the scene was read: name -> pairs of words
+    half_width
+        of the contact at the largest load [length]; 0 where it is not known
+    """
+    from reports.comparison.words import read_in_words
+    from reports.input_words import sliding_in_words, stated_in_words
+    from reports.inputs import not_stated, sliding_of_loads
+    from reports.measured import check_record, record_in_words
+    from reports.profile_fit import findings, fit_warnings
+
+    notes = _question_in_words(scene)
+    remarks: list[str] = []
+    notes += [read_in_words(name, pairs) for name, pairs in tables_read.items()]
+    if record := check_record(scene):
+        for sentence, is_warning in record_in_words(scene, record):
+            if is_warning:
+                remarks.append(sentence)
+            else:
+                notes.append(sentence)
+    sliding = sliding_in_words(sliding_of_loads(scene))
+    remarks += filter(None, [sliding, not_stated(scene)])
+    remarks += fit_warnings(scene, half_width)
+    notes += [sentence for sentence in findings(scene)[0] if sentence not in remarks]
+    notes += filter(None, [stated_in_words(scene)])
+    return notes, remarks
 
 
 def _question_in_words(scene: Scene) -> list[str]:

@@ -304,20 +304,7 @@ def load_path(view: CycleView) -> Plate:
         keys.append(Key("cone", "|Q| = f P"))
     panels = [panel]
     for name, title, lines_of_panel in _beside_the_forces(view):
-        series = [line.values for line in lines_of_panel]
-        curves: list[Mark] = [ZERO]
-        curves += [Curve(view.time, line.values, line.css, line.text) for line in lines_of_panel]
-        panels.append(
-            Panel(
-                name,
-                view.over_time(),
-                Axis(*limits(*series, zero=True, margin=0.12), title, count=3),
-                curves,
-                f"{title} over time",
-                height=190.0,
-                time="x",
-            )
-        )
+        panels.append(_panel_beneath_path(view, name, title, lines_of_panel))
         keys += [Key(line.css, line.text) for line in lines_of_panel]
     table: Table = {
         "time": np.concatenate([part.time for part in parts]),
@@ -328,6 +315,24 @@ def load_path(view: CycleView) -> Plate:
     has_bulk_or_tilt = len(panels) > 1
     return worded(
         "load_path", panels, table, keys, columns=1, beside=has_bulk_or_tilt, stretch=view.stretch
+    )
+
+
+def _panel_beneath_path(view: CycleView, name: str, title: str, lines: Sequence[_Line]) -> Panel:
+    """A low panel of some series over time (bulk stress, tilt or moment), beneath the load path;
+    `title` is the title of its vertical axis.
+    """
+    curves: list[Mark] = [ZERO]
+    curves += [Curve(view.time, line.values, line.css, line.text) for line in lines]
+    series = [line.values for line in lines]
+    return Panel(
+        name,
+        view.over_time(),
+        Axis(*limits(*series, zero=True, margin=0.12), title, count=3),
+        curves,
+        f"{title} over time",
+        height=190.0,
+        time="x",
     )
 
 

@@ -133,16 +133,7 @@ def find_branches(
                 f"{source}: its rows cover {covered_cycles:.2g} of a cycle: a loop needs a whole"
                 " one"
             )
-        last_repeats_first = abs(load[closing_row] - load[0]) < 0.5 * float(
-            np.median(np.abs(np.diff(load)))
-        )
-        step = 0.0 if last_repeats_first else float(np.median(np.diff(time)))
-        period = float(time[closing_row]) - float(time[0]) + step
-        first_row = 1 if last_repeats_first else 0
-        cyclic_load = np.concatenate([load[: closing_row + 1], load[first_row : closing_row + 1]])
-        cyclic_time = np.concatenate(
-            [time[: closing_row + 1], time[first_row : closing_row + 1] + period]
-        )
+        cyclic_load, cyclic_time, period = _cycle_twice(load, time, closing_row)
         copies = 2
         begins, ends, rises_at_crossing = _crossings(cyclic_load, least_load, largest_load)
     middles = _middles(cyclic_load, cyclic_time, begins, ends, (least_load + largest_load) / 2)
@@ -167,27 +158,7 @@ def find_branches(
     highest, highest_after_centre = turning_points[True]
     lowest, lowest_after_centre = turning_points[False]
 
-    # Turning points in the order of time, with one before the first and one behind the last.
-    half_branch = {
-        side: float(np.median(np.diff(middles)[is_top == side])) / 2 for side in (True, False)
-    }
-    turn_after_centre = {True: highest_after_centre, False: lowest_after_centre}
-    turns = centres + np.where(is_top, highest_after_centre, lowest_after_centre)
-    turns = np.concatenate(
-        [
-            [
-                middles[0]
-                - half_branch[not rises_at_crossing[0]]
-                + turn_after_centre[not rises_at_crossing[0]]
-            ],
-            turns,
-            [
-                middles[-1]
-                + half_branch[bool(rises_at_crossing[-1])]
-                + turn_after_centre[bool(rises_at_crossing[-1])]
-            ],
-        ]
-    )
+    turns = _times_of_turns(middles, rises_at_crossing, highest_after_centre, lowest_after_centre)
     first_is_top = not bool(rises_at_crossing[0])
     # the record begins again: the turning points of the second time round belong to the first too
     if math.isfinite(period):
@@ -200,6 +171,69 @@ def find_branches(
     share_of_range = np.clip(np.abs(load - load_at_start) / (highest.load - lowest.load), 0.0, 1.0)
     cycles_since_bottom = (branch + share_of_range + (1 if first_is_top else 0)) / 2
     return Branches(cycles_since_bottom, is_rising, highest, lowest, noise)
+
+
+def _cycle_twice(load: Array, time: Array, closing_row: int) -> tuple[Array, Array, float]:
+    """The rows of one cycle, laid end to end twice: Q and time of these rows (n,) each, and the
+    period.
+
+    Where the row that closes the cycle repeats the first one, the period ends at its time, and the
+    second cycle begins with the second row; else the period is longer by a step of time.
+
+    Parameters
+    ----------
+    load, time
+        (n,) Q and time of the rows
+    closing_row
+        index of the last row of the cycle
+    """
+    last_repeats_first = abs(load[closing_row] - load[0]) < 0.5 * float(
+        np.median(np.abs(np.diff(load)))
+    )
+    step = 0.0 if last_repeats_first else float(np.median(np.diff(time)))
+    period = float(time[closing_row]) - float(time[0]) + step
+    first_row = 1 if last_repeats_first else 0
+    cyclic_load = np.concatenate([load[: closing_row + 1], load[first_row : closing_row + 1]])
+    cyclic_time = np.concatenate(
+        [time[: closing_row + 1], time[first_row : closing_row + 1] + period]
+    )
+    return cyclic_load, cyclic_time, period
+
+
+def _times_of_turns(
+    middles: Array,
+    rises_at_crossing: NDArray[np.bool_],
+    highest_after_centre: float,
+    lowest_after_centre: float,
+) -> Array:
+    """Times of the turning points in their order, (k + 1,): those between crossings, one before the
+    first crossing and one behind the last.
+
+    Parameters
+    ----------
+    middles
+        (k,) times at which Q passes the middle of its range
+    rises_at_crossing
+        (k,) whether Q rises there
+    highest_after_centre, lowest_after_centre
+        time from the centre between two crossings to the upper and to the lower turning point
+    """
+    centres = (middles[1:] + middles[:-1]) / 2
+    is_top = rises_at_crossing[:-1]
+    half_branch = {
+        side: float(np.median(np.diff(middles)[is_top == side])) / 2 for side in (True, False)
+    }
+    turn_after_centre = {True: highest_after_centre, False: lowest_after_centre}
+    turns = centres + np.where(is_top, highest_after_centre, lowest_after_centre)
+    rises_first = bool(rises_at_crossing[0])
+    rises_last = bool(rises_at_crossing[-1])
+    return np.concatenate(
+        [
+            [middles[0] - half_branch[not rises_first] + turn_after_centre[not rises_first]],
+            turns,
+            [middles[-1] + half_branch[rises_last] + turn_after_centre[rises_last]],
+        ]
+    )
 
 
 def _range(load: Array, noise: float) -> tuple[float, float]:

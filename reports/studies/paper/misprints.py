@@ -56,18 +56,6 @@ def _cycle(case: Case) -> dict[str, Found]:
     """
     formulas = Formulas(case)
     events = case.events
-    # Stick, at instants of the steady cycle: the share at which each reading is wrong.
-    times = case.round_times(721)
-    times = (times[1:] + times[:-1]) / 2
-    solution = case.solve(time=times)
-    sticks = solution.contact_half_width - solution.stick_half_width <= EXACT * case.length
-    rate_of_p, rate_of_q = formulas.rates(times)
-    slope = rate_of_q / rate_of_p
-    printed_condition = slope < case.friction
-    right_condition = (np.abs(slope) < case.friction) & (rate_of_p > 0)
-    printed_share = float(np.mean(printed_condition != sticks))
-    right_share = float(np.mean(right_condition != sticks))
-
     level_of_e = formulas.level("E", -1)
 
     def edge_with(letter: str) -> float:
@@ -76,17 +64,6 @@ def _cycle(case: Case) -> dict[str, Found]:
 
     edge_with_b = edge_with("B")
     edge_with_g = edge_with("G")
-    loads_of_cycle = case.loads(case.round_times(3601))
-    least_p = float(loads_of_cycle[0].min())
-    least_q = float(loads_of_cycle[1].min())
-    loads_at_letters = {f"P at {letter}": events[letter].normal_load / case.unit for letter in "HF"}
-    loads_at_letters |= {
-        f"Q at {letter}": events[letter].tangential_load / case.unit for letter in "HF"
-    }
-    is_least = (
-        abs(loads_at_letters["P at F"] - least_p) < EXACT < loads_at_letters["P at H"] - least_p
-        and abs(loads_at_letters["Q at H"] - least_q) < EXACT
-    )
     angle_of_j = math.degrees(case.time("J") - case.time("K"))
     angle_of_i = math.degrees(case.time("I") - case.time("K"))
     error_of_front = _relative_error(events["J"].front_load, events["G"].normal_load)
@@ -103,12 +80,6 @@ def _cycle(case: Case) -> dict[str, Found]:
 
     work_at_half_mean = loop_work_halved("mean_tangential_load")
     work_at_half_amplitude = loop_work_halved("tangential_amplitude")
-    start = case.time("G")
-    revolution = start + np.linspace(0, 2 * math.pi, 101)
-    slip = case.solve(time=revolution, x=[0.8], fields=("slip",)).slip[:, 0]
-    net_slip = abs(formulas.moved(0.8 * case.length, start, start + 2 * math.pi))
-    relative_net_slip = net_slip / float(np.ptp(slip))
-    dissipation = case.steady.dissipation / case.work_unit
     named_numbers = {
         "with B": edge_with_b,
         "with G": edge_with_g,
@@ -116,12 +87,9 @@ def _cycle(case: Case) -> dict[str, Found]:
     }
     return {
         "(2)": _corrective_load(case),
-        "condition of stick": (
-            right_share == 0 and printed_share > 0.01,
-            {"printed": printed_share, "right": right_share},
-        ),
+        "condition of stick": _condition_of_stick(case),
         "(9), (10)": _proof(edge_with_g, edge_with_b, case.stick_edge, named_numbers),
-        "3H": (is_least, loads_at_letters | {"least P": least_p, "least Q": least_q}),
+        "3H": _event_of_least_load(case),
         "J and K": (
             error_of_front <= EXACT and angle_of_i < 0 < angle_of_j,
             angles_after_k | {"front at J against P_G": error_of_front},
@@ -129,11 +97,61 @@ def _cycle(case: Case) -> dict[str, Found]:
         "mean shear force": _proof(
             work_at_half_mean, work_at_half_amplitude, case.steady.loop_work, {}
         ),
-        "net displacement": (
-            relative_net_slip <= EXACT and dissipation > 1e-3,
-            {"right": relative_net_slip, "printed": dissipation},
-        ),
+        "net displacement": _net_displacement(case),
     }
+
+
+def _condition_of_stick(case: Case) -> Found:
+    """Proof for the condition of full stick: the share of the instants of the steady cycle at which
+    dQ/dP < f, as printed, and |dQ/dP| < f with growing P contradict the engine.
+    """
+    times = case.round_times(721)
+    times = (times[1:] + times[:-1]) / 2
+    solution = case.solve(time=times)
+    sticks = solution.contact_half_width - solution.stick_half_width <= EXACT * case.length
+    rate_of_p, rate_of_q = Formulas(case).rates(times)
+    slope = rate_of_q / rate_of_p
+    printed_condition = slope < case.friction
+    right_condition = (np.abs(slope) < case.friction) & (rate_of_p > 0)
+    printed_share = float(np.mean(printed_condition != sticks))
+    right_share = float(np.mean(right_condition != sticks))
+    return (
+        right_share == 0 and printed_share > 0.01,
+        {"printed": printed_share, "right": right_share},
+    )
+
+
+def _event_of_least_load(case: Case) -> Found:
+    """Proof for what happens at the events F and H: P is least at F, and Q at H."""
+    events = case.events
+    loads_of_cycle = case.loads(case.round_times(3601))
+    least_p = float(loads_of_cycle[0].min())
+    least_q = float(loads_of_cycle[1].min())
+    loads_at_letters = {f"P at {letter}": events[letter].normal_load / case.unit for letter in "HF"}
+    loads_at_letters |= {
+        f"Q at {letter}": events[letter].tangential_load / case.unit for letter in "HF"
+    }
+    is_least = (
+        abs(loads_at_letters["P at F"] - least_p) < EXACT < loads_at_letters["P at H"] - least_p
+        and abs(loads_at_letters["Q at H"] - least_q) < EXACT
+    )
+    return is_least, loads_at_letters | {"least P": least_p, "least Q": least_q}
+
+
+def _net_displacement(case: Case) -> Found:
+    """Proof that the net slip of a revolution is 0 and not the dissipation, at x = 0.8 a0: the net
+    slip over the range of slip, and the dissipation in the paper's unit.
+    """
+    start = case.time("G")
+    revolution = start + np.linspace(0, 2 * math.pi, 101)
+    slip = case.solve(time=revolution, x=[0.8], fields=("slip",)).slip[:, 0]
+    net_slip = abs(Formulas(case).moved(0.8 * case.length, start, start + 2 * math.pi))
+    relative_net_slip = net_slip / float(np.ptp(slip))
+    dissipation = case.steady.dissipation / case.work_unit
+    return (
+        relative_net_slip <= EXACT and dissipation > 1e-3,
+        {"right": relative_net_slip, "printed": dissipation},
+    )
 
 
 def _corrective_load(case: Case, friction: float = 0.5, share_of_limit: float = 0.6) -> Found:
@@ -522,23 +540,6 @@ def work(case: Case, x: float) -> dict[str, Found]:
         "in metres": sum_in_metres,
     }
 
-    # Ten times all lengths and loads, the same stresses; the integral of W(x) in parts between the
-    # edges at events.
-    fields = ("dissipation_density", "dissipation")
-    solution_as_is = case.solve(x=[1.0], fields=fields, steady=True)
-    solution_ten_times = case.ten_times().solve(x=[1.0], fields=fields, steady=True)
-    power_of_density = math.log10(
-        solution_ten_times.dissipation_density[0] / solution_as_is.dissipation_density[0]
-    )
-    power_of_work = math.log10(solution_ten_times.dissipation / solution_as_is.dissipation)
-    edges = (float(case.width(case.events[letter].normal_load)) for letter in "FGHIJ")
-    places_of_edges = sorted({case.stick_edge, case.outer_edge, *edges})
-    parts_of_work = (
-        integral(lambda x: total(case.density(x)), begin, end)
-        for begin, end in pairwise(places_of_edges)
-    )
-    error = _relative_error(2 * sum(parts_of_work) * case.work_unit, case.steady.dissipation)
-    powers_hold = abs(power_of_density - 1) <= EXACT and abs(power_of_work - 2) <= EXACT
     sign_differs = printed_parts["printed JM"] < 0 < mended_parts["mended JM"]
     mended_sum = sum(mended_parts.values())
     printed_sum = sum(printed_parts.values())
@@ -547,8 +548,31 @@ def work(case: Case, x: float) -> dict[str, Found]:
         "(23), (24), sign": _proof(
             mended_sum, printed_sum, 1.0, printed_parts | mended_parts, sign_differs
         ),
-        "(11)": (
-            error <= EXACT and powers_hold,
-            {"power of W(x)": power_of_density, "power of (11)": power_of_work, "right": error},
-        ),
+        "(11)": _integral_over_face(case),
     }
+
+
+def _integral_over_face(case: Case) -> Found:
+    """Proof for equation (11): the dissipation is the integral of W(x) over the face, which grows
+    with the square of all lengths and loads at the same stresses, and W(x) with their first power.
+    """
+    fields = ("dissipation_density", "dissipation")
+    solution_as_is = case.solve(x=[1.0], fields=fields, steady=True)
+    solution_ten_times = case.ten_times().solve(x=[1.0], fields=fields, steady=True)
+    power_of_density = math.log10(
+        solution_ten_times.dissipation_density[0] / solution_as_is.dissipation_density[0]
+    )
+    power_of_work = math.log10(solution_ten_times.dissipation / solution_as_is.dissipation)
+    # The integral in parts between the edges at events.
+    edges = (float(case.width(case.events[letter].normal_load)) for letter in "FGHIJ")
+    places_of_edges = sorted({case.stick_edge, case.outer_edge, *edges})
+    parts_of_work = (
+        integral(lambda x: total(case.density(x)), begin, end)
+        for begin, end in pairwise(places_of_edges)
+    )
+    error = _relative_error(2 * sum(parts_of_work) * case.work_unit, case.steady.dissipation)
+    powers_hold = abs(power_of_density - 1) <= EXACT and abs(power_of_work - 2) <= EXACT
+    return (
+        error <= EXACT and powers_hold,
+        {"power of W(x)": power_of_density, "power of (11)": power_of_work, "right": error},
+    )

@@ -103,7 +103,24 @@ def tractions(case: Case) -> dict[str, Found]:
     worst_forward = max(errors_forward.values())
     worst_reverse = max(errors_reverse.values())
 
-    # Slip comes to rest at E everywhere; reverse slip then starts from the edges.
+    return {
+        "(5)": (
+            judge(max(error_in_stick, error_in_slip) <= EXACT, nearly=error_in_stick <= EXACT),
+            {"error in full stick": error_in_stick, "error in slip": error_in_slip},
+        ),
+        "(6)": (judge(worst_forward <= EXACT), errors_forward | {"largest error": worst_forward}),
+        "full stick at E": _rest_at_e(case),
+        "(7)": (judge(worst_reverse <= EXACT), errors_reverse | {"largest error": worst_reverse}),
+        "residual tractions": _residual_tractions(case),
+    }
+
+
+def _rest_at_e(case: Case) -> Found:
+    """Statement on the event E, where forward slip ends: it comes to rest everywhere, and reverse
+    slip then starts from the edges.
+    """
+    time_of_b = case.time("B")
+    time_of_e = case.time("E")
     time_before = 1e-6
     around_e = case.solve(time=[time_of_e - time_before, time_of_e + time_before])
     stick_ratio = (around_e.stick_half_width / around_e.contact_half_width).tolist()
@@ -113,24 +130,15 @@ def tractions(case: Case) -> dict[str, Found]:
     speed_before_e = (slip_at_times[2] - slip_at_times[1]) / time_before
     mean_speed = (slip_at_times[2] - slip_at_times[0]) / (time_of_e - time_of_b)
     slowest_ratio = float(np.max(speed_before_e / mean_speed))
+    comes_to_rest = (
+        stick_ratio[0] < 1 - EXACT and 1 - stick_ratio[1] <= EXACT and slowest_ratio <= 1e-5
+    )
     numbers_at_rest = {
         "stick before": stick_ratio[0],
         "slip after": 1 - stick_ratio[1],
         "speed before": slowest_ratio,
     }
-    comes_to_rest = (
-        stick_ratio[0] < 1 - EXACT and 1 - stick_ratio[1] <= EXACT and slowest_ratio <= 1e-5
-    )
-    return {
-        "(5)": (
-            judge(max(error_in_stick, error_in_slip) <= EXACT, nearly=error_in_stick <= EXACT),
-            {"error in full stick": error_in_stick, "error in slip": error_in_slip},
-        ),
-        "(6)": (judge(worst_forward <= EXACT), errors_forward | {"largest error": worst_forward}),
-        "full stick at E": (judge(comes_to_rest), numbers_at_rest),
-        "(7)": (judge(worst_reverse <= EXACT), errors_reverse | {"largest error": worst_reverse}),
-        "residual tractions": _residual_tractions(case),
-    }
+    return judge(comes_to_rest), numbers_at_rest
 
 
 def _residual_tractions(case: Case) -> Found:

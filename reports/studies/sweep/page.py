@@ -278,33 +278,7 @@ class _Sheet:
             (combination, combination_of_rows == combination)
             for combination in combinations[:_PANELS]
         ]
-        legend: tuple[Key, ...] = ()
-        panels: list[Panel | Cell]
-        if len(number_axes) == 1:
-            signs_in_words = "bars are its uncertainty; hollow: not resolved"
-            panels = [self.line(stem, masks, number_axes[0])]
-            legend = tuple(
-                Key(f"line-{index}", _plain(combination))
-                for index, (combination, _) in enumerate(masks)
-                if combination
-            )
-        elif len(number_axes) == 2 and self._filled_share(number_axes) > _FILLED:
-            signs_in_words = (
-                "hatched, hollow: not resolved, the error is less than its uncertainty; grey: no"
-                " result; bars are the uncertainty"
-            )
-            panels = [
-                self.map(f"{stem}-{index}", mask, number_axes, combination)
-                for index, (combination, mask) in enumerate(masks)
-            ]
-            for index, (_, mask) in enumerate(masks):
-                panels += self.along_each(f"{stem}-{index}", mask, number_axes)
-        else:
-            signs_in_words = "hollow: not resolved; colour: the second axis"
-            panels = [
-                self.cloud(f"{stem}-{index}", mask, number_axes, combination)
-                for index, (combination, mask) in enumerate(masks)
-            ]
+        panels, legend, signs_in_words = self._panels(stem, masks, number_axes)
         if not np.isfinite(self.uncertainty).any():
             signs_in_words = "without uncertainty"
         axes_in_words = " and ".join(self.label(name) for name in number_axes[:2])
@@ -323,6 +297,47 @@ class _Sheet:
             legend,
             min(3, len(panels)),
         )
+
+    def _panels(
+        self, stem: str, masks: Sequence[tuple[str, Mask]], number_axes: list[str]
+    ) -> tuple[list[Panel | Cell], tuple[Key, ...], str]:
+        """The panels of the figure, its legend, and what its signs mean, in words.
+
+        Parameters
+        ----------
+        stem
+            beginning of the names of panels
+        masks
+            each combination of the axes of words, in words, with its points (n,)
+        number_axes
+            names of the axes of numbers, at least one
+        """
+        panels: list[Panel | Cell]
+        if len(number_axes) == 1:
+            panels = [self.line(stem, masks, number_axes[0])]
+            legend = tuple(
+                Key(f"line-{index}", _plain(combination))
+                for index, (combination, _) in enumerate(masks)
+                if combination
+            )
+            return panels, legend, "bars are its uncertainty; hollow: not resolved"
+        if len(number_axes) == 2 and self._filled_share(number_axes) > _FILLED:
+            panels = [
+                self.map(f"{stem}-{index}", mask, number_axes, combination)
+                for index, (combination, mask) in enumerate(masks)
+            ]
+            for index, (_, mask) in enumerate(masks):
+                panels += self.along_each(f"{stem}-{index}", mask, number_axes)
+            signs_in_words = (
+                "hatched, hollow: not resolved, the error is less than its uncertainty; grey: no"
+                " result; bars are the uncertainty"
+            )
+            return panels, (), signs_in_words
+        panels = [
+            self.cloud(f"{stem}-{index}", mask, number_axes, combination)
+            for index, (combination, mask) in enumerate(masks)
+        ]
+        return panels, (), "hollow: not resolved; colour: the second axis"
 
     def along_each(self, name: str, mask: Mask, columns: Sequence[str]) -> Iterator[Panel]:
         """Two panels of lines for a map over two axes: one along each axis, with a line for each
