@@ -184,14 +184,20 @@ class _Candidate:
     ----------
     share
         part of the distances that is no scatter, over the loop's mean opening in U
+    rows
+        the measured rows that are left
+    branches
+        turning points of Q and the branch of each row
+    best
+        the fitted loop
     said
         what was left out, in words
     had_run_in
         whether more than the rows before the first turning point were left out
-    with_time, of_first, by_turns
+    change_with_time, change_of_first_half, change_by_turns
         how the loop changes with time [cycles], between its first half cycle and the others, and
         from one cycle to the next but one
-    of_size
+    change_of_size
         how U and Q grow with time, over themselves
     log_friction_at_end
         by how much ln f at the end differs for it
@@ -200,22 +206,26 @@ class _Candidate:
     """
 
     share: float
-    part: MeasuredLoop
+    rows: MeasuredLoop
     branches: Branches
     best: BestLoop
     said: str
     had_run_in: bool
-    with_time: Change
-    of_first: Change
-    by_turns: Change
-    of_size: Change
+    change_with_time: Change
+    change_of_first_half: Change
+    change_by_turns: Change
+    change_of_size: Change
     log_friction_at_end: float
     sigma_over_opening: float
 
     @property
     def is_steady(self) -> bool:
         """Whether nothing shows that the loop changes; its form is judged once, on these rows."""
-        chances = (self.with_time.chance, self.of_first.chance, self.of_size.chance)
+        chances = (
+            self.change_with_time.chance,
+            self.change_of_first_half.chance,
+            self.change_of_size.chance,
+        )
         return min(chances) > _LEFT_OUT
 
     @property
@@ -223,8 +233,8 @@ class _Candidate:
         """Of the distances, over the loop's opening: what is no scatter, or what a change with time
         explains.
         """
-        by_change = self.with_time.rms * self.sigma_over_opening
-        return max(self.share, by_change)
+        share_by_change = self.change_with_time.rms * self.sigma_over_opening
+        return max(self.share, share_by_change)
 
     @property
     def rises_along_slide(self) -> float:
@@ -290,56 +300,56 @@ def _candidate(
         share_of_opening = 0.0
     return _Candidate(
         share=share_of_opening,
-        part=loop_rows,
+        rows=loop_rows,
         branches=branches,
         best=best_fit,
         said=without_run_in.said,
         had_run_in=without_run_in.half_cycles > 0,
-        with_time=change_with_time,
-        of_first=change_of_first_half_cycle,
-        by_turns=change_every_second_cycle,
-        of_size=change_of_size,
+        change_with_time=change_with_time,
+        change_of_first_half=change_of_first_half_cycle,
+        change_by_turns=change_every_second_cycle,
+        change_of_size=change_of_size,
         log_friction_at_end=log_friction_at_end,
         sigma_over_opening=sigma_over_opening,
     )
 
 
-def _require_a_loop_of_theory(chosen: _Candidate, loop: MeasuredLoop, scene: Scene) -> None:
+def _require_a_loop_of_theory(candidate: _Candidate, loop: MeasuredLoop, scene: Scene) -> None:
     """Raise InputError, with the reason, where even the best fit lies so far beside the rows, as a
     share of the loop's opening, that theory has no such steady loop. `loop` holds all rows.
 
     Parameters
     ----------
-    chosen
+    candidate
         the fit of the rows that were chosen, with the tests of their steadiness
     """
-    misfit = chosen.best.misfit
+    misfit = candidate.best.misfit
     limit = _OF_THEORY_AT_ALL
-    if misfit.correlation > _NO_SCATTER_AT_ALL and not chosen.best.hangs_on_digits:
+    if misfit.correlation > _NO_SCATTER_AT_ALL and not candidate.best.hangs_on_digits:
         limit = _OF_THEORY_WITHOUT_SCATTER
     reason = ""
-    if chosen.shows(chosen.by_turns):
+    if candidate.shows(candidate.change_by_turns):
         reason = "its period is another: every second cycle is alike"
-    elif chosen.shows(chosen.with_time) or chosen.shows(chosen.of_size):
-        growth = 100 * chosen.of_size.terms * chosen.branches.cycles
+    elif candidate.shows(candidate.change_with_time) or candidate.shows(candidate.change_of_size):
+        growth = 100 * candidate.change_of_size.terms * candidate.branches.cycles
         reason = (
             f"its cycles change to the end: U grows by {growth[0]:+.2g} % and Q by"
-            f" {growth[1]:+.2g} % over {chosen.branches.cycles:.2g} cycles"
+            f" {growth[1]:+.2g} % over {candidate.branches.cycles:.2g} cycles"
         )
-    elif chosen.rises_along_slide:
+    elif candidate.rises_along_slide:
         reason = (
-            f"its Q rises by {100 * chosen.rises_along_slide:.2g} % of its range while the contact"
-            " slides as a whole: it hardens (plastic flow, debris, or a pad that tilts), and has no"
-            " plateau at f P"
+            f"its Q rises by {100 * candidate.rises_along_slide:.2g} % of its range while the"
+            " contact slides as a whole: it hardens (plastic flow, debris, or a pad that tilts),"
+            " and has no plateau at f P"
         )
-    elif chosen.share > limit:
+    elif candidate.share > limit:
         reason = (
             "its cycles are alike, but their form is not that of theory (other bodies, plastic"
             " flow, wear, or noise that is no scatter)"
         )
     if not reason:
         return
-    largest_share = max(chosen.share, chosen.unsteady_share)
+    largest_share = max(candidate.share, candidate.unsteady_share)
     raise InputError(
         f"{loop.source}: its rows are of no steady loop of {scene.name}:"
         f" {_cycles_differ(loop) or reason}; the best fit is {100 * largest_share:.2g} % of the"
@@ -357,7 +367,7 @@ def _with_change(fit: FittedLoop, candidate: _Candidate) -> FittedLoop:
         the fit with the tests of its rows' steadiness
     """
     log_friction_change = candidate.log_friction_at_end
-    if candidate.of_size.chance > _HELD and not candidate.had_run_in:
+    if candidate.change_of_size.chance > _HELD and not candidate.had_run_in:
         return fit
     friction_change = fit.friction * math.expm1(min(abs(log_friction_change), 1.0))
     sentence = (
@@ -487,19 +497,19 @@ def _drift_of_cycle(loop: MeasuredLoop) -> float:
 
 # -------------------------------------------------------------------------------------- their fits
 def _fit_at_constant_load(
-    chosen: _Candidate, scene: Scene, curve: MemoryCurve
+    candidate: _Candidate, scene: Scene, curve: MemoryCurve
 ) -> tuple[MeasuredLoop, FittedLoop]:
     """The chosen rows with the linear drift of U taken out, and their fit with the interval of f,
     for a scene whose P is constant. `curve` is the memory curve of theory.
     """
-    loop = chosen.part
-    branches = chosen.branches
-    fit = with_interval(chosen.best, _OF_SLIDING if chosen.best.gross else _OF_MEMORY)
+    loop = candidate.rows
+    branches = candidate.branches
+    fit = with_interval(candidate.best, _OF_SLIDING if candidate.best.gross else _OF_MEMORY)
     share_of_time = (loop.time - loop.time[0]) / float(np.ptp(loop.time))
     rows_without_drift = replace(loop, shift=loop.shift - fit.drift * (share_of_time - 0.5))
     load_of_cycle = cycle_loads(scene)[1]
     scale = (fit.highest - fit.lowest) / float(np.ptp(load_of_cycle))
-    which_rows = " that are left" if chosen.said else ""
+    which_rows = " that are left" if candidate.said else ""
     sentences = [
         (
             f"The rows{which_rows} cover {branches.cycles:.4g} cycles between Q = {fit.lowest:.6g}"
@@ -508,8 +518,8 @@ def _fit_at_constant_load(
         ),
         *said_of_scale(scale),
     ]
-    if chosen.said:
-        sentences.append(chosen.said)
+    if candidate.said:
+        sentences.append(candidate.said)
     range_of_shift = float(np.ptp(loop.shift))
     drift_uncertainty = 1.96 * fit.drift_error
     if abs(fit.drift) > max(drift_uncertainty, _DRIFT_SAID * range_of_shift):
