@@ -256,8 +256,9 @@ def _ratio(normal_load: Array, tangential_load: Array, friction: float) -> Array
 
 
 def _highest(leg: LoadSegment, value_at: Callable[[Array], Array]) -> tuple[float, float]:
-    """The largest value of a function of time on one load segment, and its time: the best of some
-    samples, then twice the best of closer samples around it. `value_at` gives values at times (n,).
+    """The largest value of a function of time on one load segment (`leg`), and its time: the best
+    of some samples, then twice the best of closer samples around it. `value_at` gives values at
+    times (n,).
     """
     time = sampled(leg, _SAMPLES)
     for _ in range(3):

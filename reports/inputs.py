@@ -1190,7 +1190,7 @@ def _difference_or_reason(
 ) -> tuple[dict[str, Propagated], str]:
     """The error of half-plane theory for the real bodies by name of the value, each with the
     uncertainty that the inputs give it, and ""; or an empty dictionary, and the reason why it is
-    not known.
+    not known. `correlation` (n, n) is that of the n inputs.
     """
     reason = _no_difference(scene)
     if reason:

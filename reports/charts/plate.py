@@ -72,8 +72,8 @@ class Scale:
 
 
 def _ticks(lower_end: float, upper_end: float, count: int = 5, *, log: bool = False) -> list[float]:
-    """Round numbers between the two ends of an axis, about `count` of them, for its ticks. On a
-    logarithmic axis powers of ten, and 1, 2, 5 where it is short.
+    """Round numbers between `lower_end` and `upper_end` of an axis, about `count` of them, for its
+    ticks. On a logarithmic axis powers of ten, and 1, 2, 5 where it is short.
 
     >>> _ticks(-1.2, 1.2), _ticks(1e-4, 1.0, log=True), _ticks(0.9, 9.0, log=True)
     ([-1.0, -0.5, 0.0, 0.5, 1.0], [0.0001, 0.001, 0.01, 0.1, 1.0], [1.0, 2.0, 5.0])
@@ -991,8 +991,9 @@ class _Pen:
         return line + _element("path", d=outline, **self.look(f"head {mark.css}"))
 
     def axes(self, x: Axis, y: Axis) -> str:
-        """The SVG elements of both axes of a panel: grid lines, the numbers beside them, and the
-        axis titles. A number or title for which there is no room below the panel is left out.
+        """The SVG elements of the axes `x` and `y` of a panel: grid lines, the numbers beside them,
+        and the axis titles. A number or title for which there is no room below the panel is left
+        out.
         """
         frame = self.frame
         left_x, top_y, right_x, bottom_y = frame.box

@@ -867,8 +867,8 @@ def _warnings_in_sentences() -> Generator[None, None, None]:
 
 
 def _report_fault(fault: Exception, tokens: list[str], signals_received: Sequence[int]) -> int:
-    """Print what went wrong in a command line (`tokens`) as one sentence on stderr, and return the
-    exit code for it. `signals_received` holds the signals until now.
+    """Print what went wrong in a command line (`tokens`), the exception `fault`, as one sentence on
+    stderr, and return the exit code for it. `signals_received` holds the signals until now.
     """
     # scenes is heavy: it is imported when it must have been imported already, never for --help.
     if isinstance(fault, ValueError | RuntimeError):

@@ -268,6 +268,11 @@ def _no_refinements(base_run: Run, comparison: Comparison) -> Refinements:
     """A refinement study of one run alone, for a mesh whose elements are so large that three
     coarser meshes are not possible; for each kind of error that is stated as the reason why it was
     not measured.
+
+    Parameters
+    ----------
+    base_run
+        the run whose errors would be measured
     """
     reason = "the run's own elements leave no room for three coarser meshes"
     return Refinements(
@@ -362,6 +367,13 @@ def _penalty_runs(
     `runs` are those on the finest mesh and the next coarser one; the second pair shows what the
     mesh does to the difference. Still coarser meshes would not show it: on them W changes more by
     where in an element an edge lies than by the layer.
+
+    Parameters
+    ----------
+    solver
+        solves the scene on a mesh and gives the run
+    settings
+        solver settings of the runs
     """
     exact_settings = replace(
         settings, method="active_set", normal_stiffness=None, tangential_stiffness=None

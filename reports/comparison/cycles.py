@@ -219,6 +219,15 @@ def _sample_from_elsewhere(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
 
     Instants in the next cycle are moved one period back, all are interpolated in the order of time,
     and the results are put back into the order of `like`.
+
+    Parameters
+    ----------
+    cycle
+        the cycle that is interpolated
+    like
+        the cycle whose points and instants it is put on
+    engine
+        name of the engine of `cycle`, for messages
     """
     is_in_next_cycle = like.fraction > 1 + _SAME_FRACTION
     fraction_in_cycle = like.fraction - np.where(is_in_next_cycle, 1.0, 0.0)

@@ -223,6 +223,17 @@ def _of_amounts(
     """A metric of two amounts of the same quantity: (result - reference)/reference. Where the
     reference's amount is nothing (below 1e-12 of `scale`) the difference is over `scale` instead,
     and called absolute.
+
+    Parameters
+    ----------
+    reference_amount
+        amount of the reference
+    result_amount
+        amount of the result
+    scale
+        what counts as large of this quantity
+    further_fields
+        further fields of the metric, such as its times
     """
     is_absolute = abs(reference_amount) <= _NOTHING * scale
     denominator = scale if is_absolute else reference_amount

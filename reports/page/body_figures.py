@@ -266,6 +266,10 @@ def _body(frame: Frame, points: Array, shape: Shape, name: str) -> Iterator[Mark
 
     Parameters
     ----------
+    frame
+        the scales of the sketch
+    shape
+        the body's shape, which says what is cut off
     points
         (n, 2) outline, from the left end of the face to the right one and round the base [length]
     name
@@ -289,6 +293,10 @@ def _supports(frame: Frame, shape: Shape, points: Array, side: float) -> Iterato
 
     Parameters
     ----------
+    frame
+        the scales of the sketch
+    shape
+        the body's shape, with its supports
     points
         (n, 2) outline of the body [length]
     side

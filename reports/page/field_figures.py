@@ -107,6 +107,8 @@ def traction_panels(
 
     Parameters
     ----------
+    title
+        title of the upper panel
     instant
         index of the instant that is drawn
     instants

@@ -429,6 +429,17 @@ def _result(
     """An external result in the scene's units, checked and sorted by x, from the tractions of a
     face. Loads are those of the printed .dat file where there is one; times those of the mapping,
     if stated. `code` names the program where the mapping does not.
+
+    Parameters
+    ----------
+    code
+        name of the program that wrote the file, used where the mapping names none
+    values
+        x, tractions and slip at the nodes of the face, through the steps
+    printed_file
+        the .dat file with the loads; None without one
+    notes
+        sentences on how the files were read
     """
     series: dict[str, ArrayLike | None] = {}
     load_notes: list[str] = []

@@ -441,6 +441,17 @@ def _pair_force(
 ) -> PairForce:
     """The resultant force of a contact pair and its mean normal, from the statistics that CalculiX
     prints below a title. `title_line` is the title's line, `title` its match with the pair's names.
+
+    Parameters
+    ----------
+    file
+        the .dat file, for messages
+    lines
+        the lines below the title
+    title_line
+        number of the title's line
+    title
+        match of the title with the names of the pair
     """
 
     def numbers_below(heading: str) -> Array:

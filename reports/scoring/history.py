@@ -168,8 +168,8 @@ def _by_resultants(surface: SurfaceResult, scene: Scene) -> History:
 
 
 def _errors_of_rule(surface: SurfaceResult, scene: Scene, history: History) -> tuple[Array, Array]:
-    """Error of the trapezoidal rule on the result's points: integral of theory's tractions minus
-    theory's loads, at the instants of `history`; (n_steps,) of P and of Q.
+    """Error of the trapezoidal rule on the points of an external result (`surface`): integral of
+    theory's tractions minus theory's loads, at the instants of `history`; (n_steps,) of P and of Q.
     """
     import semi_analytic
 
@@ -190,6 +190,8 @@ def _by_time(surface: SurfaceResult, stated_time: Array, scene: Scene, *, sure: 
 
     Parameters
     ----------
+    surface
+        the external result
     stated_time
         (n_steps,) times in the file
     sure
@@ -290,8 +292,8 @@ def _constant_ratio(result_values: Array, scene_values: Array, largest_load: flo
 def _by_loads(
     surface: SurfaceResult, scene: Scene, loads: Loads, limit: float, source_in_words: str
 ) -> History:
-    """Find the instants by their loads P and Q, in order along the path; where every instant lies
-    on the cycle, in its last one.
+    """Find the instants of an external result (`surface`) by their loads P and Q, in order along
+    the path; where every instant lies on the cycle, in its last one.
 
     InputError where one is farther from the path than `limit` times the largest P;
     `source_in_words` says in words where the loads come from.
@@ -404,6 +406,17 @@ def _times_in_order(
     and fro on one line or in one revolution after another, the evenest are taken: two instants
     alike on both sides of a turn of the loads are one on each side. Noise next to a turn may put an
     instant before the last one, by a small part of a revolution.
+
+    Parameters
+    ----------
+    times
+        (n,) times of samples of the path, ascending
+    path
+        the load path, which gives P and Q at a time
+    loads
+        P and Q of each instant (n_steps,)
+    largest_load
+        largest P of the path, by which distances between loads are divided
     """
     normal_load, tangential_load = path.at(times)
     squared_distances = [

@@ -96,7 +96,8 @@ class Verdict:
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """The order of evidence, on one discrepancy.
+    """Decides which known faults (causes) explain the difference between a result and its
+    reference.
 
     Attributes
     ----------
@@ -114,12 +115,12 @@ class Judgement:
 
     @property
     def channels(self) -> tuple[int, ...]:
-        """Pressure, and shear where the file has one."""
+        """Numbers of the tractions that count: pressure, and shear where the file has one."""
         return (PRESSURE, SHEAR) if self.discrepancy.sheared else (PRESSURE,)
 
     @property
     def no_cause(self) -> Fit:
-        """The fit of no cause: it leaves the whole difference."""
+        """The fit without any cause, which leaves the whole difference."""
         fit = self.search.fit((), self.channels)
         assert fit is not None
         return fit

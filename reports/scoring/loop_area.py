@@ -203,10 +203,10 @@ def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
     error_by_digits = 0.0
     if fit.by_digits:
         error_by_digits = loop.area_by_friction_where_gross * fit.by_digits
+    error_by_distance = abs(area_beside_fit - sum(area_beside_halves) / 2) / 2
     return LoopArea(
         value=loop.area + area_beside_fit,
-        by_distance=abs(area_beside_fit - sum(area_beside_halves) / 2) / 2
-        + _OF_SAMPLES * loop.area,
+        by_distance=error_by_distance + _OF_SAMPLES * loop.area,
         by_noise=math.hypot(error_by_scatter, error_by_digits),
         cycles=max(math.floor(cycles), 1),
     )

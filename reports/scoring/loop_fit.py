@@ -357,7 +357,8 @@ class LoopsOverFriction:
         self, rows: LoopRows, friction: float, terms: Array, weights: Weights
     ) -> tuple[Array, Array]:
         """Distances of the rows from theory's loop in sigma (n,), and their derivatives by ln f,
-        highest Q, lowest Q, C and U0 (n, 5). `terms` are the last four.
+        highest Q, lowest Q, C and U0 (n, 5). `terms` are the last four, `weights` sigma of U and of
+        Q.
         """
         highest, lowest, compliance, _ = terms.tolist()
         scale = self.scale(highest, lowest)
@@ -604,6 +605,8 @@ class _Search:
     def with_rows_at_turns_moved(self, friction: float, terms: Array) -> _Search:
         """The same search with rows beside a turning point moved to the other branch, where
         theory's loop is far nearer to them there. A turning point is known to within one row only.
+
+        `terms` (4,) are highest Q, lowest Q, C and U0.
         """
         branches = self.rows.branches
         is_rising = branches.rising

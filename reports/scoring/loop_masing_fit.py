@@ -192,7 +192,7 @@ class _Search:
 
     def _turning_points(self, values: Array) -> tuple[Array, Array]:
         """Misfit of the highest and the lowest turning point, over its sigma (2,), and its
-        derivatives by the seven parameters (2, 7).
+        derivatives by the seven parameters (2, 7) of the loop, `values` (7,).
 
         Turning points are those of U over its range plus Q over its range, as in the rows.
         """
@@ -280,9 +280,9 @@ class _Search:
         return 2 * float(minimum.cost), parameters_at(minimum.x)
 
     def start(self, log_friction: float, slide: float) -> Array:
-        """The seven parameters from which a fit begins. C of the rig is such that theory with C
-        moves as far as U of the rows. `slide` is the share of the range of U in which the contact
-        slides as a whole; where it is not 0, f follows from the range of Q.
+        """The seven parameters from which a fit begins, with ln f = `log_friction`. C of the rig is
+        such that theory with C moves as far as U of the rows. `slide` is the share of the range of
+        U in which the contact slides as a whole; where it is not 0, f follows from the range of Q.
         """
         rows = self.rows
         highest, lowest = np.quantile(rows.load, [0.98, 0.02])
@@ -360,9 +360,9 @@ class _Search:
         return bool(math.exp(values[LOG_F]) < self.curve.sliding * values[RANGE])
 
     def at_friction(self, log_friction: float, start: Array, *, gross: bool) -> _Least:
-        """The best loop at a given f, from the parameters `start` (7,): of those that slide as a
-        whole if `gross`, else of those that slip partially. Its sum of squares is infinite where
-        the contact would slide though it is not `gross`.
+        """The best loop at a given f (`log_friction` = ln f), from the parameters `start` (7,): of
+        those that slide as a whole if `gross`, else of those that slip partially. Its sum of
+        squares is infinite where the contact would slide though it is not `gross`.
         """
         held_parameters = frozenset([LOG_F])
         parameters = start.copy()
@@ -627,7 +627,8 @@ def _misfit(distances: Distances, weights: Weights, least_noise: Weights) -> Mis
 
 def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
     """The loop that fits the rows best, of those that slip partially or slide as a whole, with the
-    noise of U and Q. Fit and noise are found by turns until the noise no longer changes.
+    noise of U and Q. It is built from the memory curve of theory, `curve`. Fit and noise are found
+    by turns until the noise no longer changes.
     """
     least_noise = Weights(
         *(

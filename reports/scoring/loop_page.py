@@ -117,7 +117,9 @@ def _plates(score: LoopScore) -> tuple[Plate, ...]:
         dots: tuple[Array, Array],
         lines: Sequence[Mark],
     ) -> Panel:
-        """A panel with a dot for each mean of rows (`dots`: x and y) and `lines` over them."""
+        """A panel with a dot for each mean of rows (`dots`: x and y) and `lines` over them, of the
+        height `height` [pixels], with two axes and a title.
+        """
         marks = [
             Dot(x, y, "p0", 2.2) for x, y in zip(dots[0].tolist(), dots[1].tolist(), strict=True)
         ]

@@ -160,6 +160,13 @@ def _column_of_loop(
     """One column of a loop's table, U or Q, in the unit of the scene, with the words on how it was
     read: its factor, thickness and sign, by the mapping or by the unit in its heading.
 
+    Parameters
+    ----------
+    where
+        file and table, for messages
+    quantity
+        "slip" for U, "tangential_load" for Q, as a mapping calls them
+
     Raises
     ------
     InputError

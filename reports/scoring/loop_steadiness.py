@@ -193,6 +193,12 @@ def drift_of_shift(shift: Array, load: Array, time: Array, branches: Branches) -
 
     Parameters
     ----------
+    shift
+        (n,) U of the rows
+    load
+        (n,) Q of the rows
+    time
+        (n,) their times
     branches
         branch of each row, and the cycles that are over there
     """
@@ -335,8 +341,9 @@ def differences_of_cycles(shift: Array, load: Array, time: Array, noise: float) 
 
 
 def _growth_through_noise(shift: Array, load: Array, time: Array, noise: float) -> str:
-    """How the cycles grow or shrink, in words, where the trends of U and Q together are beyond
-    their noise though neither is alone; "" where they are not. `noise` is the sigma of Q.
+    """How the cycles grow or shrink, in words, where the trends of U (`shift`) and Q (`load`)
+    together are beyond their noise though neither is alone; "" where they are not. `noise` is the
+    sigma of Q.
     """
     trends = [trend_of_sizes(values, load, time, noise) for values in (load, shift)]
     known_trends = [trend for trend in trends if trend is not None]

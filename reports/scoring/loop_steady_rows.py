@@ -260,6 +260,8 @@ def _candidate(
 
     Parameters
     ----------
+    without_run_in
+        the rows that are left, and what was left out
     curve
         memory curve of theory
     rig_compliance
@@ -499,8 +501,15 @@ def _drift_of_cycle(loop: MeasuredLoop) -> float:
 def _fit_at_constant_load(
     candidate: _Candidate, scene: Scene, curve: MemoryCurve
 ) -> tuple[MeasuredLoop, FittedLoop]:
-    """The chosen rows with the linear drift of U taken out, and their fit with the interval of f,
-    for a scene whose P is constant. `curve` is the memory curve of theory.
+    """The rows that were chosen, with the linear drift of U taken out, and their fit with the
+    interval of f, for a scene whose P is constant.
+
+    Parameters
+    ----------
+    candidate
+        the chosen rows with the loop that fits them
+    curve
+        memory curve of theory
     """
     loop = candidate.rows
     branches = candidate.branches
@@ -610,7 +619,7 @@ def _share_by_load(
 
     Parameters
     ----------
-    load, on_rising
+    load, row_rises
         (n,) Q of the rows, and whether each lies on the rising branch
     fit
         gives the turning points of the rows

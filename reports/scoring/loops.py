@@ -310,6 +310,7 @@ def _partial_loops(
 ) -> _Beside:
     """Loops that theory, and on `against` "fe" the finite elements, compute under the loads of the
     rows with the best f and with the scene's f; and a sentence for an f at which there is no loop.
+    `rig_compliance` is the stated C of the rig; None fits C to the rows for each loop.
     """
     loops = []
     sentences = []
@@ -363,9 +364,9 @@ def _with_rig(
 def _sliding_loops(
     loop: MeasuredLoop, fit: FittedLoop, fitted_loop: MasingLoop, scene: Scene, against: Against
 ) -> _Beside:
-    """The loops beside a measured one that slides as a whole: the fitted one, and the one that
-    theory has with the scene's f and the same range of U, where it slides too. Finite elements are
-    left out, which is stated where `against` is "fe".
+    """The loops beside a measured one that slides as a whole: the fitted one (`fitted_loop`), and
+    the one that theory has with the scene's f and the same range of U, where it slides too. Finite
+    elements are left out, which is stated where `against` is "fe".
     """
     sliding_loops = {"theory, best f": fitted_loop}
     loop_of_scene = fitted_loop.with_friction(scene.friction.coefficient)

@@ -238,8 +238,9 @@ def _surface_of_rows(
 
 
 def _instants_of_rows(columns: dict[Quantity, Array]) -> tuple[NDArray[np.intp], str]:
-    """Number of the instant to which each row belongs, from 0 on, (n_rows,), and the name of the
-    column by which instants were told apart: "time", "frame", "the loads", or "nothing".
+    """Number of the instant to which each row of a table belongs, from 0 on, (n_rows,), and the
+    name of the column by which instants were told apart: "time", "frame", "the loads", or
+    "nothing". `columns` holds the values of each quantity, (n_rows,) each.
     """
     for key in ("time", "frame"):
         if key in columns:

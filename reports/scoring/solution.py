@@ -142,6 +142,8 @@ def _without_zones(
 
     Parameters
     ----------
+    surface
+        the external result, in the scene's units and signs
     missing_fields
         what the result lacks: name -> (number of instants, reason)
     """
@@ -389,7 +391,7 @@ def _instants_of_cycle(scene: Scene, time: Array) -> int:
 def _missing_fields(
     surface: SurfaceResult, time: Array, instants_of_cycle: int
 ) -> dict[str, tuple[int, str]]:
-    """What an external result lacks: name of the field -> (number of instants, reason).
+    """What an external result (`surface`) lacks: name of the field -> (number of instants, reason).
 
     Parameters
     ----------
@@ -728,8 +730,9 @@ class _Yardstick:
 
 
 def _yardsticks(surface: SurfaceResult, theory: ContactSolution) -> tuple[_Yardstick, ...]:
-    """Half-width, largest pressure and largest normal load of a result, each beside that of theory.
-    The unit of the result's lengths, stresses and loads is guessed from their ratios.
+    """Half-width, largest pressure and largest normal load of an external result (`surface`), each
+    beside that of theory. The unit of the result's lengths, stresses and loads is guessed from
+    their ratios.
     """
     left_end, right_end = _extent(surface)
     half_width = float(np.nanmax(theory.contact_half_width))
@@ -766,10 +769,9 @@ def _yardsticks(surface: SurfaceResult, theory: ContactSolution) -> tuple[_Yards
 def _in_unit_by(
     yardstick: _Yardstick, surface: SurfaceResult, mapping: Mapping
 ) -> tuple[SurfaceResult, str]:
-    """An external result with one kind of field (lengths, stresses or loads) multiplied by the
-    factor that its size beside theory's suggests, and a sentence that says so.
-
-    As it is, with an empty sentence, where the mapping states the factor or none is needed.
+    """An external result with one kind of field (lengths, stresses or loads, by `yardstick`)
+    multiplied by the factor that its size beside theory's suggests, and a sentence that says so. As
+    it is, with an empty sentence, where the mapping states the factor or none is needed.
     """
     fields = {name: getattr(surface, name) for name in yardstick.fields}
     present_fields = {name: values for name, values in fields.items() if values is not None}

@@ -239,11 +239,9 @@ def extent(points: Array) -> float:
 
 
 def one_plane(points: Array, chosen: Integers) -> tuple[Integers, float, list[str]]:
-    """Of the `chosen` rows of `points` (n, 3) those of the plane z = const that holds most of them,
-    ascending in x.
-
-    Also the depth from the first to the last plane [length], 0 for a plane model, and a note where
-    there are several.
+    """Three values: of the `chosen` rows of `points` (n, 3), those of the plane z = const that
+    holds most of them, ascending in x; the depth from the first to the last plane [length], 0 for a
+    plane model; and a list with a note where there are several planes.
 
     >>> thick = np.array([[1.0, 0, 0], [0.0, 0, 0], [0.0, 0, 1.0], [1.0, 0, 1.0]])
     >>> rows, depth, notes = one_plane(thick, np.arange(4))
@@ -256,9 +254,8 @@ def one_plane(points: Array, chosen: Integers) -> tuple[Integers, float, list[st
     plane_number[order_of_z] = np.concatenate(
         [[0], np.cumsum(np.diff(z_of_rows[order_of_z]) > SAME * extent(points))]
     )
-    fullest_plane = int(
-        np.argmax(np.bincount(plane_number))
-    )  # the lowest where several hold as many
+    # the lowest plane where several hold as many points
+    fullest_plane = int(np.argmax(np.bincount(plane_number)))
     is_in_plane = plane_number == fullest_plane
     rows = chosen[is_in_plane]
     rows = rows[np.argsort(points[rows, 0], kind="stable")]
@@ -268,8 +265,7 @@ def one_plane(points: Array, chosen: Integers) -> tuple[Integers, float, list[st
     thickness = float(np.ptp(z_of_rows))
     note = (
         f"the model is {thickness:.6g} thick: the tractions are those of its plane z ="
-        f" {height_of_plane:.6g},"
-        f" one of {plane_number.max() + 1}"
+        f" {height_of_plane:.6g}, one of {plane_number.max() + 1}"
     )
     return rows, thickness, [note]
 

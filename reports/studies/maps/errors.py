@@ -252,6 +252,12 @@ def _least_height(kind: Kind, rows_of_line: Sequence[Row], quantity: str, level:
 
     Parameters
     ----------
+    kind
+        kind of bodies of the map
+    quantity
+        name of the quantity whose error is meant
+    level
+        largest |error| that is allowed, 0.05 for 5 %
     rows_of_line
         points of the map that differ in height alone, ascending
     """

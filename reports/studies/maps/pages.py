@@ -279,6 +279,8 @@ def _marks_of_line(
 
     Parameters
     ----------
+    quantity
+        name of the quantity
     rows_of_line
         errors of theory at the points of the line, by each way of solving
     """

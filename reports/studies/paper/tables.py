@@ -100,8 +100,9 @@ def judge(holds: bool, nearly: bool = False) -> Verdict:
 
 
 def judge_number(computed: float, printed: float, digits: int, slack: float = 0.02) -> Verdict:
-    """Verdict on a number that the paper prints: "confirmed" if `computed` rounds to it at `digits`
-    decimals, "refined" if it differs by no more than the share `slack`, else "contradicted".
+    """Verdict on a number that the paper prints: "confirmed" if `computed` rounds to `printed` at
+    `digits` decimals, "refined" if it differs by no more than the share `slack`, else
+    "contradicted".
 
     >>> (
     ...     judge_number(0.72705, 0.73, 2).value,

@@ -99,7 +99,8 @@ def _announced(prepared: Prepared) -> Iterator[str]:
 
 def _points(prepared: Prepared, table: DataFrame, state: dict[str, Any]) -> Iterator[Part]:
     """What the terminal shows of a sweep: the points with their values, those that failed with the
-    reason, and notes.
+    reason, and notes. `prepared` is the study with its store; `state` holds the notes and the path
+    of the table of all points.
     """
     from reports.studies.sweep.page import table_in_words
     from reports.studies.sweep.study import described
