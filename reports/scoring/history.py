@@ -428,9 +428,8 @@ def _times_in_order(
     duration = times[-1] - times[0]
     mean_step = duration / len(squared_distances)
     step_back = (path.period or duration) / _BACK
-    places = [
-        _nearest(squares_of_instant) for squares_of_instant in squared_distances
-    ]  # of each instant
+    # of each instant
+    places = [_nearest(squares_of_instant) for squares_of_instant in squared_distances]
     cost = _AHEAD * (times[places[0]] - times[0]) / duration
     predecessors: list[Places] = []  # of each place of an instant, the best of the one before
     for number_of_instant, places_of_instant in enumerate(places):

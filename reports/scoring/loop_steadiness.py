@@ -167,9 +167,8 @@ def change_of(distances: Array, derivatives: Array, added: Array) -> Change:
         residual = distances - columns @ coefficients
         sums_of_squares.append(float(residual @ residual))
         ranks.append(int(rank))
-    added_values = np.asarray(
-        -coefficients[derivatives.shape[1] :]
-    )  # a parameter moves against what it leaves
+    # a parameter moves against what it leaves
+    added_values = np.asarray(-coefficients[derivatives.shape[1] :])
     n_added = ranks[1] - ranks[0]
     degrees_of_freedom = len(distances) - ranks[1]
     if n_added < 1 or degrees_of_freedom < 1 or sums_of_squares[1] == 0:
