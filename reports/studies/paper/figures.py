@@ -28,7 +28,7 @@ _REVOLUTION = Axis(0.0, 360.0, _ANGLE, ticks=_DEGREES)
 
 
 def sheets(paper: Paper) -> tuple[Plate, ...]:
-    """Every figure of the paper, in its order, computed anew from its cases."""
+    """Every figure of the paper, in its order, computed again from its cases."""
     hertz = paper.hertz
     rounded = paper.rounded
     sweep_of_hertz, sweep_of_rounded = paper.sweeps
@@ -396,7 +396,7 @@ def _steady_marks(case: Case) -> list[tuple[float, int]]:
 
 def _figure_4a(case: Case) -> Plate:
     """Figure 4a: half-widths of contact and stick over the sum of all changes of the normal load P,
-    so that the axis goes on where P turns.
+    so that the axis resumes where P turns.
     """
     turning_events = (
         (case.time(letter), way_of_load)
