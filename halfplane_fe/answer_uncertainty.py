@@ -68,7 +68,10 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
     coarse_dissipation = task.scales.dissipation / task.work_unit
     edge_scatter = None
     if run.excess and not task.has_plain_errors and not scene.unsymmetric:
-        edge_scatter = run.excess[-1].scatter / friction_unit
+        edge_excess = run.excess[-1]
+        # Slip of real bodies ends node by node: an edge without a place may stand all the same.
+        if scene.bodies.half_planes or not edge_excess.is_unplaced:
+            edge_scatter = edge_excess.scatter / friction_unit
     # Unlike bodies: the increments of the nodes that start to slide bend the pressure too, and
     # their bound counts in full.
     if task.steps_by_kinks:

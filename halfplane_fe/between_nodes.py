@@ -75,11 +75,14 @@ class Excess(NamedTuple):
         rms of that over where they stand
     edges
         how many there are
+    is_unplaced
+        whether a zone sticks all along, and none of its edges is counted
     """
 
     value: float
     scatter: float
     edges: int
+    is_unplaced: bool = False
 
 
 def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
@@ -118,7 +121,12 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
         sum(edge.scatter for edge in at_stick_edges),
         sum(edge.scatter for edge in at_contact_edges),
     )
-    return Excess(sum(edge.work for edge in all_edges), scatter_of_all, len(all_edges))
+    return Excess(
+        value=sum(edge.work for edge in all_edges),
+        scatter=scatter_of_all,
+        edges=len(all_edges),
+        is_unplaced=not all_edges,
+    )
 
 
 class _EdgeWork(NamedTuple):

@@ -153,6 +153,11 @@ def follow(
             if isinstance(attempt, NotConverged):
                 targets.append((state.time + attempt.time) / 2)
                 continue
+            end_of_slip = _end_of_lost_slip(problem, state, attempt, loads_at, tolerance)
+            if control.is_longer(end_of_slip - state.time) and end_of_slip < attempt.state.time:
+                problem.work["increments ended where slip ends"] += 1
+                targets.append(end_of_slip)
+                continue
             if not control.accepts(attempt, state):
                 targets.append(state.time + (attempt.state.time - state.time) / 2)
                 continue
@@ -189,22 +194,76 @@ def _up_to_turn(
     except SingularSet:
         return end
     progress_by_loads = slip_by_loads @ (slip_directions * start.pressure)
+    end_of_stroke = _end_of_stroke(start, loads_at, end, progress_by_loads)
+    first_look = start.time + (end - start.time) / (_LOOKED_AT - 1)
+    return end_of_stroke if end_of_stroke > first_look else end
+
+
+def _end_of_stroke(
+    start: InterfaceState, loads_at: LoadsAt, end: float, progress_by_loads: Array
+) -> float:
+    """The instant up to `end` at which the progress of slip since `start` is largest.
+
+    Parameters
+    ----------
+    progress_by_loads
+        (n_loads,) its rates
+    """
 
     def progress(time: float) -> float:
         return float(np.subtract(loads_at(time), start.loads) @ progress_by_loads)
 
     times = np.linspace(start.time, end, _LOOKED_AT)
-    progress_values = [progress(time) for time in times.tolist()]
-    number_of_largest = int(np.argmax(progress_values))
-    if number_of_largest in (0, _LOOKED_AT - 1):
+    number_of_largest = int(np.argmax([progress(time) for time in times.tolist()]))
+    if number_of_largest == _LOOKED_AT - 1:
         return end
     minimum = scipy.optimize.minimize_scalar(
         lambda time: -progress(time),
-        bounds=(times[number_of_largest - 1], times[number_of_largest + 1]),
+        bounds=(times[max(number_of_largest - 1, 0)], times[number_of_largest + 1]),
         method="bounded",
         options={"xatol": _TURN * (end - start.time)},
     )
     return float(minimum.x)
+
+
+def _end_of_lost_slip(
+    problem: ContactProblem,
+    start: InterfaceState,
+    increment: Increment,
+    loads_at: LoadsAt,
+    tolerance: StepTolerance,
+) -> float:
+    """The instant at which slip ends that an increment loses, by more friction work than the
+    tolerance; the end of the increment where it loses less.
+
+    Between like half-planes all slip ends where Q - f P or Q + f P turns round, and there
+    increments end. Other bodies stop a little earlier or later, one node after the other. A node
+    that slides on its way and sticks later has slid less at the end of the increment than it had
+    when it stopped, or not at all.
+    """
+    end = increment.state.time
+    directions = slip_sign(start.state)
+    if not directions.any():
+        return end
+    try:
+        slip_by_loads, _, _, _ = nodal(problem.rates(start.state, len(start.loads)))
+    except SingularSet:
+        return end
+    last_look = end - (end - start.time) / (_LOOKED_AT - 1)
+    last_rise = np.subtract(loads_at(end), loads_at(last_look)) @ slip_by_loads
+    has_turned = directions * last_rise < 0
+    if not has_turned.any():
+        return end
+    times = np.linspace(start.time, end, _LOOKED_AT)
+    changes_of_loads = np.subtract([loads_at(time) for time in times.tolist()], start.loads)
+    slip = directions * (changes_of_loads @ slip_by_loads)
+    slip_left = np.maximum(directions * (increment.state.slip - start.slip), 0.0)
+    lost_slip = np.where(has_turned, np.maximum(slip.max(axis=0) - slip_left, 0.0), 0.0)
+    lost_work = problem.friction * start.pressure * lost_slip
+    if not lost_work.sum() > tolerance.rate * (end - start.time):
+        return end
+    weights = np.where(lost_work > 0, directions * start.pressure, 0.0)
+    return _end_of_stroke(start, loads_at, end, slip_by_loads @ weights)
 
 
 @dataclass
@@ -227,6 +286,10 @@ class _ErrorControl:
     refused_start: float = np.nan
     refused_error: float = np.inf
     jumps: bool = False
+
+    def is_longer(self, duration: float) -> bool:
+        """Whether an increment may be cut to that."""
+        return duration > self.shortest
 
     def accepts(self, increment: Increment, start: InterfaceState) -> bool:
         """Whether the increment of a path, from the state `start`, is accepted; if not, it is to be

@@ -382,6 +382,31 @@ def test_the_work_of_a_contact_that_ends_an_element_beyond_its_flat_is_covered()
     assert 0.1 * true < error <= answer.dissipation_uncertainty < 5 * error
 
 
+def test_the_work_of_layers_of_which_no_stick_edge_is_placed_is_covered() -> None:
+    """Slip ends node by node there, so that no edge is found at its turn; what it adds to W was
+    taken for nothing, and a quarter of the error stated. The reference is that of 0.35 times the
+    elements and a tenth of the step tolerance; 0.5 times the elements give 1.2e-5 of it less.
+    """
+    layer = {"kind": "block", "width": 16.0, "height": 0.4136142708196456}
+    answer = halfplane_fe.solve(
+        load_scene("hertz-paper").vary(
+            bodies={"lower": layer, "upper": layer},
+            load={
+                "kind": "ellipse",
+                "mean_normal_load": 62.42157673135618,
+                "normal_amplitude": 28.20128827604169,
+                "mean_tangential_load": 0.0,
+                "tangential_amplitude": 16.630086878834135,
+                "phase_degrees": 33.248466426523635,
+                "initial_loading": "straight",
+            },
+            friction=0.6988926534240916,
+        )
+    )
+    error = abs(answer.dissipation - 0.0003617353689941323)
+    assert 0.2 * answer.dissipation_uncertainty < error <= answer.dissipation_uncertainty
+
+
 def test_the_largest_tension_is_that_of_the_narrowest_contact_that_still_slips() -> None:
     """The instants around a turn of Q are the most uncertain ones, and have the largest tension."""
     scene: Scene = load_scene("hertz-paper").vary(
