@@ -652,7 +652,7 @@ def _balance_of(snapshot: Snapshot) -> Array:
     slope_of_slip = snapshot.direction * snapshot.friction
     force_error = slope_of_slip * snapshot.slipped - snapshot.force
     edge_load = snapshot.load - snapshot.slipped
-    for piece, instants in snapshot.groups():
+    for piece, instants in snapshot.groups:
         assert isinstance(piece, Piece)  # for the type checker: a history has no others
         force_error[instants] += value_on(piece, edge_load[instants])
     return force_error

@@ -32,10 +32,10 @@ beside corners, behind which a(P) goes as d^(3/2), the rule for singular ends ta
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from itertools import takewhile
+from itertools import pairwise, takewhile
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -48,7 +48,7 @@ from scenes.chebyshev import DEGREE, NODES, series, tail
 from semi_analytic.memory import CurvePart, Piece, Snapshot, front_time, pieces
 from semi_analytic.profiles import Contact
 from semi_analytic.punch_superposition import PunchSuperposition
-from semi_analytic.quadrature import ROOTS, gauss, graded
+from semi_analytic.quadrature import gauss, graded
 
 Indices = NDArray[np.intp]
 Kernel = Literal["shear", "slip", "shift"]
@@ -209,10 +209,9 @@ class Arc:
         )
         polynomials = chebyshev.chebvander(2 * share_of_panel - 1, DEGREE + 1)
         first_of_panel = np.flatnonzero(np.diff(panel, prepend=-1))
-        for numbers_in_panel in np.split(np.arange(len(different_times)), first_of_panel[1:]):
-            integrals[numbers_in_panel] += (
-                polynomials[numbers_in_panel] @ self._primitive[panel[numbers_in_panel[0]]].T
-            )
+        for first, last in pairwise([*first_of_panel.tolist(), len(different_times)]):
+            in_panel = slice(first, last)
+            integrals[in_panel] += polynomials[in_panel] @ self._primitive[panel[first]].T
         # Near P_x from stop to stop, in each panel from its begin.
         step_begins = np.append(panel_ends[0], different_times[:-1])
         step_begins[first_of_panel] = panel_ends[panel[first_of_panel]]
@@ -467,21 +466,14 @@ class _NearIntegral:
         as many of Gauss' nodes as the length takes, where the integrand is rough by the rule for
         singular ends; 0 where there is no length.
         """
+        is_rough = self._is_rough(begin_s, end_s - begin_s, squared_e)
+        nodes = _nodes_of_ranges(begin_s, end_s, is_rough)
         integrals = np.zeros(len(begin_s))
-        s_length = end_s - begin_s
-        is_rough = self._is_rough(begin_s, s_length, squared_e)
-        number_of_rule = np.searchsorted([longest for longest, _ in _SPANS], s_length)
-        number_of_rule[(s_length <= 0) | is_rough] = -1
-        for rule in np.unique(number_of_rule[number_of_rule >= 0]).tolist():
-            _, n_nodes = _SPANS[rule]
-            nodes, weights_of_nodes = gauss(n_nodes)
-            for chunk in _chunks(np.flatnonzero(number_of_rule == rule), n_nodes):
-                s = begin_s[chunk, None] + s_length[chunk, None] * nodes
-                weights = s_length[chunk, None] * weights_of_nodes
-                integrals[chunk] = self._sum(s, weights, x[chunk, None], squared_e[chunk, None])
-        for chunk in _chunks(np.flatnonzero((s_length > 0) & is_rough), len(ROOTS.up)):
-            s, weights = graded(begin_s[chunk], end_s[chunk])
-            integrals[chunk] = self._sum(s, weights, x[chunk, None], squared_e[chunk, None])
+        for k in range(0, len(nodes.s), _NODES):
+            chunk = slice(k, k + _NODES)
+            numbers = nodes.number[chunk]
+            values = self._integrand(nodes.s[chunk], x[numbers], squared_e[numbers])
+            integrals += np.bincount(numbers, nodes.weight[chunk] * values, len(integrals))
         return integrals
 
     def _root_of_rise(self, time: Array) -> Array:
@@ -506,26 +498,53 @@ class _NearIntegral:
         imaginary_part = np.arcsinh(np.sqrt(load_at_turn / np.maximum(squared_e, least_square)))
         return np.asarray(np.hypot(begin_s, imaginary_part) < _AWAY * s_length)
 
-    def _sum(self, s: Array, weights: Array, x: Array, squared_e: Array) -> Array:
-        """Weighted sums of dQ/ds K(x, P) over nodes s (m, nodes), (m,); points x and e^2, the
-        distance of P_x from the turning point of P with its sign, are (m, 1).
+    def _integrand(self, s: Array, x: Array, squared_e: Array) -> Array:
+        """dQ/ds K(x, P) at nodes s (n,), with the point x and e^2, the distance of P_x from the
+        turning point of P with its sign, of each, (n,).
         """
         z, root = _z_and_root(s, squared_e, self.beyond)
         load = np.maximum(self.turn.load + self.turn.sign * z * z, 0.0)
         advance = self.contact.advance(load)
         load_above_edge = root * root if self.kernel != "slip" else -root * root
         kernel = _kernel(self.contact, self.kernel, x, load_above_edge, load, advance)
-        force_rate = _force_over_root(self.leg, self.turn, z)
-        return np.asarray(np.sum(weights * root * force_rate * kernel, axis=1))
+        return np.asarray(root * _force_over_root(self.leg, self.turn, z) * kernel)
 
 
-def _chunks(numbers: Indices, n_nodes: int) -> Iterator[Indices]:
-    """The numbers of integrals of so many nodes each, a chunk at a time: few enough that the nodes
-    of a chunk find room.
+class _RangeNodes(NamedTuple):
+    """Nodes s of many ranges of a variable in one row, their weights, and the number of the range
+    that each is of, (n,) each.
     """
-    integrals_at_once = _NODES // n_nodes
-    for k in range(0, len(numbers), integrals_at_once):
-        yield numbers[k : k + integrals_at_once]
+
+    number: Indices
+    s: Array
+    weight: Array
+
+
+def _nodes_of_ranges(begin_s: Array, end_s: Array, is_rough: NDArray[np.bool_]) -> _RangeNodes:
+    """The nodes of ranges (m,): as many of Gauss' as their length takes, those of the rule for
+    singular ends where they are rough, none where they have no length.
+
+    In one row: a call for each rule would take longer than its arithmetic.
+    """
+    s_length = end_s - begin_s
+    number_of_rule = np.searchsorted([longest for longest, _ in _SPANS], s_length)
+    rough_ranges = np.flatnonzero((s_length > 0) & is_rough)
+    ranges = [rough_ranges]
+    rules = [graded(begin_s[rough_ranges], end_s[rough_ranges])]
+    for rule, (_, n_nodes) in enumerate(_SPANS):
+        ranges_of_rule = np.flatnonzero((s_length > 0) & ~is_rough & (number_of_rule == rule))
+        nodes, weights = gauss(n_nodes)
+        length = s_length[ranges_of_rule, None]
+        ranges.append(ranges_of_rule)
+        rules.append((begin_s[ranges_of_rule, None] + length * nodes, length * weights))
+    numbers_of_rules = [
+        np.repeat(numbers, s.shape[1]) for numbers, (s, _) in zip(ranges, rules, strict=True)
+    ]
+    return _RangeNodes(
+        np.concatenate(numbers_of_rules),
+        np.concatenate([s.ravel() for s, _ in rules]),
+        np.concatenate([weights.ravel() for _, weights in rules]),
+    )
 
 
 def _limits_beyond(least_z: Array, largest_z: Array, squared_e: Array) -> tuple[Array, Array]:
@@ -560,7 +579,7 @@ def _limits_within(least_z: Array, largest_z: Array, squared_e: Array) -> tuple[
 
 
 def _z_and_root(s: Array, squared_e: Array, beyond: bool) -> tuple[Array, Array]:
-    """z and the root sqrt(|z^2 - e^2|) at s, (m, nodes) each, with dz = root ds: z > e where
+    """z and the root sqrt(|z^2 - e^2|) at s, (n,) each, with dz = root ds: z > e where
     `beyond`, else z < e.
     """
     e = np.sqrt(np.abs(squared_e))
@@ -598,26 +617,6 @@ class Integrals:
     _known: dict[int, tuple[CurvePart, Array]] = field(default_factory=dict)
     _arcs: dict[tuple[int, float, float], tuple[Piece, Arc]] = field(default_factory=dict)
 
-    def over_curve(self, curve: CurvePart | None) -> Array:
-        """Over a whole curve: shape (k,).
-
-        >>> from scenes.segments import straight_segments
-        >>> from semi_analytic.hertz import HertzContact
-        >>> from semi_analytic.history import march
-        >>> contact = HertzContact(modulus=np.pi, radius=1.0, datum_length=1.0)  # p(0, P) = sqrt(P)
-        >>> stuck = march(None, straight_segments([(0.0, 0.0, 0.0), (1.0, 4.0, 1.0)]), 0.5, 0.0)[1]
-        >>> Integrals(contact, np.zeros(1), "shear").over_curve(stuck).round(
-        ...     12
-        ... ).tolist()  # M' = 1/4: q = p/4
-        [0.5]
-        >>> Integrals(contact, np.zeros(1), "shift").over_curve(stuck).round(
-        ...     12
-        ... ).tolist()  # U pi/A = (P/4) [ln(2 L/a) + 1/2], a = 4/pi
-        [0.951582705289]
-        """
-        self._remember([curve])
-        return self._known[id(curve)][1] if curve is not None else np.zeros(len(self.x))
-
     def over(self, snapshot: Snapshot) -> Array:
         """The integral of M'(eta) K(x, eta) over the memory curve of each instant of a snapshot, at
         each point: shape (n, k).
@@ -643,8 +642,7 @@ class Integrals:
         edge_load = snapshot.load - snapshot.slipped
         slopes = np.zeros(len(snapshot.load))
         bottoms = np.zeros(len(snapshot.load))
-        groups = list(snapshot.groups())
-        for piece, instants in groups:
+        for piece, instants in snapshot.groups:
             slopes[instants] = piece.straight_slope
             bottoms[instants] = piece.bottom
         slope_of_slip = np.asarray(snapshot.direction * snapshot.friction, dtype=float)
@@ -656,13 +654,19 @@ class Integrals:
         )
         integral_of_slip_line, integral_of_straight_part = np.split(integrals_of_lines, 2)
         integrals = integral_of_slip_line + integral_of_straight_part
-        self._remember([piece.below for piece, _ in groups])
+        self._remember([piece.below for piece, _ in snapshot.groups])
         integrals_of_arcs = self._curved(
-            [(piece, edge_load[instants]) for piece, instants in groups]
+            [(piece, edge_load[instants]) for piece, instants in snapshot.groups]
         )
-        for (piece, instants), integral_of_arc in zip(groups, integrals_of_arcs, strict=True):
-            integrals[instants] += self.over_curve(piece.below) + integral_of_arc
+        for (piece, instants), integral_of_arc in zip(
+            snapshot.groups, integrals_of_arcs, strict=True
+        ):
+            integrals[instants] += self._up_to_top(piece.below) + integral_of_arc
         return integrals
+
+    def _up_to_top(self, curve: CurvePart | None) -> Array | float:
+        """The integral over a curve that is known, (k,)."""
+        return self._known[id(curve)][1] if curve is not None else 0.0
 
     def _remember(self, curves: Sequence[CurvePart | None]) -> None:
         """Integrate over the memory curves that are not known yet, each from the first known piece
@@ -688,10 +692,9 @@ class Integrals:
         for piece, integral_of_line, integral_of_arc in zip(
             new_parts.values(), integrals_of_lines, integrals_of_arcs, strict=True
         ):
-            integral_below = self._known[id(piece.below)][1] if piece.below is not None else 0.0
             self._known[id(piece)] = (
                 piece,
-                integral_below + integral_of_line + np.ravel(integral_of_arc),
+                self._up_to_top(piece.below) + integral_of_line + np.ravel(integral_of_arc),
             )
 
     def _line(self, slope: Array, bottom: Array, top: Array) -> Array:

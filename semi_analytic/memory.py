@@ -20,6 +20,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 from typing import NamedTuple, Protocol, Self, TypeAlias, TypeVar
 
 import numpy as np
@@ -454,11 +456,16 @@ class Snapshot:
     actives: tuple[CurvePart | None, ...]
     friction: float
 
-    def groups(self) -> Iterator[tuple[CurvePart, NDArray[np.intp]]]:
+    @cached_property
+    def groups(self) -> tuple[tuple[CurvePart, NDArray[np.intp]], ...]:
         """(piece, its instants) for every piece that is there."""
         order = np.argsort(self.active_number, kind="stable")
         numbers, starts = np.unique(self.active_number[order], return_index=True)
-        for number, instants in zip(numbers, np.split(order, starts[1:]), strict=True):
+        groups = []
+        for number, (start, end) in zip(
+            numbers.tolist(), pairwise([*starts.tolist(), len(order)]), strict=True
+        ):
             piece = self.actives[number]
             if piece is not None:
-                yield piece, instants
+                groups.append((piece, order[start:end]))
+        return tuple(groups)
