@@ -97,13 +97,14 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     """
     ranges = [_whole_span(span) for span in spans if span.direction and span.active is not None]
 
-    def work(span: Span, _: Indices, low: Array, high: Array, rule: QuadratureRule) -> Array:
-        times, weights = rule(low, high)
+    def work(of_span: SpanRanges, rule: QuadratureRule) -> Array:
+        span = of_span.span
+        times, weights = rule(of_span.begin, of_span.end)
         load, _tangential = span.leg.loads(times)
         kernel = contact.dissipation_kernel(load, span.slipped(times))
         return np.asarray(np.sum(weights * _growth(span, times) * kernel, axis=-1))
 
-    split = _over_spans(contact, modulus, ranges, 1, work)
+    split = _over_spans(contact, modulus, ranges, 1, _span_by_span(work))
     return Split(split.forward[0], split.reverse[0], split.error[0])
 
 
@@ -112,17 +113,30 @@ QuadratureRule = Callable[[ArrayLike, ArrayLike], tuple[Array, Array]]
 
 
 class SpanRanges(NamedTuple):
-    """A span, and when the integrals along it begin and end, (k,) each; nothing where the end is
-    not after the begin.
-    """
+    """A span, the numbers of the integrals along it, and when each begins and ends, (n,) each."""
 
     span: Span
+    number: Indices
     begin: Array
     end: Array
 
 
 def _whole_span(span: Span) -> SpanRanges:
-    return SpanRanges(span, np.array([span.begin.time]), np.array([span.end.time]))
+    begin = np.array([span.begin.time])
+    return SpanRanges(span, np.zeros(1, dtype=int), begin, np.array([span.end.time]))
+
+
+IntegralsAlong = Callable[[Sequence[SpanRanges], QuadratureRule], Sequence[Array]]
+"""The integrals along the ranges of each of some spans, by one rule: (n,) for each span."""
+
+
+def _span_by_span(integral_along: Callable[[SpanRanges, QuadratureRule], Array]) -> IntegralsAlong:
+    """Integrals along spans, one span after the other."""
+
+    def integrals_along(ranges: Sequence[SpanRanges], rule: QuadratureRule) -> list[Array]:
+        return [integral_along(of_span, rule) for of_span in ranges]
+
+    return integrals_along
 
 
 def _over_spans(
@@ -130,7 +144,7 @@ def _over_spans(
     modulus: float,
     ranges: Sequence[SpanRanges],
     n_integrals: int,
-    integral_along: Callable[[Span, Indices, Array, Array, QuadratureRule], Array],
+    integrals_along: IntegralsAlong,
 ) -> Split:
     """A/pi times the sums of `n_integrals` integrals along spans of the load path, A = 2/E*: by one
     rule, or by halving where edges of contact or stick run unevenly or pass corners of the profile.
@@ -140,17 +154,16 @@ def _over_spans(
     modulus
         E* [stress]
     ranges
-        the spans, and begin and end of each integral in each of them, (n_integrals,)
-    integral_along
-        of (span, which (n,), begins (n,), ends (n,), rule): the integrals number which[k] from
-        begins[k] to ends[k], (n,), by this rule
+        the spans, with begin and end of each integral that has a part in them
+    integrals_along
+        the integrals along some of these ranges, or parts of them
 
     Returns
     -------
     Split
         forward, reverse and the error of both, (n_integrals,) each
     """
-    cuts_of_spans = [corner_times(contact, span) for span, _, _ in ranges]
+    cuts_of_spans = [corner_times(contact, of_span.span) for of_span in ranges]
     is_rough = np.array(
         [
             len(cuts) > 0 or uneven(contact, of_span.span)
@@ -160,41 +173,47 @@ def _over_spans(
     )
     values = np.zeros((len(ranges), n_integrals))
     errors = np.zeros((len(ranges), n_integrals))
-    for number, (span, begin, end) in enumerate(ranges):
-        members = np.flatnonzero(end > begin)
-        if len(members):
-            rule = crowded if is_rough[number] else graded
-            values[number, members] = integral_along(
-                span, members, begin[members], end[members], rule
-            )
-    # One size for all: a short span by itself may be all rounding, and would never converge to its
-    # own.
-    largest_sum = float(np.max(np.abs(np.sum(values, axis=0))))
-    for number in np.flatnonzero(is_rough).tolist():
-        span, begin, end = ranges[number]
-        members = np.flatnonzero(end > begin)
-        if not len(members):
-            continue
-
-        def integral_of_part(
-            which: Indices, low: Array, high: Array, span: Span = span, members: Indices = members
-        ) -> Array:
-            return integral_along(span, members[which], low, high, crowded)
-
+    for rule, is_of_rule in ((graded, ~is_rough), (crowded, is_rough)):
+        spans_of_rule = [k for k in np.flatnonzero(is_of_rule).tolist() if len(ranges[k].number)]
+        if spans_of_rule:
+            integrals = integrals_along([ranges[k] for k in spans_of_rule], rule)
+            for k, integrals_of_span in zip(spans_of_rule, integrals, strict=True):
+                values[k, ranges[k].number] = integrals_of_span
+    rough_spans = [k for k in np.flatnonzero(is_rough).tolist() if len(ranges[k].number)]
+    if rough_spans:
+        # One size for all: a short span by itself may be all rounding, and would never converge to
+        # its own.
+        largest_sum = float(np.max(np.abs(np.sum(values, axis=0))))
+        size_of_spans = np.maximum(largest_sum, np.max(np.abs(values), axis=1))
         # 1e-14 across corners, for many small kinks may hide from one halving.
-        error_share = (
-            min(CONVERGED, 25 * contact.noise) if len(cuts_of_spans[number]) else CONVERGED
+        has_cuts = np.array([len(cuts) > 0 for cuts in cuts_of_spans])
+        error_share = np.where(has_cuts, min(CONVERGED, 25 * contact.noise), CONVERGED)
+        rough_ranges = [ranges[k] for k in rough_spans]
+        span_number = np.repeat(rough_spans, [len(of_span.number) for of_span in rough_ranges])
+        number = np.concatenate([of_span.number for of_span in rough_ranges])
+
+        def integrals_of_parts(which: Indices, low: Array, high: Array) -> Array:
+            """Integrals `which` (n,) of those in all spans in a row, from `low` to `high`."""
+            spans_of_parts = np.unique(span_number[which]).tolist()
+            places = [np.flatnonzero(span_number[which] == k) for k in spans_of_parts]
+            parts = [
+                SpanRanges(ranges[k].span, number[which[place]], low[place], high[place])
+                for k, place in zip(spans_of_parts, places, strict=True)
+            ]
+            integrals = np.zeros(len(which))
+            for place, of_part in zip(places, integrals_along(parts, crowded), strict=True):
+                integrals[place] = of_part
+            return integrals
+
+        values[span_number, number], errors[span_number, number] = by_halving(
+            integrals_of_parts,
+            np.concatenate([of_span.begin for of_span in rough_ranges]),
+            np.concatenate([of_span.end for of_span in rough_ranges]),
+            (error_share * size_of_spans)[span_number],
+            np.unique(np.concatenate([cuts_of_spans[k] for k in rough_spans])),
+            first_estimate=values[span_number, number],
         )
-        allowed_error = error_share * max(largest_sum, float(np.max(np.abs(values[number]))))
-        values[number, members], errors[number, members] = by_halving(
-            integral_of_part,
-            begin[members],
-            end[members],
-            allowed_error,
-            cuts_of_spans[number],
-            first_estimate=values[number, members],
-        )
-    is_forward = np.array([span.direction > 0 for span, _, _ in ranges], dtype=bool)
+    is_forward = np.array([of_span.span.direction > 0 for of_span in ranges], dtype=bool)
     unit_compliance = 2 / (math.pi * modulus)
     return Split(
         forward=unit_compliance * np.sum(values[is_forward], axis=0),
@@ -251,19 +270,24 @@ def pointwise_dissipation(
     """
     edge_loads = contact.load(x)
     slip_spans = [span for span in spans if span.direction and span.active is not None]
-    ranges = [SpanRanges(span, *slip_times(span, edge_loads)) for span in slip_spans]
+    ranges = []
+    for span in slip_spans:
+        begin, end = slip_times(span, edge_loads)
+        points = np.flatnonzero(end > begin)
+        ranges.append(SpanRanges(span, points, begin[points], end[points]))
 
-    def work(span: Span, members: Indices, low: Array, high: Array, rule: QuadratureRule) -> Array:
-        times, weights = rule(low, high)
-        places = x[members, None]
+    def work(of_span: SpanRanges, rule: QuadratureRule) -> Array:
+        span = of_span.span
+        times, weights = rule(of_span.begin, of_span.end)
+        places = x[of_span.number, None]
         load, _tangential = span.leg.loads(times)
         stick_edge_load = load - span.slipped(times)
-        excess = np.maximum(edge_loads[members, None] - stick_edge_load, 0.0)
+        excess = np.maximum(edge_loads[of_span.number, None] - stick_edge_load, 0.0)
         ratio = contact.arccosh_ratio(places, excess, contact.advance(stick_edge_load))
         works = weights * _growth(span, times) * contact.pressure(places, load) * ratio
         return np.asarray(np.sum(works, axis=-1))
 
-    return _over_spans(contact, modulus, ranges, len(x), work)
+    return _over_spans(contact, modulus, ranges, len(x), _span_by_span(work))
 
 
 def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
@@ -346,10 +370,20 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
         path_of_force += float(np.sum(np.abs(np.diff(force))))
     rounding = _DIGITS_OF_SHIFT * spans[0].friction * size * path_of_force
 
-    def work(span: Span, _: Indices, low: Array, high: Array, rule: QuadratureRule) -> Array:
-        times, weights = rule(low, high)
-        shift = integrals.over(snapshot_of([(span, times.ravel())]))[:, 0].reshape(times.shape)
-        return -np.sum(shift * span.leg.rate_of(Combination(0.0, 1.0), times) * weights, axis=1)
+    def work(ranges: Sequence[SpanRanges], rule: QuadratureRule) -> list[Array]:
+        """-int U dQ along all ranges at once."""
+        nodes = [rule(of_span.begin, of_span.end) for of_span in ranges]
+        times_of_spans = [
+            (of_span.span, times.ravel()) for of_span, (times, _) in zip(ranges, nodes, strict=True)
+        ]
+        shift = integrals.over(snapshot_of(times_of_spans))[:, 0]
+        ends = np.cumsum([len(times) for _, times in times_of_spans])
+        works = []
+        for of_span, (times, weights), end in zip(ranges, nodes, ends.tolist(), strict=True):
+            shift_of_span = shift[end - times.size : end].reshape(times.shape)
+            force_rate = of_span.span.leg.rate_of(Combination(0.0, 1.0), times)
+            works.append(-np.sum(shift_of_span * force_rate * weights, axis=1))
+        return works
 
     ranges = [_whole_span(span) for span in spans]
     total = _over_spans(contact, modulus, ranges, 1, work).total[0]
@@ -708,7 +742,7 @@ def by_halving(
     work: Callable[[Indices, Array, Array], Array],
     begin: ArrayLike,
     end: ArrayLike,
-    allowed_error: float,
+    allowed_error: ArrayLike,
     marks: ArrayLike = (),
     first_estimate: Array | None = None,
 ) -> Converged:
@@ -722,9 +756,9 @@ def by_halving(
     begin, end
         (m,)
     allowed_error
-        the change at which a part has converged, `CONVERGED` of their size where rounding
-        leaves as much. A part of 2^-17 of its range, or one that is not finite, is left as it
-        is, and so are too many at once; the error shows that.
+        (m,) or one: the change at which a part has converged, `CONVERGED` of their size where
+        rounding leaves as much. A part of 2^-17 of its range, or one that is not finite, is
+        left as it is, and so are too many at once; the error shows that.
     marks
         (j,) ascending, where a part is cut rather than in its middle: the integrands are not
         smooth there
@@ -745,6 +779,7 @@ def by_halving(
     n_halvings = np.zeros(len(begins), dtype=int)
     integrals = np.zeros(len(begins))
     errors = np.zeros(len(begins))
+    allowed_errors = np.broadcast_to(allowed_error, begins.shape)
     integrals_before = first_estimate
     if integrals_before is None:
         integrals_before = work(numbers, begins, ends)
@@ -762,7 +797,7 @@ def by_halving(
         left_halves, right_halves = np.split(halves, 2)
         changes = np.abs(left_halves + right_halves - integrals_before)
         is_last = (n_halvings == _HALVINGS) | (len(numbers) > _MOST * len(integrals) + _FEW)
-        is_done = (changes <= allowed_error) | ~np.isfinite(changes) | is_last
+        is_done = (changes <= allowed_errors[numbers]) | ~np.isfinite(changes) | is_last
         np.add.at(integrals, numbers[is_done], (left_halves + right_halves)[is_done])
         np.add.at(errors, numbers[is_done], changes[is_done])
         is_halved_further = ~is_done
