@@ -633,11 +633,13 @@ class Integrals:
         ...     0.5,
         ...     0.0,
         ... )[0]
-        >>> shear = Integrals(contact, np.zeros(1), "shear").over(
-        ...     snapshot_of([(slip, np.array([2.0]))])
-        ... )
+        >>> at_end = snapshot_of([(slip, np.array([2.0]))])  # M' = 0.5 from eta = 1 to P = 4
+        >>> shear = Integrals(contact, np.zeros(1), "shear").over(at_end)
         >>> shear.round(12).tolist()  # 0.5 (sqrt 4 - sqrt 1)
         [[0.5]]
+        >>> shift = Integrals(contact, np.zeros(1), "shift").over(at_end)
+        >>> shift.round(12).tolist()  # U pi/A = 0.5 [4 ln(pi/2) + 2 - ln(pi) - 1/2], L = 1
+        [[1.080800...]]
         """
         edge_load = snapshot.load - snapshot.slipped
         slopes = np.zeros(len(snapshot.load))
