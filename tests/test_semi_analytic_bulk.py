@@ -8,6 +8,7 @@ import json
 import math
 import re
 from itertools import pairwise
+from types import SimpleNamespace
 
 import case_table
 import numpy as np
@@ -15,6 +16,7 @@ import pytest
 from scipy import integrate, optimize
 
 from scenes import (
+    OPEN,
     SLIP_FORWARD,
     SLIP_REVERSE,
     CallableProfile,
@@ -1272,6 +1274,16 @@ def test_the_edges_of_full_stick_on_a_grid_are_those_of_contact(tilt, force, sti
     distances = np.abs(answer.stick_edges - answer.contact_edges)
     assert np.array_equal(distances == 0, np.full((2, 2), sticks)), distances
     assert sticks or np.min(distances) > 2 * HALF / 40
+
+
+def test_a_cell_that_opens_does_not_stick_though_it_does_not_slip():
+    grid = SimpleNamespace(x=np.array([[-1.0, 0.0, 1.0, 2.0]]), step=1.0)
+    state = np.ones((3, 1, 4), dtype=int)
+    state[1, 0, 3] = OPEN
+    slip = np.zeros((3, 1, 4))
+    slip[2, 0, 0] = 1.0
+    edges = dense_grid._permanent_edges(grid, SimpleNamespace(slip=slip, state=state), slip[0])
+    assert edges == pytest.approx([-0.5, 1.5])
 
 
 def test_an_increment_that_does_not_converge_is_told_with_its_loads(monkeypatch):
