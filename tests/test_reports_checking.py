@@ -252,20 +252,6 @@ def test_numbers_of_the_largest_contact_are_those_of_hertz() -> None:
     )
 
 
-def test_the_peak_under_a_flat_with_rounded_edges_is_found_beside_its_corner() -> None:
-    """Against 20,001 points; b/a is that of the corner."""
-    scene = load_scene("flat-rounded-paper")
-    largest = largest_contact(scene, "mine")
-    x = largest.half_width * np.linspace(0, 1, 20_001)
-    contact = semi_analytic.profiles.contact_of(scene.profile, scene.material)
-    assert largest.peak_pressure == pytest.approx(
-        float(np.max(contact.pressure(x, largest.normal_load))), rel=1e-5
-    )
-    assert largest.ratios["b/a"] == pytest.approx(
-        scene.profile.flat_half_length / largest.half_width
-    )
-
-
 # E* = R = f = 1, P = 3, Q = +-1.8: a, and the bulk strain up to which both ends slip one way.
 A3 = math.sqrt(12 / math.pi)
 LIMIT = 2 * 1.8 / (math.pi * A3)
