@@ -479,15 +479,6 @@ def test_a_row_of_a_table_is_cells_as_many_as_its_head_has(tool: Tool) -> None:
             markdown_table(("a", "b"), [("0.1", "w"), row])
 
 
-def test_each_cost_that_grows_has_its_row_on_the_page_of_performance(tool: Tool) -> None:
-    performance = tool("performance")
-    stored = json.loads((performance.FOLDER / "growth.json").read_text("utf-8"))["found"]
-    rows = [line for line in performance.growth_page(stored) if line.startswith("| ")]
-    assert len(rows) == 1 + len(performance.KINDS) + 1  # the head, and an increment of the path
-    for kind in performance.KINDS.values():
-        assert any(line.startswith(f"| {kind.what} |") and kind.unit in line for line in rows)
-
-
 # --------------------------------------------------- records in the files that instruments write
 # What becomes of records of the script's seed 7, by number.
 RECORDS = {1: "refused", 3: "asked", 4: "right"}

@@ -26,7 +26,6 @@ from halfplane_fe.uncertainty import (
     Peak,
     Place,
     Rule,
-    density_uncertainty,
     peak_uncertainty,
     scatter_of_nodes,
 )
@@ -247,14 +246,6 @@ def test_the_permanent_stick_zone_ends_just_before_the_first_node_that_works() -
     assert np.isnan(far.places).all()
     assert far.confine(np.array([-0.2, 0.2])).tolist() == [-0.2, 0.2]
     assert far.uncertainty(np.array([-0.2, 0.2]), np.array([0.3, 0.3])).tolist() == [0.3, 0.3]
-
-
-def test_a_largest_density_that_stands_alone_has_no_estimate() -> None:
-    x = np.arange(7.0)
-    assert math.isnan(density_uncertainty(x, np.array([0.0, 0, 0, 1, 0, 0, 0])))
-    assert math.isnan(density_uncertainty(x, np.zeros(7)))
-    smooth = density_uncertainty(x, np.array([0.0, 5, 8, 9, 8, 5, 0]))
-    assert smooth == pytest.approx(0.25 * 1 + 0.7 * 1)
 
 
 @pytest.fixture(scope="module")

@@ -302,17 +302,6 @@ def test_of_two_faults_at_once_both_are_among_the_first_three(
         assert f" {factor[second]:.3g} times " in second_named.sentence
 
 
-@pytest.mark.slow
-def test_a_smooth_wave_is_no_known_pattern(table: ModuleType) -> None:
-    true = table.truth("cattaneo-mindlin")
-    wave = 0.1 * true.pressure * np.cos(9 * true.x)
-    (diagnosis,) = diagnose(
-        compare(true, replace(true, pressure=true.pressure + wave, shear=true.shear - wave))
-    )
-    assert (diagnosis.fault, diagnosis.strength) == (UNKNOWN, 0.0)
-    assert "Cause not found" in diagnosis.sentence
-
-
 def test_a_result_of_tractions_alone_with_holes_or_of_few_instants_is_judged_all_the_same(
     table: ModuleType,
 ) -> None:
