@@ -778,9 +778,11 @@ def _half_width(contact: Contact, load: Array) -> Array:
 def _grids_of(
     request: Request, snapshot: Snapshot, series: Mapping[str, Array]
 ) -> tuple[dict[str, NDArray[Any]], dict[str, float]]:
-    """pressure, shear, slip, state: (n, m), read-only; whatever was not asked for is NaN (open) and
-    takes no room. Errors of arcs.
+    """Pressure, shear, slip and state at the instants and points of a request, (n, m) each,
+    read-only; whatever was not asked for is NaN, or open, and takes no room. And the errors of
+    shear and slip by arcs of the memory curve.
 
+    `snapshot` has the memory curve at each instant, `series` the half-widths and edges.
     NotFoundError where a value that is due was not found; tractions are infinite at the tip of a
     sharp wedge.
     """
@@ -822,7 +824,9 @@ def _pressure_of(request: Request, snapshot: Snapshot, series: Mapping[str, Arra
 def _state_of(
     request: Request, snapshot: Snapshot, series: Mapping[str, Array]
 ) -> NDArray[np.int8]:
-    """Open, stick or slip at the instants and distances, (n, k)."""
+    """Open, stick or slip at the instants of a `snapshot` and at the distances of a request, (n,
+    k); edges of contact and of stick, (n, 2), are in `series`.
+    """
     contact = request.contact
     distances = request.distance
     # Where the ends slip opposite ways a direction is that of one side.
@@ -1005,7 +1009,8 @@ def _errors_of_work(
 
     Both are of the last cycle: the cycles before it may slip so little that W keeps few digits
     there. Of the two routes W keeps more digits where slip is tiny: what they differ by is the
-    error of the other one.
+    error of the other one. `path_answer` has W of each cycle with its error, `loop_work` is the
+    closed integral of the last.
     """
     work = float(path_answer.works[-1])
     work_error = float(path_answer.work_errors[-1])
@@ -1017,10 +1022,10 @@ def _errors_of_work(
         loop_error = 0.0
     if work > 0 and not request.contact.closed_form:
         # What the last digits of U leave in the loop says nothing of W.
-        rounding = (
+        loop_roundoff = (
             _OF_LOOP * path_answer.loop.rounding / work if path_answer.loop is not None else 0.0
         )
-        if difference > rounding and slipped_share(path_answer.spans) > _SLIPS_ENOUGH:
+        if difference > loop_roundoff and slipped_share(path_answer.spans) > _SLIPS_ENOUGH:
             work_error += difference
         sum_left_out = math.fsum(
             _left_out_of_work(request.contact, span) for span in path_answer.spans
@@ -1062,7 +1067,9 @@ def _neglected_loads(family: OneCurve | None) -> Iterator[str]:
 def _notes_of_path(
     question: Question, path: LoadSeries | History, rows: int, rows_left_out: int
 ) -> Iterator[str]:
-    """A sentence where the last cycle is not steady, and one where rows were left out."""
+    """A sentence where the last cycle of a `path` is not steady, and one where rows of a record
+    were left out of the answer, which is given at `rows` of them.
+    """
     is_steady = path.steady_from is not None and path.covered[-1] >= path.steady_from
     if question.wants("dissipation") and path.period is not None and not is_steady:
         yield (
@@ -1133,8 +1140,9 @@ def _permanent_stick(contact: Contact, answer: PathResult, largest_load: float) 
 def _admissibility(
     request: Request, answer: PathResult, grids: Mapping[str, NDArray[Any]]
 ) -> dict[str, Array]:
-    """|M(P) - Q| over f max P, and the largest |q| - f p over f max p where both were asked for;
-    both (n,) and 0 at best.
+    """Checks of an answer at each instant, (n,) each and 0 at best: |M(P) - Q| over f max P, M(P)
+    the shear that the memory curve carries, and the largest |q| - f p over f max p where `grids`
+    have both.
     """
     friction = answer.snapshot.friction
     largest_limit = friction * float(np.max(answer.snapshot.load))

@@ -366,6 +366,17 @@ def _odd_part(
 
     Nothing where the bodies have none; left out where no cycle is steady; on grids where there is
     no memory curve of it.
+
+    Parameters
+    ----------
+    driven
+        loads and displacements that were found, step by step
+    last_cycle
+        the steps of the last cycle
+    steady_from
+        number of the first steady cycle, None without one
+    same_loads
+        what the bodies add under the loads that were found
     """
     if not any(getattr(rig.effects, name).value for name in ODD_NUMBERS):
         return OddPart()

@@ -359,13 +359,13 @@ class _Vertex(NamedTuple):
     rise: Array
 
 
-def _parabola(x: Array, w: Array) -> _Vertex:
-    """Top of the parabola through three points (x, W) of each of n members, (3, n), and `rise`, the
+def _parabola(x: Array, work: Array) -> _Vertex:
+    """Top of the parabola through three points (x, W) of each of n members, (3, n) each, and the
     most W can rise above the middle point: up to the chord of the other two, drawn on.
     """
     lengths = np.diff(x, axis=0)
     length_before, length_after = lengths
-    slope_before, slope_after = np.diff(w, axis=0) / np.where(lengths > 0, lengths, np.inf)
+    slope_before, slope_after = np.diff(work, axis=0) / np.where(lengths > 0, lengths, np.inf)
     length_of_both = np.where(
         length_before + length_after > 0, length_before + length_after, np.inf
     )
@@ -373,7 +373,7 @@ def _parabola(x: Array, w: Array) -> _Vertex:
     slope = (slope_before * length_after + slope_after * length_before) / length_of_both
     shift = np.where(bend < 0, slope / np.where(bend < 0, -2 * bend, 1.0), 0.0)
     return _Vertex(
-        work=w[1] + slope * shift / 2,
+        work=work[1] + slope * shift / 2,
         place=x[1] + shift,
         rise=np.maximum(np.abs(slope_before) * length_after, np.abs(slope_after) * length_before),
     )
@@ -1120,7 +1120,9 @@ def _contact(kind: str, shape: tuple[float, ...]) -> SymmetricContact:
 
 
 def _invalid_shapes(kind: str, parameters: list[Array]) -> NDArray[np.bool_]:
-    """Members (m,) whose parameters their kind of profile does not admit."""
+    """Members (m,) of a batch whose parameters their kind of profile does not admit: numbers
+    outside their range, or shapes under which the contact would split.
+    """
     bounds = (_LEAST,) * len(parameters)
     if kind == "power_law":
         bounds = (1.0, _LEAST, _LEAST)

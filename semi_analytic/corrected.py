@@ -498,7 +498,9 @@ class PathSeries:
 
     @cached_property
     def tangential_displacement(self) -> Array:
-        """U, (n,)."""
+        """Relative tangential displacement U at the rows of the path, (n,) [length]: by the shear
+        between half-planes, by gross sliding, and by what the bodies add.
+        """
         _, shear_logarithm = self._logarithms
         displacement = self.unit * shear_logarithm
         if self.way is not None:
@@ -897,13 +899,13 @@ class _Paths:
 
 
 def with_effects(question: Question) -> Findings:
-    """The answer with the effects of the bodies.
+    """The answer of corrected theory to a question: half-planes with the effects of the bodies.
 
     Raises
     ------
     InputError
-        For scenes with bulk stress, tilt or unequal sides of the profile, and `straight_steps`; for
-        curvatures under which the contact would split or leave the profile.
+        For scenes with bulk stress, tilt or unequal sides of the profile, and for straight
+        steps; for curvatures under which the contact would split or leave the profile.
     """
     _require_symmetric(question)
     with histories_kept():
@@ -1568,9 +1570,9 @@ def _notes_of(paths: _Paths, odd: OddPart) -> Iterator[str]:
 def certificates_of(
     bodies: PathSeries, grids: Mapping[str, NDArray[Any]], numbers: Indices
 ) -> dict[str, Array]:
-    """Checks of a path followed with bodies, at rows of it given by `numbers`:
-    `tangential_balance`, |M(a) - Q| over f times the largest P, M(a) the shear that the memory
-    carries up to the edge; and `cone`, the largest |q| - f p over f times the largest p, where both
+    """Checks of a path followed with bodies, at rows of it given by `numbers`, (n,) each:
+    "tangential_balance", |M(a) - Q| over f times the largest P, M(a) the shear that the memory
+    carries up to the edge; and "cone", the largest |q| - f p over f times the largest p, where both
     are known.
 
     `grids` holds pressure and shear at points (n, k).

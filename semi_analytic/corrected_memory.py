@@ -992,7 +992,10 @@ def _follow(table: PunchTable, friction: float, columns: Array) -> Followed:
 
 
 def followed_of(memory: MemoryCurve, columns: Array, steps: Sequence[Step]) -> Followed:
-    """The path of some steps whose rows are `columns` (10, n), in the order of a `Row`."""
+    """The path of some steps, with the memory curve at each, whose rows are `columns` (10, n): P,
+    Q, the curvatures of gap and faces, their next order, the edge of contact and the loads up to
+    it.
+    """
     pieces = memory.pieces
     entries_of_pieces = np.fromiter(
         chain.from_iterable(pieces), float, len(pieces) * len(_EMPTY_CURVE)

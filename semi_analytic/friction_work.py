@@ -686,7 +686,9 @@ class Loop:
         self._path_of_force = 0.0
 
     def add(self, block: StepBlock) -> None:
-        """The records of the next block."""
+        """Add the next block of steps to the closed integral of Q dU: U along each record by the
+        logarithmic kernel, at its ends and in the mean.
+        """
         contact = self._contact
         records = block.records
         slope = block.line_table.slope

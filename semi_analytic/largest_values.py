@@ -335,21 +335,23 @@ class _Search:
         return _largest(values, marks_about, settled_share=_SETTLED_ON_STEPS)
 
     def edge_tension(self) -> tuple[float, float]:
-        """Largest stress along a face at an edge of contact, and its uncertainty."""
+        """Largest stress along a face at an edge of contact, 0 at least, and its uncertainty
+        [stress].
+        """
         if self.scene.unsymmetric:
             return _largest_tension(self.scene, _between(self.turns, _INSTANTS))
-        uncertain = 0.0
+        largest_uncertainty = 0.0
 
         def values(time: Array) -> Array:
-            nonlocal uncertain
+            nonlocal largest_uncertainty
             tension, errors = edge_tension(self.scene, time)
-            uncertain = max(uncertain, float(errors.max()))
+            largest_uncertainty = max(largest_uncertainty, float(errors.max()))
             return np.asarray(tension.max(axis=(1, 2)))
 
         largest_tension, _ = _largest(
             values, self.turns if self.monotonic else self.steps, _INSTANTS
         )
-        return max(largest_tension, 0.0), uncertain
+        return max(largest_tension, 0.0), largest_uncertainty
 
 
 def _monotonic_parts(

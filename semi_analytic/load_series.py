@@ -214,17 +214,17 @@ class Recorder:
 
 def sides_of(rows: Array, friction: float) -> NDArray[np.int8]:
     """How the memory takes the steps between rows (n + 1, 2) of P and Q, (n,): slip forward, 1, or
-    in reverse, -1; full stick, 0; or unloading with |dQ| <= f |dP|, `_UNLOADS`.
+    in reverse, -1; full stick, 0; or unloading with |dQ| <= f |dP|, 2. f is `friction`.
     """
     load_growth, force_rise = np.diff(rows, axis=0).T
     limit = friction * load_growth
-    noise = _NOISE * (np.abs(force_rise) + np.abs(limit))
-    forward = force_rise - limit > noise
-    reverse = -force_rise - limit > noise
+    round_off = _NOISE * (np.abs(force_rise) + np.abs(limit))
+    slips_forward = force_rise - limit > round_off
+    slips_in_reverse = -force_rise - limit > round_off
     sides = np.zeros(len(load_growth), dtype=np.int8)
-    sides[reverse] = -1
-    sides[forward] = 1
-    sides[(load_growth < 0) & (forward == reverse)] = _UNLOADS
+    sides[slips_in_reverse] = -1
+    sides[slips_forward] = 1
+    sides[(load_growth < 0) & (slips_forward == slips_in_reverse)] = _UNLOADS
     return sides
 
 

@@ -384,9 +384,13 @@ def _inverse(
     Parameters
     ----------
     work
-        W by coefficients and the numbers of their members
+        function that gives W by coefficients and the numbers of their members
     least_friction_of_member, no_slip
-        (m,) f_min and Q1/P1 of the members, whose shape is `shape`
+        (m,) f_min and Q1/P1 of the members
+    shape
+        shape of the members' arrays
+    notes
+        what a reader of the result must not miss
     """
     target_works = real_numbers(target, "dissipation")
     try:

@@ -72,8 +72,9 @@ def loads_of(left: Array, right: Array) -> tuple[Array, Array]:
 
 
 def slip_depths(e: Array, force: Array) -> tuple[Array, Array]:
-    """d1 and d2 of e < 0 and Q/(f P), (n,) each, that grow in proportion from nothing: the inverse
-    of `loads_of`.
+    """Depths d1 and d2 of slip at the left and the right end of the contact -1 < x < 1 at constant
+    P, under bulk strain e < 0 (scaled) and Q/(f P) = `force`, (n,) each, that grow in proportion
+    from nothing.
 
     Raises
     ------

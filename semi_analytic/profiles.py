@@ -1004,8 +1004,9 @@ def _stretch(
 
     def integral(distance: Array, order: int) -> Array:
         """Load (order 0: E* int of slope) or stiffness (order 1: its derivative by the half-width)
-        of the contact, by quadrature over the angle of x = a cos(angle), split at the corners b < a
-        of `cuts`.
+        of the contact whose edge is at a `distance` behind the begin of the stretch, or at its
+        square: by quadrature over the angle of x = a cos(angle), split at the corners b < a of the
+        slope.
         """
         # x = a cos(angle); the angle at a corner from the distance to it, which is known.
         distance_behind_begin = distance**2 if is_rooted else distance

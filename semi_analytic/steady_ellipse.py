@@ -185,29 +185,33 @@ def ellipses_of(
     )
 
 
-def phase_of(name: str, e: Ellipses, s: Array) -> tuple[Array, Array, Array]:
-    """For each ellipse, at angles `s` of one phase of slip (its name is in `PHASES`): growth rate
-    of the slip over f, P - P_c, the load that slips, and P.
+def phase_of(name: str, ellipses: Ellipses, s: Array) -> tuple[Array, Array, Array]:
+    """For each ellipse, at angles `s` from the begin of one phase of slip: growth rate of the slip
+    over f, P - P_c, the load that slips, and P. `name` is that of the phase, "E-G", "I-J" or "J-M".
 
     By tangents of half the angles, which numpy has in vector code.
     """
     if name == "I-J":
         sine, _ = _sine_and_square(s)
-        _, square_of_half_time = _sine_and_square(e.start + s)
-        return e.u * sine, 2 * e.amplitude * e.sine * sine, e.load(2 * square_of_half_time - 1)
+        _, square_of_half_time = _sine_and_square(ellipses.start + s)
+        return (
+            ellipses.u * sine,
+            2 * ellipses.amplitude * ellipses.sine * sine,
+            ellipses.load(2 * square_of_half_time - 1),
+        )
     if name == "E-G":
-        sine, _ = _sine_and_square(e.turn - s)
+        sine, _ = _sine_and_square(ellipses.turn - s)
         _, square_of_slip = _sine_and_square(s)
-        _, square_of_half_time = _sine_and_square(e.start + s)
-        rate = e.v * sine
-        slipped = e.u * square_of_slip
+        _, square_of_half_time = _sine_and_square(ellipses.start + s)
+        rate = ellipses.v * sine
+        slipped = ellipses.u * square_of_slip
     else:
         sine, _ = _sine_and_square(s)
-        _, square_of_slip = _sine_and_square(e.turn + s)
-        _, square_of_half_time = _sine_and_square(e.start - s)
-        rate = e.u * sine
-        slipped = e.v * square_of_slip
-    return rate, slipped, e.load(1 - 2 * square_of_half_time)
+        _, square_of_slip = _sine_and_square(ellipses.turn + s)
+        _, square_of_half_time = _sine_and_square(ellipses.start - s)
+        rate = ellipses.u * sine
+        slipped = ellipses.v * square_of_slip
+    return rate, slipped, ellipses.load(1 - 2 * square_of_half_time)
 
 
 def _sine_and_square(angle: Array) -> tuple[Array, Array]:
@@ -691,21 +695,27 @@ def _over_phases(
 _COURSES = ("P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J", "P_c, J-M")
 
 
-def _over_loads(e: Ellipses, edge_loads: Array, log_half_width: Callable[[Array], Array]) -> Array:
+def _over_loads(
+    ellipses: Ellipses, edge_loads: Array, log_half_width: Callable[[Array], Array]
+) -> Array:
     """Forward and reverse part of W pi E*/(2 f^2) of each ellipse and the error of their sum, (3,
-    m), by parts: L = ln a, `log_half_width` of loads, over the courses of P and of P_c, the load at
-    the edge of stick, cut at the `edge_loads` behind which L is smooth.
+    m), integrated by parts: L = ln a, `log_half_width` of loads, over the courses of P and of P_c,
+    the load at the edge of stick, cut at the `edge_loads` behind which L is smooth.
 
     Angles are t along P, 2 t_I - t along P_c in I-J, where it is P at that time, D - s in E-G and s
-    in J-M.
+    in J-M, s the angle from the begin of a phase of slip and D the angle from E to G.
     """
-    is_met = (edge_loads > 0.99 * np.min(e.permanent)) & (edge_loads < np.max(e.mean + e.amplitude))
+    is_met = (edge_loads > 0.99 * np.min(ellipses.permanent)) & (
+        edge_loads < np.max(ellipses.mean + ellipses.amplitude)
+    )
     edge_loads = edge_loads[is_met, None]
-    start = e.start
+    start = ellipses.start
     full_turn = 2 * math.pi
-    cosine_at_edge = (edge_loads - e.mean) / np.where(e.moving, e.amplitude, np.inf)
+    cosine_at_edge = (edge_loads - ellipses.mean) / np.where(
+        ellipses.moving, ellipses.amplitude, np.inf
+    )
     angle_at_edge = np.arccos(np.clip(cosine_at_edge, -1.0, 1.0))
-    front_angle_by_v, front_angle_by_u = _front_angles(e, edge_loads)
+    front_angle_by_v, front_angle_by_u = _front_angles(ellipses, edge_loads)
     # The greatest and the least load too: a piece has one end that is the lower load.
     zeros = np.zeros(len(start))
     least_angle = np.full((1, len(start)), math.pi)
@@ -713,7 +723,7 @@ def _over_loads(e: Ellipses, edge_loads: Array, log_half_width: Callable[[Array]
     courses = (
         (
             start,
-            start + e.turn,
+            start + ellipses.turn,
             (angle_at_edge, least_angle, full_turn - angle_at_edge, largest_angle),
         ),
         (
@@ -721,9 +731,9 @@ def _over_loads(e: Ellipses, edge_loads: Array, log_half_width: Callable[[Array]
             start + full_turn,
             (full_turn - angle_at_edge, largest_angle, full_turn + angle_at_edge),
         ),
-        (zeros, e.turn, (front_angle_by_v,)),
-        (start + e.turn, start + math.pi, (full_turn - angle_at_edge,)),
-        (zeros, e.turn, (front_angle_by_u,)),
+        (zeros, ellipses.turn, (front_angle_by_v,)),
+        (start + ellipses.turn, start + math.pi, (full_turn - angle_at_edge,)),
+        (zeros, ellipses.turn, (front_angle_by_u,)),
     )
     pieces_of_courses = []
     for number, (begin, end, cuts) in enumerate(courses):
@@ -741,30 +751,33 @@ def _over_loads(e: Ellipses, edge_loads: Array, log_half_width: Callable[[Array]
         rule = np.searchsorted(_SHORT, np.abs(end_angle - begin_angle))
         pieces_of_courses.append(Pieces.of_group(number, member, begin_angle, end_angle, rule))
     # L counts from that of P0: what is left of any constant is round-off.
-    log_at_mean = log_half_width(e.mean[None])[0]
+    log_at_mean = log_half_width(ellipses.mean[None])[0]
 
     def weighted_log(course: Indices, member: Indices, angle: Array) -> Array:
         weight, load = np.empty((2, *angle.shape))
         for number, name in enumerate(_COURSES):
             columns = slice(*np.searchsorted(course, [number, number + 1]))
             weight[:, columns], load[:, columns] = course_of(
-                name, e.take(member[columns]), angle[:, columns]
+                name, ellipses.take(member[columns]), angle[:, columns]
             )
         return weight * (log_half_width(load) - log_at_mean[member])
 
     pieces = Pieces.together(pieces_of_courses)
     works_of_courses, error = _over_pieces(
-        e, pieces, len(_COURSES), weighted_log, _BEHIND, _SETTLED, _ENOUGH
+        ellipses, pieces, len(_COURSES), weighted_log, _BEHIND, _SETTLED, _ENOUGH
     )
     load_in_reverse, load_in_forward, front_in_reverse, front_early, front_later = works_of_courses
-    error += _DIGITS * np.square(e.mean + e.amplitude)
+    error += _DIGITS * np.square(ellipses.mean + ellipses.amplitude)
     forward = load_in_forward + front_early + front_later
     return np.stack([forward, load_in_reverse + front_in_reverse, error])
 
 
-def course_of(name: str, e: Ellipses, angle: Array) -> tuple[Array, Array]:
-    """At angles of one course of a load, named in `_COURSES`: the weight that stands before L = ln
-    a in W pi E*/(2 f^2), and the load; one tangent of half the angle stands for sine and cosine.
+def course_of(name: str, ellipses: Ellipses, angle: Array) -> tuple[Array, Array]:
+    """At angles of one course of a load, P or P_c, through a phase of slip: the weight that stands
+    before L = ln a in W pi E*/(2 f^2), and the load; one tangent of half the angle stands for sine
+    and cosine.
+
+    `name` is that of the load and of the phase, such as "P_c, E-G".
     """
     tangent = np.tan(angle / 2)
     squared_tangent = tangent * tangent
@@ -772,21 +785,35 @@ def course_of(name: str, e: Ellipses, angle: Array) -> tuple[Array, Array]:
     cosine = (1 - squared_tangent) * squared_cosine
     sine = 2 * tangent * squared_cosine
     if name == "P_c, E-G":
-        return _course_of_front(e, e.v, e.u, e.turn, squared_tangent * squared_cosine, cosine, sine)
+        return _course_of_front(
+            ellipses,
+            ellipses.v,
+            ellipses.u,
+            ellipses.turn,
+            squared_tangent * squared_cosine,
+            cosine,
+            sine,
+        )
     if name == "P_c, J-M":
         return _course_of_front(
-            e, e.u, e.v, -e.turn, squared_tangent * squared_cosine, cosine, sine
+            ellipses,
+            ellipses.u,
+            ellipses.v,
+            -ellipses.turn,
+            squared_tangent * squared_cosine,
+            cosine,
+            sine,
         )
-    load = (e.mean - e.amplitude) + 2 * e.amplitude * squared_cosine
+    load = (ellipses.mean - ellipses.amplitude) + 2 * ellipses.amplitude * squared_cosine
     if name == "P_c, I-J":
-        along_axis = e.cosine * cosine + e.sine * sine
-        across_axis = e.cosine * sine - e.sine * cosine
-        weight = (1 - along_axis) * sine + 2 * e.sine * across_axis * across_axis
-        return -e.u * e.amplitude * weight, load
-    swing = e.v if name == "P, E-G" else e.u
-    end = e.start + e.turn if name == "P, E-G" else e.start
+        along_axis = ellipses.cosine * cosine + ellipses.sine * sine
+        across_axis = ellipses.cosine * sine - ellipses.sine * cosine
+        weight = (1 - along_axis) * sine + 2 * ellipses.sine * across_axis * across_axis
+        return -ellipses.u * ellipses.amplitude * weight, load
+    swing = ellipses.v if name == "P, E-G" else ellipses.u
+    end = ellipses.start + ellipses.turn if name == "P, E-G" else ellipses.start
     cosine_to_end = np.cos(end) * cosine + np.sin(end) * sine
-    return swing * e.amplitude * sine * (cosine_to_end - 1), load
+    return swing * ellipses.amplitude * sine * (cosine_to_end - 1), load
 
 
 def _course_of_front(

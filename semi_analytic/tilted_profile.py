@@ -1132,9 +1132,9 @@ class TiltedProfile:
         return self.share * arccosh - self.lean * np.sign(t) * root
 
     def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
-        """Pressure at points x by a unit of load at the contact interval of a load, times pi:
-        1/sqrt((c - t)(c + t)), t the distance from the middle of the interval and c its
-        half-length; 0 outside.
+        """Traction at points x by a unit of load at the contact interval of a load, times pi:
+        (share - lean t)/sqrt((c - t)(c + t)), t the distance from the middle of the interval and c
+        its half-length; 0 outside.
 
         `advance` is that load, `excess` what it is above the load P_x at which the edge of contact
         is at x.
