@@ -145,7 +145,7 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
 
     # Where d = P - P_c is small the last digits of P_x count for more. W(x) that is lost in them is
     # at most the product of p, 2 (u + v) and arccosh(|x|/c), which is 2 (u + v) d/(pi a).
-    deepest_load = ellipses.deepest
+    deepest_load = ellipses.deepest_slip
     relative_error = (
         LAST_DIGITS
         * (ellipses.mean + ellipses.amplitude)
@@ -250,9 +250,9 @@ def _points_of_search(e: Ellipses, contact: SymmetricContact) -> Array:
     largest_load = e.mean + e.amplitude
     event_cosines = (e.cosine, np.cos(e.start + e.turn), -e.cosine, np.cos(e.start - e.turn))
     event_loads = [e.load(cosine) for cosine in event_cosines]
-    corners = np.clip(contact.break_loads[:, None], e.permanent, largest_load)
-    loads = np.stack([e.permanent, least_load, *event_loads, *corners, largest_load])
-    loads = np.clip(loads, e.permanent, largest_load)
+    corners = np.clip(contact.break_loads[:, None], e.permanent_load, largest_load)
+    loads = np.stack([e.permanent_load, least_load, *event_loads, *corners, largest_load])
+    loads = np.clip(loads, e.permanent_load, largest_load)
     clipped_least_load = loads[1:2]
     half_widths = contact.half_width(np.sort(loads, axis=0))
     few_corners = len(corners) <= _FEW
@@ -591,7 +591,7 @@ def _works_of(members: Members) -> Array:
     forward_of_members = np.where(members.mirrored, reverse, forward)
     reverse_of_members = np.where(members.mirrored, forward, reverse)
     return np.stack(
-        [forward + reverse, forward_of_members, reverse_of_members, error, ellipses.permanent]
+        [forward + reverse, forward_of_members, reverse_of_members, error, ellipses.permanent_load]
     )
 
 

@@ -670,12 +670,12 @@ def follow_instants(
 
 # ------------------------------------------------------------------------------ a scene's load path
 class _Rows(NamedTuple):
-    """Increments of a cycle: P, Q, eps, alpha at its instants (n, 4); rows `at` which instants that
-    are asked for lie, and their numbers `instants` among these, (k,) each.
+    """Increments of a cycle: P, Q, eps, alpha at their ends (n, 4); of the instants that are asked
+    for, the rows at which they lie, and their numbers `instants` among all of these, (k,) each.
     """
 
     loads: Array
-    at: NDArray[np.intp]
+    rows_of_instants: NDArray[np.intp]
     instants: NDArray[np.intp]
 
 
@@ -760,48 +760,48 @@ class _Answers:
 
     Attributes
     ----------
-    share, slip
+    limit_share, slip
         (n, m) means over the grids of q over f p and of s
-    share_of_each, slip_of_each
-        (g, n', m) of each grid, at every so many instants
+    limit_share_by_grid, slip_by_grid
+        (g, n', m) q over f p and s of each grid, at every so many instants
     stick_edges
-        (n, 2) means
+        (n, 2) means over the grids
     loads
         (4, n) P, Q, eps and alpha
     displacement, shear_moment
-        (n,) means
-    zones
+        (n,) U and m_q, means over the grids
+    stick_zones
         the largest number of zones that stick
-    begins
-        mean slip, as a function of x, where each cycle begins
+    slip_at_starts
+        mean slip, as a function of x, where each cycle starts
     increments
         how many were made
     works
         (g, c) friction work of the cycles
     work, loop
-        (g,) of the last; its closed integral of Q dU - m_q d eps
+        (g,) friction work of the last cycle; its closed integral of Q dU - m_q d eps
     density
-        (g, k) friction work of the cells in the last
-    permanent
-        (2,) mean edges of what sticks through the last
+        (g, k) friction work of the cells in the last cycle
+    permanent_stick_edges
+        (2,) mean edges of the cells that stick through the last cycle
     """
 
-    share: Array
+    limit_share: Array
     slip: Array
-    share_of_each: Array
-    slip_of_each: Array
+    limit_share_by_grid: Array
+    slip_by_grid: Array
     stick_edges: Array
     loads: Array
     displacement: Array
     shear_moment: Array
-    zones: int = 1
-    begins: list[Callable[[Array], Array]] = field(default_factory=list)
+    stick_zones: int = 1
+    slip_at_starts: list[Callable[[Array], Array]] = field(default_factory=list)
     increments: int = 0
     works: Array = field(default_factory=lambda: np.empty(0))
     work: Array = field(default_factory=lambda: np.empty(0))
     loop: Array = field(default_factory=lambda: np.empty(0))
     density: Array = field(default_factory=lambda: np.empty(0))
-    permanent: Array = field(default_factory=lambda: np.full(2, np.nan))
+    permanent_stick_edges: Array = field(default_factory=lambda: np.full(2, np.nan))
 
     @classmethod
     def empty(cls, grids: int, instants: int, points: int, stride: int) -> _Answers:
@@ -810,10 +810,10 @@ class _Answers:
         """
         shape_of_each = (grids, -(-instants // stride), points)
         return cls(
-            share=np.zeros((instants, points)),
+            limit_share=np.zeros((instants, points)),
             slip=np.zeros((instants, points)),
-            share_of_each=np.zeros(shape_of_each),
-            slip_of_each=np.zeros(shape_of_each),
+            limit_share_by_grid=np.zeros(shape_of_each),
+            slip_by_grid=np.zeros(shape_of_each),
             stick_edges=np.full((instants, 2), np.nan),
             loads=np.zeros((4, instants)),
             displacement=np.zeros(instants),
@@ -826,10 +826,10 @@ class _State(NamedTuple):
     largest number of zones that stick.
     """
 
-    share: Array
+    limit_share: Array
     slip: Array
     stick_edges: Array
-    zones: int
+    stick_zones: int
 
 
 def _state_at(grid: Grid, fields: Fields, instant: int, x: Array, kernels: Array) -> _State:
@@ -895,7 +895,7 @@ def _run(
         kernels = np.array([grid.compliance_at(x, number) for number in range(grids)])
     for number in cycle_numbers:
         if number >= 0:
-            answers.begins.append(grid.slip_field())
+            answers.slip_at_starts.append(grid.slip_field())
         rows = path.rows(number, time)
         slip_before = grid.slip
         try:
@@ -906,20 +906,24 @@ def _run(
                 f" cycle {number + 1}; finite elements may take the scene"
             ) from fault
         answers.increments += len(rows.loads)
-        answers.loads[:, rows.instants] = fields.loads[rows.at].T
-        answers.displacement[rows.instants] = np.mean(fields.displacement[rows.at], axis=1)
-        answers.shear_moment[rows.instants] = np.mean(fields.shear_moment[rows.at], axis=1)
+        answers.loads[:, rows.instants] = fields.loads[rows.rows_of_instants].T
+        answers.displacement[rows.instants] = np.mean(
+            fields.displacement[rows.rows_of_instants], axis=1
+        )
+        answers.shear_moment[rows.instants] = np.mean(
+            fields.shear_moment[rows.rows_of_instants], axis=1
+        )
         for instant_number, row_number in zip(
-            rows.instants.tolist(), rows.at.tolist(), strict=True
+            rows.instants.tolist(), rows.rows_of_instants.tolist(), strict=True
         ):
             state = _state_at(grid, fields, row_number, x, kernels)
-            answers.share[instant_number] = np.mean(state.share, axis=0)
+            answers.limit_share[instant_number] = np.mean(state.limit_share, axis=0)
             answers.slip[instant_number] = np.mean(state.slip, axis=0)
             answers.stick_edges[instant_number] = np.mean(state.stick_edges, axis=0)
-            answers.zones = max(answers.zones, state.zones)
+            answers.stick_zones = max(answers.stick_zones, state.stick_zones)
             if instant_number % stride == 0:
-                answers.share_of_each[:, instant_number // stride] = state.share
-                answers.slip_of_each[:, instant_number // stride] = state.slip
+                answers.limit_share_by_grid[:, instant_number // stride] = state.limit_share
+                answers.slip_by_grid[:, instant_number // stride] = state.slip
         if number >= 0 or not path.loads.path.cycle:
             works.append(np.sum(fields.work, axis=0))
         if len(works) >= max(least_cycles, 2):
@@ -930,7 +934,7 @@ def _run(
     answers.work = works[-1]
     answers.loop = np.sum(fields.loop, axis=0)
     answers.density = np.sum(fields.density, axis=0)
-    answers.permanent = _permanent_edges(grid, fields, slip_before)
+    answers.permanent_stick_edges = _permanent_edges(grid, fields, slip_before)
     return answers
 
 
@@ -1148,7 +1152,7 @@ def follow_on_grid(
     )
     points_of_fields = x if request.pointwise else np.zeros(0)
     runs = _run_coarse_and_fine(setup, loads, points_of_fields, time, request)
-    fine_answers = runs.fine
+    fine_answers = runs.fine_answers
 
     load, _, _, tilt = fine_answers.loads
     middle, half_width = contact.under(load, tilt)
@@ -1183,7 +1187,7 @@ def follow_on_grid(
         steady_from=first_repeat(works_of_cycles, STEADY),
         steady_to=STEADY,
         density=np.mean(density_of_grids, axis=0),
-        permanent_stick_edges=fine_answers.permanent,
+        permanent_stick_edges=fine_answers.permanent_stick_edges,
         counts=_counts_of(runs, request.cells),
         errors=errors,
     )
@@ -1227,11 +1231,11 @@ class _Runs:
 
     Attributes
     ----------
-    first
-        answers of the coarse grids that went first and found the number of cycles
-    fine_grids, fine
+    first_answers
+        of the coarse grids that went first and found the number of cycles
+    fine_grids, fine_answers
         the fine grids where they stand at the end, and their answers
-    coarse_grids, coarse
+    coarse_grids, coarse_answers
         the coarse grids that the fine ones are compared with, and their answers
     time
         (n,) instants of the fine answers
@@ -1245,11 +1249,11 @@ class _Runs:
         whether the fine grids took up the slip of the coarse ones and followed the last cycles only
     """
 
-    first: _Answers
+    first_answers: _Answers
     fine_grids: Grid
-    fine: _Answers
+    fine_answers: _Answers
     coarse_grids: Grid
-    coarse: _Answers
+    coarse_answers: _Answers
     time: Array
     stride: int
     cycle_numbers: range
@@ -1260,12 +1264,12 @@ class _Runs:
         """Friction work of each cycle from the first one on, (c,), all by the same grids: by the
         coarse ones where the fine grids followed the last cycles only.
         """
-        answers_of_all_cycles = self.first if self.is_resumed else self.fine
+        answers_of_all_cycles = self.first_answers if self.is_resumed else self.fine_answers
         return np.asarray(np.mean(answers_of_all_cycles.works, axis=0))
 
     def works_with_fine_last(self) -> Array:
         """Friction work of each cycle, (c,): that of the last by the fine grids in any case."""
-        works_of_fine_grids = np.mean(self.fine.works, axis=0)
+        works_of_fine_grids = np.mean(self.fine_answers.works, axis=0)
         if not self.is_resumed:
             return np.asarray(works_of_fine_grids)
         return np.append(self.works_of_cycles()[:-1], works_of_fine_grids[-1])
@@ -1328,7 +1332,7 @@ def _run_coarse_and_fine(
     fine_grids = setup.moved_grids(request.cells, _SHIFTS)
     if is_resumed:
         loads_at_cycle_start = loads.values(np.array([path.cycle_start]))[:, 0]
-        fine_grids.resume(first_answers.begins[cycle_numbers[0]], loads_at_cycle_start)
+        fine_grids.resume(first_answers.slip_at_starts[cycle_numbers[0]], loads_at_cycle_start)
     fine_answers = _run(fine_grids, fine_path, x, time, cycle_numbers, len(cycle_numbers), stride)
 
     coarse_grids = first_grids
@@ -1339,11 +1343,11 @@ def _run_coarse_and_fine(
             coarse_grids, coarse_path, x, time[::stride], cycle_numbers, len(cycle_numbers)
         )
     return _Runs(
-        first=first_answers,
+        first_answers=first_answers,
         fine_grids=fine_grids,
-        fine=fine_answers,
+        fine_answers=fine_answers,
         coarse_grids=coarse_grids,
-        coarse=coarse_answers,
+        coarse_answers=coarse_answers,
         time=time,
         stride=stride,
         cycle_numbers=cycle_numbers,
@@ -1370,7 +1374,7 @@ class _FieldsAtPoints(NamedTuple):
         cls, answers: _Answers, friction_limit: Array, is_in_contact: NDArray[np.bool_]
     ) -> _FieldsAtPoints:
         """By the means over the grids; `friction_limit` (n, k) is f p."""
-        limit_share = np.where(is_in_contact, answers.share, 0.0)
+        limit_share = np.where(is_in_contact, answers.limit_share, 0.0)
         state = _states_of(limit_share, is_in_contact)
         return cls(friction_limit * limit_share, answers.slip, state.astype(np.int8))
 
@@ -1379,9 +1383,9 @@ def _errors_of_work(runs: _Runs, density_of_grids: Array, x: Array) -> dict[str,
     """Relative errors of W of the last cycle and of W(x) at points x (k,), which is
     `density_of_grids` (g, k) by the fine grids.
     """
-    coarse_density = _density_at(runs.coarse_grids, runs.coarse, x)
+    coarse_density = _density_at(runs.coarse_grids, runs.coarse_answers, x)
     return {
-        "dissipation": _error(runs.fine.work, runs.coarse.work, order=1.5),
+        "dissipation": _error(runs.fine_answers.work, runs.coarse_answers.work, order=1.5),
         "dissipation_density": _error(density_of_grids, coarse_density, order=1),
     }
 
@@ -1389,11 +1393,13 @@ def _errors_of_work(runs: _Runs, density_of_grids: Array, x: Array) -> dict[str,
 def _errors_of_fields(runs: _Runs, friction_limit: Array) -> dict[str, float]:
     """Relative errors of q and s at points; `friction_limit` (n, k) is f p at all instants."""
     limit = friction_limit[:: runs.stride]
-    fine = runs.fine
-    coarse = runs.coarse
+    fine = runs.fine_answers
+    coarse = runs.coarse_answers
     return {
-        "shear": _error(limit * fine.share_of_each, limit * coarse.share_of_each, order=1),
-        "slip": _error(fine.slip_of_each, coarse.slip_of_each, order=0.9),
+        "shear": _error(
+            limit * fine.limit_share_by_grid, limit * coarse.limit_share_by_grid, order=1
+        ),
+        "slip": _error(fine.slip_by_grid, coarse.slip_by_grid, order=0.9),
     }
 
 
@@ -1405,11 +1411,11 @@ def _counts_of(runs: _Runs, cells: int) -> dict[str, int]:
     counts = {
         "grids": 2 * len(_SHIFTS),
         "cells": cells,
-        "increments": runs.first.increments + runs.fine.increments,
-        "pieces": runs.fine.zones,
+        "increments": runs.first_answers.increments + runs.fine_answers.increments,
+        "pieces": runs.fine_answers.stick_zones,
     }
     if not runs.is_last_cycle_alone:
-        counts["increments"] += runs.coarse.increments
+        counts["increments"] += runs.coarse_answers.increments
     if runs.is_resumed:
         counts["cycles on coarse grids alone"] = runs.cycle_numbers[0]
     if runs.fine_grids.without_early_slip:

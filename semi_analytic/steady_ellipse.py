@@ -88,7 +88,7 @@ class Ellipses:
         of t_E
     turn
         D
-    permanent
+    permanent_load
         P_T
     """
 
@@ -99,7 +99,7 @@ class Ellipses:
     cosine: Array
     sine: Array
     turn: Array
-    permanent: Array
+    permanent_load: Array
 
     def take(self, members: Any) -> Ellipses:
         """Some of them, in the shape of `members`."""
@@ -108,7 +108,8 @@ class Ellipses:
     def over(self, unit: Array) -> Ellipses:
         """The ellipses with every load divided by a unit of force per thickness, (m,)."""
         loads = {
-            name: vars(self)[name] / unit for name in ("mean", "amplitude", "u", "v", "permanent")
+            name: vars(self)[name] / unit
+            for name in ("mean", "amplitude", "u", "v", "permanent_load")
         }
         return replace(self, **loads)
 
@@ -118,14 +119,14 @@ class Ellipses:
         return np.arctan2(self.sine, self.cosine)
 
     @property
-    def moving(self) -> NDArray[np.bool_]:
+    def load_moves(self) -> NDArray[np.bool_]:
         """Whether P moves: an amplitude below 1e-200 of the mean moves no edge, and dividing by a
         subnormal one overflows.
         """
         return self.amplitude > 1e-200 * self.mean
 
     @property
-    def deepest(self) -> Array:
+    def deepest_slip(self) -> Array:
         """Largest P - P_c: at the ends of E-G and J-M, or within I-J."""
         tangent = np.tan(self.turn / 2)
         square = tangent * tangent
@@ -152,7 +153,7 @@ def ellipses_of(
     >>> loop = ellipses_of(
     ...     *(np.array([value]) for value in (3.0, 1.0, 0.5, math.pi / 2, 0.5))
     ... )  # P0, P1, Q1, phase, f
-    >>> loop.permanent.round(12).tolist()  # u = v = sqrt 2: 3 - sqrt 2
+    >>> loop.permanent_load.round(12).tolist()  # u = v = sqrt 2: 3 - sqrt 2
     [1.585786437627]
     """
     # notation: r exp(-i phase) = along_axis - i across_axis, r = Q1/f
@@ -181,7 +182,7 @@ def ellipses_of(
         sine=across_axis / positive_u,
         turn=np.arctan2(2 * amplitude * across_axis, difference_of_squares),
         # P_T < 0 is admitted to rounding only: it is gross sliding.
-        permanent=np.maximum(mean - (u + v) / 2, 0.0),
+        permanent_load=np.maximum(mean - (u + v) / 2, 0.0),
     )
 
 
@@ -228,7 +229,7 @@ def half_angle(part: Array) -> Array:
 
 def _front_angles(e: Ellipses, loads: Array) -> tuple[Array, Array]:
     """2 arcsin of the roots of (P - P_T)/v and of (P - P_T)/u: angles at which the front passes."""
-    load_above = np.maximum(loads - e.permanent, 0.0)
+    load_above = np.maximum(loads - e.permanent_load, 0.0)
     by_v = half_angle(load_above / np.where(e.v > 0, e.v, np.inf))
     by_u = half_angle(load_above / np.where(e.u > 0, e.u, np.inf))
     return by_v, by_u
@@ -239,7 +240,7 @@ def corner_angles(e: Ellipses, corners: Array) -> dict[str, Array]:
     at the edge of stick, is that of a corner of the profile; ascending, (cuts, m), for loads of
     corners (c, 1).
     """
-    cosine_at_corner = (corners - e.mean) / np.where(e.moving, e.amplitude, np.inf)
+    cosine_at_corner = (corners - e.mean) / np.where(e.load_moves, e.amplitude, np.inf)
     # Corners that are not met, but nearly: a cut at the greatest or least load.
     rising_angle = np.arccos(np.clip(cosine_at_corner, -1.0, 1.0))
     falling_angle = np.arccos(np.clip(-cosine_at_corner, -1.0, 1.0))
@@ -316,10 +317,10 @@ def _densities(ellipses: Ellipses, contact: Contact, x: Array, node_stride: int)
     """
     load_at_x = contact.load(x)
     share_of_swing = (load_at_x - ellipses.mean + ellipses.amplitude) / np.where(
-        ellipses.moving, 2 * ellipses.amplitude, 1.0
+        ellipses.load_moves, 2 * ellipses.amplitude, 1.0
     )
     share_at_rest = np.where(load_at_x > ellipses.mean, 1.0, 0.0)
-    open_angle = half_angle(np.where(ellipses.moving, share_of_swing, share_at_rest))
+    open_angle = half_angle(np.where(ellipses.load_moves, share_of_swing, share_at_rest))
     start_angle = ellipses.start
     phase_angle = ellipses.turn
     front_angle_by_v, front_angle_by_u = _front_angles(ellipses, load_at_x)
@@ -573,7 +574,7 @@ def by_largest_load(e: Ellipses) -> Iterator[tuple[Indices, int, int]]:
     2^-48 of the mean count as that.
     """
     largest_load = (e.mean + e.amplitude) * (1 + _MARGIN)
-    least_load = np.maximum(e.permanent, LEAST_LOAD * e.mean) * (1 - _MARGIN)
+    least_load = np.maximum(e.permanent_load, LEAST_LOAD * e.mean) * (1 - _MARGIN)
     group = (np.frexp(largest_load)[1] - 1) // _STEP_OF_TABLES
     first_table = (np.frexp(least_load)[1] - 1) // _STEP_OF_TABLES
     for number in np.unique(group).tolist():
@@ -626,7 +627,7 @@ def _dissipation_of_group(
     table of ln a, the least slip by the kernel Lam itself.
     """
     works = np.empty((3, len(e.mean)))
-    deepest_share = e.deepest / e.mean
+    deepest_share = e.deepest_slip / e.mean
     kernel = contact.dissipation_kernel
     is_deep = deepest_share > _DEEP
     is_by_series = np.zeros(len(deepest_share), dtype=bool)
@@ -665,13 +666,13 @@ def _over_phases(
     """
     corners = contact.break_loads
     # A corner that is nearly met counts too.
-    is_above_least = corners > 0.99 * np.min(e.permanent, initial=math.inf)
+    is_above_least = corners > 0.99 * np.min(e.permanent_load, initial=math.inf)
     is_below_most = corners < 1.01 * np.max(e.mean + e.amplitude, initial=0.0)
     met_corners = corners[is_above_least & is_below_most, None]
     pieces_of_phases = []
     for number, cuts in enumerate(corner_angles(e, met_corners).values()):
         is_long = np.diff(cuts, axis=0) > 1e-14 * cuts[-1]
-        member, row = np.nonzero(is_long.T & (e.deepest > 0)[:, None])
+        member, row = np.nonzero(is_long.T & (e.deepest_slip > 0)[:, None])
         begin = cuts[row, member]
         end = cuts[row + 1, member]
         rule = np.minimum(end - begin < cuts[-1, member], len(rules) - 1)
@@ -705,14 +706,14 @@ def _over_loads(
     Angles are t along P, 2 t_I - t along P_c in I-J, where it is P at that time, D - s in E-G and s
     in J-M, s the angle from the begin of a phase of slip and D the angle from E to G.
     """
-    is_met = (edge_loads > 0.99 * np.min(ellipses.permanent)) & (
+    is_met = (edge_loads > 0.99 * np.min(ellipses.permanent_load)) & (
         edge_loads < np.max(ellipses.mean + ellipses.amplitude)
     )
     edge_loads = edge_loads[is_met, None]
     start = ellipses.start
     full_turn = 2 * math.pi
     cosine_at_edge = (edge_loads - ellipses.mean) / np.where(
-        ellipses.moving, ellipses.amplitude, np.inf
+        ellipses.load_moves, ellipses.amplitude, np.inf
     )
     angle_at_edge = np.arccos(np.clip(cosine_at_edge, -1.0, 1.0))
     front_angle_by_v, front_angle_by_u = _front_angles(ellipses, edge_loads)
@@ -834,7 +835,7 @@ def _course_of_front(
     load_above = amplitude * half_square
     cosine_to_turn = np.cos(turn) * cosine + np.sin(turn) * sine
     slipped = other_amplitude / 2 * (1 - cosine_to_turn)
-    return amplitude * sine * (load_above - slipped), e.permanent + load_above
+    return amplitude * sine * (load_above - slipped), e.permanent_load + load_above
 
 
 def _over_pieces(
@@ -1024,7 +1025,7 @@ def works_by_lam(
     # rounding times v.
     is_unlike = np.minimum(e.u, e.v) <= deep_share * np.maximum(e.u, e.v)
     # Members alike together: the same rule, and the same way to Lam.
-    kind_of_member = 2 * _rule_of(e) + ((e.deepest <= deep_share * e.mean) | is_unlike)
+    kind_of_member = 2 * _rule_of(e) + ((e.deepest_slip <= deep_share * e.mean) | is_unlike)
     order_by_kind = np.argsort(kind_of_member, kind="stable")
     loops_by_kind = _rows(e, least_share).take(order_by_kind, axis=1)
     sums = np.empty((3, len(order_by_kind)))
@@ -1066,7 +1067,7 @@ def lam_error(e: Ellipses, work: Array, deep_share: float, log_size: Array | flo
         size of L = ln a, (m,) or one for all
     """
     is_unlike = np.minimum(e.u, e.v) <= deep_share * np.maximum(e.u, e.v)
-    is_quick = (e.deepest > deep_share * e.mean) & ~is_unlike
+    is_quick = (e.deepest_slip > deep_share * e.mean) & ~is_unlike
     last_digits = _DIGITS * (e.mean + e.amplitude) * (e.u + e.v) * log_size
     return roundoff_error(e, work) + _OF_RULES * np.abs(work) + np.where(is_quick, last_digits, 0.0)
 
@@ -1091,7 +1092,7 @@ def _rule_of(ellipses: Ellipses) -> NDArray[np.uint8]:
     length_of_i_to_j = np.maximum(math.pi - ellipses.turn, _TINY)
     larger_swing = np.maximum(ellipses.u, ellipses.v)
     least_load = ellipses.mean - ellipses.amplitude
-    square_at_no_stick = _square_of_imaginary(ellipses.permanent, larger_swing)
+    square_at_no_stick = _square_of_imaginary(ellipses.permanent_load, larger_swing)
     square_at_no_load = _square_of_imaginary(least_load, 2 * ellipses.amplitude)
     # Real part and squared imaginary part, each phase being the interval [-1, 1].
     no_stick_in_e_to_g = (-1.0, square_at_no_stick / (length_of_e_to_g * length_of_e_to_g))
@@ -1135,7 +1136,7 @@ def _rows(ellipses: Ellipses, least_share: float) -> Array:
     phase_rows[1] = (math.pi - ellipses.turn) / 2
     # A permanent or least load of 0 as the smallest load there is: the logarithm of 0 is never
     # asked for.
-    np.maximum(ellipses.permanent, least_share * ellipses.mean, out=phase_rows[2])
+    np.maximum(ellipses.permanent_load, least_share * ellipses.mean, out=phase_rows[2])
     np.maximum(ellipses.mean - ellipses.amplitude, least_share * ellipses.mean, out=phase_rows[3])
     phase_rows[4] = ellipses.u
     phase_rows[5] = ellipses.v
