@@ -206,10 +206,12 @@ def _edges(
 
     Parameters
     ----------
+    states
+        states of the interface at the instants
     surface_states
-        (n_steps, n) as they are reported
+        (n_steps, n) open, stick or slip of the nodes, as they are reported
     has_no_slip_zone
-        (n_steps,) instants at which theory has none
+        (n_steps,) instants at which theory has no slip zone
     """
     may_be_anywhere = scene.unsymmetric  # then the stick zone may be anywhere in the contact
     roughness = roughness_of(scene.profile)
@@ -245,14 +247,12 @@ def _edges(
         may_be_anywhere,
     )
     for row in np.flatnonzero([not state.normal_load > 0 for state in states]):
-        places_in_contact = x[is_closed[row]]
-        outermost_places = (
-            (places_in_contact.min(), places_in_contact.max())
-            if len(places_in_contact)
-            else (0.0, 0.0)
+        closed_nodes = x[is_closed[row]]
+        outermost_nodes = (
+            (closed_nodes.min(), closed_nodes.max()) if len(closed_nodes) else (0.0, 0.0)
         )
-        edges_of_contact[row] = outermost_places
-        edges_of_stick[row] = outermost_places
+        edges_of_contact[row] = outermost_nodes
+        edges_of_stick[row] = outermost_nodes
         contact_uncertainties[row] = 0.0
         stick_uncertainties[row] = 0.0
     return {

@@ -526,8 +526,8 @@ def _size_fit(
     series, bulk
         tractions, and bulk stress of the body, at the steps
     """
-    even_numbers = np.linspace(0, len(steps) - 1, _SAMPLED).round().astype(int)
-    sampled_numbers = sorted(set(even_numbers.tolist()))
+    evenly_spread = np.linspace(0, len(steps) - 1, _SAMPLED).round().astype(int)
+    sampled_numbers = sorted(set(evenly_spread.tolist()))
     sampled_steps = [steps[k] for k in sampled_numbers]
     nodal_fields = _nodal_fields(solution, number, sampled_steps, bulk[sampled_numbers])
     near_contact = _near_contact(
@@ -535,10 +535,10 @@ def _size_fit(
     )
     if near_contact is None or near_contact.size_effect is None:
         return None
-    causes = _causes([_on_body(of_step, number) for of_step in series], bulk)
+    causes = _causes([_on_body(step_tractions, number) for step_tractions in series], bulk)
     # Over P and powers of the half-width: moments that are zero by symmetry must not count as
     # round-off over round-off.
-    half_width = max(of_step.half_width for of_step in series)
+    half_width = max(step_tractions.half_width for step_tractions in series)
     cause_units = np.abs(causes[:, 0]).max() * half_width ** np.array([0, 1, 2, 0, 1, 2])
     if bulk.any():
         cause_units = np.append(cause_units, np.abs(bulk).max())

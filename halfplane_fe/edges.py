@@ -392,7 +392,7 @@ def contact_uncertainty(
         (n,) nodes in ascending order [length]
     pressure
         (k, n) pressure at k instants [stress]
-    closed
+    is_closed
         (k, n) whether a node touches
     contact
         (k, 2) ends of the contact
@@ -487,7 +487,7 @@ def fitted_stick_edges(
         (n,) nodes in ascending order [length]
     stick
         (k, n) nodes that stick at k instants
-    closed
+    is_closed
         (k, n) whether a node touches
     contact
         (k, 2) ends of the contact
@@ -797,7 +797,7 @@ def _fitted_stick_edge(x_out: Array, to_limit: Array, last_node: Indices) -> _St
     ----------
     to_limit
         (k, n) f p minus the shear in the direction of the slip beyond the edge [stress]
-    last
+    last_node
         (k,) last node of the stick zone by its status, at least seven nodes before it
     """
     element = x_out[last_node] - x_out[last_node - 2]

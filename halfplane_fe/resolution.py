@@ -182,15 +182,18 @@ def flanks(profile: Profile, half_width: float, element: float) -> Iterator[Flan
 def resolution_notes(
     profile: Profile, revolution: Revolution, element: float, mesh: MeshSettings
 ) -> Iterator[str]:
-    """One sentence for whatever in a revolution is too narrow for the surface elements.
+    """One sentence for whatever in a revolution, the last cycle, is too narrow for the surface
+    elements.
 
     Contacts, or their flanks beyond a kink of the profile, and slip zones of few elements;
     dissipation not far above what the mesh alone makes.
 
     Parameters
     ----------
+    revolution
+        loads, half-widths of contact and stick, and work of the cycle
     element
-        at the edges of contact and stick, of the coarser side [length]
+        size at the edges of contact and stick, of the body with the larger ones [length]
     mesh
         its settings: what a note asks for is a finer one
     """

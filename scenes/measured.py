@@ -394,8 +394,9 @@ class FromFile(Frozen):
         return [name for name in _stated_columns(columns) if name in cls.further]
 
     def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
-        """As for every table; rows of one file are not those of another, nor is a file the source
-        of other rows.
+        """The keys that were given, with those of `changes` put in; not checked. Rows of one file
+        are not those of another, nor is a file the source of other rows: where either changes, what
+        was read goes.
         """
         keys = super().merged(changes)
         columns_read = self._named(getattr(self, "columns", None))

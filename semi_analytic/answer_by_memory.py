@@ -659,7 +659,8 @@ def _balance_of(snapshot: Snapshot) -> Array:
 
 
 def _works_of_cycles(history: History, request: Request) -> dict[int, _WorkOfCycle]:
-    """Friction work of each covered cycle by its number.
+    """Friction work of each covered cycle of a history, with its relative error, by the number of
+    the cycle.
 
     W of a steady ellipse comes from formulas that keep their digits, however small the slip.
     """

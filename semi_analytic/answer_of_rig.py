@@ -601,7 +601,7 @@ def _notes(
         the steps of the last cycle
     errors
         relative errors by the name of the value
-    odd
+    odd_part
         what tilt and bulk strain of the bodies add to the work
     """
     scene = rig.scene

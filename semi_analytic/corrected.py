@@ -357,10 +357,10 @@ class _Route:
         duration = cycle_ends[-1] - self.start
         times_inside = time[(time > self.start) & (time < cycle_ends[-1])]
         # Of two instants that are one a mark stays.
-        time_to_cycle_end = np.min(
+        distance_to_mark = np.min(
             np.abs(times_inside[:, None] - np.array([self.start, *cycle_ends])), axis=1
         )
-        times_inside = times_inside[time_to_cycle_end > _SAME * duration]
+        times_inside = times_inside[distance_to_mark > _SAME * duration]
         instants = np.unique(np.concatenate([times_inside, [self.start], cycle_ends]))
         instants = instants[np.diff(instants, prepend=-np.inf) > _SAME * duration]
         if len(instants) > _MOST_ROWS:
@@ -769,7 +769,9 @@ class PointFields:
         return {}
 
     def work(self, rows: slice) -> Array:
-        """W(x) of the steps of a cycle, (k,)."""
+        """Friction work per area W(x) of the steps of a cycle at the points, (k,): the mean of f p
+        at both ends of a step times how far the point slips in it, where it slips.
+        """
         row_numbers = np.arange(len(self._followed.edge))[rows]
         friction_limit = self._followed.friction * self.pressure(row_numbers)
         friction_limit = np.where(np.isfinite(friction_limit), friction_limit, 0.0)
@@ -782,7 +784,9 @@ class PointFields:
         return np.asarray(np.sum(np.where(is_rubbed, mean_limit * slip_distance, 0.0), axis=0))
 
     def _shear_of_curves(self, rows: Indices) -> Array:
-        """Shear of the memory curves at rows, (n, k)."""
+        """Shear [stress] that the memory curves carry at rows of the path, (n, k): the sum over the
+        pieces of each of its slopes times pressures of profile, parabola and x^4/24.
+        """
         followed = self._followed
         pieces, curves = followed.pieces.of_curves(followed.curve[rows])
         profile_pressures = self.series.contact.pressure_rise(self._x, pieces.load[:, None])
@@ -833,14 +837,15 @@ class PointFields:
         """
         x = self._x
         inner_half_width = np.minimum(half_width[:, None], x)
-        square = inner_half_width**2
-        root = np.sqrt(np.maximum(x**2 - square, 0.0))
+        squared_width = inner_half_width**2
+        root = np.sqrt(np.maximum(x**2 - squared_width, 0.0))
         arccosh_term = (
-            np.arcsinh(root / np.where(inner_half_width > 0, inner_half_width, np.inf)) * square
+            np.arcsinh(root / np.where(inner_half_width > 0, inner_half_width, np.inf))
+            * squared_width
         )
         slip_by_parabola = (arccosh_term + x * (x - root)) / 2
         slip_by_fourth = (
-            square * arccosh_term + x * (2 / 3 * x**3 - x**2 * root + root**3 / 3)
+            squared_width * arccosh_term + x * (2 / 3 * x**3 - x**2 * root + root**3 / 3)
         ) / 16
         return np.asarray(slip_by_parabola), np.asarray(slip_by_fourth)
 
@@ -1076,6 +1081,8 @@ def splits() -> InputError:
 def _steady_from(followed: Followed, rows: PathRows, scene: Scene) -> int | None:
     """Index of the first cycle that ends in the state it started from, the first or the second:
     whose memory curves at begin and end agree. None where neither does.
+
+    `followed` has the memory curve at each of the `rows`.
     """
     if rows.period is None:
         return 0 if rows.normal_load[-1] <= 0 else None
@@ -1568,9 +1575,9 @@ def _notes_of(paths: _Paths, odd: OddPart) -> Iterator[str]:
 
 
 def certificates_of(
-    bodies: PathSeries, grids: Mapping[str, NDArray[Any]], numbers: Indices
+    bodies: PathSeries, grids: Mapping[str, NDArray[Any]], row_numbers: Indices
 ) -> dict[str, Array]:
-    """Checks of a path followed with bodies, at rows of it given by `numbers`, (n,) each:
+    """Checks of a path followed with bodies, at rows of it given by `row_numbers`, (n,) each:
     "tangential_balance", |M(a) - Q| over f times the largest P, M(a) the shear that the memory
     carries up to the edge; and "cone", the largest |q| - f p over f times the largest p, where both
     are known.
@@ -1582,13 +1589,15 @@ def certificates_of(
     largest_friction_force = max(
         friction * float(np.max(followed.normal_load)), np.finfo(float).tiny
     )
-    force_of_curve = followed.pieces.force[followed.curve[numbers]]
-    edge_parabola = followed.table.parabola(followed.edge[numbers])
-    carried = force_of_curve + followed.tangential_curvature[numbers] * edge_parabola
-    edge_fourth = followed.table.fourth(followed.edge[numbers])
-    carried = carried + followed.tangential_fourth[numbers] * edge_fourth
-    is_pressed = followed.normal_load[numbers] > 0
-    balance = np.where(is_pressed, np.abs(carried - followed.tangential_load[numbers]), 0.0)
+    force_of_curve = followed.pieces.force[followed.curve[row_numbers]]
+    edge_parabola = followed.table.parabola(followed.edge[row_numbers])
+    carried_shear = force_of_curve + followed.tangential_curvature[row_numbers] * edge_parabola
+    edge_fourth = followed.table.fourth(followed.edge[row_numbers])
+    carried_shear = carried_shear + followed.tangential_fourth[row_numbers] * edge_fourth
+    is_pressed = followed.normal_load[row_numbers] > 0
+    balance = np.where(
+        is_pressed, np.abs(carried_shear - followed.tangential_load[row_numbers]), 0.0
+    )
     checks = {"tangential_balance": balance / largest_friction_force}
     pressure = grids["pressure"]
     shear = grids["shear"]

@@ -265,8 +265,9 @@ class PunchTable:
 
     def loads_at(self, s: float) -> PunchLoads:
         """Loads that the flat punches up to the one at s carry, and their rates per s: eta of the
-        profile, G of a parabola of unit curvature, G_4 of x^4/24; no eta is negative by
-        round-off.
+        profile, G of a parabola of unit curvature, G_4 of x^4/24; no eta is negative by round-off.
+
+        # notation: c0 to c3 coefficients of a cubic of the share of a cell
         """
         place_in_cells = s * self._cells
         cell = min(int(place_in_cells), len(self._loads_of_cells) - 1)
@@ -288,8 +289,11 @@ class PunchTable:
         )
 
     def sums_at(self, s: float, datum: float) -> PunchSums:
-        """Integrals over the punches up to the one at s, of half-width c: ln(2 L/c) and c^2/2 over
-        d eta and over dG, L = `datum` [length]; for one s, faster than by arrays.
+        """Integrals over the flat punches up to the one at the place s, of half-width c: ln(2 L/c)
+        and c^2/2 over d eta and over dG, eta and G the loads of the profile's and of a parabola's
+        punches, L = `datum` [length]; for one s, faster than by arrays.
+
+        # notation: c0 to c3 coefficients of a cubic of the share of a cell
         """
         place_in_cells = s * self._cells
         cell = min(int(place_in_cells), len(self._loads_of_cells) - 1)

@@ -288,11 +288,13 @@ def loads_of_approach(
 
     With kn = N P, N the curvature of the gap that a unit of P adds, each half-width a has its load
     P = eta(a)/(1 - N G(a)), eta and G the loads of the punches of the profile and of x^2/2, and its
-    approach, of which a is the root. What Q adds to the gap and P to the faces must be 0: P does
-    not depend on Q then.
+    approach, of which a is the root; s is the place of the edge of contact in the table of punches.
+    What Q adds to the gap and P to the faces must be 0: P does not depend on Q then.
 
     Parameters
     ----------
+    contact
+        normal contact of the profile
     modulus
         E* [stress]
     compliance

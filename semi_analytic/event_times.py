@@ -236,11 +236,11 @@ def _at(span: Span, time: float, name: str) -> Event:
 
 
 def _letter_times(history: History) -> dict[str, float]:
-    """Times of the paper's letters A to M on the steady ellipse of loads; {} where there is none.
+    """Times of the paper's letters A to M on the steady ellipse of loads; empty where there is
+    none, and for loads on a line, where C and D fall together, as do K and L.
 
     Each letter is where u = Q - f P, v = Q + f P (by the sense of turning), P or Q is largest or
-    least; its time is the first such one after the letters before it. None for loads on a line,
-    where C and D fall together, as do K and L.
+    least; its time is the first such one after the letters before it.
     """
     if history.loop is None or history.steady_from is None:
         return {}

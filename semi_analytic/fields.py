@@ -765,8 +765,9 @@ class Integrals:
         return integrals
 
     def _curved(self, fronts: Sequence[tuple[CurvePart, Array]]) -> list[Array | float]:
-        """What each piece from its lower end to the loads of its front (n,) has beyond its straight
-        part: shape (n, k), or 0.
+        """What each piece of a memory curve adds to the integral of M' K beyond that of its
+        straight part, from its lower end to the loads of its front (n,): (n, k), or 0, for each of
+        the pairs of piece and front.
 
         Pieces that are cut from one arc are integrated together.
         """
@@ -783,11 +784,11 @@ class Integrals:
             _, piece = numbered_pieces[0]
             if key not in self._arcs:
                 self._arcs[key] = piece, Arc(self.contact, self.kernel, piece, self.x)
-            loads = [fronts[number][1] for number, _ in numbered_pieces]
-            times = front_time(piece, np.concatenate(loads))
-            bounds = np.cumsum([len(part) for part in loads])[:-1]
-            of_pieces = np.split(self._arcs[key][1].up_to(times), bounds)
-            for (number, _), integral in zip(numbered_pieces, of_pieces, strict=True):
+            front_loads = [fronts[number][1] for number, _ in numbered_pieces]
+            times = front_time(piece, np.concatenate(front_loads))
+            bounds = np.cumsum([len(part) for part in front_loads])[:-1]
+            integrals_of_pieces = np.split(self._arcs[key][1].up_to(times), bounds)
+            for (number, _), integral in zip(numbered_pieces, integrals_of_pieces, strict=True):
                 integrals[number] = integral
         return integrals
 

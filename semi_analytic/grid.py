@@ -834,8 +834,10 @@ class _State(NamedTuple):
 
 def _state_at(grid: Grid, fields: Fields, instant: int, x: Array, kernels: Array) -> _State:
     """The grids at the instant of a number: q over f p and slip at points x (m,), by interpolation
-    between cells, and the edges of stick. `kernels` (g, m, k) are displacements at the points by
-    unit tractions on the cells.
+    between cells, and the edges of stick.
+
+    `fields` are the answer of the grids by cells, `kernels` (g, m, k) displacements at the points
+    by unit tractions on the cells.
     """
     grids = len(grid.x)
     _, force, strain, _ = fields.loads[instant]
@@ -849,24 +851,26 @@ def _state_at(grid: Grid, fields: Fields, instant: int, x: Array, kernels: Array
         touching_cells = np.flatnonzero(state != OPEN)
         if not len(touching_cells):
             continue
-        middles = grid.x[grid_number]
-        limit = grid.friction * fields.pressure[instant, grid_number, touching_cells]
-        ratio = fields.shear[instant, grid_number, touching_cells] / limit
-        limit_share[grid_number] = np.interp(x, middles[touching_cells], ratio)
-        sticks = np.concatenate([[False], state == STICK, [False]]).astype(int)
-        begins_and_ends = np.flatnonzero(np.diff(sticks))
+        cell_middles = grid.x[grid_number]
+        friction_limit = grid.friction * fields.pressure[instant, grid_number, touching_cells]
+        ratio = fields.shear[instant, grid_number, touching_cells] / friction_limit
+        limit_share[grid_number] = np.interp(x, cell_middles[touching_cells], ratio)
+        is_sticking = np.concatenate([[False], state == STICK, [False]]).astype(int)
+        begins_and_ends = np.flatnonzero(np.diff(is_sticking))
         stick_zones = max(stick_zones, len(begins_and_ends) // 2)
         if len(begins_and_ends):
-            first_stick = begins_and_ends[0]
-            last_stick = begins_and_ends[-1] - 1
+            first_sticking_cell = begins_and_ends[0]
+            last_sticking_cell = begins_and_ends[-1] - 1
             # A cell that sticks at the edge of contact sticks up to it.
             left_edge = (
                 -np.inf
-                if first_stick == touching_cells[0]
-                else middles[first_stick] - grid.step / 2
+                if first_sticking_cell == touching_cells[0]
+                else cell_middles[first_sticking_cell] - grid.step / 2
             )
             right_edge = (
-                np.inf if last_stick == touching_cells[-1] else middles[last_stick] + grid.step / 2
+                np.inf
+                if last_sticking_cell == touching_cells[-1]
+                else cell_middles[last_sticking_cell] + grid.step / 2
             )
             stick_edges[grid_number] = (left_edge, right_edge)
     return _State(limit_share, slip, stick_edges, stick_zones)

@@ -58,9 +58,11 @@ _ROUNDING = 1e-9
 
 
 def _of_punches(x: Array, half_widths: Array, modulus: float) -> tuple[Array, Array]:
-    """Shear r and slip w - C at points x (k,) by hat functions of the punch density mu: mu is 1 at
-    one half-width and straight to 0 at those beside it, (k, m) each; the last of the m+1
-    half-widths has the mu of the one before.
+    """Shear, and slip but for a constant, at points x (k,) by hat functions of the density of flat
+    punches over their half-width: a hat is 1 at one half-width and straight to 0 at those beside
+    it, (k, m) each; the last of the m + 1 half-widths has the density of the one before.
+
+    `modulus` is E*.
     """
     x_column = x[:, None]
     larger_width = np.maximum(half_widths, x_column)

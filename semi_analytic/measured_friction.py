@@ -447,8 +447,10 @@ def _inverse(
 
 
 def _sampled_work(work: Work, least_friction: Array, no_slip: Array) -> _WorkCurve:
-    """W at samples of f between f_min = `least_friction` and the largest f that is looked at; dense
-    next to f_min, and up to 100 times the larger of f_min and Q1/P1 = `no_slip`, (m,) each.
+    """W at samples of f between f_min = `least_friction` and the largest f that is looked at, (m,)
+    each; dense next to f_min, and up to 100 times the larger of f_min and Q1/P1 = `no_slip`.
+
+    `work` gives W by coefficients f and the numbers of their members.
     """
     n_members = len(least_friction)
     is_solvable = np.isfinite(least_friction) & (least_friction > 0)
@@ -482,23 +484,28 @@ def _with_turning_points(curve: _WorkCurve, work: Work) -> _WorkCurve:
     rise = np.diff(works, axis=0)
     largest_work = np.max(np.where(is_solvable, works, 0.0), axis=0)
     is_sharp = np.minimum(np.abs(rise[:-1]), np.abs(rise[1:])) >= _STANDS_OUT * largest_work
-    row, column = np.nonzero(is_solvable & is_sharp & (rise[:-1] * rise[1:] < 0))
-    if not len(row):
+    sample, member_of_turn = np.nonzero(is_solvable & is_sharp & (rise[:-1] * rise[1:] < 0))
+    if not len(sample):
         return curve
-    sign = np.where(rise[row, column] < 0, 1.0, -1.0)  # W falls before a least value
+    sign = np.where(rise[sample, member_of_turn] < 0, 1.0, -1.0)  # W falls before a least value
     turning_point = elementwise.find_minimum(
-        lambda at, member, side: (
-            side * work(np.exp(at).ravel(), member.ravel().astype(int)).reshape(at.shape)
+        lambda log_f_at_trial, member, sense: (
+            sense
+            * work(np.exp(log_f_at_trial).ravel(), member.ravel().astype(int)).reshape(
+                log_f_at_trial.shape
+            )
         ),
-        tuple(log_f[row + shift, column] for shift in (0, 1, 2)),
-        args=(column.astype(float), sign),
+        tuple(log_f[sample + k, member_of_turn] for k in (0, 1, 2)),
+        args=(member_of_turn.astype(float), sign),
     )
-    number_in_column = np.arange(len(row)) - np.searchsorted(np.sort(column), np.sort(column))
-    order = np.argsort(column, kind="stable")
+    number_in_column = np.arange(len(sample)) - np.searchsorted(
+        np.sort(member_of_turn), np.sort(member_of_turn)
+    )
+    order = np.argsort(member_of_turn, kind="stable")
     log_f_at_turn = np.full((int(number_in_column.max()) + 1, works.shape[1]), np.nan)
     work_at_turn = log_f_at_turn.copy()
-    log_f_at_turn[number_in_column, column[order]] = turning_point.x[order]
-    work_at_turn[number_in_column, column[order]] = (sign * turning_point.f_x)[order]
+    log_f_at_turn[number_in_column, member_of_turn[order]] = turning_point.x[order]
+    work_at_turn[number_in_column, member_of_turn[order]] = (sign * turning_point.f_x)[order]
     log_f = np.concatenate([log_f, log_f_at_turn])
     works = np.concatenate([works, work_at_turn])
     ascending = np.argsort(log_f, axis=0)

@@ -509,6 +509,8 @@ def _of_kink(span_before: Span, span: Span, radius: float) -> Array:
 def _require_no_return(span_before: Span, span: Span, radius: float) -> None:
     """Raise Declined where slip in a span passes at once what an earlier stroke in its direction
     left at the limit of friction, under other loads than then: tilt and strain are others too.
+
+    `span_before` ends where the span begins; `radius` is that of the parabola [length].
     """
     friction = span.friction
     begin = span.begin
