@@ -303,8 +303,9 @@ class _Rows(NamedTuple):
 def _kinked_work(
     problem: ContactProblem, changes_of_loads: Array, increments: _Rows, rows: Indices
 ) -> tuple[Array, Array, Array]:
-    """Friction work of each node in increments in which nodes start to slide, its part by kinks
-    between the first and the last start, and the share of the increment up to their middle.
+    """Friction work of each node in increments of a contact `problem` in which nodes start to
+    slide, its part by kinks between the first and the last start, and the share of the increment up
+    to their middle.
 
     Where a node starts, p and s have a kink, and all that slides already goes faster from there on:
     with the mean p of the increment W is too large, by 1e-4 of a cycle. Up to the first start the

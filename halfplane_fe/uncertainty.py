@@ -88,16 +88,17 @@ class Rule:
     def uncertainty(
         self, value: float, difference: float, refinement: float, coarse: float = 0.0
     ) -> float:
-        """u of a value; NaN where the elements are like those of the coarse run.
+        """Uncertainty of a value from its difference between two meshes; NaN where the elements are
+        like those of the coarse run.
 
         Parameters
         ----------
         value, difference
             size of the value, and its difference from that of the coarse run
         refinement
-            r
+            element of the coarse run over that of the run
         coarse
-            H/s
+            element of the coarse run over the width of the slip zone
 
         >>> rule = Rule(order=2.0, factor=1.5)
         >>> round(rule.uncertainty(value=1.0, difference=0.015, refinement=4.0), 9)

@@ -301,7 +301,7 @@ def replace_file(path: str | Path, content: bytes | memoryview, part: Path | Non
 
 
 def toml_text(keys: Mapping[str, Any]) -> str:
-    """Keys as TOML: numbers, words and lists first, then tables and lists of tables.
+    """A table of keys as TOML: numbers, words and lists first, then tables and lists of tables.
 
     >>> print(
     ...     toml_text({"load": {"initial_loading": [[1.0, 0.0]], "kind": "polygon"}, "cycles": 6})

@@ -933,6 +933,9 @@ def _numbers(
                 yield number, text
 
     def even_rows() -> Iterator[str]:
+        """The rows as loadtxt takes them, with a decimal point; ValueError for a row with another
+        count of cells, or a point in a table with decimal commas.
+        """
         for _, text in lines_of_rows():
             # empty cells at the end are none
             row = text if mark is None else text.rstrip(f"{mark} ")

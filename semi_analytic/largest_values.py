@@ -265,7 +265,9 @@ class _Search:
         return largest_pressure, place, float(np.diff(self.edges)[0]) / 2
 
     def slip(self) -> tuple[float, float]:
-        """Largest range of the slip of a point while it is in contact, and its place."""
+        """Largest range of the slip of a point while it is in contact [length], and the place of
+        that point; 0 without friction.
+        """
         if not self.scene.friction.coefficient:
             return 0.0, 0.0
 
