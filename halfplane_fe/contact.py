@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from halfplane_fe.actuators import LOADS_ARE_GIVEN, Actuators
 from halfplane_fe.interface import Interface
-from halfplane_fe.law import project, slip_sign
+from halfplane_fe.law import slip_sign, states_if_closed
 from halfplane_fe.return_mapping import ReturnMapping, Start
 from halfplane_fe.settings import Method
 from halfplane_fe.systems import Layer, SingularSet, Systems
@@ -619,35 +619,34 @@ class ContactProblem:
         slip_increment = slip - start.slip
         r_normal, r_tangential = self.augmentation
         trial_pressure = pressure - r_normal * gap
-        pressure_if_closed = np.maximum(trial_pressure, ROUNDING)
+        limit = self.friction * np.maximum(trial_pressure, ROUNDING)
+        closed_states = np.full_like(states, STICK)
         if self.tangential:
-            trial_shear = shear + r_tangential * slip_increment
-            _, _, states_if_closed = project(pressure_if_closed, trial_shear, self.friction)
-        else:
-            states_if_closed = np.full_like(states, STICK)
-        changing_nodes = (np.where(trial_pressure > 0, states_if_closed, OPEN) != states).nonzero()[
-            0
-        ]
-        if not len(changing_nodes):
+            closed_states = states_if_closed(shear + r_tangential * slip_increment, limit)
+        states_by_law = np.where(trial_pressure > 0, closed_states, OPEN)
+        changing = (states_by_law != states).nonzero()[0]
+        if not len(changing):
             return states
+
         # Within rounding of touching or of the cone a node keeps the state it has.
-        states_before = states[changing_nodes]
-        force_to_cone = np.abs(shear) - self.friction * pressure_if_closed
-        is_touching = (np.abs(pressure) <= _LEAST_FORCE) & (np.abs(gap) <= ROUNDING)
-        is_at_cone = np.abs(force_to_cone) <= _LEAST_FORCE * self._shear_scale
-        is_at_cone &= np.abs(slip_increment) <= ROUNDING * self._shear_scale
-        is_closed = np.where(is_touching, states != OPEN, trial_pressure > 0)[changing_nodes]
-        keeps_state = is_at_cone[changing_nodes] & (states_before != OPEN)
-        states_after = np.where(
-            is_closed, np.where(keeps_state, states_before, states_if_closed[changing_nodes]), OPEN
-        )
+        states_before = states[changing]
+        was_closed = states_before != OPEN
+        has_no_force = np.abs(pressure[changing]) <= _LEAST_FORCE
+        is_touching = has_no_force & (np.abs(gap[changing]) <= ROUNDING)
+        force_beyond_limit = np.abs(shear[changing]) - limit[changing]
+        has_not_moved = np.abs(slip_increment[changing]) <= ROUNDING * self._shear_scale
+        is_at_limit = np.abs(force_beyond_limit) <= _LEAST_FORCE * self._shear_scale
+        keeps_state = was_closed & is_at_limit & has_not_moved
+        is_closed = np.where(is_touching, was_closed, states_by_law[changing] != OPEN)
+        states_if_touching = np.where(keeps_state, states_before, closed_states[changing])
+        states_after = np.where(is_closed, states_if_touching, OPEN)
         # A sliding node that turns round sticks first: from forward to reverse slip at one go, sets
         # chase each other.
         has_turned = (
             (states_after != states_before) & (states_after > STICK) & (states_before > STICK)
         )
         next_states = states.copy()
-        next_states[changing_nodes] = np.where(has_turned, STICK, states_after)
+        next_states[changing] = np.where(has_turned, STICK, states_after)
         return next_states
 
     def _tilt_at_known_shear(

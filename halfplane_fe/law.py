@@ -56,10 +56,18 @@ def project(
     trial = np.asarray(trial_shear, dtype=float)
     limit = friction * pressure
     shear = np.minimum(np.maximum(trial, -limit), limit)  # several times as fast as np.clip
-    sense_of_slip = np.where(trial > 0, *_SLIPS)
-    if_closed = np.where(np.abs(trial) > limit, sense_of_slip, _STICK)
-    state = np.where(np.asarray(trial_pressure) > 0, if_closed, _OPEN)
+    state = np.where(np.asarray(trial_pressure) > 0, states_if_closed(trial, limit), _OPEN)
     return pressure, shear, state
+
+
+def states_if_closed(trial_shear: Array, limit: Array) -> States:
+    """(...) stick, or slip the way of the trial shear where that exceeds the Coulomb limit f p.
+
+    >>> states_if_closed(np.array([0.5, -3.0]), np.array([1.0, 1.0])).tolist()
+    [1, 3]
+    """
+    sense_of_slip = np.where(trial_shear > 0, *_SLIPS)
+    return np.where(np.abs(trial_shear) > limit, sense_of_slip, _STICK)
 
 
 def slip_sign(state: States) -> NDArray[np.int64]:

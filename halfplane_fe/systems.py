@@ -12,15 +12,20 @@ shear. Where the movement of an actuator stands in the place of a load, its row 
 `actuators`. A state of a node is a choice of rows, so that the matrix of a set differs from that of
 a base set in a few rows alone (Sherman-Morrison-Woodbury).
 
-Of a base the answers to a unit in a load or in a row are kept. In a row that holds, gap or slip is
-known and the force follows; in one that does not hold, the other way round. An answer is what
-follows, a number each row, for what is known is the unit in its own row and 0 elsewhere. With v the
-base's answer to the loads, c_r that to a unit in row r, and R the rows of the set, its answer is
+A row pairs a displacement with the force in its direction: gap with pressure, slip with shear. It
+is *held* where the states prescribe the displacement, and *free* where they prescribe the force;
+the other of the two is its response. Where a node slides the force of its tangential row is
+q - (+-f) p.
 
-    v + sum_r y_r c_r,   sum_r R(c_r) y_r = b - R(v),
+Of a base the responses to unit cases are cached: to 1 in what it prescribes in one row, and to each
+unit load. A set is reached from the base by amplitudes of its unit cases. With v the responses to a
+load, c_r those to the unit case of row r, and R what the set prescribes in the rows in which it
+differs from the base,
 
-r being the rows in which set and base differ: one small system and one sum. Answers of a base are
-found by factors of its own, or in the same way from those of another base.
+    responses = v + sum_r y_r c_r,    R(v) + sum_r y_r R(c_r) = given:
+
+one small system for the amplitudes y, and one sum. The unit cases of a base are solved by equations
+of its own, or in the same way from those of another base, its origin.
 
 On one half of faces that are their own mirror image, without coupling, the first k nodes touch and
 the first s of them stick, by ascending x, at almost all instants. Such nested sets need no base:
@@ -31,7 +36,9 @@ being those of X; likewise of T.
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +51,7 @@ from halfplane_fe.law import slip_sign
 from scenes import OPEN, SLIP_FORWARD, STICK, ConvergenceError, InputError
 from scenes.array_types import Array, Indices, Mask, States
 
-Factors = tuple[Array, NDArray[np.int32]]
+LuFactors = tuple[Array, NDArray[np.int32]]
 
 # Bytes of bases, and so many at least: a cycle meets the same sets again and again. A record of
 # 2,000 rows on a pad makes 22 bases then, as with any number of bytes beyond; with 40 MB it makes
@@ -76,14 +83,14 @@ class SingularSet(ArithmeticError):
     """A set of node states that leaves the bodies free to move: no answer, try another set."""
 
 
-def _lu(matrix: Array) -> Factors:
+def _lu(matrix: Array) -> LuFactors:
     factors, pivots, zero_pivot = dgetrf(matrix)
     if zero_pivot > 0:
         raise SingularSet(f"pivot {zero_pivot} is zero")
     return factors, pivots
 
 
-def _lu_solve(factors: Factors, right: Array) -> Array:
+def _lu_solve(factors: LuFactors, right: Array) -> Array:
     return np.asarray(dgetrs(*factors, right)[0])
 
 
@@ -93,7 +100,10 @@ def _few_rows_times(rows: Array, matrix: Array) -> Array:
     """
     if len(rows) > _FEW_ROWS:
         return np.asarray(rows @ matrix)
-    return np.stack([row @ matrix for row in rows])
+    product = np.empty((len(rows), matrix.shape[1]))
+    for row, row_of_product in zip(rows, product, strict=True):
+        np.dot(row, matrix, out=row_of_product)
+    return product
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,9 +118,30 @@ class Layer:
     tangential: Array
 
 
+class _HeldEquations(NamedTuple):
+    """The equations of the k held rows of a base, P and Q among them, solved for their forces and
+    for the rigid motion.
+
+    Attributes
+    ----------
+    of_held
+        factors of (k, k) displacements of held rows by forces of held rows
+    free_by_held
+        (n_free, k) displacements of free rows by forces of held rows
+    """
+
+    of_held: LuFactors
+    free_by_held: Array
+
+    @property
+    def nbytes(self) -> int:
+        """Of both matrices."""
+        return self.of_held[0].nbytes + self.free_by_held.nbytes
+
+
 @dataclass(eq=False)
 class _Base:
-    """A set of which answers are kept.
+    """A set of node states of which responses to unit cases are cached.
 
     Attributes
     ----------
@@ -121,54 +152,71 @@ class _Base:
         (2 n,) of its rows, see `_kinds`
     traction
         (n,) q over p of the nodes that slide, open ones that count as sliding among them
+    is_held
+        (2 n,) whether the displacement of each row is prescribed
     held
-        (k,) rows of gap, slip and loads that hold; the unknowns of these numbers are solved for
-    place
-        (2 n + 5,) of each row among `held`, -1 of others
-    holds
-        (2 n,) rows of gap and slip that hold
-    source
-        of its answers: factors of the equations of `held`, or another base of whose answers they
-        are updates
+        (k,) rows that are held, then P and Q: what responds to these is solved for
     free
-        (n_free,) rows of gap and slip that do not hold
-    number
-        (2 n + 5,) place in `answers` of the answer to each row or load, -1 where it is unknown
-    answers
-        (m, 2 n + 3), of which `count` are known: the force of each row that holds, gap or slip
-        of the others, then approach, shift and tilt. Of a node that slides the force beyond f p
-        is known, and its row does not hold
-    places
-        (3 + 4 n,) of the values of interface states among the unknowns, (2 n + 3,) as those of
-        `answers`, and the givens, (2 n,) of each row, behind them; shear as the force of its row
-    met
+        (n_free,) rows whose force is prescribed
+    place_in_held
+        (2 n + 5,) of each row and load, -1 of those that are not among `held`
+    value_sources
+        (3 + 4 n,) where each value of an interface state comes from: the 2 n + 3 responses, or
+        the 2 n prescribed values of the rows, which follow them. Shear is the force of its row
+    equations
+        of its own, factorised; None where it has an origin
+    origin
+        the base from whose responses its own are found
+    case_number
+        (2 n + 5,) row of `responses` for the unit case of each row and load, -1 where that is
+        not solved yet
+    responses
+        (m, 2 n + 3) to unit cases, of which `n_cases` are solved: of each row, then approach,
+        shift and tilt
+    n_cases
+        unit cases that are solved
+    sets_reached
         sets that were reached from it: met again, they have the same bits
     """
 
     row_states: States
     kinds: States
     traction: Array
+    is_held: Mask
     held: Indices
-    place: Indices
-    holds: Mask
-    source: Factors | _Base
     free: Indices
-    number: Indices
-    answers: Array
-    places: Indices
-    met: set[bytes]
-    count: int = 0
-
-    @property
-    def origin(self) -> _Base | None:
-        """The base that its answers come from."""
-        return self.source if isinstance(self.source, _Base) else None
+    place_in_held: Indices
+    value_sources: Indices
+    equations: _HeldEquations | None
+    origin: _Base | None
+    case_number: Indices
+    responses: Array
+    n_cases: int = 0
+    sets_reached: set[bytes] = field(default_factory=set)
 
     @property
     def nbytes(self) -> int:
-        """Of the arrays that count."""
-        of_factors = 0 if isinstance(self.source, _Base) else self.source[0].nbytes
-        return of_factors + self.answers.nbytes
+        """Of the arrays that count. Room for responses that was never written takes no memory."""
+        bytes_of_equations = 0 if self.equations is None else self.equations.nbytes
+        return bytes_of_equations + self.responses[: self.n_cases].nbytes
+
+
+class _Update(NamedTuple):
+    """A set as reached from a base, for several load cases.
+
+    Attributes
+    ----------
+    responses
+        (c, 2 n + 3) of each case: what the base does not prescribe
+    rows
+        (m,) in which the set differs from the base
+    amplitudes
+        (c, m) of the unit cases of these rows: what the base would prescribe there
+    """
+
+    responses: Array
+    rows: Indices
+    amplitudes: Array
 
 
 def _kinds(row_states: States) -> NDArray[np.int8]:
@@ -394,8 +442,8 @@ class Systems:
         """
         self.work["linear solves"] += 1
         if self._is_nested(states):
-            return self._answers_of_nested(states, n_loads, rows, changes)
-        return self._answers_from_base(states, n_loads, rows, changes)
+            return self._values_of_nested(states, n_loads, rows, changes)
+        return self._values_from_base(states, n_loads, rows, changes)
 
     def _is_nested(self, states: States) -> bool:
         """Whether the first nodes stick, the next ones slide and the last are open, and answers
@@ -408,127 +456,148 @@ class Systems:
         touching = states[:n_touching]
         return bool(n_sticking and touching.all() and (touching[:n_sticking] == STICK).all())
 
-    def _answers_of_nested(
+    def _values_of_nested(
         self, states: States, n_loads: int, rows: Indices | None, changes: Array | None
     ) -> Array:
-        """`answers` of states of which the first nodes stick, the next slip and the last are
-        open.
+        """`answers` of states of which the first nodes stick, the next slip and the last are open.
+
+        Pressure does not depend on shear: of the normal problem the touching nodes are held. Of the
+        tangential one those that stick are held, and the sliding ones carry q = (+-f) p.
         """
         n = len(states)
         n_touching = int(np.count_nonzero(states))
         n_sticking = int(np.count_nonzero(states == STICK))
         n_cases = n_loads + (rows is not None)
-        known_gap, known_slip = known = np.zeros((2, n, n_cases))
+        prescribed = np.zeros((2, n, n_cases))
         if rows is not None:
-            known[rows // n, rows % n, n_loads] = changes
+            prescribed[rows // n, rows % n, n_loads] = changes
+        prescribed_normal, prescribed_tangential = prescribed
+        normal_load, tangential_load, *_ = np.eye(n_loads, n_cases)
+
         values = np.zeros((n_cases, 3 + 4 * n))
         slip, pressure, shear, gap = values[:, 3:].reshape(-1, 4, n).transpose(1, 2, 0)
-        normal_load, tangential_load, *_ = np.eye(n_loads, n_cases)
         pressure[:], values[:, 0], gap[:] = self._nested[0].solved(
-            n_touching, n_touching, known_gap, normal_load, self.actuators.normal
+            n_touching, n_touching, prescribed_normal, normal_load, self.actuators.normal
         )
         if self.shears:
-            known_slip[:n_sticking] *= -1
-            known_slip += (slip_sign(states) * self.friction)[:, None] * pressure
-            shear[:], values[:, 1], moved = self._nested[1].solved(
-                n_sticking, n_touching, known_slip, tangential_load, self.actuators.tangential
+            # T q moves the faces against the slip
+            prescribed_tangential[:n_sticking] *= -1
+            friction_of_states = slip_sign(states) * self.friction
+            prescribed_tangential += friction_of_states[:, None] * pressure
+            shear[:], values[:, 1], opposite_slip = self._nested[1].solved(
+                n_sticking,
+                n_touching,
+                prescribed_tangential,
+                tangential_load,
+                self.actuators.tangential,
             )
-            slip[:] = -moved
+            slip[:] = -opposite_slip
         return values
 
-    def _answers_from_base(
+    def _values_from_base(
         self, states: States, n_loads: int, rows: Indices | None, changes: Array | None
     ) -> Array:
-        """`answers` of any states: those of a base, and an update by the rows that differ
-        (Sherman-Morrison-Woodbury).
-        """
+        """`answers` of any states, by an update of a base."""
         n = len(states)
-        base, differs = self._nearest(states)
+        base, differs = self._base_for(states)
         given = np.zeros((0, 2 * n))
         if rows is not None:
             differs[rows] = True
             differs[n + rows[rows < n]] = True  # an open node with a given p does not slide
             given = np.zeros((1, 2 * n))
             given[0, rows] = changes
-        updated = differs.nonzero()[0]
+        rows_apart = differs.nonzero()[0]
         row_states = np.concatenate([states, states])
-        loads = np.arange(2 * n, 2 * n + n_loads)
-        return self._updated(base, row_states, updated, loads, given[:, updated])
+        unit_loads = np.arange(2 * n, 2 * n + n_loads)
+        update = self._updated(base, row_states, rows_apart, unit_loads, given[:, rows_apart])
+
+        n_responses = 2 * n + 3
+        responses_and_prescribed = np.zeros((len(update.responses), n_responses + 2 * n))
+        responses_and_prescribed[:, :n_responses] = update.responses
+        responses_and_prescribed[:, n_responses + rows_apart] = update.amplitudes
+        values = responses_and_prescribed.take(base.value_sources, axis=1)
+        _, pressure, shear, _ = values[:, 3:].reshape(-1, 4, n).transpose(1, 0, 2)
+        shear += base.traction * pressure  # so far the force of its row
+        return values
 
     def _updated(
-        self, base: _Base, row_states: States, updated: Indices, units: Indices, given: Array
-    ) -> Array:
-        """(k + c, 3 + 4 n) values of interface states of a set, by an update of a base
-        (Sherman-Morrison-Woodbury).
+        self, base: _Base, row_states: States, rows: Indices, unit_cases: Indices, given: Array
+    ) -> _Update:
+        """A set as reached from a base: amplitudes of the base's unit cases with which the rows in
+        which the two differ read what is given (Sherman-Morrison-Woodbury).
+
+            readings of unit_cases + amplitudes @ readings of rows = given (0 in unit_cases)
+            responses = responses to unit_cases + amplitudes @ responses to rows
 
         Parameters
         ----------
         row_states
             (2 n,) of the set, see `_Base`
-        updated
-            (m,) rows in which set and base differ, and those that are given
-        units
-            (k,) loads, or rows in which they do not differ: by a unit in each
+        rows
+            (m,) in which set and base differ, and those in which values are given
+        unit_cases
+            (k,) loads, or rows in which set and base do not differ: the first k cases
         given
-            (c, m) what is known of the rows of `updated`: by each of these
+            (c, m) what the set prescribes in `rows` in c further cases
         """
-        n = len(self.normal)
-        self._find(base, np.concatenate([units, updated]))
-        columns = base.answers.take(base.number[np.concatenate([units, updated])], axis=0)
-        n_units = len(units)
-        n_cases = n_units + len(given)
-        # what is unknown of the base, then what is known of its rows
-        in_base = np.zeros((n_cases, 4 * n + 3))
-        unknowns = in_base[:, : 2 * n + 3]
-        givens = in_base[:, 2 * n + 3 :]
-        unknowns[:n_units] = columns[:n_units]
-        is_row = (units < 2 * n).nonzero()[0]
-        givens[is_row, units[is_row]] = 1.0
-        if len(updated):
-            self.work["factor updates"] += 1
-            by_units = self._rows_of_set(base, row_states, updated, units, columns)
-            small_system = by_units[n_units:].T
-            right = np.concatenate([-by_units[:n_units], given])
-            factors = _lu_solve(_lu(small_system), right.T).T
-            unknowns += _few_rows_times(factors, columns[n_units:])
-            givens[:, updated] = factors
-        values = in_base.take(base.places, axis=1)
-        _, pressure, shear, _ = values[:, 3:].reshape(-1, 4, n).transpose(1, 0, 2)
-        shear += base.traction * pressure
-        return values
+        n_units = len(unit_cases)
+        cases = np.concatenate([unit_cases, rows])
+        self._solve_cases(base, cases)
+        case_responses = base.responses.take(base.case_number[cases], axis=0)
+        responses = np.zeros((n_units + len(given), case_responses.shape[1]))
+        responses[:n_units] = case_responses[:n_units]
+        if not len(rows):
+            return _Update(responses, rows, np.zeros((len(responses), 0)))
+        self.work["factor updates"] += 1
+        readings = self._readings(base, row_states, rows, cases, case_responses)
+        readings_of_rows = readings[n_units:].T
+        missing = np.concatenate([-readings[:n_units], given])
+        amplitudes = _lu_solve(_lu(readings_of_rows), missing.T).T
+        responses += _few_rows_times(amplitudes, case_responses[n_units:])
+        return _Update(responses, rows, amplitudes)
 
-    def _rows_of_set(
-        self, base: _Base, row_states: States, rows: Indices, units: Indices, columns: Array
+    def _readings(
+        self, base: _Base, row_states: States, rows: Indices, cases: Indices, responses: Array
     ) -> Array:
-        """(k + m, m) what m rows of a set read in answers of a base, (k + m, 2 n + 3), to k units
-        and to a unit in each of the m rows.
+        """(c, m) what a set prescribes in m rows, as it is in c unit cases of a base.
 
-        A normal row reads p of an open node, else the gap; a tangential one the slip of a node
-        that sticks, else q - (+-f) p.
+        In a normal row that is p of an open node, else the gap; in a tangential one the slip of a
+        node that sticks, else q - (+-f) p.
+
+        Parameters
+        ----------
+        row_states
+            (2 n,) of the set, see `_Base`
+        rows
+            (m,) to be read
+        cases
+            (c,) of the base: rows and loads
+        responses
+            (c, 2 n + 3) to these cases
         """
         n = len(self.normal)
 
-        def read(rows_read: Indices, is_unknown: Mask) -> Array:
-            """(k + m, len(rows_read)) what the base does not know of these rows, or the units."""
-            values = columns.take(rows_read, axis=1)
-            if not is_unknown.all():
-                all_units = np.concatenate([units, rows])
-                values[:, ~is_unknown] = np.equal.outer(all_units, rows_read[~is_unknown])
+        def read(rows_read: Indices, is_response: Mask) -> Array:
+            """(c, len(rows_read)) the responses of rows, or what the base prescribes in them."""
+            values = responses.take(rows_read, axis=1)
+            if not is_response.all():
+                prescribed_rows = rows_read[~is_response]
+                values[:, ~is_response] = np.equal.outer(cases, prescribed_rows)
             return values
 
         node = rows % n
         state = row_states[rows]
         is_normal = rows < n
         reads_displacement = np.where(is_normal, state != OPEN, (state == STICK) & self.shears)
-        values = read(rows, base.holds[rows] != reads_displacement)
+        readings = read(rows, base.is_held[rows] != reads_displacement)
         # The force of a tangential row is q beyond what the base takes along with p.
-        slope = base.traction[node] - self.friction * slip_sign(state)
-        with_pressure = (~is_normal & ~reads_displacement & (slope != 0)).nonzero()[0]
-        of_pressure = node[with_pressure]
-        values[:, with_pressure] += slope[with_pressure] * read(
-            of_pressure, base.holds[of_pressure]
-        )
-        return values
+        traction_apart = base.traction[node] - self.friction * slip_sign(state)
+        takes_pressure = ~is_normal & ~reads_displacement & (traction_apart != 0)
+        with_pressure = takes_pressure.nonzero()[0]
+        nodes = node[with_pressure]
+        pressure = read(nodes, base.is_held[nodes])
+        readings[:, with_pressure] += traction_apart[with_pressure] * pressure
+        return readings
 
     def corrections(self, states: States, n_loads: int, changes: Array) -> Array:
         """`answers`, with changes of all rows: by the factors of the set itself.
@@ -555,7 +624,7 @@ class Systems:
         n = len(states)
         self.work["linear solves"] += 1
         if self._is_nested(states):
-            return self._answers_of_nested(states, n_loads, np.arange(2 * n), changes)
+            return self._values_of_nested(states, n_loads, np.arange(2 * n), changes)
         if not (self._holds_without_stick or STICK in states):
             raise SingularSet("no node sticks: the bodies slide on each other")
         key = states.tobytes()
@@ -571,11 +640,11 @@ class Systems:
         z[rows_of_loads[2:], np.arange(2, n_loads)] = 1.0
         z[base.free, case_of_changes] = changes[base.free]
         right = -self.matrix[base.held] @ z
-        right[base.place[rows_of_loads[:2]], np.arange(2)] += 1.0
+        right[base.place_in_held[rows_of_loads[:2]], np.arange(2)] += 1.0
         of_nodes = base.held < 2 * n
         right[of_nodes, case_of_changes] += changes[base.held[of_nodes]]
-        assert not isinstance(base.source, _Base)  # for the type checker: it has no origin
-        z[base.held] = _lu_solve(base.source, right)
+        assert base.equations is not None  # for the type checker: it has no origin
+        z[base.held] = _lu_solve(base.equations.of_held, right)
         z[n : 2 * n] += base.traction[:, None] * z[:n]
         displacements = self.matrix[: 2 * n] @ z
         values = np.empty((n_loads + 1, 3 + 4 * n))
@@ -585,152 +654,174 @@ class Systems:
         values[:, 3 + 3 * n :] = displacements[:n].T  # gap
         return values
 
-    def _nearest(self, states: States) -> tuple[_Base, Mask]:
-        """A base for a set, and the rows that differ: that from which the set was reached before,
-        the nearest one or, where it is far, the set itself.
+    def _base_for(self, states: States) -> tuple[_Base, Mask]:
+        """A base for a set, and the rows (2 n,) in which they differ: the base from which the set
+        was reached before, the nearest one or, where it is far, the set itself.
         """
         # An update of a base makes a pivot of rounding from the zero that this is.
         if not (self._holds_without_stick or STICK in states):
             raise SingularSet("no node sticks: the bodies slide on each other")
         key = states.tobytes()
         kinds = _kinds(np.concatenate([states, states]))
-        base = next((base for base in self._bases if key in base.met), None)
-        if base is None and self._bases:
-            n_rows = len(kinds)
-            rows_apart = [n_rows - np.count_nonzero(base.kinds & kinds) for base in self._bases]
-            least_rows = min(rows_apart)
-            if least_rows <= _MOST_ROWS:
-                base = self._bases[rows_apart.index(least_rows)]
+        base = next((base for base in self._bases if key in base.sets_reached), None)
+        if base is None:
+            base = self._nearest(self._bases, kinds, _MOST_ROWS)
         if base is None:
             row_states = np.concatenate([states, _sliding_where_open(states)])
-            base = self._new_base(row_states, self._origin(row_states))
+            factorised_bases = [base for base in self._bases if base.origin is None]
+            origin = self._nearest(factorised_bases, _kinds(row_states), _MOST_ROWS_APART)
+            base = self._new_base(row_states, origin)
         # what was used last comes last, and an origin after what has come from it
         for used in (base, base.origin):
             if used in self._bases:
                 self._bases.remove(used)
             if used is not None:
                 self._bases.append(used)
-        base.met.add(key)
+        base.sets_reached.add(key)
         return base, (base.kinds & kinds) == 0
 
-    def _origin(self, row_states: States) -> _Base | None:
-        """The nearest base with factors, from which answers of a new one can be found for less than
-        its own factors cost.
+    @staticmethod
+    def _nearest(
+        bases: Sequence[_Base], kinds: NDArray[np.int8], most_rows_apart: int
+    ) -> _Base | None:
+        """The base that differs in the fewest rows from a set of rows of these kinds (2 n,), if
+        they are few enough.
         """
-        origins = [base for base in self._bases if base.origin is None]
-        if not origins:
+        if not bases:
             return None
-        kinds = _kinds(row_states)
-        rows_apart = [np.count_nonzero((base.kinds & kinds) == 0) for base in origins]
+        rows_apart = [len(kinds) - np.count_nonzero(base.kinds & kinds) for base in bases]
         least_rows = min(rows_apart)
-        return origins[rows_apart.index(least_rows)] if least_rows <= _MOST_ROWS_APART else None
+        return bases[rows_apart.index(least_rows)] if least_rows <= most_rows_apart else None
 
     def _new_base(self, row_states: States, origin: _Base | None) -> _Base:
-        """A base without answers, and with factors if it has no origin."""
+        """A base without responses, and with factors if it has no origin."""
         n = len(self.normal)
         states = row_states[:n]
-        traction = np.asarray(slip_sign(row_states[n:]) * self.friction, dtype=np.float64)
         sticks = (states == STICK) & self.shears
-        holds = np.concatenate([states != OPEN, sticks, [True, True, False, False, False]])
-        held_rows = np.flatnonzero(holds)
-        free_rows = np.flatnonzero(~holds[: 2 * n])
-        place = np.full(len(holds), -1)
-        place[held_rows] = np.arange(len(held_rows))
-        number_of_unknown = np.arange(2 * n)
-        number_of_given = number_of_unknown + 2 * n + 3
-        is_given = ~holds[: 2 * n]
-        places_of_force = np.where(is_given, number_of_given, number_of_unknown)
-        places_of_displacement = np.where(is_given, number_of_unknown, number_of_given)
-        places = [
+        is_held = np.concatenate([states != OPEN, sticks])
+        held = np.concatenate([is_held.nonzero()[0], [2 * n, 2 * n + 1]])
+        free = (~is_held).nonzero()[0]
+        traction = np.asarray(slip_sign(row_states[n:]) * self.friction, dtype=np.float64)
+        place_in_held = np.full(2 * n + 5, -1)
+        place_in_held[held] = np.arange(len(held))
+        response_of_row = np.arange(2 * n)
+        prescribed_of_row = 2 * n + 3 + response_of_row
+        source_of_force = np.where(is_held, response_of_row, prescribed_of_row)
+        source_of_displacement = np.where(is_held, prescribed_of_row, response_of_row)
+        sources_in_order = [
             np.arange(2 * n, 2 * n + 3),  # approach, shift, tilt
-            places_of_displacement[n:],
-            places_of_force,
-            places_of_displacement[:n],
+            source_of_displacement[n:],  # slip
+            source_of_force,  # pressure and shear
+            source_of_displacement[:n],  # gap
         ]
         return _Base(
             row_states=row_states,
             kinds=_kinds(row_states),
             traction=traction,
-            held=held_rows,
-            place=place,
-            holds=holds[: 2 * n],
-            source=self._factors(states, held_rows) if origin is None else origin,
-            free=free_rows,
-            number=np.full_like(place, -1),
-            answers=np.empty((0, 2 * n + 3)),
-            places=np.concatenate(places),
-            met=set(),
+            is_held=is_held,
+            held=held,
+            free=free,
+            place_in_held=place_in_held,
+            value_sources=np.concatenate(sources_in_order),
+            equations=self._factorise(states, held, free) if origin is None else None,
+            origin=origin,
+            case_number=np.full(2 * n + 5, -1),
+            responses=np.empty((0, 2 * n + 3)),
         )
 
-    def _factors(self, states: States, held_rows: Indices) -> Factors:
-        """Of the equations of the rows of a set that hold."""
+    def _factorise(self, states: States, held: Indices, free: Indices) -> _HeldEquations:
+        """The equations of the rows of a set, by the forces of those that are held."""
         self.work["factorisations"] += 1
-        columns = self.matrix[np.ix_(held_rows, held_rows)]
+        by_held = self.matrix.take(held, axis=1)
         # Sliding nodes take their q along with p.
-        sliding_nodes = np.flatnonzero(slip_sign(states))
+        sliding_nodes = slip_sign(states).nonzero()[0]
         traction = slip_sign(states[sliding_nodes]) * self.friction
-        columns[:, np.searchsorted(held_rows, sliding_nodes)] += (
-            self.matrix[np.ix_(held_rows, len(states) + sliding_nodes)] * traction
-        )
-        return _lu(columns)
+        places_of_pressure = np.searchsorted(held, sliding_nodes)
+        columns_of_shear = len(states) + sliding_nodes
+        by_held[:, places_of_pressure] += self.matrix[:, columns_of_shear] * traction
+        return _HeldEquations(_lu(by_held[held]), by_held[free])
 
-    def _find(self, base: _Base, required: Indices) -> None:
-        """Have the answers of a base to a unit in these rows, or loads (from 2 n on)."""
-        missing_rows = required[base.number[required] < 0]
-        if not len(missing_rows):
+    def _solve_cases(self, base: _Base, required: Indices) -> None:
+        """Have the responses of a base to these unit cases: rows, and loads (from 2 n on)."""
+        missing_cases = required[base.case_number[required] < 0]
+        if not len(missing_cases):
             return
         n = len(base.traction)
-        neighbours = np.add.outer(
-            missing_rows[missing_rows < 2 * n], np.arange(-_NEIGHBOURS, _NEIGHBOURS + 1)
-        ).clip(0, 2 * n - 1)
-        rows = np.union1d(neighbours[base.number[neighbours] < 0], missing_rows)
-        source = base.source
-        if isinstance(source, _Base):
-            answers = self._by_origin(base, source, rows)
+        missing_rows = missing_cases[missing_cases < 2 * n]
+        steps_to_neighbours = np.arange(-_NEIGHBOURS, _NEIGHBOURS + 1)
+        neighbours = np.add.outer(missing_rows, steps_to_neighbours).clip(0, 2 * n - 1)
+        unsolved_neighbours = neighbours[base.case_number[neighbours] < 0]
+        cases = np.union1d(unsolved_neighbours, missing_cases)
+        if base.equations is not None:
+            responses = self._responses_by_equations(base, base.equations, cases)
         else:
-            answers = self._by_factors(base, source, rows)
-        end = base.count + len(rows)
-        if end > len(base.answers):  # twice the room, so that it is seldom copied
-            room = np.empty((end, 2 * n + 3))
-            base.answers = np.concatenate([base.answers[: base.count], room])
-        base.answers[base.count : end] = answers
-        base.number[rows] = np.arange(base.count, end)
-        base.count = end
+            assert base.origin is not None  # for the type checker: it has factors or an origin
+            responses = self._responses_by_origin(base, base.origin, cases)
+        n_cases = base.n_cases + len(cases)
+        if n_cases > len(base.responses):  # twice the room, so that it is seldom copied
+            solved_responses = base.responses[: base.n_cases]
+            base.responses = np.empty((2 * n_cases, 2 * n + 3))
+            base.responses[: base.n_cases] = solved_responses
+        base.responses[base.n_cases : n_cases] = responses
+        base.case_number[cases] = np.arange(base.n_cases, n_cases)
+        base.n_cases = n_cases
         while len(self._bases) > _LEAST_BASES and sum(base.nbytes for base in self._bases) > _BYTES:
             self._bases.pop(0)
 
-    def _by_factors(self, base: _Base, factors: Factors, rows: Indices) -> Array:
-        """(len(rows), 2 n + 3) answers of a base by its factors."""
-        n = len(self.normal)
-        place = base.place[rows]
-        is_held = place >= 0
-        by_unknown = np.where(is_held, 0.0, self.matrix[:, np.where(is_held, 0, rows)])
-        is_open = ~is_held & (rows < n)
-        open_nodes = rows[is_open]
-        by_unknown[:, is_open] += self.matrix[:, n + open_nodes] * base.traction[open_nodes]
-        right = -by_unknown[base.held]
-        right[place[is_held], is_held.nonzero()[0]] += 1.0
-        solutions = _lu_solve(factors, right)
-        forces = np.zeros((2 * n + 2, len(rows)))
-        forces[base.held] = solutions
-        forces[n : 2 * n] += base.traction[:, None] * forces[:n]
-        displacements = self.matrix[base.free, : 2 * n + 2] @ forces + by_unknown[base.free]
-        answers = np.empty((len(rows), 2 * n + 3))
-        answers[:, base.held] = solutions.T
-        answers[:, base.free] = displacements.T
-        answers[:, 2 * n + 2] = rows == 2 * n + 4  # the tilt
-        return answers
+    def _responses_by_equations(
+        self, base: _Base, equations: _HeldEquations, cases: Indices
+    ) -> Array:
+        """(c, 2 n + 3) responses of a base to c unit cases, by its own equations.
 
-    def _by_origin(self, base: _Base, origin: _Base, rows: Indices) -> Array:
-        """(len(rows), 2 n + 3) answers of a base by an update of those of its origin."""
+        Of a free row the unit case prescribes a force, which moves all rows; of a held row it
+        prescribes the displacement, 1. The forces of the held rows follow, and with them the free
+        displacements:
+
+            of_held @ forces = prescribed displacement - displacements_by_force of held rows
+            free_displacements = free_by_held @ forces + displacements_by_force of free rows
+        """
         n = len(self.normal)
-        updated = ((origin.kinds & base.kinds) == 0).nonzero()[0]
-        is_updated = np.isin(rows, updated)
-        given = np.equal.outer(rows[is_updated], updated).astype(np.float64)
-        values = np.empty((len(rows), 3 + 4 * n))
-        number = np.concatenate([(~is_updated).nonzero()[0], is_updated.nonzero()[0]])
-        values[number] = self._updated(origin, base.row_states, updated, rows[~is_updated], given)
-        # q of nodes that slide is known of the base, and left out
-        in_base = np.empty_like(values)
-        in_base[:, base.places] = values
-        return in_base[:, : 2 * n + 3]
+        place_in_held = base.place_in_held[cases]
+        is_held = place_in_held >= 0
+        displacements_by_force = np.zeros((2 * n + 2, len(cases)))
+        displacements_by_force[:, ~is_held] = self.matrix[:, cases[~is_held]]
+        is_open = ~is_held & (cases < n)
+        open_nodes = cases[is_open]
+        by_shear = self.matrix[:, n + open_nodes]
+        displacements_by_force[:, is_open] += by_shear * base.traction[open_nodes]
+        held_displacements = -displacements_by_force[base.held]
+        held_displacements[place_in_held[is_held], is_held.nonzero()[0]] += 1.0
+        forces = _lu_solve(equations.of_held, held_displacements)
+        free_displacements = equations.free_by_held @ forces + displacements_by_force[base.free]
+        responses = np.empty((len(cases), 2 * n + 3))
+        responses[:, base.held] = forces.T  # the rigid motion follows the forces in both
+        responses[:, base.free] = free_displacements.T
+        responses[:, 2 * n + 2] = cases == 2 * n + 4  # the tilt
+        return responses
+
+    def _responses_by_origin(self, base: _Base, origin: _Base, cases: Indices) -> Array:
+        """(c, 2 n + 3) responses of a base to c unit cases, by an update of those of its origin.
+
+        Of a row that one of the two holds and the other does not, the amplitude in the origin is
+        the response in the base.
+        """
+        n = len(self.normal)
+        rows_apart = ((origin.kinds & base.kinds) == 0).nonzero()[0]
+        is_apart = np.isin(cases, rows_apart)
+        given = np.equal.outer(cases[is_apart], rows_apart).astype(np.float64)
+        update = self._updated(origin, base.row_states, rows_apart, cases[~is_apart], given)
+        order_of_update = np.concatenate([(~is_apart).nonzero()[0], is_apart.nonzero()[0]])
+        responses = np.empty_like(update.responses)
+        responses[order_of_update] = update.responses
+        changes_roles = origin.is_held[rows_apart] != base.is_held[rows_apart]
+        rows_with_roles_changed = rows_apart[changes_roles]
+        responses[np.ix_(order_of_update, rows_with_roles_changed)] = update.amplitudes[
+            :, changes_roles
+        ]
+        # The force that the origin prescribes in a tangential row is q - (+-f) p; where it slides
+        # and the base sticks, q is the response.
+        sticking_nodes = rows_with_roles_changed[rows_with_roles_changed >= n] - n
+        sticking_nodes = sticking_nodes[base.is_held[n + sticking_nodes]]
+        pressure = responses[:, sticking_nodes]
+        responses[:, n + sticking_nodes] += origin.traction[sticking_nodes] * pressure
+        return responses
