@@ -84,8 +84,10 @@ def test_what_tests_share_is_made_once_and_again_while_anything_is_replaced(
     scene = load_scene("hertz-normal")
     hits(scene)
     assert hits(scene.vary(name="by another name")) == [1, 1, 1]
-    # meshes follow the scales, which follow the radius; bodies follow Poisson's ratio
-    material = Materials(lower=SOFTER, upper=SOFTER)
+    # Meshes follow the scales, which follow the radius; bodies follow Poisson's ratio. Both are of
+    # this test alone.
+    own = Elastic(young_modulus=70e3, poisson_ratio=0.3317)
+    material = Materials(lower=own, upper=own)
     assert hits(scene.vary(profile=Hertz(radius=1001.0), material=material)) == [0, 0, 0]
     with made_again():
         assert hits(scene) == [0, 0, 0]
