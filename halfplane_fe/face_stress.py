@@ -423,12 +423,12 @@ def tension_of_nodes(nodal: Nodal) -> float:
     if not len(shear):
         return 0.0
     tangent = np.tan(angles / 2)
-    to_edges = np.concatenate([[0.0], angles, [math.pi]])
-    tension = [
-        2 / math.pi * np.trapezoid(np.pad(weighted_shear, 1, mode="edge"), to_edges)
-        for weighted_shear in (shear / tangent, shear * tangent)
-    ]
-    return float(np.max(np.abs(tension)))
+    tensions = []
+    for weighted_shear in (shear / tangent, shear * tangent):
+        between_nodes = np.trapezoid(weighted_shear, angles)
+        to_edges = weighted_shear[0] * angles[0] + weighted_shear[-1] * (math.pi - angles[-1])
+        tensions.append(2 / math.pi * abs(float(between_nodes + to_edges)))
+    return max(tensions)
 
 
 class TractionsAndUncertainty(NamedTuple):
