@@ -550,7 +550,9 @@ def _termination(run: PathRun) -> str:
 
 
 def _message(run: PathRun) -> str:
-    """How the run ended, as a sentence."""
+    """How a run along the load path ended, as a sentence: failed, steady, at the end of the path,
+    or ratcheting.
+    """
     if run.failure is not None:
         return str(run.failure)
     steps = len(run.iterations)

@@ -739,15 +739,20 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
 def _between_sampled(
     solution: ContactSolution, nodal_values: Mapping[int, Nodal]
 ) -> dict[int, Array]:
-    """About what bodies and bulk stress add to the tension of each step, (2, 2) by body and edge:
-    found at a few instants, by a cubic spline between them; 0 where it is not known [stress].
+    """About what bodies and bulk stress add to the tension of each step of a solution, (2, 2) by
+    body and edge [stress]: found at a few steps, by a cubic spline between them; 0 where it is not
+    known.
+
+    `nodal_values` are the tractions at the nodes by the number of the step.
     """
     steps = list(nodal_values)
-    evenly = np.linspace(0, len(steps) - 1, _SAMPLED_FOR_SEARCH).round().astype(int)
-    sampled = [steps[k] for k in evenly]
-    series = [tractions(nodal_values[step]) for step in sampled]
-    at_sampled, _ = _tension_by_bodies(solution, sampled, series)
-    spline = scipy.interpolate.CubicSpline(solution.time[sampled], np.nan_to_num(at_sampled))
+    evenly_spread = np.linspace(0, len(steps) - 1, _SAMPLED_FOR_SEARCH).round().astype(int)
+    sampled_steps = [steps[k] for k in evenly_spread]
+    series = [tractions(nodal_values[step]) for step in sampled_steps]
+    sampled_tensions, _ = _tension_by_bodies(solution, sampled_steps, series)
+    spline = scipy.interpolate.CubicSpline(
+        solution.time[sampled_steps], np.nan_to_num(sampled_tensions)
+    )
     return dict(zip(steps, spline(solution.time[steps]), strict=True))
 
 

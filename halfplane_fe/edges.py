@@ -230,18 +230,20 @@ def visible_states(
 
 
 def _about_stick_zone(rise: Array, imposed: Array, sticks: Mask) -> tuple[Array, Array]:
-    """(k, n) gap and slip by a rise (k, 3) of bulk stresses and tilt, from the middle of the stick
-    zone on; 0 where nothing sticks.
+    """Gap and slip of the nodes by a rise (k, 3) of bulk stresses and tilt, (k, n) each, counted
+    from the middle of the stick zone; 0 where nothing sticks.
+
+    `imposed` (2, n, 3) are gap and slip by a unit of each, `sticks` (k, n) the nodes that stick.
     """
-    ends = np.stack([np.argmax(sticks, axis=1), _last(sticks)], axis=1)
-    some_stick = sticks.any(axis=1, keepdims=True)
+    end_nodes = np.stack([np.argmax(sticks, axis=1), _last(sticks)], axis=1)
+    has_sticking_nodes = sticks.any(axis=1, keepdims=True)
     differences = []
     for by_unit in imposed:
         values = rise @ by_unit.T
-        at_middle = np.take_along_axis(values, ends, axis=1).mean(axis=1, keepdims=True)
-        differences.append((values - at_middle) * some_stick)
-    of_gap, of_slip = differences
-    return of_gap, of_slip
+        value_at_middle = np.take_along_axis(values, end_nodes, axis=1).mean(axis=1, keepdims=True)
+        differences.append((values - value_at_middle) * has_sticking_nodes)
+    gap_by_rise, slip_by_rise = differences
+    return gap_by_rise, slip_by_rise
 
 
 def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: float) -> Array:

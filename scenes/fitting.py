@@ -550,9 +550,9 @@ class _Rows:
         )
 
     def best(self, start: Array, weight: float) -> _Fit:
-        """The fit with the least squares of deviations and smoothing for a weight of the smoothing,
-        from a guess `start` of the middle x0 and the half-length b, those of them that are
-        sought.
+        """The fit with the least squares of deviations and smoothing for a `weight` of the
+        smoothing, from a guess `start` of the middle x0 and the half-length b, those of them that
+        are sought.
         """
         from scipy.optimize import least_squares
 
@@ -561,7 +561,7 @@ class _Rows:
         lower_bounds = [-1.0] * self.centred
         upper_bounds = [1.0] * self.centred
         bounds = ([*lower_bounds, 1e-9][: len(start)], [*upper_bounds, _LONGEST][: len(start)])
-        least_squares_result = least_squares(
+        minimum = least_squares(
             lambda z: self.at(z, weight).rest,
             start,
             bounds=bounds,
@@ -569,7 +569,7 @@ class _Rows:
             ftol=1e-12,
             gtol=1e-12,
         )
-        return self.at(least_squares_result.x, weight)
+        return self.at(minimum.x, weight)
 
     def fit(
         self, noise: float | None, weight: float | None, flat_half_length: float | None

@@ -987,22 +987,29 @@ def _beyond_units(
 
 
 def _reasons(
-    e: Ellipses, force: Array, tangential_load: Array, friction: Array
+    ellipses: Ellipses, mean_tangential_load: Array, tangential_amplitude: Array, friction: Array
 ) -> NDArray[np.int8]:
-    """Reason why each of m ellipses of loads (m,) is inadmissible, or none: separation or gross
-    sliding.
+    """Reason why each of m ellipses of loads is inadmissible, or none: separation or gross sliding.
 
-    Q| = f P is admitted, to rounding. `force` is the mean Q, its sign turned where the ellipse was
-    mirrored; `tangential_load` the amplitude of Q.
+    |Q| = f P is admitted, to rounding. `mean_tangential_load` (m,) has its sign turned where the
+    ellipse was mirrored; `friction` is f of each.
     """
-    limit = friction * e.mean
-    slack = 4e-16 * (np.abs(force) + tangential_load + limit + friction * e.amplitude)
+    limit = friction * ellipses.mean
+    round_off = 4e-16 * (
+        np.abs(mean_tangential_load) + tangential_amplitude + limit + friction * ellipses.amplitude
+    )
     # The greatest Q - f P and -Q - f P; without friction u and v are those of another coefficient.
-    slides = np.maximum(friction * e.u + force, friction * e.v - force) > limit + slack
-    slides |= (friction == 0) & (tangential_load > 0)
+    slides = (
+        np.maximum(
+            friction * ellipses.u + mean_tangential_load,
+            friction * ellipses.v - mean_tangential_load,
+        )
+        > limit + round_off
+    )
+    slides |= (friction == 0) & (tangential_amplitude > 0)
     reasons = np.full(len(limit), Reason.NONE, dtype=np.int8)
     reasons[slides] = Reason.SLIDING
-    reasons[e.amplitude > e.mean] = Reason.SEPARATION
+    reasons[ellipses.amplitude > ellipses.mean] = Reason.SEPARATION
     return reasons
 
 

@@ -245,10 +245,10 @@ def uneven(contact: Contact, span: Span) -> bool:
 def pointwise_dissipation(
     contact: Contact, modulus: float, spans: Sequence[Span], x: Array
 ) -> Split:
-    """Friction work of the spans at |x| = `x` (k,): shape (k,) [energy per area].
+    """Friction work of the spans of a load path at |x| = `x` (k,): shape (k,) [energy per area].
 
-    While Q grows at constant P it is f p(x) s(x), with the slip s = (f A/pi) [S(x, P) - S(x, P_c)]
-    of `HertzContact.slip_integral`.
+    While Q grows at constant P it is f p(x) s(x), with the slip s = (f A/pi) [S(x, P) - S(x, P_c)],
+    S(x, P) the integral of arccosh(|x|/a) over the loads up to P, A = 2/E* and `modulus` E*.
 
     >>> from scenes.segments import straight_segments
     >>> from semi_analytic.hertz import HertzContact

@@ -65,7 +65,9 @@ class FollowingLoads(PathLoads):
         return np.stack([normal_load, tangential_load, strain, tilt])
 
     def turns(self, leg: LoadSegment) -> list[float]:
-        """The end of a leg and the turning points of P, Q, eps and alpha in it."""
+        """Times of the end of a leg and of the turning points of P, Q, bulk strain and tilt in it,
+        one for all that turn together; strain and tilt are sums of what P and Q add.
+        """
         different_times = super().turns(leg)
         effects = self.effects
         for effect_of_pressure, effect_of_shear in (
