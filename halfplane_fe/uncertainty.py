@@ -377,30 +377,36 @@ class Meshes:
 
 def uncertainties(
     values: RunValues,
-    of_coarse_run: RunValues | None,
+    coarse_values: RunValues | None,
     meshes: Meshes,
-    sheared: bool,
-    work: float,
+    has_shear: bool,
+    scaled_work: float,
 ) -> dict[str, float]:
-    """u of each quantity of `RULES`, in its unit; NaN is "no estimate".
+    """Uncertainty of tangential displacement, normal approach and largest slip, in their unit, by
+    the name; NaN without an estimate.
 
     Parameters
     ----------
-    of_coarse_run
-        None where the bodies are shared, without a coarse run of this scene
-    sheared
+    values
+        values of the run
+    coarse_values
+        those of the coarse run; None where the bodies are shared, without a coarse run of this
+        scene
+    meshes
+        ratios of the elements of both runs
+    has_shear
         whether any shear can arise: then slip and W(x) that are zero in both runs may be too
         little for either
-    work
+    scaled_work
         W over A f^2 P^2, P the largest load; 0 without friction
     """
-    if of_coarse_run is None or not values.is_comparable(of_coarse_run):
+    if coarse_values is None or not values.is_comparable(coarse_values):
         return dict.fromkeys(RULES, math.nan)
     estimates: dict[str, float] = {}
     for name, rule in RULES.items():
         largest_value = float(np.max(np.abs(getattr(values, name))))
-        difference = values.difference(name, of_coarse_run)
-        if sheared and (largest_value == 0 or work < rule.least_work):
+        difference = values.difference(name, coarse_values)
+        if has_shear and (largest_value == 0 or scaled_work < rule.least_work):
             estimates[name] = math.nan
             continue
         estimate = rule.uncertainty(largest_value, difference, meshes.refinement, meshes.coarse)

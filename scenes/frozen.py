@@ -211,8 +211,8 @@ def did_you_mean(word: str, known_words: Iterable[str]) -> str:
 
 
 def _key(fault: ErrorDetails, keys: Any) -> str:
-    """The key that a fault is about, as it stands in the file: pydantic's location without the
-    parts that only its unions know.
+    """The key that a fault of validation is about, as it stands in the file, `keys`: pydantic's
+    location without the parts that only its unions know.
     """
     path: list[str] = []
     level: Any = keys

@@ -832,8 +832,9 @@ class PointFields:
         return pressure_of_parabola, pressure_of_fourth
 
     def _outside(self, half_width: Array) -> tuple[Array, Array]:
-        """(A/pi) int arccosh(|x|/c) dG and dG_4 over c < min(a, |x|), int c arccosh(|x|/c) dc and
-        int (c^3/4) arccosh(|x|/c) dc: (n, k) each.
+        """Integrals of arccosh(|x|/c) over the punches up to half-widths a, where the point is
+        outside of them, c < min(a, |x|): of c dc for those of x^2/2, and of (c^3/4) dc for those of
+        x^4/24, (n, k) each; slip is these times a factor.
         """
         x = self._x
         inner_half_width = np.minimum(half_width[:, None], x)

@@ -141,21 +141,21 @@ class HertzContact:
         )
 
     def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """int_0^eta eta' arccosh(|x|/a) d eta' over the loads at which x is outside [force^2 per
-        thickness^2].
+        """Integral of eta' arccosh(|x|/a(eta')) d eta' over the loads from 0 to eta = `load` at
+        which x is outside the contact [force^2 per thickness^2].
 
-        (eta^2/2) arccosh(sqrt(P_x/eta)) + (r/4) [2 P_x (r - s) - (2/3) (r^3 - s^3)], r = sqrt(P_x),
-        s = sqrt(P_x - eta), in parts: the second term is a quarter of int_0^eta eta' sqrt(P_x/(P_x
-        - eta')) d eta'.
+        With P_x the load at which the edge of contact is at x: (eta^2/2) arccosh(sqrt(P_x/eta)) +
+        (r/4) [2 P_x (r - s) - (2/3) (r^3 - s^3)], r = sqrt(P_x), s = sqrt(P_x - eta), in parts: the
+        second term is a quarter of int_0^eta eta' sqrt(P_x/(P_x - eta')) d eta'.
         """
-        edge = self.load(x)
-        outside_load = np.minimum(np.asarray(load, dtype=float), edge)
-        gap = edge - outside_load
+        load_at_x = self.load(x)
+        outside_load = np.minimum(np.asarray(load, dtype=float), load_at_x)
+        load_to_edge = load_at_x - outside_load
         # notation: r = sqrt(P_x), s = sqrt(P_x - eta)
-        r = np.sqrt(edge)
-        s = np.sqrt(gap)
-        half_power_terms = r * (2 * edge * (r - s) - 2 / 3 * (r**3 - s**3))
-        return outside_load**2 / 2 * _arc(gap, outside_load) + half_power_terms / 4
+        r = np.sqrt(load_at_x)
+        s = np.sqrt(load_to_edge)
+        half_power_terms = r * (2 * load_at_x * (r - s) - 2 / 3 * (r**3 - s**3))
+        return outside_load**2 / 2 * _arc(load_to_edge, outside_load) + half_power_terms / 4
 
     def advance(self, load: ArrayLike) -> Array:
         """How far the edge is beyond that of no load: a itself [length]."""

@@ -579,7 +579,8 @@ class History:
 
 
 def follow(loading: Sequence[LoadSegment], turns: Iterable[Turn], friction: float) -> History:
-    """The history of an initial loading and of revolutions, up to the first that ends as it began.
+    """The history of friction along an initial loading and the `turns` of a cycle, up to the first
+    that ends as it began; f is `friction`.
 
     Raises
     ------

@@ -577,7 +577,8 @@ def depth_of(curve: Knot | None) -> int:
 
 def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = False) -> StepBlock:
     """Straight steps from the first of `rows` (n + 1, 2) of P and Q, where the memory is `curve`,
-    to each of the others.
+    to each of the others: records of the slip, and the memory curve at the end. With `curves` the
+    memory curve of each record is stored too.
 
     >>> block = follow(None, np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 0.5], [2.0, -0.5]]), 0.5)
     >>> block.records.slipped_after.tolist(), block.alive  # Q/f, then (Q - Q')/(2 f)

@@ -518,8 +518,18 @@ def _with_turning_points(curve: _WorkCurve, work: Work) -> _WorkCurve:
 def _roots_of(
     curve: _WorkCurve, work: Work, member: NDArray[np.intp], target: Array
 ) -> tuple[Array, NDArray[np.intp], NDArray[np.bool_]]:
-    """Every f at which W of a member is its target: (n, most), NaN beyond the last of each; how
-    many, (n,); and whether the search for one did not converge, (n,). `member` and `target` (n,).
+    """Every f at which W of a member is its target: roots (n, k), as many as the target with most
+    of them has, NaN behind the last of each; their number, (n,); and whether the search for one did
+    not converge, (n,).
+
+    Parameters
+    ----------
+    curve
+        W at samples of f for each member
+    work
+        function that gives W by coefficients and the numbers of their members
+    member, target
+        (n,) number of the member, and W
     """
     # `scipy.optimize` alone does not load it
     from scipy.optimize import elementwise  # noqa: PLC0415
@@ -529,22 +539,30 @@ def _roots_of(
     is_above = works[:, member] > np.where(is_valid, target, np.inf)
     is_known = np.isfinite(works[:, member])
     crosses = (is_above[:-1] != is_above[1:]) & is_known[:-1] & is_known[1:] & is_valid
-    row, column = np.nonzero(crosses)
-    order = np.lexsort((row, column))
-    row = row[order]
-    column = column[order]
-    n_roots = np.bincount(column, minlength=len(target))
+    sample, number_of_target = np.nonzero(crosses)
+    order = np.lexsort((sample, number_of_target))
+    sample = sample[order]
+    number_of_target = number_of_target[order]
+    n_roots = np.bincount(number_of_target, minlength=len(target))
     roots = np.full((len(target), max(1, int(n_roots.max(initial=0)))), np.nan)
     is_unsettled = np.zeros(len(target), dtype=bool)
-    if len(row):
-        member_of_root = member[column]
+    if len(sample):
+        member_of_root = member[number_of_target]
         crossing = elementwise.find_root(
-            lambda at, number, goal: (
-                work(np.exp(at).ravel(), number.ravel().astype(int)).reshape(at.shape) - goal
+            lambda log_f_at_trial, member_of_trial, goal_work: (
+                work(np.exp(log_f_at_trial).ravel(), member_of_trial.ravel().astype(int)).reshape(
+                    log_f_at_trial.shape
+                )
+                - goal_work
             ),
-            (log_f[row, member_of_root], log_f[row + 1, member_of_root]),
-            args=(member_of_root.astype(float), target[column]),
+            (log_f[sample, member_of_root], log_f[sample + 1, member_of_root]),
+            args=(member_of_root.astype(float), target[number_of_target]),
         )
-        roots[column, np.arange(len(row)) - np.searchsorted(column, column)] = np.exp(crossing.x)
-        is_unsettled[column[~(np.abs(crossing.f_x) <= _FOUND * target[column])]] = True
+        roots[
+            number_of_target,
+            np.arange(len(sample)) - np.searchsorted(number_of_target, number_of_target),
+        ] = np.exp(crossing.x)
+        is_unsettled[
+            number_of_target[~(np.abs(crossing.f_x) <= _FOUND * target[number_of_target])]
+        ] = True
     return roots, n_roots, is_unsettled

@@ -156,7 +156,9 @@ class ConvexProfile(abc.ABC):
 
     @abc.abstractmethod
     def moment(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
-        """A int x p."""
+        """A times the moment, the integral of x p, of contacts of centre m and half-length c under
+        a tilt, arrays of one shape; A = 2/E*.
+        """
 
     def _in_parts(
         self, function: Callable[[Array, Array, Array], Array], *arguments: Array
@@ -1037,8 +1039,8 @@ class TiltedProfile:
         return self.shape.moment(m, c, tilt) / self._product
 
     def tilt_under(self, load: Array, moment: Array) -> Array:
-        """The tilt at which contacts under the loads (n,) carry int x p = moment, by Newton's
-        method; 0 where there is no load.
+        """The tilt at which contacts under the loads (n,) carry a `moment` (n,), the integral of x
+        p, by Newton's method; 0 where there is no load.
 
         Raises
         ------
