@@ -505,22 +505,25 @@ def fitted_stick_edges(
     for side in _sides(x):
         sticks, in_contact = side.outwards(stick, is_closed)
         half = _half(side, in_contact, sticks if anywhere else None)
+        last_node, n_sticking, n_in_half = _last_sticking(sticks, half)
+        nothing_sticks |= (n_sticking == 0) & (n_in_half > 0)
+        next_node = np.minimum(last_node + 1, len(x) - 1)
+        side_edge = (side.x[last_node] + side.x[next_node]) / 2
         contact_edge = side.sign * contact[:, side.column]
-        last_node, n_stick, n_half = _last_sticking(sticks, half)
-        nothing_sticks |= (n_stick == 0) & (n_half > 0)
-        edge = (side.x[last_node] + side.x[np.minimum(last_node + 1, len(x) - 1)]) / 2
-        row = np.flatnonzero((n_stick > _FITTED[0]) & (n_stick < n_half))
-        if limit is not None and shear is not None and len(row):
-            side_limit, side_shear = side.outwards(limit[row], shear[row])
-            last_of_row = last_node[row]
-            sense = np.sign(_pick(side_shear, last_of_row + 1))[:, None]  # of slip beyond the edge
-            to_limit = side_limit - sense * side_shear
-            fit = _fitted_stick_edge(side.x, to_limit, last_of_row)
+        fitted_rows = np.flatnonzero((n_sticking > _FITTED[0]) & (n_sticking < n_in_half))
+        if limit is not None and shear is not None and len(fitted_rows):
+            fit = _fit_towards_limit(
+                side, limit[fitted_rows], shear[fitted_rows], last_node[fitted_rows]
+            )
             # nothing sticks beyond the contact: a fit gone wrong
-            is_accepted = fit.agrees & (fit.edge <= contact_edge[row])
-            edge[row[is_accepted]] = fit.edge[is_accepted]
-            misfit[row[is_accepted], side.column] = fit.misfit[is_accepted]
-        edges[:, side.column] = side.sign * np.where(n_stick == n_half, contact_edge, edge)
+            is_accepted = fit.agrees & (fit.edge <= contact_edge[fitted_rows])
+            accepted_rows = fitted_rows[is_accepted]
+            side_edge[accepted_rows] = fit.edge[is_accepted]
+            misfit[accepted_rows, side.column] = fit.misfit[is_accepted]
+        sticks_to_contact_edge = n_sticking == n_in_half
+        edges[:, side.column] = side.sign * np.where(
+            sticks_to_contact_edge, contact_edge, side_edge
+        )
     edges[nothing_sticks] = np.nan
     return StickEdges(edges, misfit)
 
@@ -789,6 +792,23 @@ class _StickFit(NamedTuple):
     edge: Array
     misfit: Array
     agrees: Mask
+
+
+def _fit_towards_limit(side: _Side, limit: Array, shear: Array, last_node: Indices) -> _StickFit:
+    """The stick edge on one side, fitted to the distance of the shear inside from the friction
+    limit, at k instants.
+
+    Parameters
+    ----------
+    limit, shear
+        (k, n) f p and q [stress]
+    last_node
+        (k,) last node of the stick zone, counted outwards
+    """
+    side_limit, side_shear = side.outwards(limit, shear)
+    sense_of_slip = np.sign(_pick(side_shear, last_node + 1))[:, None]  # beyond the edge
+    shear_to_limit = side_limit - sense_of_slip * side_shear
+    return _fitted_stick_edge(side.x, shear_to_limit, last_node)
 
 
 def _fitted_stick_edge(x_out: Array, to_limit: Array, last_node: Indices) -> _StickFit:
