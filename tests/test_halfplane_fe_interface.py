@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 from scipy.sparse.linalg import splu
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
-from halfplane_fe import elasticity
+from halfplane_fe import elasticity, interface
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.elasticity import CondensedBody, condense, scalar_element
 from halfplane_fe.interface import Interface, body_forces, couple, without_local_difference
@@ -556,3 +556,16 @@ def test_a_wrong_tangential_compliance_is_seen_before_it_is_made_like_the_normal
     assert compliance_over_theory(faces, made_alike_with_fault.tangential, NARROW) == pytest.approx(
         compliance_over_theory(faces, made_alike.tangential, NARROW), abs=1e-3
     )
+
+
+def test_a_polynomial_in_both_places_is_its_own_smooth_part() -> None:
+    """Measured: 1.3e-12 of values up to 130; 5e-10 where the places are not scaled to -1 and 1."""
+    x = np.linspace(-1.0, 1.4, 161)
+    draw = np.random.default_rng(0)
+    coefficients = np.array(
+        [[draw.standard_normal() if k + m <= 6 else 0.0 for m in range(7)] for k in range(7)]
+    )
+    at_places = np.polynomial.legendre.legvander(np.linspace(-1, 1, 161), 6)
+    polynomial = at_places @ coefficients @ at_places.T
+    smooth = interface._smooth(polynomial, x, interface._sizes_ahead(x))
+    np.testing.assert_allclose(smooth, polynomial, rtol=0, atol=1e-11)
