@@ -24,6 +24,7 @@ from halfplane_fe.face_stress import (
     Nodal,
     _form,
     fitted_size_effect,
+    sampled_tractions,
     size_effect_basis,
     tractions_with_uncertainty,
 )
@@ -269,6 +270,28 @@ def test_the_tension_of_coupled_bodies_is_less_certain():
     of_coupling = coupled.tension_uncertainty - alike.tension_uncertainty
     # 2 r^(3/2) of the tension 2 f p0, r = 0.05
     np.testing.assert_allclose(of_coupling, 2 * 0.05**1.5 * 0.6, rtol=0.01)
+
+
+def test_the_shear_of_a_few_nodes_goes_through_those_that_stick():
+    """Too few for a fit of the edges, which may leave the outermost nodes out."""
+    x = np.linspace(-0.8, 0.8, 5)
+    pressure = np.sqrt(1 - x**2)
+    shear = 0.3 * pressure * np.array([1.0, 0.6, 0.2, 0.6, 1.0])
+    nodal = Nodal(
+        x=x,
+        pressure=pressure,
+        shear=shear,
+        stick=(-0.6, 0.6),
+        contact=(-1.0, 1.0),
+        friction=0.3,
+        tangential_load=0.0,
+        growing=False,
+    )
+    sampled = sampled_tractions(nodal)
+    assert sampled.rough
+    places = -np.cos(sampled.theta)
+    # measured 0.0607 between two places
+    assert np.interp(0.0, places, sampled.shear) == pytest.approx(0.06, rel=0.05)
 
 
 def partial_slip(profile):
