@@ -609,8 +609,9 @@ class ContactProblem:
 
     def _states_by_law(self, answer: InterfaceState, start: InterfaceState) -> States:
         """(n,) states that the law of contact and friction gives the nodes of an answer to an
-        increment from `start`: open, stick or slip by the trial forces; within rounding of touching
-        or of the cone a node keeps the state it has.
+        increment from `start`: open, stick, or one of the two directions of slip (above `STICK`),
+        by the trial forces. Within rounding of touching or of the Coulomb limit a node keeps the
+        state it has.
         """
         states = answer.state
         # What the equations of these states set to zero is zero (`following`): weighted, its

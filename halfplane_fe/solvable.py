@@ -17,8 +17,14 @@ if TYPE_CHECKING:
 
 
 def require_solvable(scene: Scene, mesh: MeshSettings | None = None) -> RoomForContact | None:
-    """Refuse what the finite-element solve refuses before it makes a mesh of its own: half-planes
-    by their loads, real bodies by an estimate of the contact too.
+    """Raise where `solve` would refuse a scene before it meshes it: by its loads, and of real
+    bodies by an estimate of the largest contact on a coarse mesh.
+
+    Parameters
+    ----------
+    mesh
+        settings of the mesh that `solve` is to make, None for the default ones: whether the bodies
+        can be meshed so finely is checked too
 
     Returns
     -------

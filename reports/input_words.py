@@ -121,8 +121,11 @@ def sentences(
 
 
 def sentences_of_report(report: Report) -> list[str]:
-    """What uncertain inputs do to the answer of a report, in sentences. Where the result may be a
-    measurement they say how it stands against theory, in place of what a measurement could see.
+    """What uncertain inputs do to the answer of a report, in sentences.
+
+    None without stated uncertainties. Beside a result that nobody measured they say which
+    differences a measurement could tell from the inputs' uncertainty. Of a result that may be
+    measured they say whether it agrees with theory within both uncertainties.
     """
     effects = report.inputs
     comparison = report.comparison

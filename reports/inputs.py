@@ -1146,19 +1146,24 @@ def _unknown(entry: Input, middle: _Values) -> _Move:
 
 
 def _effects_of_driven(
-    moved_scene: Scene, scene: Scene, effects: BodyEffects | None
+    changed_scene: Scene, scene: Scene, effects: BodyEffects | None
 ) -> BodyEffects | None:
-    """What theory of a prescribed displacement needs of the bodies of `moved_scene`: `effects`
-    where its bodies are those of `scene`. None where loads are given, or for half-planes.
+    """Elastic responses of the bodies of `changed_scene`, which theory of a prescribed displacement
+    needs: `effects`, those of `scene`, where the bodies are the same; else solved for.
+
+    `changed_scene` is `scene` with other values of its uncertain inputs. None where loads are
+    given, or for half-planes.
     """
-    if not moved_scene.load.is_driven or moved_scene.bodies.half_planes:
+    if not changed_scene.load.is_driven or changed_scene.bodies.half_planes:
         return None
     import halfplane_fe
 
-    is_same = moved_scene.bodies == scene.bodies and moved_scene.material == scene.material
-    if effects is not None and is_same:
+    has_same_bodies = (
+        changed_scene.bodies == scene.bodies and changed_scene.material == scene.material
+    )
+    if effects is not None and has_same_bodies:
         return effects
-    return halfplane_fe.body_effects(moved_scene)
+    return halfplane_fe.body_effects(changed_scene)
 
 
 def _difference(

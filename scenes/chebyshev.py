@@ -307,18 +307,20 @@ def _short_runs(pieces: Pieces, edges: Array) -> list[tuple[int, int]]:
 
 
 def _corner(function: Function, pieces: Pieces, run: tuple[int, int]) -> float:
-    """Where the functions left and right of a run of short pieces cross, or their slopes where they
-    only touch.
+    """Place of the corner of `function` within a run of short pieces, `run` the indices of its
+    first and last edge: where smooth fits from the left and from the right of the run cross, or
+    where their slopes do if they only touch.
     """
-    begin, end = (float(pieces.edges[place]) for place in run)
+    begin, end = (float(pieces.edges[index]) for index in run)
     shortest_piece = run[0] + int(np.argmin(np.diff(pieces.edges[run[0] : run[1] + 1])))
-    corner_place = float(pieces.edges[shortest_piece] + pieces.edges[shortest_piece + 1]) / 2
+    middle_of_shortest = float(pieces.edges[shortest_piece] + pieces.edges[shortest_piece + 1]) / 2
+    # fitted over 50 lengths of the run, or as far as the pieces reach
     width = min(
         50 * (end - begin),
         begin - float(pieces.edges[0]) or np.inf,
         float(pieces.edges[-1]) - end or np.inf,
     )
-    left_series, right_series = (
+    left_fit, right_fit = (
         chebyshev.Chebyshev(
             series(function(interval_begin + width * (1 + NODES) / 2))[:_LOW],
             domain=[interval_begin, interval_begin + width],
@@ -326,7 +328,7 @@ def _corner(function: Function, pieces: Pieces, run: tuple[int, int]) -> float:
         for interval_begin in (begin - width, end)
     )
     jump_series = chebyshev.Chebyshev.interpolate(
-        lambda x: right_series(x) - left_series(x), 3, [begin, end]
+        lambda x: right_fit(x) - left_fit(x), 3, [begin, end]
     )
     root_places = (
         (jump_series if jump_series(begin) * jump_series(end) < 0 else jump_series.deriv())
@@ -334,7 +336,11 @@ def _corner(function: Function, pieces: Pieces, run: tuple[int, int]) -> float:
         .real
     )
     return float(
-        min(root_places, key=lambda place: abs(place - corner_place), default=corner_place)
+        min(
+            root_places,
+            key=lambda place: abs(place - middle_of_shortest),
+            default=middle_of_shortest,
+        )
     )
 
 

@@ -540,11 +540,11 @@ def last_whole_cycle(
     whole_cycles = np.floor((time[-1] - cycle_start + rounding) / period)
     end_of_path = cycle_start + whole_cycles * period
     for end in (end_of_path, time[-1]):
-        begin_step = _instant_at(time, end - period, rounding)
-        end_step = _instant_at(time, end, rounding)
-        if begin_step is not None and end_step is not None and begin_step < end_step:
-            first_row = np.searchsorted(time, time[begin_step] - rounding, side="left")
-            row_beyond = np.searchsorted(time, time[end_step] + rounding, side="right")
+        begin_index = _instant_at(time, end - period, rounding)
+        end_index = _instant_at(time, end, rounding)
+        if begin_index is not None and end_index is not None and begin_index < end_index:
+            first_row = np.searchsorted(time, time[begin_index] - rounding, side="left")
+            row_beyond = np.searchsorted(time, time[end_index] + rounding, side="right")
             return np.arange(first_row, row_beyond), True
     is_in_cycle = (time >= end_of_path - period - rounding) & (time <= end_of_path + rounding)
     return np.flatnonzero(is_in_cycle), False
@@ -556,18 +556,15 @@ _MISSED_SHARE = 0.02
 
 
 def _instant_at(time: Array, target: float, rounding: float) -> int | None:
-    """Index of the instant at the time wanted, to rounding or to a small share of its distance
-    from its neighbours; None where there is none.
+    """Index of the instant at the time `target`, to `rounding` (a time) or to a small share of the
+    shorter step beside it; None where there is none.
     """
-    nearest_step = int(np.argmin(np.abs(time - target)))
-    neighbours = time[max(nearest_step - 1, 0) : nearest_step + 2]
-    steps = np.diff(neighbours)
-    step = float(steps.min()) if len(steps) else 0.0
-    return (
-        nearest_step
-        if abs(time[nearest_step] - target) <= max(rounding, _MISSED_SHARE * step)
-        else None
-    )
+    nearest_index = int(np.argmin(np.abs(time - target)))
+    steps = np.diff(time[max(nearest_index - 1, 0) : nearest_index + 2])
+    shorter_step = float(steps.min()) if len(steps) else 0.0
+    largest_distance = max(rounding, _MISSED_SHARE * shorter_step)
+    is_there = abs(time[nearest_index] - target) <= largest_distance
+    return nearest_index if is_there else None
 
 
 FORMAT = "halfplane solution 2"

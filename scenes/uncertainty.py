@@ -458,8 +458,11 @@ def _share_of(key: str, uncertainty_words: str, value: float | None, units: str)
 
 
 def _value_of(scene: HasInputs, key: str) -> float | None:
-    """The value that a key is about, None of a scale; ValueError where the scene has no such
-    input.
+    """The number of the scene that a key of [uncertainty] is about; None where the key is about a
+    factor of a whole record, which has no number of its own.
+
+    `key` is `friction` or a load (no dot), `table.name` ("profile.radius") or `table.body.name`
+    ("material.upper.poisson_ratio"). ValueError where the scene has no such input.
     """
     if "." not in key:
         return _value_of_load(scene, key)
@@ -488,8 +491,8 @@ def _value_of(scene: HasInputs, key: str) -> float | None:
 
 
 def _value_of_load(scene: HasInputs, key: str) -> float | None:
-    """The value of friction, or of a key of the loads, None of a scale; ValueError where the scene
-    has no such input.
+    """The coefficient of friction, or the number of the loads that `key` is about; None where it is
+    about a factor of a whole record. ValueError where the scene has no such input.
     """
     load = scene.load
     reason = ""

@@ -1063,8 +1063,7 @@ def _parameters_of(profile: Profile | Mapping[str, Any]) -> tuple[str, dict[str,
         numbers = {name: getattr(profile, name) for name in names}
         rises = profile.rises if isinstance(profile, EvenPolynomial) else ()
         return profile.kind, numbers | _numbered(rises)
-    # Where numbers were fitted counts for nothing here, and a profile's own dump has a key for
-    # that.
+    # A profile that was fitted to rows has a key `fitted` in its dump, which is no parameter.
     kind = profile.get("kind")
     values = {name: value for name, value in profile.items() if name not in ("kind", "fitted")}
     if kind not in _KEYS:

@@ -158,10 +158,10 @@ class PunchTable:
         self._begins: list[float] = self._ends[:-1].tolist()
         self._lengths: list[float] = np.diff(self._ends).tolist()
         n_intervals = len(self._lengths)
-        self._cells = max(min(_CELLS, _MOST_CELLS // n_intervals), _FEWEST_CELLS)
+        self._cells_per_corner = max(min(_CELLS, _MOST_CELLS // n_intervals), _FEWEST_CELLS)
         self.last = float(n_intervals)
         self.parabola_stiffness = math.pi * modulus / 4
-        sigma = np.linspace(0.0, 1.0, self._cells + 1)
+        sigma = np.linspace(0.0, 1.0, self._cells_per_corner + 1)
         interval_begin = self._ends[:-1, None]
         interval_length = np.diff(self._ends)[:, None]
         half_width = interval_begin + interval_length * sigma**2
@@ -173,8 +173,8 @@ class PunchTable:
         load_rate = np.where(is_flat | (half_width_rate == 0), 0.0, load_rate)
         self._load = self._cubics(load[:, :-1], load[:, 1:], load_rate[:, :-1], load_rate[:, 1:])
         self._loads_of_cells: list[list[float]] = self._load.tolist()
-        self._log_area = self._integral(parabolas=0)
-        self._log_moment = self._integral(parabolas=1)
+        self._log_area = self._integral(power=0)
+        self._log_moment = self._integral(power=1)
         self._areas_of_cells: list[list[float]] = self._log_area.tolist()
         self._moments_of_cells: list[list[float]] = self._log_moment.tolist()
 
@@ -185,7 +185,7 @@ class PunchTable:
         values and rates per sigma at its begin and its end; sigma runs from 0 to 1 between two
         corners of the profile.
         """
-        step = 1 / self._cells
+        step = 1 / self._cells_per_corner
         rise = end_value - begin_value
         begin_slope = begin_rate * step
         end_slope = end_rate * step
@@ -197,34 +197,36 @@ class PunchTable:
         ]
         return np.stack([column.ravel() for column in columns], axis=1)
 
-    def _integral(self, parabolas: int) -> Array:
-        """Coefficients (cells, 4) of cubics for the integral of eta G^n dc/c from 0 to c, n =
-        `parabolas`, along the coordinate s of the half-width c of the punches; eta and G are the
-        loads of the punches up to c.
+    def _integral(self, power: int) -> Array:
+        """Cubics for the integral of eta G^power dc/c from 0 to each half-width c of the punches.
+
+        eta(c) (`load`) and G(c) (`parabola`) are the loads that flat punches of half-width up to c
+        carry, of the profile and of a parabola. Returns coefficients (cells, 4), constant first, of
+        a cubic of the share of each cell; cells are equal steps of the coordinate s of c.
         """
-        cells = len(self._load)
+        n_cells = len(self._load)
         nodes, weights = _GAUSS
-        share = (nodes + 1) / 2
-        step = 1 / self._cells
+        share_of_cell = (nodes + 1) / 2
+        step = 1 / self._cells_per_corner
 
         def integrand(s: Array) -> Array:
-            half = self.half_width(s)
+            half_width = self.half_width(s)
             rate = self.half_width_rate(s)
-            load_per_width = self.load(s) * rate / np.where(half > 0, half, 1.0)
-            return load_per_width * self.parabola(s) ** parabolas if parabolas else load_per_width
+            load_per_width = self.load(s) * rate / np.where(half_width > 0, half_width, 1.0)
+            return load_per_width * self.parabola(s) ** power if power else load_per_width
 
-        s_of_nodes = np.asarray((np.arange(cells)[:, None] + share) * step, dtype=float)
+        s_of_nodes = np.asarray((np.arange(n_cells)[:, None] + share_of_cell) * step, dtype=float)
         integrals_of_cells = integrand(s_of_nodes) @ weights * (step / 2)
         sums_of_cells = np.concatenate([[0.0], np.cumsum(integrals_of_cells)])
-        begins = np.asarray(np.arange(cells) * step, dtype=float)
-        # The end of a cell belongs to it, not to the next corner's interval.
+        begins = np.asarray(np.arange(n_cells) * step, dtype=float)
+        # Just within its cell, since beyond a corner of the profile another interval begins.
         ends = begins + step * (1 - 1e-12)
         return self._cubics(
             sums_of_cells[:-1], sums_of_cells[1:], integrand(begins), integrand(ends)
         )
 
     def _value(self, cubics: Array, s: ArrayLike) -> Array:
-        place = np.asarray(s, dtype=float) * self._cells
+        place = np.asarray(s, dtype=float) * self._cells_per_corner
         cell = np.minimum(place.astype(int), len(cubics) - 1)
         share = place - cell
         c0, c1, c2, c3 = np.moveaxis(cubics[cell], -1, 0)
@@ -269,7 +271,7 @@ class PunchTable:
 
         # notation: c0 to c3 coefficients of a cubic of the share of a cell
         """
-        place_in_cells = s * self._cells
+        place_in_cells = s * self._cells_per_corner
         cell = min(int(place_in_cells), len(self._loads_of_cells) - 1)
         share_of_cell = place_in_cells - cell
         c0, c1, c2, c3 = self._loads_of_cells[cell]
@@ -283,7 +285,8 @@ class PunchTable:
             load=max(c0 + share_of_cell * (c1 + share_of_cell * (c2 + share_of_cell * c3)), 0.0),
             parabola=parabola,
             fourth=parabola * squared_width / 8,
-            load_rate=(c1 + share_of_cell * (2 * c2 + 3 * share_of_cell * c3)) * self._cells,
+            load_rate=(c1 + share_of_cell * (2 * c2 + 3 * share_of_cell * c3))
+            * self._cells_per_corner,
             parabola_rate=2 * self.parabola_stiffness * half_width * half_width_rate,
             fourth_rate=parabola * half_width * half_width_rate / 2,
         )
@@ -295,7 +298,7 @@ class PunchTable:
 
         # notation: c0 to c3 coefficients of a cubic of the share of a cell
         """
-        place_in_cells = s * self._cells
+        place_in_cells = s * self._cells_per_corner
         cell = min(int(place_in_cells), len(self._loads_of_cells) - 1)
         share_of_cell = place_in_cells - cell
 
@@ -347,7 +350,7 @@ class PunchTable:
     @cached_property
     def _log_fourth(self) -> Array:
         """Cubics of int eta G^2 dc/c."""
-        return self._integral(parabolas=2)
+        return self._integral(power=2)
 
     def second_moments(self, s: ArrayLike) -> PunchMoments:
         """Integrals of c^2/2, the second moment of a punch of unit load, up to s (k,)."""
@@ -408,11 +411,11 @@ class PunchTable:
 
     def _load_rate(self, s: Array) -> Array:
         """d eta/ds, (n,)."""
-        place = s * self._cells
+        place = s * self._cells_per_corner
         cell = np.minimum(place.astype(int), len(self._load) - 1)
         share = place - cell
         _, c1, c2, c3 = self._load[cell].T
-        return np.asarray((c1 + share * (2 * c2 + 3 * share * c3)) * self._cells)
+        return np.asarray((c1 + share * (2 * c2 + 3 * share * c3)) * self._cells_per_corner)
 
     def _parabola_rate(self, s: Array) -> Array:
         """dG/ds, (n,)."""

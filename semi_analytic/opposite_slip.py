@@ -214,33 +214,34 @@ class OppositeSlip(TiltedProfile):
         return bool(np.all(np.diff(ends[:, 0]) >= -slack) and np.all(np.diff(ends[:, 1]) <= slack))
 
     def load(self, half_width: ArrayLike) -> Array:
-        """The load P_x that brings the edge of the contact to each place x = `half_width`, by
-        bisection.
+        """The load P_x of the smaller contact whose edge lies at each place x = `half_width`
+        [force per thickness], by bisection.
 
-        Above the largest load P, in proportion to the distance, out of contact; 0 where nothing
-        slips up to the largest Q.
+        The stick zone under |Q| is the contact under the smaller load P - |Q|/f: P_x is P - |Q|/f
+        of the force at which the edge of the stick zone passes x. Out of contact it exceeds P, in
+        proportion to the distance from the edge; it is 0 where nothing slips up to the largest Q.
         """
         largest_load, middle, contact_half_width = self._contact
         relative_place = (np.asarray(half_width, dtype=float) - middle) / contact_half_width
         least_unloading = np.zeros(relative_place.shape)
         largest_unloading = np.full(relative_place.shape, self._deepest)
-        left, right = self._zones
+        left_edge, right_edge = self._zones
         for _ in range(60):
             unloading = (least_unloading + largest_unloading) / 2
             is_outside = np.where(
                 relative_place < 0,
-                relative_place < left(unloading),
-                relative_place > right(unloading),
+                relative_place < left_edge(unloading),
+                relative_place > right_edge(unloading),
             )
             least_unloading = np.where(is_outside, least_unloading, unloading)
             largest_unloading = np.where(is_outside, unloading, largest_unloading)
         deepest_unloading = np.array(self._deepest)
-        never_slips = (relative_place >= left(deepest_unloading)) & (
-            relative_place <= right(deepest_unloading)
+        never_slips = (relative_place >= left_edge(deepest_unloading)) & (
+            relative_place <= right_edge(deepest_unloading)
         )
         loads = np.where(never_slips, 0.0, largest_load - (least_unloading + largest_unloading) / 2)
-        beyond_edge = np.abs(relative_place) - 1
-        return np.where(beyond_edge > 0, largest_load * (1 + beyond_edge), loads)
+        distance_beyond = np.abs(relative_place) - 1
+        return np.where(distance_beyond > 0, largest_load * (1 + distance_beyond), loads)
 
     def sense(self, x: ArrayLike) -> Array:
         """+1 where x slips forward while Q grows, -1 where it slips in reverse."""

@@ -387,10 +387,13 @@ def _tensions(answer: ContactSolution, row: int) -> tuple[Array, float]:
     """Stress s_xx of the lower body at its left and right edge of contact at the instant number
     `row` of an answer, without the bulk stress, (2,), and its uncertainty [stress].
 
-    +-(2/pi) int q/|x - edge| dx, by phi from the edge: int q cot(phi/2) d phi, straight between the
-    places, q/p as it is at the outermost one from there on. Its error: three times what every
-    second place alone changes, the shear's own, and a share of f p for what q does between the
-    points.
+    They are +-(2/pi) int q/|x - edge| dx. With the distance to the edge = width sin^2(phi/2) the
+    integral is int q cot(phi/2) d phi: straight between the points, and constant from the outermost
+    one to the edge.
+
+    The uncertainty is three times what half of the points changes, four times the stated error of
+    the shear (a share of f times the largest pressure), and what straight lines between points
+    leave (`_BETWEEN`, such a share too).
     """
     left_edge, right_edge = answer.contact_edges[row]
     points_in_contact = np.flatnonzero(
@@ -399,30 +402,29 @@ def _tensions(answer: ContactSolution, row: int) -> tuple[Array, float]:
     if not len(points_in_contact):
         return np.zeros(2), 0.0
 
-    def integral_from_edge(from_edge: Array, shear: Array) -> float:
-        phi = 2 * np.arcsin(np.sqrt(from_edge / (right_edge - left_edge)))
+    def integral_from_edge(distance_to_edge: Array, shear: Array) -> float:
+        phi = 2 * np.arcsin(np.sqrt(distance_to_edge / (right_edge - left_edge)))
         weighted_shear = shear / np.tan(phi / 2)
         return float(
             np.trapezoid(np.append(weighted_shear[0], weighted_shear), np.append(0.0, phi))
         )
 
-    def tensions_by(places: NDArray[np.intp]) -> Array:
-        x = answer.x[places]
-        shear = answer.shear[row, places]
-        at_left = integral_from_edge(x - left_edge, shear)
-        at_right = integral_from_edge((right_edge - x)[::-1], shear[::-1])
-        return 2 / math.pi * np.array([at_left, -at_right])
+    def tensions_by(points: NDArray[np.intp]) -> Array:
+        x = answer.x[points]
+        shear = answer.shear[row, points]
+        left_integral = integral_from_edge(x - left_edge, shear)
+        right_integral = integral_from_edge((right_edge - x)[::-1], shear[::-1])
+        return 2 / math.pi * np.array([left_integral, -right_integral])
 
     tension = tensions_by(points_in_contact)
     largest_change = 0.0
-    for every_second in (points_in_contact[::2], points_in_contact[1::2]):
-        if len(every_second):
-            largest_change = max(
-                largest_change, float(np.abs(tensions_by(every_second) - tension).max())
-            )
-    largest_limit = answer.scene.friction.coefficient * float(answer.pressure[row].max())
-    error_of_shear = 4 * answer.record.errors.get("shear", 0.0) + _BETWEEN
-    return tension, 3 * largest_change + error_of_shear * largest_limit
+    for half_of_points in (points_in_contact[::2], points_in_contact[1::2]):
+        if len(half_of_points):
+            changes = np.abs(tensions_by(half_of_points) - tension)
+            largest_change = max(largest_change, float(changes.max()))
+    largest_friction = answer.scene.friction.coefficient * float(answer.pressure[row].max())
+    share_of_error = 4 * answer.record.errors.get("shear", 0.0) + _BETWEEN
+    return tension, 3 * largest_change + share_of_error * largest_friction
 
 
 def _from_sines(

@@ -906,8 +906,8 @@ class _Pen:
         x_of_origin = float(x_scale.place(0.0))
         y_of_origin = float(self.frame.y.place(0.0))
         transform = f"translate({x_of_origin:.3f} {y_of_origin:.3f}) scale({zoom:.7g} {-zoom:.7g})"
-        name, *repeated = mark.name.split()
-        if "again" in repeated:
+        name, *words_behind_name = mark.name.split()
+        if "again" in words_behind_name:
             return _element("g", _element("use", href=f"#{name}"), transform=transform)
         grains = np.rint(mark.ends / _GRAIN).astype(int)
         starts = grains[:, 0].tolist()

@@ -376,8 +376,8 @@ def _failure(comparison: JudgedPair) -> str:
 
 
 def _violated(comparison: JudgedPair) -> list[tuple[str, Certificate]]:
-    """(name of the engine, check) for every law of contact that the reference or the result
-    violates.
+    """(name of the engine, check) for every check of a law of contact that the reference or the
+    result does not pass.
     """
     checked_solutions = (
         (comparison.reference, comparison.reference_certificates),

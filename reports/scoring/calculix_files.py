@@ -314,12 +314,12 @@ class _Lines(Iterator[str]):
                 continuation[label_width:] for continuation in continuations
             )
             if len(numbers_in_text) != _WIDTH * n_columns:
-                length = (
-                    f"{3 + label_width + _WIDTH * n_columns} in all, found"
-                    f" {3 + label_width + len(numbers_in_text)}"
-                )
+                # a record begins with a key of three characters
+                expected_length = 3 + label_width + _WIDTH * n_columns
+                record_length = 3 + label_width + len(numbers_in_text)
                 raise self.refusal(
-                    f"{n_columns} numbers of {_WIDTH} characters, {length}: {record_text[:40]!r}",
+                    f"{n_columns} numbers of {_WIDTH} characters, {expected_length} in all, found"
+                    f" {record_length}: {record_text[:40]!r}",
                     line,
                 )
             nodes.append(self.integer(record_text[:label_width], "a node's number", line))

@@ -434,8 +434,11 @@ class Judgement:
         return fits[0] if fits and self.is_right(fits[0], SHEAR) else None
 
     def _with_shear(self, pressure_fit: Fit) -> list[Fit]:
-        """Explanations of pressure and shear that begin with the causes of `pressure_fit`, whose
-        sizes are kept, and add causes of the shear where it needs any; the best first.
+        """Fits of causes to pressure and shear, the best first, that begin with a fit to the
+        pressure alone; its causes keep the sizes fitted there.
+
+        Tried in turn: no further cause, one of the shear, coupling by unlike bodies, and two of the
+        shear; the first that leaves noise alone ends it.
         """
         if not self.discrepancy.sheared:
             return [pressure_fit] if pressure_fit.causes else []
@@ -453,7 +456,8 @@ class Judgement:
             coupled_fit = self._coupled_fit(explanations[0] if explanations else fit_before)
             if coupled_fit is not None:
                 return [coupled_fit]
-        # Friction follows the pressure: where that has no cause, no pair is looked for.
+        # Two causes of the shear are looked for only where the pressure is right without any: where
+        # it is wrong and unexplained, the shear, which friction ties to it, says little.
         if not fit_before.causes and self.is_right(pressure_fit, PRESSURE):
             fits_of_pairs = self._causes_of_shear(fit_before, 2)
             if explanations:

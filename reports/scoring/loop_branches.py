@@ -136,7 +136,9 @@ def find_branches(
         cyclic_load, cyclic_time, period = _cycle_twice(load, time, closing_row)
         copies = 2
         begins, ends, rises_at_crossing = _crossings(cyclic_load, least_load, largest_load)
-    middles = _middles(cyclic_load, cyclic_time, begins, ends, (least_load + largest_load) / 2)
+    middles = _crossing_times(
+        cyclic_load, cyclic_time, begins, ends, (least_load + largest_load) / 2
+    )
     if len(middles) < 3 or 2 * (ends[-1] - begins[0]) / (len(begins) - 1) < _FEWEST_OF_CYCLE:
         raise InputError(
             f"{source}: a loop needs at least {_FEWEST_OF_CYCLE} rows a cycle, in the order of time"
@@ -283,7 +285,7 @@ def sizes_of_cycles(values: Array, load: Array, time: Array, noise: float) -> Ar
     """
     least_load, largest_load = _range(load, noise)
     begins, ends, _ = _crossings(load, least_load, largest_load)
-    crossing_times = _middles(load, time, begins, ends, (least_load + largest_load) / 2)
+    crossing_times = _crossing_times(load, time, begins, ends, (least_load + largest_load) / 2)
     instants = [
         np.linspace(begin, end, _INSTANTS_OF_CYCLE)
         for begin, end in zip(crossing_times[:-2], crossing_times[2:], strict=True)
@@ -355,8 +357,12 @@ def _closing_row(
     return turning_row + int(np.argmin(np.where(is_near, distance, math.inf)))
 
 
-def _middles(
-    load: Array, time: Array, begins: NDArray[np.intp], ends: NDArray[np.intp], middle_load: float
+def _crossing_times(
+    tangential_load: Array,
+    time: Array,
+    begins: NDArray[np.intp],
+    ends: NDArray[np.intp],
+    middle_load: float,
 ) -> Array:
     """Times at which Q passes the middle of its range, (k,): by the straight line fitted to the
     rows begins[k] to ends[k] of each crossing.
@@ -374,7 +380,7 @@ def _middles(
     for begin, end in zip(begins.tolist(), ends.tolist(), strict=True):
         rows = slice(begin, end + 1)
         mean_time = float(np.mean(time[rows]))
-        rate, level = np.polyfit(time[rows] - mean_time, load[rows], 1)
+        rate, level = np.polyfit(time[rows] - mean_time, tangential_load[rows], 1)
         crossing_time = mean_time + (middle_load - level) / rate if rate else mean_time
         times.append(min(max(float(crossing_time), float(time[begin])), float(time[end])))
     return np.array(times)

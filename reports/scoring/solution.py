@@ -113,7 +113,7 @@ def contact_solution(
     has_work = "dissipation" not in missing_fields
     solution_without_zones = _without_zones(surface, mapping, scene, history, missing_fields)
     solution, method_in_words = _with_zones(
-        solution_without_zones, has_slip=surface.slip is not None, has_work=has_work
+        solution_without_zones, uses_slip=surface.slip is not None, adds_dissipation=has_work
     )
     notes = [*surface.notes, *history.notes, method_in_words]
     if has_work:
@@ -238,16 +238,16 @@ def _placed_on_path(
 
 
 def _with_zones(
-    solution: ContactSolution, *, has_slip: bool, has_work: bool
+    solution: ContactSolution, *, uses_slip: bool, adds_dissipation: bool
 ) -> tuple[ContactSolution, str]:
     """A solution with what follows from its own tractions (states, edges, permanent stick zone,
     moments), and the rule by which states were found, in words.
 
     Parameters
     ----------
-    has_slip
+    uses_slip
         whether its slip is used beside its tractions to find what slips
-    has_work
+    adds_dissipation
         whether its dissipation is worked out too, as the sum of q ds over its last cycle
     """
     has_shear = not np.isnan(solution.shear).all()
@@ -255,7 +255,7 @@ def _with_zones(
         solution.x,
         solution.pressure,
         solution.shear,
-        solution.slip if has_slip else None,
+        solution.slip if uses_slip else None,
         solution.scene.friction.coefficient,
         solution.time,
     )
@@ -287,7 +287,7 @@ def _with_zones(
                 np.trapezoid(solution.x * solution.shear, solution.x, axis=1)
             )
             changes["permanent_stick_edges"] = freeze(permanent_edges)
-    if has_work:
+    if adds_dissipation:
         density = friction_work(solution.shear[steps], solution.slip[steps])
         dissipation = float(np.trapezoid(density, solution.x))
         changes |= {
@@ -313,7 +313,7 @@ def by_same_rule(
     missing_fields = missing(result)
     has_work = np.array_equal(reference.time, result.time) and "dissipation" not in missing_fields
     reference_by_rule, _ = _with_zones(
-        reference, has_slip="slip" not in missing_fields, has_work=has_work
+        reference, uses_slip="slip" not in missing_fields, adds_dissipation=has_work
     )
     # Instants at which the rule finds the reference's own stick edges; all, where those are the
     # fewer.

@@ -89,7 +89,8 @@ class DeckSettings:
         for name in ("normal_stiffness", "stick_stiffness"):
             if not getattr(self, name) > 0:
                 raise InputError(
-                    f"deck: {name} = {getattr(self, name)!r} is refused: it is positive, over E*/h"
+                    f"deck: {name} = {getattr(self, name)!r} is refused: it is positive,"
+                    " in units of E*/h with h the element length"
                 )
 
 
