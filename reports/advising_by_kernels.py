@@ -78,8 +78,10 @@ def advise_by_kernels(scene: Scene, limit: float, instead_of: str) -> KernelAdvi
     ------
     InputError
         For bodies that have no kernels; where theory dissipates nothing.
-    ConvergenceError, InadmissibleLoadError
-        As `halfplane_fe.solve`.
+    InadmissibleLoadError
+        For loads with gross sliding or separation.
+    ConvergenceError
+        Where the finite elements do not converge.
     """
     import halfplane_fe
 

@@ -499,14 +499,14 @@ def _pressed_convex(scene: Scene, load: float, time: float) -> _Pressed | None:
     tilt = np.array([tilt_or_moment.get("tilt", 0.0)])
     try:
         shape = convex_profile(scene.profile)
-        middle, half_width = shape.contact(load / (np.pi * pressure_by_slope), tilt)
+        middle_x, half_width = shape.contact(load / (np.pi * pressure_by_slope), tilt)
     except InputError:
         return None
 
     def pressure(x: Array) -> Array:
-        return pressure_by_slope * np.maximum(shape.pressure(x, middle, half_width), 0.0)
+        return pressure_by_slope * np.maximum(shape.pressure(x, middle_x, half_width), 0.0)
 
-    return _Pressed(float((middle - half_width)[0]), float((middle + half_width)[0]), pressure)
+    return _Pressed(float((middle_x - half_width)[0]), float((middle_x + half_width)[0]), pressure)
 
 
 def _pressed_by_the_engine(scene: Scene, load: float, time: float, source: str) -> _Pressed:
@@ -593,10 +593,10 @@ def bulk_and_tilt(scene: Scene) -> _BulkAndTilt | None:
         modulus = composite_modulus(scene.material)
         half_width = np.sqrt(4 * radius * load[is_pressed] / (np.pi * modulus))
         if path.moment_given:
-            middle = moment[is_pressed] / load[is_pressed]
+            middle_x = moment[is_pressed] / load[is_pressed]
         else:
-            middle = -radius * tilt[is_pressed]
-        shift_over_half_width = middle / half_width
+            middle_x = -radius * tilt[is_pressed]
+        shift_over_half_width = middle_x / half_width
         largest_shift = float(shift_over_half_width[np.argmax(np.abs(shift_over_half_width))])
     largest_strain = float(np.max(np.abs(strain)))
     eccentricity = semi_analytic.eccentricity(scene)

@@ -255,7 +255,8 @@ def filled(
     Raises
     ------
     InputError
-        As `claim`, also where that comes to pass only while the work is done.
+        Where `out` is a file, can't be made or written to, or holds a file of somebody else under
+        a name that is to be written; also where that comes to pass only while the work is done.
     FilledBefore
         For a Ctrl-C that came while files were moved: they are whole.
     """
@@ -266,8 +267,8 @@ def filled(
     except OSError as reason:
         raise _unwritable(out, reason) from reason
     results = staging / "results"
-    with ExitStack() as at_the_end:
-        at_the_end.callback(_remove, staging)
+    with ExitStack() as cleanup:
+        cleanup.callback(_remove, staging)
         try:
             results.mkdir(mode=0o700)
             yield results
@@ -276,7 +277,7 @@ def filled(
         except InputError as fault:
             if not is_moving:
                 raise
-            at_the_end.pop_all()  # nothing is removed
+            cleanup.pop_all()  # nothing is removed
             raise InputError(f"{fault}{_kept_beside(staging)}") from fault
         except OSError as fault:
             is_about_folder = is_moving or not _is_about_another_file(fault, staging)
@@ -285,7 +286,7 @@ def filled(
                 raise
             sentence = ""
             if is_moving or _leave_only(results, solutions):
-                at_the_end.pop_all()  # nothing is removed
+                cleanup.pop_all()  # nothing is removed
                 sentence = _kept_beside(staging)
             raise InputError(f"{_unwritable(out, fault)}{sentence}") from fault
         except Exception as fault:

@@ -330,8 +330,10 @@ def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[
         if work is not None:
             change_in_words = _signed(100 * work.changes[entry.key].value, work.value)
         table.append((entry.words.removeprefix("the "), f"± {entry.stated}", change_in_words))
-    total = f"± {significant(100 * effects.work_uncertainty, 2)}"
-    table.append(("all inputs", "", total if math.isfinite(effects.work_uncertainty) else "–"))
+    uncertainty_in_words = f"± {significant(100 * effects.work_uncertainty, 2)}"
+    table.append(
+        ("all inputs", "", uncertainty_in_words if math.isfinite(effects.work_uncertainty) else "–")
+    )
     difference = effects.difference.get(WORK)
     if difference is None:
         return heads, table

@@ -323,7 +323,7 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
     Raises
     ------
     InputError
-        As `semi_analytic.solve`.
+        For a scene that theory does not take, such as one with gross sliding.
     """
     import semi_analytic
 
@@ -1072,7 +1072,7 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
     Raises
     ------
     InputError, ConvergenceError
-        As `semi_analytic.solve` for the scene itself.
+        Where theory does not take the scene, or does not converge, at the stated inputs.
     """
     assert scene.uncertainty is not None
     correlation = scene.uncertainty.correlation_matrix()

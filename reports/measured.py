@@ -407,11 +407,11 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
     if len(work) != len(time):
         return None
     time_tolerance = 1e-9 * (rows[-1, _TIME] - rows[0, _TIME])
-    in_record = time >= rows[0, _TIME] - time_tolerance
-    if np.count_nonzero(in_record) < 2:
+    is_in_record = time >= rows[0, _TIME] - time_tolerance
+    if np.count_nonzero(is_in_record) < 2:
         return None
-    time = time[in_record]
-    work_so_far = np.cumsum(work[in_record])
+    time = time[is_in_record]
+    work_so_far = np.cumsum(work[is_in_record])
     work_so_far -= work_so_far[0]
     solved_rows = rows[rows[:, _TIME] <= time[-1] + time_tolerance]
     if scene.load.repeats:
@@ -527,11 +527,11 @@ def counted(time: Array, force: Array) -> list[LoadCycle]:
     from rainflow import extract_cycles
 
     cycles = []
-    for size, mean, count, first_row, last_row in extract_cycles(force.tolist()):
+    for size, mean_force, count, first_row, last_row in extract_cycles(force.tolist()):
         end = float(time[last_row])
         if count == 1:  # a closed cycle
             end = _time_of_return(time, force, first_row, last_row)
-        cycles.append(LoadCycle(count, size, mean, float(time[first_row]), end, 0.0))
+        cycles.append(LoadCycle(count, size, mean_force, float(time[first_row]), end, 0.0))
     return sorted(cycles, key=lambda cycle: (cycle.end, -cycle.start))
 
 

@@ -433,8 +433,8 @@ def findings(scene: Scene) -> tuple[tuple[str, ...], FitUncertainty | None]:
     except InputError as fault:
         reason = f"The uncertainty from the noise has no value: {fault}."
         return (*fit_in_words(scene, half_width), reason), None
-    in_words = _uncertainty_in_words(scene, uncertainty)
-    return (*fit_in_words(scene, half_width), in_words), uncertainty
+    sentence = _uncertainty_in_words(scene, uncertainty)
+    return (*fit_in_words(scene, half_width), sentence), uncertainty
 
 
 def content(scene: Scene) -> dict[str, Any] | None:

@@ -185,10 +185,19 @@ def against_loop(
     score: LoopScore, effects: InputEffects | None, measured: Measured
 ) -> tuple[AgainstMeasurement, ...]:
     """The area of a measured loop beside the areas that theory and finite elements compute with the
-    scene's friction.
+    scene's friction. Empty where the scene states no uncertainty of its inputs.
 
-    None where the scene states no uncertainty of its inputs. What lies between rows is a bound,
-    taken as a uniform distribution; the scatter is stated in 95 %.
+    What lies between rows is a bound, taken as a uniform distribution; the scatter is stated in 95
+    %.
+
+    Parameters
+    ----------
+    score
+        the measured loop and the loops computed beside it
+    effects
+        what the uncertainties of the scene's inputs do; None where none are stated
+    measured
+        stated standard uncertainties of the measurement
     """
     from reports.scoring.loops import OF_SCENE
 

@@ -168,9 +168,9 @@ def limits(
     largest_size = max(abs(least_value), abs(largest_value))
     range_shown = max(largest_value - least_value, least, 1e-9 * largest_size, 1e-300)
     if largest_value - least_value < range_shown:
-        middle = (least_value + largest_value) / 2
-        least_value = middle - range_shown / 2
-        largest_value = middle + range_shown / 2
+        middle_value = (least_value + largest_value) / 2
+        least_value = middle_value - range_shown / 2
+        largest_value = middle_value + range_shown / 2
     return least_value - margin * range_shown, largest_value + margin * range_shown
 
 

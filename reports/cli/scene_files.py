@@ -125,8 +125,8 @@ def example(bodies: bool = False, profile: Literal["hertz", "flat_rounded"] = "h
 
 # -------------------------------------------------------------------------------------------- check
 def check(scene: str, options: Options) -> Answer:
-    """The command `check`: validate a scene as `run` does. It prints half-width and pressure at the
-    largest load, how near the loads come to gross sliding, and remarks on doubtful input.
+    """The command `check`: validate a scene without solving it. It prints half-width and pressure
+    at the largest load, how near the loads come to gross sliding, and remarks on doubtful input.
     """
     from reports.checking import (
         bulk_and_tilt,

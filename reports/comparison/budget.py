@@ -1026,8 +1026,9 @@ def _order(refinement: Refinement) -> float | None:
 
 
 def _fit_of_free_order(refinement: Refinement, weights: Array) -> _Fit:
-    """The curve phi_0 + alpha h^p that fits best with these `weights` (k,), p free within
-    `_ORDERS`. Its order is None where the best p is an end of that range.
+    """The curve phi_0 + alpha h^p that fits the values of a refinement study best with these
+    `weights` (k,), p free between 0.01 and 16. Its order is None where the best p is an end of that
+    range.
     """
     relative_sizes = np.array(refinement.sizes) / refinement.sizes[-1]
     values = np.array(refinement.values)

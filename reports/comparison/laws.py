@@ -88,22 +88,22 @@ def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
     """How far a solution violates each law of contact, from its fields and from its record, with
     the limit admitted.
 
-    Of an external result only laws that rest on fields of its own, to `_PRINTED`; of corrected
-    theory to `_BY_STEPS`.
+    Of an external result only those laws are checked that rest on fields of its own, with the limit
+    that printed digits allow; corrected theory has the limit of its straight load steps.
     """
-    from_fields = {"tension": _tension(solution)}
+    violations_in_fields = {"tension": _tension(solution)}
     if not np.isnan(solution.shear).all():
-        from_fields["cone"] = _cone(solution)
+        violations_in_fields["cone"] = _cone(solution)
     if "state" not in derived(solution):
-        from_fields["slip"] = _slip(solution)
+        violations_in_fields["slip"] = _slip(solution)
     if "normal_load" not in derived(solution):
-        from_fields["loads"] = _loads(solution)
+        violations_in_fields["loads"] = _loads(solution)
     limit = _LIMIT
     if derived(solution):
         limit = _PRINTED
     elif is_corrected(solution):
         limit = _BY_STEPS
-    sources = (("fields", from_fields), ("record", solution.record.certificates))
+    sources = (("fields", violations_in_fields), ("record", solution.record.certificates))
     return tuple(
         _certificate(name, source, np.abs(np.asarray(series, dtype=float)), solution.time, limit)
         for source, residuals in sources

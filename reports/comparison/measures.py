@@ -615,11 +615,11 @@ def _normal_resultant(cycle: Cycle, weights: Array, normals: Array) -> Array:
     normals
         (2, n) out of the lower body, p acting along it and q across it
     """
-    along_face, across_face = normals
-    resultant = np.asarray(cycle.pressure @ (weights * across_face))
+    normal_x, normal_y = normals
+    resultant = np.asarray(cycle.pressure @ (weights * normal_y))
     # Zero times no shear, which a pressure alone has, is nothing of P.
-    if along_face.any():
-        resultant = resultant + cycle.shear @ (weights * along_face)
+    if normal_x.any():
+        resultant = resultant + cycle.shear @ (weights * normal_x)
     return resultant
 
 
@@ -780,8 +780,8 @@ def state(pair: Pair) -> Measured:
     time = result_cycle.time[pair.touching]
     if not len(time) or time[-1] == time[0]:
         return Measured(value=None, series=series)
-    mean = np.trapezoid(series[pair.touching], time) / (time[-1] - time[0])
-    return Measured(value=float(mean), series=series)
+    mean_share = np.trapezoid(series[pair.touching], time) / (time[-1] - time[0])
+    return Measured(value=float(mean_share), series=series)
 
 
 def slip(pair: Pair) -> Measured:

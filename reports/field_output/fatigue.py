@@ -130,8 +130,8 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
             for stress in stresses
         ]
         columns: dict[str, Any] = {"body": body}
-        for name, middle, half_width in zip(ENGINES, middles, half_widths, strict=True):
-            columns[f"x, {name}"] = middle + half_width * places
+        for name, middle_x, half_width in zip(ENGINES, middles, half_widths, strict=True):
+            columns[f"x, {name}"] = middle_x + half_width * places
         columns["y"] = y
         for measure in measures_by_engine[0]:
             for name, values in zip(ENGINES, measures_by_engine, strict=True):

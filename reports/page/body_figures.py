@@ -306,8 +306,8 @@ def _supports(frame: Frame, shape: Shape, points: Array, side: float) -> Iterato
         return
     y_of_face = float(frame.y.place(points[0, 1]))
     lowest_point = np.argmax(-side * points[:, 1])
-    at_base = points[:, 1] == points[lowest_point, 1]
-    half_width = float(np.abs(points[at_base, 0]).max())
+    is_at_base = points[:, 1] == points[lowest_point, 1]
+    half_width = float(np.abs(points[is_at_base, 0]).max())
     left_x, right_x = frame.x.place([-half_width, half_width]).tolist()
     y_of_base = float(frame.y.place(points[lowest_point, 1]))
     base_rolls = getattr(shape, "base", "") == "rollers"

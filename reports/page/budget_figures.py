@@ -34,13 +34,13 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
     metric has a tolerance, the metrics of the page's first table are drawn in per cent. None where
     there are none.
     """
-    with_tolerance = [row for row in budget.budgets if row.metric.tolerance]
+    budgets_with_tolerance = [row for row in budget.budgets if row.metric.tolerance]
     headlines = [row for row in budget.budgets if row.metric.headline]
-    budgets = with_tolerance or headlines
+    budgets = budgets_with_tolerance or headlines
     if not budgets:
         return None
 
-    is_judged = bool(with_tolerance)
+    is_judged = bool(budgets_with_tolerance)
     rest_name = "unexplained" if budgets[0].half_planes else "idealisation"
     term_names = [term.name for term in budgets[0].terms]
     names = [*term_names, rest_name]
@@ -178,9 +178,9 @@ def _stack_of(budget: Budget, is_judged: bool) -> _Stack:
 
     lengths = [length_of(term.value) for term in budget.terms]
     lengths.append(length_of(budget.rest))
-    total = length_of(budget.total)
+    length_of_total = length_of(budget.total)
     uncertainty = length_of(budget.uncertainty)
-    return _Stack(budget, np.array(lengths), total, uncertainty)
+    return _Stack(budget, np.array(lengths), length_of_total, uncertainty)
 
 
 def _half_width_of_bars(stacks: Sequence[_Stack], is_judged: bool) -> float:

@@ -443,10 +443,10 @@ def _outward(x: Array, y: Array, place: int) -> Array:
     normal_direction = np.array(
         [y[place_before] - y[place_after], x[place_after] - x[place_before]]
     )
-    from_middle = np.array([x[place] - x.mean(), y[place] - y.mean()])
+    vector_from_middle = np.array([x[place] - x.mean(), y[place] - y.mean()])
     if not np.all(np.isfinite(normal_direction)) or not np.hypot(*normal_direction):
-        normal_direction = from_middle
-    if normal_direction @ from_middle < 0:
+        normal_direction = vector_from_middle
+    if normal_direction @ vector_from_middle < 0:
         normal_direction = -normal_direction
     return np.asarray(normal_direction / (np.hypot(*normal_direction) or 1.0))
 

@@ -281,7 +281,7 @@ def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
     hold.
     """
 
-    def in_digits(value: float | None, digits: int = 8) -> str:
+    def text_of_number(value: float | None, digits: int = 8) -> str:
         """A number to so many digits; a dash for None and NaN."""
         return "–" if value is None or np.isnan(value) else minus(f"{value:.{digits}g}")
 
@@ -301,15 +301,15 @@ def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
             difference = minus(f"{abs(work_of_loads / dissipation - 1):.1e}")
         yield {
             "name": name,
-            "value": in_digits(dissipation),
-            "scaled": in_digits(dissipation / comparison.scales.dissipation),
-            "loop": in_digits(loop_work),
+            "value": text_of_number(dissipation),
+            "scaled": text_of_number(dissipation / comparison.scales.dissipation),
+            "loop": text_of_number(loop_work),
             # of the instants that the solution has
-            "bulk": in_digits(bulk_work(last_cycle(solution), solution.scene.material)),
-            "normal": in_digits(work_of_normal_load),
+            "bulk": text_of_number(bulk_work(last_cycle(solution), solution.scene.material)),
+            "normal": text_of_number(work_of_normal_load),
             "apart": difference,
             "cycles": ", ".join(
-                in_digits(work_of_cycle, 6) for work_of_cycle in solution.cycle_dissipation
+                text_of_number(work_of_cycle, 6) for work_of_cycle in solution.cycle_dissipation
             ),
         }
 
@@ -464,7 +464,9 @@ def _carried_in_words(cycle_data: dict[str, Any]) -> str:
 
 
 def _tables(texts: Mapping[str, str]) -> dict[str, str]:
-    """Name -> the CSV of each figure, deflated; those over `_LETTERS` stay beside the page only."""
+    """Name -> the CSV of each figure, compressed and as text, for the page; those of more than a
+    million and a half letters are left out, and stay beside the page.
+    """
     short_texts = {name: text for name, text in texts.items() if len(text) <= _LETTERS}
     return {
         name: base64.b64encode(zlib.compress(text.encode(), 9)).decode()
@@ -571,8 +573,8 @@ def published(comparison: Comparison) -> str:
     scene = comparison.scene
     reference_cycle = comparison.expected
     # Where P is largest, and of these instants where |Q| is.
-    at_largest_load = reference_cycle.normal_load >= reference_cycle.normal_load.max() * (1 - 1e-9)
-    shear_loads = np.where(at_largest_load, np.abs(reference_cycle.tangential_load), -1.0)
+    has_largest_load = reference_cycle.normal_load >= reference_cycle.normal_load.max() * (1 - 1e-9)
+    shear_loads = np.where(has_largest_load, np.abs(reference_cycle.tangential_load), -1.0)
     instant = int(np.argmax(shear_loads))
     title = f"t = {reference_cycle.time[instant]:.4g}"
     size = (440.0, 330.0)

@@ -67,7 +67,7 @@ def score(
     against
         "exact" for half-plane theory, "fe" for the project's finite elements
     tolerances
-        key of a metric -> largest |E| admitted, see `reports.compare`
+        key of a metric -> largest |E| admitted; infinite: it is not judged
 
     Raises
     ------

@@ -146,8 +146,8 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
     Raises
     ------
     InputError
-        File and what is wrong: see `read_frd` and `read_dat`; no contact results and no stress;
-        nodes without coordinates.
+        File and what is wrong: broken off, not in CalculiX's format, larger than half a GB; no
+        contact results and no stress; nodes without coordinates.
     """
     file = read_frd(path, ("CONTACT",), instead=("STRESS",))
     if not file.blocks:
@@ -244,8 +244,8 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
     Raises
     ------
     InputError
-        File and what is wrong: see `read_dat`; no contact stress in it; no .frd beside it; a node
-        or element that is not there.
+        File and what is wrong: broken off, not in CalculiX's format, larger than half a GB; no
+        contact stress in it; no .frd beside it; a node or element that is not there.
     """
     printed_file = read_dat(path)
     stress_at = {
@@ -342,7 +342,7 @@ def _printed_places(mesh: CalculixMesh, place_keys: Integers) -> tuple[Array, Ar
         node_rows = mesh.rows(place_keys[:, 0])
         return mesh.points[node_rows], mesh.above[node_rows]
     faces = [mesh.face(int(element), int(face)) for element, face in place_keys]
-    middles = np.array([middle for middle, _ in faces])
+    middles = np.array([middle_of_face for middle_of_face, _ in faces])
     return middles, np.array([height for _, height in faces])
 
 

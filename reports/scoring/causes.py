@@ -93,15 +93,18 @@ def _moments(discrepancy: Discrepancy) -> tuple[float, float, float]:
         discrepancy.reference_tractions[PRESSURE],
     ):
         weight = discrepancy.weight * np.maximum(pressure, 0.0)
-        total = float(weight.sum())
-        if not total:
+        sum_of_pressure = float(weight.sum())
+        if not sum_of_pressure:
             return 1.0, 1.0, 0.0
-        centre = float(np.sum(weight * discrepancy.x)) / total
-        width = float(np.sqrt(np.sum(weight * (discrepancy.x - centre) ** 2) / total))
-        moments.append((total, centre, width))
-    (total, centre, width), (total_of_reference, centre_of_reference, width_of_reference) = moments
+        centre = float(np.sum(weight * discrepancy.x)) / sum_of_pressure
+        width = float(np.sqrt(np.sum(weight * (discrepancy.x - centre) ** 2) / sum_of_pressure))
+        moments.append((sum_of_pressure, centre, width))
+    (
+        (sum_of_pressure, centre, width),
+        (total_of_reference, centre_of_reference, width_of_reference),
+    ) = moments
     width_ratio = width / width_of_reference if width and width_of_reference else 1.0
-    return total / total_of_reference, width_ratio, centre - centre_of_reference
+    return sum_of_pressure / total_of_reference, width_ratio, centre - centre_of_reference
 
 
 def _away_from_zero(value: float) -> float:

@@ -53,8 +53,8 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
     Raises
     ------
     InputError
-        File and what is wrong: see `field_files.read_frames`; no tractions under a known name; no
-        surface; a mesh that changes.
+        File and what is wrong: can't be read, broken, too large; no instant; no tractions under a
+        known name; no surface; a mesh that changes.
     """
     frames = read_frames(path)
     _require_one_mesh(path, frames)

@@ -126,7 +126,7 @@ def _by_resultants(surface: SurfaceResult, scene: Scene) -> History:
     if surface.normal_load is not None:
         normal_force = surface.normal_load
 
-    def with_shear_times(shear_sign: float, words: str) -> History | None:
+    def history_with_shear(shear_sign: float, words: str) -> History | None:
         """The instants with the shear times `shear_sign`: 1 as it is, -1 turned. None where they
         don't fit the path. `words` says where the loads come from.
         """
@@ -149,7 +149,7 @@ def _by_resultants(surface: SurfaceResult, scene: Scene) -> History:
     except InputError:
         # Shear on the other body: matched all the same, scored as it is, and named by the oddities.
         shear_sign = -1.0
-        turned_history = with_shear_times(shear_sign, f"{source_in_words}, the latter turned")
+        turned_history = history_with_shear(shear_sign, f"{source_in_words}, the latter turned")
         if turned_history is None:
             raise
         history = turned_history
@@ -163,7 +163,7 @@ def _by_resultants(surface: SurfaceResult, scene: Scene) -> History:
         loads = (corrected_normal, corrected_tangential)
         history = _by_loads(surface, scene, loads, _INTEGRATED, corrected_in_words)
     has_shear = float(np.max(np.abs(tangential_force))) > _INTEGRATED * float(np.max(normal_force))
-    either_sign = has_shear and with_shear_times(-shear_sign, source_in_words) is not None
+    either_sign = has_shear and history_with_shear(-shear_sign, source_in_words) is not None
     return replace(history, either_sign=either_sign)
 
 
@@ -250,16 +250,16 @@ def _by_time(surface: SurfaceResult, stated_time: Array, scene: Scene, *, sure: 
 
 
 def _snapped(time: Array, path: LoadPath, scene: Scene) -> Array:
-    """Times put on the ends of legs (where loads turn, where cycles end) that they miss by less
-    than `_PRINTED_TIME` of a cycle.
+    """Times of instants, put on the ends of legs of the load path (where loads turn, where cycles
+    end) that they miss by less than the digits of a printed time, 1e-5 of a cycle.
     """
     ends = np.array([path.start, *(leg.end for leg in path.legs(scene.cycles))])
-    close = (path.period or ends[-1] - ends[0]) * _PRINTED_TIME
+    largest_miss = (path.period or ends[-1] - ends[0]) * _PRINTED_TIME
     end_after = np.clip(np.searchsorted(ends, time), 1, len(ends) - 1)
     nearest_end = np.where(
         time - ends[end_after - 1] < ends[end_after] - time, ends[end_after - 1], ends[end_after]
     )
-    return np.where(np.abs(time - nearest_end) <= close, nearest_end, time)
+    return np.where(np.abs(time - nearest_end) <= largest_miss, nearest_end, time)
 
 
 def _constant_ratio(result_values: Array, scene_values: Array, largest_load: float) -> str:
@@ -459,7 +459,7 @@ def _times_in_order(
 
 def _nearest(squares: Array) -> Places:
     """Indices of the samples of a load path at which the squared distance from an instant's loads
-    (`squares`, (n,)) is least among its neighbours; of these at most the `_PLACES` nearest.
+    (`squares`, (n,)) is least among its neighbours; of these at most the 64 nearest.
 
     >>> _nearest(np.array([4.0, 1.0, 1.0, 4.0, 1.5])).tolist()
     [1, 4]

@@ -79,9 +79,9 @@ def _where_shift_returns(shift: Array, rows: NDArray[np.intp]) -> tuple[int, flo
     """
     shift_before = shift[rows - 1]
     step = shift[rows] - shift_before
-    to_first = shift[0] - shift_before
-    share = np.clip(to_first / np.where(step == 0, 1.0, step), 0.0, 1.0)
-    nearest = int(np.argmin(np.abs(share * step - to_first)))
+    distance_to_first = shift[0] - shift_before
+    share = np.clip(distance_to_first / np.where(step == 0, 1.0, step), 0.0, 1.0)
+    nearest = int(np.argmin(np.abs(share * step - distance_to_first)))
     return int(rows[nearest]), float(share[nearest])
 
 
@@ -138,9 +138,11 @@ def polygon_area(
         ]
         # U that does not come back closes by a chord at the first Q: an error of the gap times Q
         # from its mean there.
-        across_gap = ends[0] - float(shift[0])
-        if abs(across_gap) > least_gap:
-            area_of_gap = abs(across_gap) * abs(float(load[0]) - float(load.max() + load.min()) / 2)
+        shift_across_gap = ends[0] - float(shift[0])
+        if abs(shift_across_gap) > least_gap:
+            area_of_gap = abs(shift_across_gap) * abs(
+                float(load[0]) - float(load.max() + load.min()) / 2
+            )
         shift = np.append(shift[:row_after], ends[0])
         load = np.append(load[:row_after], ends[1])
     elif (

@@ -347,9 +347,9 @@ def _closing_row(
     largest_shift_step = float(np.max(np.abs(np.diff(shift))))
     # Along the branch U changes with Q, roughly as over the whole loop; across the loop it changes
     # alone.
-    across_loop = shift_from_first - np.ptp(shift) / np.ptp(load) * load_from_first
+    distance_across_loop = shift_from_first - np.ptp(shift) / np.ptp(load) * load_from_first
     near_in_load = np.abs(load_from_first) <= 2 * largest_load_step + 4 * noise
-    near_across = np.abs(across_loop) <= largest_shift_step + 5 * row_noise(shift)
+    near_across = np.abs(distance_across_loop) <= largest_shift_step + 5 * row_noise(shift)
     is_near = near_in_load & near_across
     if not np.any(is_near):
         return None
@@ -473,7 +473,7 @@ def _two_parabolas(x: Array, y: Array) -> tuple[float, float, float] | None:
     degrees_of_freedom = len(x) - 6
     if degrees_of_freedom < 1:
         return None
-    best = (math.inf, 0.0, np.zeros(5))
+    best_fit = (math.inf, 0.0, np.zeros(5))
     for joint in np.linspace(-0.5, 0.5, _JOINTS):
         x_left_of_joint = np.minimum(x - joint, 0.0)
         x_right_of_joint = np.maximum(x - joint, 0.0)
@@ -489,9 +489,9 @@ def _two_parabolas(x: Array, y: Array) -> tuple[float, float, float] | None:
         coefficients = np.linalg.lstsq(columns, y, rcond=None)[0]
         residuals = y - columns @ coefficients
         sum_of_squares = float(residuals @ residuals)
-        if sum_of_squares < best[0]:
-            best = (sum_of_squares, float(joint), coefficients)
-    sum_of_squares, joint, coefficients = best
+        if sum_of_squares < best_fit[0]:
+            best_fit = (sum_of_squares, float(joint), coefficients)
+    sum_of_squares, joint, coefficients = best_fit
     x_fine = np.linspace(-0.7, 0.7, 281)
     x_left_of_joint = np.minimum(x_fine - joint, 0.0)
     x_right_of_joint = np.maximum(x_fine - joint, 0.0)

@@ -70,15 +70,15 @@ def table(score: LoopScore) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     distance_head = f"mean rows − loop, rms [{length}]"
     slope_head = f"slope dU/dQ [1/{stress}]"
     heads = ("loop", "f", area_head, "W/measured − 1", slope_head, distance_head)
-    measured = score.rows[0]
+    measured_row = score.rows[0]
     rows: list[tuple[str, ...]] = []
     for row in score.rows:
         area_cell = f"{row.area:.5g}"
         if row.area_uncertainty:
             area_cell += f" ± {row.area_uncertainty:.2g}"
         difference_cell = "–"
-        if row is not measured:
-            difference_cell = minus(f"{100 * (row.area / measured.area - 1):+.2g} %")
+        if row is not measured_row:
+            difference_cell = minus(f"{100 * (row.area / measured_row.area - 1):+.2g} %")
         friction_cell = "–" if row.friction is None else f"{row.friction:.4g}"
         distance_cell = f"{row.distance:.3g}" if math.isfinite(row.distance) else "–"
         slope_cell = f"{row.slope:.5g}"

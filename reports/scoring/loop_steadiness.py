@@ -89,20 +89,22 @@ def misfit_of(distances: Array, shift_noise: float, least_deviations: float = BY
     >>> misfit_of(np.random.default_rng(1).standard_normal(200), 1.0).correlation
     0.0
     """
-    from_mean = distances - np.mean(distances)
-    sum_of_squares = float(from_mean @ from_mean)
+    deviation_from_mean = distances - np.mean(distances)
+    sum_of_squares = float(deviation_from_mean @ deviation_from_mean)
     if sum_of_squares == 0:
         return Misfit(0.0, 0.0)
-    correlation = float(from_mean[1:] @ from_mean[:-1]) / sum_of_squares
-    if correlation * math.sqrt(len(from_mean)) <= least_deviations:
+    correlation = float(deviation_from_mean[1:] @ deviation_from_mean[:-1]) / sum_of_squares
+    if correlation * math.sqrt(len(deviation_from_mean)) <= least_deviations:
         return Misfit(0.0, 0.0)
-    variance = sum_of_squares / len(from_mean)
+    variance = sum_of_squares / len(deviation_from_mean)
     systematic_variance = correlation * variance
-    rows_of_block = len(from_mean) // _BLOCKS
+    rows_of_block = len(deviation_from_mean) // _BLOCKS
     if rows_of_block >= _ROWS_OF_BLOCK:
         # Many rows show more than their neighbours do: a smooth part stays in the means of blocks.
         block_means = (
-            from_mean[: _BLOCKS * rows_of_block].reshape(_BLOCKS, rows_of_block).mean(axis=1)
+            deviation_from_mean[: _BLOCKS * rows_of_block]
+            .reshape(_BLOCKS, rows_of_block)
+            .mean(axis=1)
         )
         variance_of_blocks = max(float(np.mean(block_means**2)) - variance / rows_of_block, 0.0)
         systematic_variance = min(systematic_variance, variance_of_blocks)
@@ -265,8 +267,8 @@ def trend_of_sizes(values: Array, load: Array, time: Array, noise: float) -> Tre
     if len(sizes) < 2:
         return None
     cycle_numbers = np.arange(len(sizes)) / 2
-    from_mean = cycle_numbers - np.mean(cycle_numbers)
-    lever = from_mean / float(from_mean @ from_mean)
+    deviation_from_mean = cycle_numbers - np.mean(cycle_numbers)
+    lever = deviation_from_mean / float(deviation_from_mean @ deviation_from_mean)
     median_size = float(np.median(sizes))
     rows_of_cycle = 2 * len(load) / (len(sizes) + 1)
     error_by_noise = row_noise(values) / (median_size * math.sqrt(rows_of_cycle))
@@ -277,23 +279,25 @@ def trend_of_sizes(values: Array, load: Array, time: Array, noise: float) -> Tre
 
 
 def goes_on_growing(
-    shift: Array, load: Array, time: Array, first: int, noise: float
+    shift: Array, load: Array, time: Array, first_row: int, noise: float
 ) -> Literal["", "grow", "shrink"]:
-    """Whether the cycles grow or shrink over all rows, and may still do so from the row `first` on:
-    then the rows before it are no run-in. Empty where neither is so.
+    """Whether the cycles grow or shrink over all rows, and may still do so from the row `first_row`
+    on: then the rows before it are no run-in. Empty where neither is so.
 
     Parameters
     ----------
     shift, load, time
         U, Q and time of the rows (n,)
-    first
+    first_row
         number of the first row behind the supposed run-in
     noise
         sigma of Q
     """
     for values in (load, shift):
         trend_of_all = trend_of_sizes(values, load, time, noise)
-        trend_of_later_rows = trend_of_sizes(values[first:], load[first:], time[first:], noise)
+        trend_of_later_rows = trend_of_sizes(
+            values[first_row:], load[first_row:], time[first_row:], noise
+        )
         if trend_of_all is None or trend_of_later_rows is None:
             continue
         if trend_of_all.is_certain and trend_of_later_rows.may_be(trend_of_all):

@@ -213,15 +213,17 @@ def _how_to_name(quantity: str, names: Sequence[str]) -> str:
     """A phrase for an error message that says how to name the column of a quantity in a mapping:
     with the very lines to write where one of the column `names` is spelt nearly like the quantity.
     """
-    by_plain_name = {plain(name): name for name in names}
+    name_by_plain_name = {plain(name): name for name in names}
     near_names = [
         match
         for alias in ALIASES[quantity]
-        for match in difflib.get_close_matches(plain(alias), by_plain_name, n=1, cutoff=_NEARLY)
+        for match in difflib.get_close_matches(
+            plain(alias), name_by_plain_name, n=1, cutoff=_NEARLY
+        )
     ]
     if not near_names:
         return f"name it by columns.{quantity} of a mapping (`halfplane score --mapping-example`)"
-    name = by_plain_name[near_names[0]]
+    name = name_by_plain_name[near_names[0]]
     return (
         f"if {name!r} is it, write the lines [columns] and {quantity} = {json.dumps(name)} into a"
         " file mapping.toml, and add --mapping mapping.toml"

@@ -222,9 +222,9 @@ def _fitted_row(
     for share in (np.arange(_EDGES_TRIED) + 0.5) / _EDGES_TRIED:
         half_width = float(half_distance + share * spacing)
         xi = (x - centre) / half_width
-        inside = np.abs(xi) < 1
+        is_inside = np.abs(xi) < 1
         function_values = np.zeros((len(x), functions(np.zeros(1)).shape[1]))
-        function_values[inside] = functions(xi[inside])
+        function_values[is_inside] = functions(xi[is_inside])
         solution = np.linalg.lstsq(
             root_of_weight[:, None] * function_values, root_of_weight * pressure, rcond=None
         )
@@ -243,13 +243,16 @@ def _adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
     """
     pressure = discrepancy.result_tractions[PRESSURE]
     largest_pressure = pressure.max(axis=1, keepdims=True)
-    is_in_tension = pressure < -_OPEN * largest_pressure
+    points_in_tension = pressure < -_OPEN * largest_pressure
     largest_tension = float(np.max(-pressure / np.maximum(largest_pressure, 1e-300)))
     if largest_tension < _TENSION:
         return None
-    for pressure_of_instant, in_tension in zip(pressure, is_in_tension, strict=True):
+    for pressure_of_instant, is_in_tension in zip(pressure, points_in_tension, strict=True):
         peak_index = int(np.argmax(pressure_of_instant))
-        if min(in_tension[:peak_index].sum(), in_tension[peak_index:].sum()) < _FEWEST_IN_TENSION:
+        if (
+            min(is_in_tension[:peak_index].sum(), is_in_tension[peak_index:].sum())
+            < _FEWEST_IN_TENSION
+        ):
             return None
 
     def strip(xi: Array) -> Array:
@@ -259,7 +262,7 @@ def _adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
     closed_form = _closed_form(discrepancy, strip)
     if closed_form is None:
         return None
-    evidence = f"{int(is_in_tension.sum())} points are in tension, at both edges of contact"
+    evidence = f"{int(points_in_tension.sum())} points are in tension, at both edges of contact"
     return ProblemFit(
         _with(discrepancy, PRESSURE, closed_form.pressure),
         discrepancy.reference_tractions,

@@ -139,11 +139,11 @@ def full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
         & (np.abs(reference_cycle.shear) < _STICKS * friction * reference_cycle.pressure)
     )
     coulomb_limit = friction * result_cycle.pressure
-    at_limit = np.abs(np.abs(result_cycle.shear) - coulomb_limit) <= _ON_LIMIT * coulomb_limit
+    is_at_limit = np.abs(np.abs(result_cycle.shear) - coulomb_limit) <= _ON_LIMIT * coulomb_limit
     n_sticking = int(should_stick.sum())
-    if not n_sticking or at_limit[is_pressed].mean() < _ALL_SLIP:
+    if not n_sticking or is_at_limit[is_pressed].mean() < _ALL_SLIP:
         return
-    share_at_limit = float((should_stick & at_limit).sum()) / n_sticking
+    share_at_limit = float((should_stick & is_at_limit).sum()) / n_sticking
     if share_at_limit < _ALL_SLIP:
         return
     stick_half_width = float(np.nanmax(np.diff(reference_cycle.stick_edges, axis=1))) / 2

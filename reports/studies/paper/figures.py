@@ -258,10 +258,10 @@ def _figure_2(case: Case) -> Plate:
         place_p, place_q = points[letter][:2].round(6).tolist()
         letters_at_point.setdefault((place_p, place_q), []).append(letter)
     for (place_p, place_q), letters in letters_at_point.items():
-        from_centre = np.array(
+        vector_from_centre = np.array(
             [place_p - 3.0, place_q - case.load.mean_tangential_load / case.unit]
         )
-        outward_direction = from_centre / np.hypot(*from_centre)
+        outward_direction = vector_from_centre / np.hypot(*vector_from_centre)
         shift = (14.0 * float(outward_direction[0]), 12.0 * float(outward_direction[1]))
         marks += _text_at(place_p, place_q, ", ".join(letters), shift, dot=True)
     marks += _text_at(0.0, 0.0, "O", (18.0, -9.0), dot=True)

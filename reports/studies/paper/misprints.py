@@ -371,7 +371,7 @@ def _slip_out_of_contact(case: Case) -> Found:
     x = case.length
     phase = (case.time("E"), case.time("F"))
 
-    def by_16(time: Array) -> Array:
+    def slip_by_16(time: Array) -> Array:
         """Rate of slip by equation (16) as printed."""
         load, _ = formulas.loads(time)
         load_rate, _ = formulas.rates(time)
@@ -382,7 +382,7 @@ def _slip_out_of_contact(case: Case) -> Found:
         return factor * (2 * front_rate * reach_of_x - load_rate * reach_from_edge)
 
     slip_mended = integral(lambda time: formulas.slip_rate("EG", x, time), *phase)
-    return _proof(slip_mended, integral(by_16, *phase), formulas.moved(x, *phase), {})
+    return _proof(slip_mended, integral(slip_by_16, *phase), formulas.moved(x, *phase), {})
 
 
 def _gap_for_slope(case: Case) -> Found:

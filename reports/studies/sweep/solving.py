@@ -687,9 +687,9 @@ def _cheap_uncertainty(
     """Uncertainty of each figure, by its name + ".uncertainty": what a coarser mesh, theory on
     straight increments and a farther far field change it by, added up.
 
-    The mesh is made twice as coarse at the surface and in the bulk; its part is `_MESH` times the
-    change, or what the solution itself states where that is more. The far field's part is `_FAR`
-    times its change. A figure that one of the runs lacks has none, and `notes` gets the reason.
+    The mesh is made twice as coarse at the surface and in the bulk; its part is 1.64 times the
+    change, or what the solution itself states where that is more. The far field's part is twice its
+    change. A figure that one of the runs lacks has none, and `notes` gets the reason.
 
     Parameters
     ----------

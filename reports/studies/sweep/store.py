@@ -174,7 +174,8 @@ class Store:
         """A table with a row for each of `points` that has a result, in the order of the study; NaN
         where there is no value.
 
-        Columns: number, the axes, the figures and their uncertainties, then those of `STATUS`.
+        Columns: number, the axes, the figures and their uncertainties, then status, seconds,
+        reason, notes and address.
         """
         rows = []
         figures: dict[str, type] = {}

@@ -272,8 +272,7 @@ def build_deck(
     ------
     InputError
         For a scene that does not pass its own check, for bodies that can't be meshed, held or
-        pulled, see `meshes.solids` and `halfplane_fe.solve`, and for an upper block on rollers
-        under bulk stress and Q.
+        pulled, and for an upper block on rollers under bulk stress and Q.
     """
     scene = validated(scene, Scene)
     settings = settings or DeckSettings()
