@@ -883,12 +883,12 @@ def extrapolate(refinement: Refinement) -> Extrapolation:
     order of convergence, the kind of sequence (monotone, oscillating, ...), the limit and its
     uncertainty.
 
-    Where every three neighbours are monotone and their orders plausible and alike to a quarter of
-    the formal one: Roache, safety factor 1.25, the uncertainty by the lowest order. Monotone
-    otherwise: least squares, not less than the spread of the three finest. Oscillating or
-    diverging: the finest value, with no less than the spread of all. These floors are ours: of
-    noise about as large as the trend, the published rules on four solutions cover four truths of
-    five only, with the floors 94 of 100 (tests/test_reports_budget.py).
+    Where every three neighbouring meshes are monotone and their orders plausible and alike to a
+    quarter of the formal one: Roache's index with the safety factor 1.25, the uncertainty by the
+    lowest order. Monotone otherwise: least squares, not less than the spread of the three finest.
+    Oscillating or diverging: the finest value, with no less than the spread of all. These floors
+    are ours: of noise about as large as the trend, the published rules on four solutions cover four
+    truths of five only, with the floors 94 of 100 (tests/test_reports_budget.py).
 
     >>> found = extrapolate(Refinement((1.0, 2.0, 4.0), (0.97050, 0.96854, 0.96178)))
     >>> found.kind, round(found.value, 6), round(found.uncertainty / 0.97050, 6)
@@ -909,9 +909,11 @@ def extrapolate(refinement: Refinement) -> Extrapolation:
             None, kind, finest_value + correction, _DOUBTFUL * abs(correction), rule
         )
     orders = []
-    for first in range(n_solutions - 2):
-        three = slice(first, first + 3)
-        orders.append(observed_order(refinement.sizes[three], refinement.values[three]))
+    for first_mesh in range(n_solutions - 2):
+        three_meshes = slice(first_mesh, first_mesh + 3)
+        orders.append(
+            observed_order(refinement.sizes[three_meshes], refinement.values[three_meshes])
+        )
     plausible_orders = [
         order for order in orders if order is not None and refinement.plausible(order)
     ]

@@ -219,8 +219,8 @@ def rendered(
 def mesh(
     bodies: Sequence[BodyMesh], half_width: float, edge: float, *, named: bool = False
 ) -> Plate:
-    """A figure of the meshes of both bodies, y out of the lower one: all of them, at the contact,
-    and at its edge.
+    """A figure of the meshes of both bodies in three panels: whole, at the contact, and at the
+    contact's edge. y points out of the lower body.
 
     Parameters
     ----------

@@ -102,6 +102,15 @@ def _findings_of_causes(
 
     With `is_traced` causes of the shear alone are left out: a trace in the shear has been found
     already, which needs no second explanation.
+
+    Parameters
+    ----------
+    judgement
+        the difference and the fits of causes to it
+    verdict
+        the causes that explain it best
+    is_traced
+        whether a trace in the shear has been found, such as of wrong load steps
     """
     fit = verdict.fit
     if fit is None:
@@ -137,8 +146,9 @@ def _without_cause(judgement: Judgement, fit: Fit, cause: Cause) -> Fit:
 
 
 def _evidence(judgement: Judgement, fit: Fit, share_left: float) -> Iterator[str]:
-    """Measured values that speak for a cause: sum of the pressures, noise, what the fit leaves,
-    errors before and after. `share_left` is the share of the difference that it leaves.
+    """Sentences with measured values that speak for a cause: sum of the pressures, noise, what the
+    fit leaves, errors before and after. `fit` is the fit of that cause to the difference in
+    `judgement`, `share_left` the share of the difference that it leaves.
     """
     discrepancy = judgement.discrepancy
     ratio = discrepancy.resultant_ratio
@@ -225,8 +235,9 @@ def _mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
 
 
 def _not_found(judgement: Judgement, verdict: Verdict) -> Diagnosis:
-    """The finding that no cause was found: errors, causes that the file does not tell apart, and
-    those that are excluded, with the reasons.
+    """The finding that no cause was found, with its evidence: errors, causes that the file does not
+    tell apart, and those that are excluded, with the reasons. `judgement` holds the causes that
+    were tried, `verdict` the best explanations.
     """
     discrepancy = judgement.discrepancy
     pressure, shear = discrepancy.errors()
@@ -284,8 +295,9 @@ def _names_of(fit: Fit) -> str:
 
 
 def _left_by_each(judgement: Judgement) -> Iterator[str]:
-    """A sentence with each known fault that was fitted alone: the share of the difference that it
-    leaves unexplained, smallest first. Faults that explain no more than chance would are left out.
+    """A sentence with each known fault that was fitted alone to the difference (in `judgement`):
+    the share of the difference that it leaves unexplained, smallest first. Faults that explain no
+    more than chance would are left out.
     """
     least_left: dict[str, float] = {}
     for fit in judgement.search.fit_by_question.values():

@@ -396,8 +396,8 @@ class LoopsOverFriction:
 
 
 def _cubic(x: float) -> tuple[Array, Array]:
-    """Lagrange's cubic through values at x = -1, 0, 1 and 2: the weight of each value in the cubic
-    at x = `x` (4,), and in its derivative there (4,).
+    """Lagrange's cubic through values at the nodes -1, 0, 1 and 2: the weight of each value in the
+    cubic at the place `x` (4,), and in its derivative there (4,).
 
     >>> at = np.array([-1.0, 0.0, 1.0, 2.0])
     >>> values, rates = _cubic(0.5)
