@@ -621,16 +621,18 @@ def _ratios(scene: Scene, half_width: float) -> dict[str, float]:
     [length]), by name, such as "a/R" and "lower width/a".
     """
     sizes = scene.profile.model_dump(include={*_RADII, *_HALF_LENGTHS})
-    ratios = {f"a/{name}": half_width / sizes[key] for key, name in _RADII.items() if key in sizes}
+    ratios = {
+        f"a/{symbol}": half_width / sizes[key] for key, symbol in _RADII.items() if key in sizes
+    }
     for key in _HALF_LENGTHS:
         if key in sizes:
             ratios["b/a"] = sizes[key] / half_width
-    for name, body in (("lower", scene.bodies.lower), ("upper", scene.bodies.upper)):
+    for body_name, body in (("lower", scene.bodies.lower), ("upper", scene.bodies.upper)):
         if isinstance(body, Block | Pad | TShape | ShoulderedPad):
-            ratios[f"{name} width/a"] = body.width / half_width
-            ratios[f"{name} height/a"] = body.height / half_width
+            ratios[f"{body_name} width/a"] = body.width / half_width
+            ratios[f"{body_name} height/a"] = body.height / half_width
         elif isinstance(body, Cylinder):
-            ratios[f"{name} radius/a"] = body.radius / half_width
+            ratios[f"{body_name} radius/a"] = body.radius / half_width
     return ratios
 
 

@@ -673,10 +673,10 @@ def _path_of(
     y = np.round(np.asarray(vertical, dtype=float), 2)
     is_known = np.isfinite(x) & np.isfinite(y)
     if len(x) > _LONG_LINE:
-        kept_places = _places_that_show(x, y, is_known)
-        x = x[kept_places]
-        y = y[kept_places]
-        is_known = is_known[kept_places]
+        places_that_show = _places_that_show(x, y, is_known)
+        x = x[places_that_show]
+        y = y[places_that_show]
+        is_known = is_known[places_that_show]
     has_moved = np.ones(len(x), dtype=bool)
     has_moved[1:] = (x[1:] != x[:-1]) | (y[1:] != y[:-1]) | ~is_known[:-1]
     starts = is_known & ~np.concatenate([[False], is_known[:-1]])

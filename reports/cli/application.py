@@ -965,7 +965,8 @@ def _misspelt(fault: CycloptsError) -> str:
         unused_words = list(fault.unused_tokens or [""])
         is_option = unused_words[0].startswith("-")
         suggestion = _nearest_word(
-            unused_words[0], [name for name in app if name.startswith("-") is is_option]
+            unused_words[0],
+            [known_word for known_word in app if known_word.startswith("-") is is_option],
         )
         return (
             f"there is no {'option' if is_option else 'command'} {unused_words[0]!r};"
@@ -977,10 +978,10 @@ def _misspelt(fault: CycloptsError) -> str:
     if isinstance(fault, UnknownOptionError):
         word = (fault.token.keyword or fault.token.value).split("=", 1)[0]
         options = {
-            name
+            option
             for argument in fault.argument_collection
-            for name in argument.names
-            if name.startswith("--")
+            for option in argument.names
+            if option.startswith("--")
         }
         return (
             f"{command} has no option {word}; {_nearest_word(word, options)}{help_of_command}"

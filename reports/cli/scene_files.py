@@ -51,14 +51,14 @@ def init(file: Path, options: Options) -> Answer:
     companions: dict[Path, str] = {}
     if copied_name:
         companions = {
-            file.parent / name: scene_file_text
-            for name, scene_file_text in scene_companions(copied_name).items()
+            file.parent / name: companion_text
+            for name, companion_text in scene_companions(copied_name).items()
         }
-    for path in companions:
-        if path.exists():
+    for companion in companions:
+        if companion.exists():
             raise InputError(
-                f"{path}: the file is there already and stays as it is; choose another folder for"
-                f" {file.name}"
+                f"{companion}: the file is there already and stays as it is; choose another folder"
+                f" for {file.name}"
             )
     with ExitStack() as undo:
         for path, file_text in {
@@ -75,7 +75,7 @@ def init(file: Path, options: Options) -> Answer:
                     f"{path}: the file can't be written: {reason.strerror}; name another place"
                 ) from reason
         undo.pop_all()
-    names_of_companions = ", ".join(path.name for path in companions)
+    names_of_companions = ", ".join(companion.name for companion in companions)
     companions_in_words = f" (with {names_of_companions})" if names_of_companions else ""
     sentences = []
     if copied_name:

@@ -107,9 +107,9 @@ def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...])
         },
         "counts": solution.work.counts,
         "skipped": {
-            name: {"count": count, "reason": reason}
-            for name, (count, reason) in solution.work.skipped.items()
+            field: {"count": count, "reason": reason}
+            for field, (count, reason) in solution.work.skipped.items()
         },
         "seconds": solution.work.seconds,
-        "mesh_quality": {name: dict(body.quality) for name, body in bodies},
+        "mesh_quality": {body_name: dict(body.quality) for body_name, body in bodies},
     }

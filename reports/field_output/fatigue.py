@@ -160,16 +160,16 @@ def largest(table: pd.DataFrame) -> list[dict[str, Any]]:
     """
     largest_values = []
     for body, rows_of_body in table.groupby("body", sort=False):
-        first_columns = (name for name in table.columns if name.endswith(f", {ENGINES[0]}"))
-        for measure in (name.removesuffix(f", {ENGINES[0]}") for name in first_columns):
+        first_columns = (column for column in table.columns if column.endswith(f", {ENGINES[0]}"))
+        for measure in (column.removesuffix(f", {ENGINES[0]}") for column in first_columns):
             if measure == "x":
                 continue
             largest_of_measure: dict[str, Any] = {"body": body, "measure": measure}
-            for name in ENGINES:
-                largest_row = rows_of_body.loc[rows_of_body[f"{measure}, {name}"].idxmax()]
-                largest_of_measure[name.replace(" ", "_")] = {
-                    "value": float(largest_row[f"{measure}, {name}"]),
-                    "x": float(largest_row[f"x, {name}"]),
+            for engine in ENGINES:
+                largest_row = rows_of_body.loc[rows_of_body[f"{measure}, {engine}"].idxmax()]
+                largest_of_measure[engine.replace(" ", "_")] = {
+                    "value": float(largest_row[f"{measure}, {engine}"]),
+                    "x": float(largest_row[f"x, {engine}"]),
                     "y": float(largest_row["y"]) + 0.0,
                 }
             largest_values.append(largest_of_measure)

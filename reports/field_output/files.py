@@ -228,7 +228,9 @@ def write_fields(
             }
             parts.append((body.name, body.points, body.cells, nodal_values))
         lower_fields = snapshot.bodies[0]
-        tractions = {name: getattr(solution, name)[step] for name in ("pressure", "shear", "slip")}
+        tractions = {
+            field: getattr(solution, field)[step] for field in ("pressure", "shear", "slip")
+        }
         further_fields = {
             "state": solution.state[step].astype(np.int32),
             "displacement": lower_fields.displacement[nodes_of_line],
@@ -241,10 +243,10 @@ def write_fields(
                 tractions | further_fields,
             )
         )
-        for part_number, (name, points, cells, nodal_values) in enumerate(parts):
-            file_name = f"{name}_{number:03d}.vtu"
-            meshes.write_vtu(folder / file_name, points, cells, nodal_values)
-            entries.append(meshes.PvdEntry(snapshot.time, part_number, name, file_name))
+        for part_number, (part_name, points, cells, values_of_part) in enumerate(parts):
+            file_name = f"{part_name}_{number:03d}.vtu"
+            meshes.write_vtu(folder / file_name, points, cells, values_of_part)
+            entries.append(meshes.PvdEntry(snapshot.time, part_number, part_name, file_name))
     meshes.write_pvd(folder / _COLLECTION, entries)
     return [_COLLECTION, *(entry.file for entry in entries)]
 

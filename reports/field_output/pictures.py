@@ -253,26 +253,26 @@ def mesh(
     )
     keys = [Key("mesh-lower", "lower body"), Key("mesh-upper", "upper body")]
     boundaries: list[Mark] = []
-    for name in BOUNDARIES if named else ():
+    for boundary in BOUNDARIES if named else ():
         bounded = [
             (sign_of_y, body)
             for _, sign_of_y, body in placed_bodies
-            if name in body.mesh.boundaries
+            if boundary in body.mesh.boundaries
         ]
         for sign_of_y, body in bounded:
-            sides_of_body = _boundary(body, name, sign_of_y) / half_width
-            boundaries.append(Segments(sides_of_body, f"curve side-{name}"))
+            sides_of_body = _boundary(body, boundary, sign_of_y) / half_width
+            boundaries.append(Segments(sides_of_body, f"curve side-{boundary}"))
         if bounded:
-            support = _support_in_words([body for _, body in bounded], name)
-            keys.append(Key(f"side-{name}", f"{name.replace('_', ' ')}{support}"))
+            support = _support_in_words([body for _, body in bounded], boundary)
+            keys.append(Key(f"side-{boundary}", f"{boundary.replace('_', ' ')}{support}"))
     panels = []
     for view_number, (view_in_words, centre, half_size) in enumerate(views):
         left_x, bottom_y = (centre - half_size).tolist()
         right_x, top_y = (centre + half_size).tolist()
         link_end = " again" if view_number else ""  # an SVG holds the lines of a mesh once
         marks: list[Mark] = [
-            Segments(sides_of_body, f"mesh-{name}", f"mesh-{name}{link_end}")
-            for name, sides_of_body in sides.items()
+            Segments(sides_of_body, f"mesh-{body_name}", f"mesh-{body_name}{link_end}")
+            for body_name, sides_of_body in sides.items()
         ]
         if view_number == 0:
             marks += boundaries

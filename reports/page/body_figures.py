@@ -256,7 +256,7 @@ def outline(scene: Scene, name: str, half_width: float) -> Array:
             (half_width_below, shape.step.depth),
             (half_width_below, height),
         ]
-    left_side = [(-x, depth) for x, depth in reversed(right_side)]
+    left_side = [(-corner_x, depth) for corner_x, depth in reversed(right_side)]
     return np.vstack([face, np.array(right_side + left_side) * [1.0, -outward_sign]])
 
 

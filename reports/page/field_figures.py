@@ -290,7 +290,7 @@ def state_map(view: CycleView) -> Plate:
     instant_count = min(len(view.time), max(_MOST_STATES // len(points), 2))
     instants = np.linspace(0, len(view.time) - 1, instant_count).round().astype(int)
     grid = np.ix_(instants, points)
-    codes = ", ".join(f"{int(state)} {name}" for state, name in STATE_NAMES.items())
+    codes = ", ".join(f"{int(state)} {state_name}" for state, state_name in STATE_NAMES.items())
     table = {
         "time": np.repeat(view.result_cycle.time[instants], len(points)),
         "x": np.tile(view.result_cycle.x[points], len(instants)),

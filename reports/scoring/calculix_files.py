@@ -324,14 +324,15 @@ class _Lines(Iterator[str]):
                 )
             nodes.append(self.integer(record_text[:label_width], "a node's number", line))
             number_texts += [
-                numbers_in_text[k : k + _WIDTH] for k in range(0, len(numbers_in_text), _WIDTH)
+                numbers_in_text[begin : begin + _WIDTH]
+                for begin in range(0, len(numbers_in_text), _WIDTH)
             ]
         try:
             values = np.array(number_texts, f"S{_WIDTH}").astype(float)
         except ValueError:  # one of them is not as Python writes it
             numbers = []
-            for k, number_text in enumerate(number_texts):
-                line = records[k // n_columns].line
+            for number_index, number_text in enumerate(number_texts):
+                line = records[number_index // n_columns].line
                 numbers.append(self.float(number_text, "a number", line))
             values = np.array(numbers)
         return np.array(nodes, np.int64), values.reshape(len(nodes), n_columns)

@@ -460,21 +460,21 @@ def nearest_on_line(rows: Array, line: Array) -> Array:
         np.sum(vector_from_begin * piece_vector, axis=0) / length_squared, 0.0, 1.0
     )
     vector_to_row = vector_from_begin - share_of_piece * piece_vector
-    index_of_nearest = np.argmin(np.sum(vector_to_row**2, axis=0), axis=1)
+    index_of_piece = np.argmin(np.sum(vector_to_row**2, axis=0), axis=1)
 
     row_numbers = np.arange(rows.shape[1])
-    share_of_piece = share_of_piece[row_numbers, index_of_nearest]
-    piece_vector = piece_vector[:, row_numbers, index_of_nearest]
-    vector_to_row = vector_to_row[:, row_numbers, index_of_nearest]
+    share_of_piece = share_of_piece[row_numbers, index_of_piece]
+    piece_vector = piece_vector[:, row_numbers, index_of_piece]
+    vector_to_row = vector_to_row[:, row_numbers, index_of_piece]
     distance = np.hypot(vector_to_row[0], vector_to_row[1])
     cross_product = piece_vector[0] * vector_to_row[1] - piece_vector[1] * vector_to_row[0]
     distance = np.where(cross_product < 0, -distance, distance)
     # A unit vector across the piece; beyond a corner of the line it points from there to the row.
-    length = np.sqrt(length_squared[row_numbers, index_of_nearest])
+    length = np.sqrt(length_squared[row_numbers, index_of_piece])
     across = np.array([-piece_vector[1], piece_vector[0]]) / length
     is_at_corner = ((share_of_piece == 0) | (share_of_piece == 1)) & (distance != 0)
     unit = np.where(is_at_corner, vector_to_row / np.where(is_at_corner, distance, 1.0), across)
-    return np.array([piece[row_numbers, index_of_nearest] + share_of_piece, distance, *unit])
+    return np.array([piece[row_numbers, index_of_piece] + share_of_piece, distance, *unit])
 
 
 def _nearest_corner(rows: Array, corners: Array) -> Indices:

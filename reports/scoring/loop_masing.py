@@ -159,8 +159,9 @@ def memory_curve(scene: Scene, sliding: float) -> MemoryCurve:
     from scipy.interpolate import CubicSpline
 
     friction = scene.friction.coefficient
-    path = scene.load.path()
-    normal_load = float(np.asarray(path.at(np.array([path.cycle_start]))[0])[0])
+    path_of_scene = scene.load.path()
+    normal_loads, _ = path_of_scene.at(np.array([path_of_scene.cycle_start]))
+    normal_load = float(np.asarray(normal_loads)[0])
     largest_argument = normal_load * (1 - _BEFORE_SLIDING)
     largest_load = friction * largest_argument
     loads = {

@@ -632,8 +632,8 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
     """
     least_noise = Weights(
         *(
-            max(step / math.sqrt(12), _LEAST_NOISE * float(np.max(np.abs(values))))
-            for step, values in zip(rows.resolution, (rows.shift, rows.load), strict=True)
+            max(step / math.sqrt(12), _LEAST_NOISE * float(np.max(np.abs(values_of_rows))))
+            for step, values_of_rows in zip(rows.resolution, (rows.shift, rows.load), strict=True)
         )
     )
     weights = Weights(

@@ -170,9 +170,9 @@ def _with_places_of_outliers(
         # have.
         field = np.abs(getattr(surface, outlier.quantity))
         columns_of_quantity = [
-            k
-            for k, name in enumerate(table.names)
-            if _quantity_of_heading(name, mapping).quantity == outlier.quantity
+            number
+            for number, heading in enumerate(table.names)
+            if _quantity_of_heading(heading, mapping).quantity == outlier.quantity
         ]
         sizes_of_quantity = sizes_in_table[:, columns_of_quantity]
         factor = float(field.max() / sizes_of_quantity.max())
@@ -180,8 +180,8 @@ def _with_places_of_outliers(
             np.argmin(np.abs(sizes_of_quantity * factor - abs(outlier.value))),
             sizes_of_quantity.shape,
         )
-        name = table.names[columns_of_quantity[number_among_columns]]
-        place_in_file = f"line {table.lines[table_row]}, column {name!r} ({outlier.place})"
+        column_name = table.names[columns_of_quantity[number_among_columns]]
+        place_in_file = f"line {table.lines[table_row]}, column {column_name!r} ({outlier.place})"
         written_number = float(table.values[table_row, columns_of_quantity[number_among_columns]])
         outliers.append(replace(outlier, place=place_in_file, figure=written_number))
     return replace(surface, outliers=tuple(outliers))

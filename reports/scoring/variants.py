@@ -194,7 +194,7 @@ class Predictions:
             return _without_memory(scene, x, time)
         if variant.history in ("straight steps", "end of steps") and sheared:
             takes_ends = variant.history == "end of steps"
-            return _long_steps(discrepancy, scene, x, of_ends=takes_ends)
+            return _long_steps(discrepancy, scene, x, takes_ends=takes_ends)
         effects = None
         if variant.small_body < 0 or variant.soft_normal < 0:
             raise InputError("a body of negative height, a layer of negative compliance")
@@ -361,9 +361,9 @@ def _without_memory(scene: Scene, x: Array, time: Array) -> Tractions:
     return np.array([pressure, shear])
 
 
-def _long_steps(discrepancy: Discrepancy, scene: Scene, x: Array, *, of_ends: bool) -> Tractions:
+def _long_steps(discrepancy: Discrepancy, scene: Scene, x: Array, *, takes_ends: bool) -> Tractions:
     """Tractions if the result's own load increments replace the path: straight lines, or
-    (`of_ends`) as a solver takes them whose law holds at their ends.
+    (`takes_ends`) as a solver takes them whose law holds at their ends.
 
     While P rises such an increment is that of P first and then that of Q at the new pressure; while
     P falls it is a straight line. Finite elements in steps that end on no event follow it to 0.983
@@ -382,7 +382,7 @@ def _long_steps(discrepancy: Discrepancy, scene: Scene, x: Array, *, of_ends: bo
         times_of_instants = path.cycle_start + (1 + discrepancy.fraction) * path.period
     times = np.unique(times[times > path.start])
     rows_of_instants = np.abs(times[:, None] - times_of_instants).argmin(axis=0)
-    if not of_ends:
+    if not takes_ends:
         return _tractions(scene, x, times, straight=True)[:, rows_of_instants]
     polygon = [(0.0, 0.0)]
     polygon_times = []
