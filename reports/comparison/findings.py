@@ -310,7 +310,7 @@ def _flat(value: Any, name: str = "") -> dict[str, Any]:
     {'load.cycle[0][0]': 1.0, 'load.cycle[0][1]': 0.5}
     """
     if isinstance(value, Mapping):
-        # A file's rows are here; where they once lay is nobody's business.
+        # The rows of a file are here already; where the file lay says nothing of the answer.
         entries = [
             (f"{name}.{key}" if name else str(key), entry)
             for key, entry in value.items()

@@ -273,7 +273,7 @@ class Formulas:
         return normal_rate, tangential_rate
 
     def level(self, letter: str, sign: int) -> float:
-        """Q + sign f P at a letter."""
+        """Q + sign f P at the event that the paper calls by a letter."""
         event = self.case.events[letter]
         return event.tangential_load + sign * self.case.friction * event.normal_load
 
@@ -281,11 +281,11 @@ class Formulas:
         """alpha and beta of the initial loading Q = alpha P + beta P^2, a parabola from (0, 0)
         tangent to the ellipse at A.
         """
-        a = self.case.events["A"]
-        dp, dq = self.rates(self.case.time("A"))
-        slope = float(dq / dp)
-        beta = (slope * a.normal_load - a.tangential_load) / a.normal_load**2
-        return slope - 2 * beta * a.normal_load, beta
+        event_a = self.case.events["A"]
+        normal_rate, tangential_rate = self.rates(self.case.time("A"))
+        slope = float(tangential_rate / normal_rate)
+        beta = (slope * event_a.normal_load - event_a.tangential_load) / event_a.normal_load**2
+        return slope - 2 * beta * event_a.normal_load, beta
 
     def initial_meeting(self, t: float) -> float:
         """The normal load at which the line of gradient f through the loads at time t meets the
@@ -353,35 +353,38 @@ class Formulas:
         return 2 * self.case.time("I") - np.asarray(t, dtype=float)
 
     def front(self, phase: str, t: ArrayLike) -> Array:
-        """P_c: P_S of equation (8) in EG, P_Y in IJ, what the paper calls P_K in JM."""
+        """The normal load whose contact half-width is that of the stick zone, at times `t` in a
+        phase of the cycle ("EG", "IJ" or "JM", from event to event). The paper calls it P_S in EG,
+        P_Y in IJ, and P_K in JM.
+        """
         if phase == "IJ":
             return self.loads(self.twin(t))[0]
-        f = self.case.friction
-        p, q = self.loads(t)
+        friction = self.case.friction
+        normal_load, tangential_load = self.loads(t)
         if phase == "EG":
-            return (q + f * p - self.level("E", -1)) / (2 * f)
-        return (self.level("G", 1) - q + f * p) / (2 * f)
+            return (tangential_load + friction * normal_load - self.level("E", -1)) / (2 * friction)
+        return (self.level("G", 1) - tangential_load + friction * normal_load) / (2 * friction)
 
     def front_rate(self, phase: str, t: ArrayLike) -> Array:
-        """dP_c/dt."""
+        """Rate in time of the normal load whose half-width is that of the stick zone."""
         if phase == "IJ":
             return -self.rates(self.twin(t))[0]
-        f = self.case.friction
-        dp, dq = self.rates(t)
+        friction = self.case.friction
+        normal_rate, tangential_rate = self.rates(t)
         if phase == "EG":
-            return (f * dp + dq) / (2 * f)
-        return (f * dp - dq) / (2 * f)
+            return (friction * normal_rate + tangential_rate) / (2 * friction)
+        return (friction * normal_rate - tangential_rate) / (2 * friction)
 
     def multiplier(self, phase: str, t: ArrayLike) -> Array:
-        """C of equation (14), as printed."""
-        dp, dq = self.rates(self.twin(t) if phase == "IJ" else t)
-        return dq / dp / self.case.friction + (1 if phase == "EG" else -1)
+        """C of equation (14), as printed: (dQ/dP)/f, plus 1 in EG, minus 1 in IJ and JM."""
+        normal_rate, tangential_rate = self.rates(self.twin(t) if phase == "IJ" else t)
+        return tangential_rate / normal_rate / self.case.friction + (1 if phase == "EG" else -1)
 
     def driving(self, phase: str, t: ArrayLike) -> Array:
         """C dP/dt with the sign of slip: dv/f in EG, du/f in IJ and JM (where C dP is C dP_Y)."""
-        dp, dq = self.rates(t)
+        normal_rate, tangential_rate = self.rates(t)
         sign = 1 if phase == "EG" else -1
-        return dq / self.case.friction + sign * dp
+        return tangential_rate / self.case.friction + sign * normal_rate
 
     def reach(self, x: float | Array, load: ArrayLike) -> Array:
         """arccosh(x/a(P)), 0 inside: int_a^x dx / sqrt(x^2 - a^2)."""
@@ -395,9 +398,9 @@ class Formulas:
         sign = 1 if phase == "EG" else -1
         load, _ = self.loads(t)
         load_rate, _ = self.rates(t)
-        by_slip = self.driving(phase, t) * self.reach(x, self.front(phase, t))
-        by_load = sign * load_rate * self.reach(x, load)
-        return self.case.compliance * self.case.friction / math.pi * (by_slip - by_load)
+        part_by_slip = self.driving(phase, t) * self.reach(x, self.front(phase, t))
+        part_by_load = sign * load_rate * self.reach(x, load)
+        return self.case.compliance * self.case.friction / math.pi * (part_by_slip - part_by_load)
 
     def moved(self, x: float, start: float, end: float) -> float:
         """The engine's change of s at x between two times in which the steady cycle is marched

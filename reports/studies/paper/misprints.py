@@ -263,8 +263,8 @@ def _rounded_law(case: Case) -> Found:
 
 # --------------------------------------------------------------------------------------------- slip
 def _slip(case: Case) -> dict[str, Found]:
-    """Proofs for equations (14) to (19): slip and movement between two letters, at points in and
-    out of contact, by the printed and the mended formula.
+    """Proofs for equations (14) to (19): slip and movement between two events of the cycle (the
+    paper's letters), at points in and out of contact, by the printed and the mended formula.
     """
     formulas = Formulas(case)
     time_of = {letter: case.time(letter) for letter in "GIJM"}
@@ -311,8 +311,10 @@ def _slip(case: Case) -> dict[str, Found]:
 
 
 def _slip_in_contact(case: Case) -> dict[str, Found]:
-    """Proofs for equations (14) and (18): slip of a point in contact from I to J, with C dP as
-    printed or C dP_Y, and with dQ/dP times P_Y as printed or at P_Y.
+    """Proofs for equations (14) and (18): slip of a point in contact from the event I to J.
+    Equation (14) is computed with C dP as printed and with C dP_Y, C being (dQ/dP)/f - 1 and P_Y
+    the load whose half-width is that of the stick zone; equation (18) with dQ/dP times P_Y as
+    printed and with dQ/dP at P_Y.
     """
     formulas = Formulas(case)
     factor = case.compliance * case.friction / math.pi
@@ -371,7 +373,7 @@ def _slip_out_of_contact(case: Case) -> Found:
     x = case.length
     phase = (case.time("E"), case.time("F"))
 
-    def slip_by_16(time: Array) -> Array:
+    def rate_by_16(time: Array) -> Array:
         """Rate of slip by equation (16) as printed."""
         load, _ = formulas.loads(time)
         load_rate, _ = formulas.rates(time)
@@ -382,7 +384,7 @@ def _slip_out_of_contact(case: Case) -> Found:
         return factor * (2 * front_rate * reach_of_x - load_rate * reach_from_edge)
 
     slip_mended = integral(lambda time: formulas.slip_rate("EG", x, time), *phase)
-    return _proof(slip_mended, integral(slip_by_16, *phase), formulas.moved(x, *phase), {})
+    return _proof(slip_mended, integral(rate_by_16, *phase), formulas.moved(x, *phase), {})
 
 
 def _gap_for_slope(case: Case) -> Found:
