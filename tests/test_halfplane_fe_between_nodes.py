@@ -228,14 +228,15 @@ def work_with_and_without(scene: Scene, edge_element_size: float) -> tuple[float
 @pytest.mark.parametrize("name", EIGHT_BODIES)
 def test_w_of_real_bodies_has_one_limit_with_and_without_what_is_taken_off(name: str) -> None:
     """Both come together as the square of the element, within 2 W (h/a)^2 (measured: 1); what is
-    answered is within 6 of it from W of the finest mesh. In thin layers no edge counts.
+    answered is within 6 of it from W of the finest mesh. In thin layers, and between near walls,
+    slip ends node by node, and no edge counts.
     """
     scene = scene_of_bodies(name)
     sizes = (1 / 40, 1 / 80, 1 / 160)
     answered, as_found = np.transpose([work_with_and_without(scene, size) for size in sizes])
     squares = np.square(sizes)
     apart = np.abs(as_found / answered - 1) / squares
-    assert apart.any() == (not name.startswith("layers"))
+    assert apart.any() == (not name.startswith("layers") and not name.endswith("walls"))
     assert apart.max() < 2
     errors = np.abs(answered / answered[-1] - 1) / squares
     assert errors.max() < 6
