@@ -16,7 +16,7 @@ import pytest
 
 import halfplane_fe
 import semi_analytic
-from halfplane_fe import FiniteElementSolution, SolverSettings
+from halfplane_fe import FiniteElementSolution, SolverSettings, answer_uncertainty
 from halfplane_fe.answer import creeping_zone
 from halfplane_fe.edges import uncertainty_at_jumps
 from halfplane_fe.permanent_stick import working_nodes
@@ -439,3 +439,23 @@ def test_a_run_of_more_cycles_than_the_coarse_run_has_estimates_too() -> None:
     answer = halfplane_fe.solve("flat-pad-on-block", COARSE)
     assert len(answer.cycle_dissipation) > COARSE_CYCLES
     assert all(math.isfinite(answer.uncertainties[name]) for name in RULES)
+
+
+def test_the_permanent_stick_of_a_mirrored_answer_is_equally_uncertain() -> None:
+    theory = semi_analytic.solve("hertz-paper", x=np.linspace(-1.3, 1.3, 201))
+    draw = np.random.default_rng(1)
+    fields = ("slip", "state", "stick_edges")
+    scalars = ("time", "normal_load", "stick_half_width", "permanent_stick_half_width", "x")
+    arrays = {name: getattr(theory, name) for name in (*fields, *scalars)}
+    arrays["permanent_stick_edges"] = theory.permanent_stick_half_width * np.array([-1.0, 1.0])
+    arrays["stick_edge_uncertainty"] = draw.uniform(0.01, 0.2, theory.stick_edges.shape)
+    mirrored = arrays | {
+        name: arrays[name][:, ::-1] for name in ("slip", "state", "stick_edge_uncertainty")
+    }
+    mirrored["stick_edges"] = -arrays["stick_edges"][:, ::-1]
+    first, second = (
+        answer_uncertainty._of_permanent_stick(theory.scene, of, is_sharp=False)
+        for of in (arrays, mirrored)
+    )
+    assert first == pytest.approx(second, rel=1e-12)
+    assert 0.1 < first < 0.2
