@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tomllib
 from collections import Counter
+from dataclasses import is_dataclass
 from functools import cache
 from importlib import import_module
 from importlib.metadata import distributions
@@ -30,6 +31,16 @@ PACKAGES = ("scenes", "semi_analytic", "meshes", "halfplane_fe", "reports")
 def named(text: str | None) -> Counter[str]:
     """Files that a docstring names, with how often."""
     return Counter(re.findall(r"\b\w+\.py\b", text or ""))
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_records_that_a_package_gives_are_frozen(package: str) -> None:
+    module = import_module(package)
+    public = [getattr(module, name) for name in module.__all__]
+    records = [each for each in public if isinstance(each, type) and is_dataclass(each)]
+    assert len(records) > 3
+    for record in records:
+        assert record.__dataclass_params__.frozen, record
 
 
 @pytest.mark.parametrize("package", PACKAGES)
