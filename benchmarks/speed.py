@@ -60,7 +60,8 @@ used = resource.getrusage(resource.RUSAGE_SELF)
 found = {"seconds": time.process_time() - begun, "modules": len(sys.modules)}
 print("\\n" + json.dumps(found | {"memory": used.ru_maxrss / 1024}))
 """
-_COMMAND = "from reports.cli import main\nmain({words!r})"
+# The arguments of the process, not of the function: streams and garbage are those of a command.
+_COMMAND = "sys.argv[1:] = {words!r}\nfrom reports.cli import main\nmain()"
 _SOLVED = """
 import halfplane_fe, semi_analytic
 from reports import compare, write
