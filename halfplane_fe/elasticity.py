@@ -452,15 +452,6 @@ def _condensed_mode(
     """Compliance of the contact nodes in a symmetric or antisymmetric mode of a body, with all its
     other nodes eliminated; and the errors of that.
 
-    Parameters
-    ----------
-    stiffness
-        of the whole system
-    ranks
-        place of each node in the order of elimination
-    half_plane_loads
-        what the half-plane around a half-disc does to its arc by forces on the contact nodes
-
     The nodes of arc and contact stand last in the order of elimination. SuperLU eliminates the
     inner ones alone, of
 
@@ -470,6 +461,15 @@ def _condensed_mode(
     there: columns of L_ti that hold little are multiplied as sparse ones, the others as dense ones.
     With B the loads on the arc the compliance is [B; 1]^T S^-1 [B; 1], and that of the half-plane
     around it is taken off.
+
+    Parameters
+    ----------
+    stiffness
+        of the whole system
+    ranks
+        place of each node in the order of elimination
+    half_plane_loads
+        what the half-plane around a half-disc does to its arc by forces on the contact nodes
     """
     contact_dofs = np.flatnonzero(np.isin(mode.dofs, system.contact))
     arc_dofs = np.flatnonzero(np.isin(mode.dofs, system.arc))

@@ -100,6 +100,8 @@ class Rule:
         coarse
             element of the coarse run over the width of the slip zone
 
+        Examples
+        --------
         >>> rule = Rule(order=2.0, factor=1.5)
         >>> round(rule.uncertainty(value=1.0, difference=0.015, refinement=4.0), 9)
         0.0015
@@ -170,6 +172,8 @@ def density_uncertainty(x: Array, density: Array) -> float:
     density
         (n,) W(x) [energy / area]
 
+    Examples
+    --------
     >>> x = np.arange(7.0)
     >>> round(density_uncertainty(x, np.array([0.0, 1, 2, 3, 2, 1, 0])), 12)
     0.39
@@ -253,6 +257,8 @@ def of_small_contacts(load: Array, elements: Array, half_width: Array, modulus: 
     modulus
         E* [stress]
 
+    Examples
+    --------
     >>> of_small_contacts(np.array([3.0]), np.array([0.1]), np.array([0.2]), modulus=3.0)
     0.02
     """
@@ -566,6 +572,8 @@ def share_of_flanks(profile: Profile, half_width: float, element: float) -> floa
     half_width, element
         least half-width of the contact, and mesh at its edge [length]
 
+    Examples
+    --------
     >>> from scenes import FlatRounded
     >>> punch = FlatRounded(radius=1000.0, flat_half_length=0.8)
     >>> round(share_of_flanks(punch, half_width=1.0, element=0.01), 6)
@@ -630,6 +638,8 @@ def scatter_of_nodes(pressure: Array, node: int) -> float:
     pressure
         (n,) of one instant [stress]
 
+    Examples
+    --------
     >>> scatter_of_nodes(np.array([5.0, 5, 5, 5, 5, 6, 5, 5, 5, 5, 5]), node=5)
     1.0
     """

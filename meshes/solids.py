@@ -116,6 +116,11 @@ def solid(
     """Mesh of a body of finite size in its own frame: first contact at the origin, y out of the
     body.
 
+    Elements are small at the contact and where the strain is infinite: in the corner of a free side
+    with a fixed base, and in the re-entrant corner of a step. Boundaries: "contact" (|x| <=
+    grading.outer), "free" (the rest of the face), "sides" (with those of a step; none for a
+    cylinder), "base".
+
     Parameters
     ----------
     name
@@ -128,11 +133,6 @@ def solid(
         growth of the element size per distance from the contact
     order, cells
         1 or 2, of elements and geometry; triangles or quadrilaterals
-
-    Elements are small at the contact and where the strain is infinite: in the corner of a free side
-    with a fixed base, and in the re-entrant corner of a step. Boundaries: "contact" (|x| <=
-    grading.outer), "free" (the rest of the face), "sides" (with those of a step; none for a
-    cylinder), "base".
 
     Raises
     ------

@@ -369,10 +369,12 @@ def _crossing_times(
 
     Parameters
     ----------
-    load
+    tangential_load
         (n,) Q of the rows
     time
         (n,) their times
+    begins, ends
+        (k,) rows at which each crossing begins and ends
     middle_load
         the middle of Q's range
     """
