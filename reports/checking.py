@@ -412,16 +412,17 @@ def _require_room(scene: Scene, source: str) -> None:
     contact = largest_contact(scene, source)
     if contact.half_width <= largest_share * half_width_of_face:
         return
-    force, length, stress = units(scene)
+    unit_of_force, unit_of_length, unit_of_stress = units(scene)
     remarks_before = "".join(f"{remark} " for remark in remarks(scene, contact))
     raise InputError(
-        f"{source}: {remarks_before}Check the units first: loads are in {force} per {length} of"
-        f" thickness, E is in {stress}, sizes are in {length}. bodies: the contact at the largest"
-        f" load reaches past the end of the narrower face, at |x| = {half_width_of_face:.6g}: by"
-        f" half-plane theory P = {contact.normal_load:.6g} gives the half-width"
-        f" {contact.half_width:.4g}, which is {contact.half_width / half_width_of_face:.3g} times"
-        " that. If the units are right, make the bodies wider, or the load less; `halfplane exact"
-        f" {source}` gives half-plane theory's answer, which knows no bodies"
+        f"{source}: {remarks_before}Check the units first: loads are in {unit_of_force} per"
+        f" {unit_of_length} of thickness, E is in {unit_of_stress}, sizes are in {unit_of_length}."
+        " bodies: the contact at the largest load reaches past the end of the narrower face, at |x|"
+        f" = {half_width_of_face:.6g}: by half-plane theory P = {contact.normal_load:.6g} gives the"
+        f" half-width {contact.half_width:.4g}, which is"
+        f" {contact.half_width / half_width_of_face:.3g} times that. If the units are right, make"
+        f" the bodies wider, or the load less; `halfplane exact {source}` gives half-plane theory's"
+        " answer, which knows no bodies"
     )
 
 
@@ -651,13 +652,13 @@ def rows_of_contact(scene: Scene, contact: _LargestContact) -> list[tuple[str, s
     """Rows (label with unit, value) of a table on the contact at the largest load, by half-plane
     theory.
     """
-    _, length, stress = units(scene)
+    _, unit_of_length, unit_of_stress = units(scene)
     rows = [
         (f"largest P [{load_unit(scene)}]", number(contact.normal_load)),
-        (f"half-width a there [{length}]", f"{contact.half_width:.4g}"),
+        (f"half-width a there [{unit_of_length}]", f"{contact.half_width:.4g}"),
     ]
     if math.isfinite(contact.peak_pressure):
-        rows.append((f"peak pressure p0 there [{stress}]", f"{contact.peak_pressure:.4g}"))
+        rows.append((f"peak pressure p0 there [{unit_of_stress}]", f"{contact.peak_pressure:.4g}"))
         rows.append(("p0/E*", f"{contact.strain:.4g}"))
     else:
         rows.append(("peak pressure p0 there", "infinite at the tip"))
@@ -671,8 +672,8 @@ def remarks(scene: Scene, contact: _LargestContact) -> list[str]:
     unusual. `contact` is the contact at the largest load.
     """
     sentences = []
-    force, length, stress = units(scene)
-    pascal = UNITS["stress"].get(stress, 0.0)
+    unit_of_force, unit_of_length, unit_of_stress = units(scene)
+    pascal = UNITS["stress"].get(unit_of_stress, 0.0)
     material_by_key = {"material": scene.material.upper}
     if not scene.material.alike:
         material_by_key = {
@@ -686,7 +687,9 @@ def remarks(scene: Scene, contact: _LargestContact) -> list[str]:
         if too_stiff or too_soft:
             steel = _STEEL / pascal
             sentences.append(
-                in_template("odd_modulus", key, material.young_modulus, stress, too_stiff, steel)
+                in_template(
+                    "odd_modulus", key, material.young_modulus, unit_of_stress, too_stiff, steel
+                )
             )
     if scene.friction.coefficient > _FRICTION:
         sentences.append(
@@ -696,6 +699,14 @@ def remarks(scene: Scene, contact: _LargestContact) -> list[str]:
         )
     if contact.strain > _STRAIN or contact.edge_slope > _SLOPE:
         sentences.append(
-            in_template("beyond_elasticity", contact, _STRAIN, _SLOPE, force, length, stress)
+            in_template(
+                "beyond_elasticity",
+                contact,
+                _STRAIN,
+                _SLOPE,
+                unit_of_force,
+                unit_of_length,
+                unit_of_stress,
+            )
         )
     return sentences

@@ -345,11 +345,11 @@ def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[
 
 def _unit(value: Propagated, scene: Scene) -> str:
     """The unit of a value of theory, in the units of the scene."""
-    _, length, stress = units(scene)
+    _, unit_of_length, unit_of_stress = units(scene)
     return {
         "energy": energy_unit(scene),
-        "stress": stress,
-        "length": length,
+        "stress": unit_of_stress,
+        "length": unit_of_length,
         "load": load_unit(scene),
         "ratio": "1",
     }[value.unit]

@@ -298,9 +298,9 @@ def fit_in_words(scene: Scene, half_width: float) -> list[str]:
     fit = fit_of(scene)
     if fit is None:
         return []
-    _, length, _ = units(scene)
+    _, unit_of_length, _ = units(scene)
     how_centred = "fitted" if fit.centre_fitted else "given"
-    centre = f"Its middle, {how_centred}, is x = {number(fit.centre)} {length}"
+    centre = f"Its middle, {how_centred}, is x = {number(fit.centre)} {unit_of_length}"
     if fit.tilt_fitted:
         centre += f", and its tilt, fitted and taken out, is {number(fit.tilt)} rad"
     elif fit.tilt:
@@ -312,8 +312,9 @@ def fit_in_words(scene: Scene, half_width: float) -> list[str]:
     return [
         (
             f"The profile is {_shape_in_words(scene)}, fitted to {rows} rows of"
-            f" {fit.source}{left_out_in_words}. {centre}. Residuals are {fit.residual:.3g} {length}"
-            f" (root mean square), the noise is {fit.noise:.3g} {length} ({noise_source})."
+            f" {fit.source}{left_out_in_words}. {centre}. Residuals are {fit.residual:.3g}"
+            f" {unit_of_length}"
+            f" (root mean square), the noise is {fit.noise:.3g} {unit_of_length} ({noise_source})."
         ),
         *fit_warnings(scene, half_width),
     ]
@@ -334,14 +335,14 @@ def _shape_in_words(scene: Scene) -> str:
     """The curve that was fitted to a profile's rows, in words with its sizes: parabola, flat with
     rounded edges, even polynomial, or smoothing spline.
     """
-    _, length, _ = units(scene)
+    _, unit_of_length, _ = units(scene)
     match scene.profile:
         case Hertz(radius=radius):
-            return f"a parabola of radius {number(radius)} {length}"
+            return f"a parabola of radius {number(radius)} {unit_of_length}"
         case FlatRounded(radius=radius, flat_half_length=half_length):
             return (
-                f"a flat of half-length {number(half_length)} {length} with edges of radius"
-                f" {number(radius)} {length}"
+                f"a flat of half-length {number(half_length)} {unit_of_length} with edges of radius"
+                f" {number(radius)} {unit_of_length}"
             )
         case EvenPolynomial(rises=rises):
             return f"an even polynomial of {np.count_nonzero(rises)} terms"
@@ -361,7 +362,7 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
     fit = fit_of(scene)
     if fit is None:
         return []
-    _, length, _ = units(scene)
+    _, unit_of_length, _ = units(scene)
     warnings = []
     pattern = _pattern(scene)
     if pattern is not None:
@@ -386,9 +387,9 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
         )
     if half_width > fit.extent:
         warnings.append(
-            f"The largest contact, a = {half_width:.4g} {length}, is wider than the rows, which"
-            f" reach {fit.extent:.4g} {length} from the middle: beyond them the fit is an"
-            " extrapolation."
+            f"The largest contact, a = {half_width:.4g} {unit_of_length}, is wider than the rows,"
+            f" which reach {fit.extent:.4g} {unit_of_length} from the middle: beyond them the fit"
+            " is an extrapolation."
         )
     return warnings
 
@@ -397,7 +398,7 @@ def _uncertainty_in_words(scene: Scene, uncertainty: FitUncertainty) -> str:
     """A sentence on dissipation, half-width and peak pressure with their 95 % uncertainty by the
     noise of the rows.
     """
-    _, length, stress = units(scene)
+    _, unit_of_length, unit_of_stress = units(scene)
 
     def with_share(spread: Spread) -> str:
         if not spread.value:
@@ -410,8 +411,9 @@ def _uncertainty_in_words(scene: Scene, uncertainty: FitUncertainty) -> str:
     words_of_failed = f", {uncertainty.failed} of them unfit" if uncertainty.failed else ""
     return (
         f"The noise of the rows leaves open (95 %): {work_in_words}a ="
-        f" {with_share(uncertainty.half_width)} {length}, p0 ="
-        f" {with_share(uncertainty.peak_pressure)} {stress}. That is by {uncertainty.resamples}"
+        f" {with_share(uncertainty.half_width)} {unit_of_length}, p0 ="
+        f" {with_share(uncertainty.peak_pressure)} {unit_of_stress}. That is by"
+        f" {uncertainty.resamples}"
         f" other measurements with this noise{words_of_failed}."
     )
 

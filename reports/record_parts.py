@@ -226,8 +226,8 @@ def _count(n_swings: int) -> str:
 
 
 def parts_in_words(scene: Scene) -> list[str]:
-    """The parts of a record, and the keys that leave the cycles that are alike alone; empty where
-    one part is nearly the whole record.
+    """Sentences on the parts of a record of loads, and on the keys of the scene by which only the
+    cycles that are alike are kept; empty where one part is nearly the whole record.
     """
     parts = record_parts(scene)
     cycles_alike = [part for part in parts if part.kind == "alike"]

@@ -21,8 +21,8 @@ def load_unit(scene: Scene) -> str:
     >>> load_unit(load_scene("hertz-paper"))
     'N/mm'
     """
-    force, length, _ = units(scene)
-    return f"{force}/{length}"
+    unit_of_force, unit_of_length, _ = units(scene)
+    return f"{unit_of_force}/{unit_of_length}"
 
 
 def energy_unit(scene: Scene) -> str:
@@ -32,8 +32,8 @@ def energy_unit(scene: Scene) -> str:
     >>> energy_unit(load_scene("hertz-paper"))
     'N·mm/mm'
     """
-    force, length, _ = units(scene)
-    return f"{force}·{length}/{length}"
+    unit_of_force, unit_of_length, _ = units(scene)
+    return f"{unit_of_force}·{unit_of_length}/{unit_of_length}"
 
 
 def signed(value: float) -> str:

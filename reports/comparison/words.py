@@ -629,16 +629,16 @@ def shown_unit(scene: Scene, quantity: str) -> tuple[float, str]:
     """(factor, unit) in which a quantity is shown: slip in µm where lengths are in mm, all others
     in units of the scene.
     """
-    force, length, stress = units(scene)
-    if quantity == "slip" and length == "mm":
+    unit_of_force, unit_of_length, unit_of_stress = units(scene)
+    if quantity == "slip" and unit_of_length == "mm":
         return 1e3, "µm"
     unit_of_quantity = {
-        "stress": stress,
-        "moment": force,
+        "stress": unit_of_stress,
+        "moment": unit_of_force,
         "energy": energy_unit(scene),
-        "energy density": f"{force}·{length}/{length}²",
+        "energy density": f"{unit_of_force}·{unit_of_length}/{unit_of_length}²",
     }
-    return 1.0, unit_of_quantity.get(quantity, length)
+    return 1.0, unit_of_quantity.get(quantity, unit_of_length)
 
 
 def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str, str]]]:
@@ -876,7 +876,7 @@ def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
     largest pressure and half-widths, dissipation.
     """
     scene = solution.scene
-    _, length, stress = units(scene)
+    _, unit_of_length, unit_of_stress = units(scene)
     dissipation = _or_none(solution.dissipation)
     uncertainty = solution.dissipation_uncertainty
     if not np.isnan(uncertainty):
@@ -898,16 +898,16 @@ def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
         ("instants, surface points", f"{len(solution.time)}, {len(solution.x)}"),
         ("last instant", f"time {solution.time[-1]:.6g}, {last_loads}"),
         (
-            f"largest pressure at the points [{stress}]",
+            f"largest pressure at the points [{unit_of_stress}]",
             f"{np.max(solution.pressure):.8g}{_stated(solution, 'largest_pressure')}",
         ),
-        (f"largest contact half-width [{length}]", half_width),
-        (f"permanent stick half-width [{length}]", permanent_stick),
+        (f"largest contact half-width [{unit_of_length}]", half_width),
+        (f"permanent stick half-width [{unit_of_length}]", permanent_stick),
     ]
     values_of_ends = of_unsymmetric(solution)
     if values_of_ends:
         ends = [values_of_ends[f"permanent_stick_{side}"] for side in ("left", "right")]
-        rows.append((f"ends of permanent stick [{length}]", ", ".join(map(_or_none, ends))))
+        rows.append((f"ends of permanent stick [{unit_of_length}]", ", ".join(map(_or_none, ends))))
     return [*rows, (f"dissipation of the {stretch(scene)} [{energy_unit(scene)}]", dissipation)]
 
 

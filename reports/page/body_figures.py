@@ -355,13 +355,15 @@ def _label(scene: Scene, name: str) -> str:
     """
     shape = getattr(scene.bodies, name)
     material = getattr(scene.material, name)
-    _, length, stress = units(scene)
+    _, unit_of_length, unit_of_stress = units(scene)
     sizes_in_words = ""
     if isinstance(shape, Cylinder):
-        sizes_in_words = f" R = {number(shape.radius)} {length}"
+        sizes_in_words = f" R = {number(shape.radius)} {unit_of_length}"
     elif not isinstance(shape, HalfPlane):
-        sizes_in_words = f" {number(shape.width)} × {number(shape.height)} {length}"
-    elastic = f"E = {number(material.young_modulus)} {stress}, ν = {number(material.poisson_ratio)}"
+        sizes_in_words = f" {number(shape.width)} × {number(shape.height)} {unit_of_length}"
+    young_modulus = number(material.young_modulus)
+    poisson_ratio = number(material.poisson_ratio)
+    elastic = f"E = {young_modulus} {unit_of_stress}, ν = {poisson_ratio}"
     return f"{name}: {shape.kind.replace('_', '-')}{sizes_in_words}, {elastic}"
 
 

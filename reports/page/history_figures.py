@@ -194,7 +194,7 @@ def slip_histories(view: CycleView) -> Plate:
     point stood at its start.
     """
     points = slip_points(view.comparison)
-    length = units(view.scene)[1]
+    unit_of_length = units(view.scene)[1]
     names = [f"x = {view.x[point]:.3f} a_ref" for point in points]
     slips = [engine.cycle.slip[:, points] - engine.cycle.slip[0, points] for engine in view.engines]
     curves = []
@@ -207,7 +207,7 @@ def slip_histories(view: CycleView) -> Plate:
     reference_values, result_values = slips
     table = {"time": view.result_cycle.time}
     for number, point in enumerate(points):
-        place_in_words = f"(x = {view.result_cycle.x[point]:.6g}) [{length}]"
+        place_in_words = f"(x = {view.result_cycle.x[point]:.6g}) [{unit_of_length}]"
         table[f"slip_reference{place_in_words}"] = reference_values[:, number]
         table[f"slip_result{place_in_words}"] = result_values[:, number]
 
@@ -215,13 +215,16 @@ def slip_histories(view: CycleView) -> Plate:
     worst_point = int(np.argmax(np.nanmax(np.abs(np.nan_to_num(difference)), axis=0)))
     notes = [
         f"result − reference at {names[worst_point]}, where it is largest:",
-        view.difference_over_time(difference[:, worst_point], f" {length}"),
+        view.difference_over_time(difference[:, worst_point], f" {unit_of_length}"),
     ]
     least_slip = 1e-12 * view.scales.half_width
     panel = broad_panel(
         "slip",
         view.over_time(8),
-        Axis(*limits(*slips, zero=True, least=least_slip), f"slip since the start  [{length}]"),
+        Axis(
+            *limits(*slips, zero=True, least=least_slip),
+            f"slip since the start  [{unit_of_length}]",
+        ),
         curves,
         "Slip of chosen points over time",
         320.0,
@@ -381,7 +384,7 @@ def _beside_the_forces(view: CycleView) -> Iterator[tuple[str, str, list[_Line]]
     scene has them, the name of a panel, the title of its axis with the unit, and its lines over
     time.
     """
-    force, _, stress_unit = units(view.scene)
+    unit_of_force, _, stress_unit = units(view.scene)
     cycle = view.result_cycle
     stresses: list[_Line] = []
     for body in ("lower", "upper"):
@@ -393,7 +396,11 @@ def _beside_the_forces(view: CycleView) -> Iterator[tuple[str, str, list[_Line]]
     if cycle.tilt is not None and np.any(cycle.tilt):
         yield "tilt", "tilt α  [rad]", [_Line("line-2 fine", "tilt of the upper body", cycle.tilt)]
     if cycle.moment is not None and np.any(cycle.moment) and view.scene.load.moment_given:
-        yield "moment", f"moment M  [{force}]", [_Line("line-3 fine", "moment", cycle.moment)]
+        yield (
+            "moment",
+            f"moment M  [{unit_of_force}]",
+            [_Line("line-3 fine", "moment", cycle.moment)],
+        )
 
 
 def _events(
@@ -503,17 +510,20 @@ def hysteresis(view: CycleView) -> Plate | None:
     if "tangential_displacement" in missing(comparison.result) or nothing_moves:
         return None
 
-    _, length, _ = units(scene)
+    _, unit_of_length, _ = units(scene)
     displacements_v = [sheared_displacement(cycle) for cycle in cycles]
     panels = [
         _loop_panel(
-            view, "hysteresis", ("U", displacements_u), f"tangential displacement U  [{length}]"
+            view,
+            "hysteresis",
+            ("U", displacements_u),
+            f"tangential displacement U  [{unit_of_length}]",
         ),
         _loop_panel(
             view,
             "hysteresis-sheared",
             ("V", displacements_v),
-            f"U − k Q, about its mean  [{length}]",
+            f"U − k Q, about its mean  [{unit_of_length}]",
         ),
     ]
     if comparison.pulled and all(cycle.shear_moment is not None for cycle in cycles):
@@ -546,7 +556,7 @@ def hysteresis(view: CycleView) -> Plate | None:
         view.keys,
         stretch=view.stretch,
         slopes=" and ".join(signed(loop_compliance(cycle)) for cycle in cycles),
-        unit=f"{length} per {load_unit(scene)}",
+        unit=f"{unit_of_length} per {load_unit(scene)}",
         periodic=scene.load.path().period is not None,
         alone=are_half_planes(scene) or constant_load,
         works=works_in_words or (),
@@ -616,7 +626,7 @@ def _bulk_loop_panel(view: CycleView) -> Panel:
     """A panel of the moment of the shear over the bulk strain, both engines: the area of this loop
     is the work of the bulk stress.
     """
-    force, _, _ = units(view.scene)
+    unit_of_force, _, _ = units(view.scene)
     cycles = (view.reference_cycle, view.result_cycle)
     strains = [bulk_strain(cycle, view.scene.material) for cycle in cycles]
     moments = [np.asarray(cycle.shear_moment) for cycle in cycles]
@@ -626,7 +636,7 @@ def _bulk_loop_panel(view: CycleView) -> Panel:
     return Panel(
         "bulk-loop",
         Axis(*limits(*strains, margin=0.12), "bulk strain ε = σ/E′, lower − upper", count=4),
-        Axis(*limits(*moments, margin=0.12), f"moment of the shear m_q  [{force}]"),
+        Axis(*limits(*moments, margin=0.12), f"moment of the shear m_q  [{unit_of_force}]"),
         marks,
         "Moment of the shear over bulk strain",
         height=_LOOP_HEIGHT,

@@ -401,11 +401,12 @@ def _sentence(rig: RigMotion) -> str:
     """The first sentence on a rig: whether the bodies slide as a whole, how far, and the
     dissipation W.
     """
-    length = units(rig.scene)[1]
+    unit_of_length = units(rig.scene)[1]
     sliding_distance = rig.distance(Motion.FORWARD) + rig.distance(Motion.BACK)
     if sliding_distance:
         sentence_on_slides = (
-            f"The bodies slide as a whole by {sliding_distance:.6g} {length} in the {rig.noun}."
+            f"The bodies slide as a whole by {sliding_distance:.6g} {unit_of_length} in the"
+            f" {rig.noun}."
         )
     elif may_slide(rig):
         sentence_on_slides = (

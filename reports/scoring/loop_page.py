@@ -65,10 +65,10 @@ def table(score: LoopScore) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Column heads, and a row of text cells for each loop: name, f, area W, W over the measured one
     minus 1, slope, and distance from the rows (– where a loop has none).
     """
-    length, stress = units(score.scene)[1:]
+    unit_of_length, unit_of_stress = units(score.scene)[1:]
     area_head = f"area W [{energy_unit(score.scene)}]"
-    distance_head = f"mean rows − loop, rms [{length}]"
-    slope_head = f"slope dU/dQ [1/{stress}]"
+    distance_head = f"mean rows − loop, rms [{unit_of_length}]"
+    slope_head = f"slope dU/dQ [1/{unit_of_stress}]"
     heads = ("loop", "f", area_head, "W/measured − 1", slope_head, distance_head)
     measured_row = score.rows[0]
     rows: list[tuple[str, ...]] = []
@@ -93,8 +93,8 @@ def _plates(score: LoopScore) -> tuple[Plate, ...]:
     thin loop opens. The residuals: U of the rows minus U of the best fit, over the share of the
     cycle that is over. Dots are means of neighbouring rows; the CSV files hold every row.
     """
-    length = units(score.scene)[1]
-    load = load_unit(score.scene)
+    unit_of_length = units(score.scene)[1]
+    unit_of_load = load_unit(score.scene)
     slope = score.rows[1].slope
     mean_offset = float(np.mean(score.shift - slope * score.load))
     residuals = score.shift - np.interp(score.tau, SHARES, score.curves[0][1])
@@ -128,12 +128,15 @@ def _plates(score: LoopScore) -> tuple[Plate, ...]:
         )
 
     loop_axes = (
-        Axis(*limits(load_of_dot, curves[0].x), f"Q  [{load}]"),
-        Axis(*limits(opened_shift, *(curve.y for curve in curves)), f"U − slope Q  [{length}]"),
+        Axis(*limits(load_of_dot, curves[0].x), f"Q  [{unit_of_load}]"),
+        Axis(
+            *limits(opened_shift, *(curve.y for curve in curves)),
+            f"U − slope Q  [{unit_of_length}]",
+        ),
     )
     residual_axes = (
         Axis(0.0, 1.0, "share of the cycle"),
-        Axis(*limits(residual_of_dot), f"mean rows − best fit  [{length}]"),
+        Axis(*limits(residual_of_dot), f"mean rows − best fit  [{unit_of_length}]"),
     )
     loop_panel = panel(
         "loop",
@@ -157,14 +160,18 @@ def _plates(score: LoopScore) -> tuple[Plate, ...]:
         "parts": len(rows_of_dot),
         "columns": 1,
     }
-    loop_columns = {"tau": score.tau, f"Q [{load}]": score.load, f"U [{length}]": score.shift}
-    noise_words: dict[str, Any] = {"noise": f"{score.noise:.3g}", "length": length}
+    loop_columns = {
+        "tau": score.tau,
+        f"Q [{unit_of_load}]": score.load,
+        f"U [{unit_of_length}]": score.shift,
+    }
+    noise_words: dict[str, Any] = {"noise": f"{score.noise:.3g}", "length": unit_of_length}
     return (
         worded("loop", [loop_panel], loop_columns, keys, slope=f"{slope:.4g}", **row_counts),
         worded(
             "loop_residuals",
             [residual_panel],
-            {"tau": score.tau, f"U - fit [{length}]": residuals},
+            {"tau": score.tau, f"U - fit [{unit_of_length}]": residuals},
             **noise_words,
             **row_counts,
         ),

@@ -178,17 +178,21 @@ def _sheet_of_changes(scene: Scene, changes: Mapping[str, Change], source_in_wor
     """
     from reports.units import energy_unit, units
 
-    _, length, stress = units(scene)
+    _, unit_of_length, unit_of_stress = units(scene)
     unit_of = {
         "dissipation": energy_unit(scene),
-        "peak_pressure": stress,
-        "edge_tension": stress,
+        "peak_pressure": unit_of_stress,
+        "edge_tension": unit_of_stress,
     }
     rows = []
     for name, (quantity_in_words, theory, change) in changes.items():
         change_in_words = "no estimate" if math.isnan(change.value) else _percent(change)
         rows.append(
-            (quantity_in_words, f"{theory:.6g} {unit_of.get(name, length)}", change_in_words)
+            (
+                quantity_in_words,
+                f"{theory:.6g} {unit_of.get(name, unit_of_length)}",
+                change_in_words,
+            )
         )
     heads = ("quantity", "half-plane theory", "bodies/theory − 1")
     return Sheet(f"{scene.title or scene.name}: by {source_in_words}", heads, rows)

@@ -206,13 +206,13 @@ def label_of(name: str, scene: Scene) -> tuple[str, str]:
     quantity_in_words, _, unit = QUANTITIES[quantity].words.removesuffix("]").rpartition(" [")
     if prefix == "error":
         return f"{quantity_in_words}, finite elements/theory − 1", "%"
-    _, length, stress = units(scene)
-    energy = energy_unit(scene)
+    _, unit_of_length, unit_of_stress = units(scene)
+    unit_of_energy = energy_unit(scene)
     unit_of = {
-        "stress": stress,
-        "length": length,
-        "energy / thickness": energy,
-        "energy / area": f"{energy}²",
+        "stress": unit_of_stress,
+        "length": unit_of_length,
+        "energy / thickness": unit_of_energy,
+        "energy / area": f"{unit_of_energy}²",
     }
     return f"{quantity_in_words}, {_ENGINES[prefix]}", unit_of[unit]
 

@@ -57,12 +57,12 @@ def export(job: Job) -> Answer:
         "pressure_per_penetration": deck.stiffness,
         "shear_per_elastic_slip": deck.stick_slope,
     }
-    _, length, stress = units(scene)
-    layer = f"pressure per penetration, shear per elastic slip [{stress}/{length}]"
+    _, unit_of_length, unit_of_stress = units(scene)
+    layer = f"pressure per penetration, shear per elastic slip [{unit_of_stress}/{unit_of_length}]"
     rows = [
         ("nodes, elements", f"{deck_size['nodes']}, {deck_size['elements']}"),
         (
-            f"surface elements at the edges [{length}]",
+            f"surface elements at the edges [{unit_of_length}]",
             f"{deck.element_size:.6g} (a/{1 / deck.settings.edge_element_size:g})",
         ),
         ("instants", f"{deck_size['instants']}"),
