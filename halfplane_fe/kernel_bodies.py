@@ -366,7 +366,9 @@ def _on_middle_line(pair: Interface, lower: Face, upper: Face) -> Interface:
     """The interface of curved faces with forces and displacements along normal and tangent of the
     middle line between them, from the `pair` with compliances along x and y.
 
-    The middle line has half the difference of the slopes of the `lower` and the `upper` face.
+    The middle line has half the difference of the slopes of the `lower` and the `upper` face. n_x
+    and n_y are the components of its normal, and the weights their products at two nodes, by which
+    a compliance along x and y counts in one along normal and tangent.
     """
     x = pair.x
     depth_of_lower = lower.depth(x)

@@ -64,6 +64,7 @@ from semi_analytic.history import History, Span, history_of, slipped_share
 from semi_analytic.load_series import (
     LoadSeries,
     PathPart,
+    Records,
     States,
     StepBlock,
     blocks,
@@ -469,6 +470,27 @@ class _SeriesSums:
         self.counts["pieces_dropped"] += steps + alive_before - depth_of(block.curve)
         self.counts["pieces_alive"] = max(self.counts["pieces_alive"], block.alive)
 
+    def add_work(
+        self, part_number: int, contact: Contact, records: Records, work_per_sum: float
+    ) -> Array:
+        """Add the friction work of `records` that slip, and its error, to those of a part of the
+        path; returned are int Lam dw of the records, (m,), `work_per_sum` times which is work.
+        """
+        integrals, n_nodes = slip_work(contact, records)
+        self.works[part_number] += work_per_sum * float(np.sum(integrals))
+        self.errors[part_number] += work_per_sum * work_error(contact, records)
+        self.counts["quadrature_nodes"] += n_nodes
+        return integrals
+
+    def rounding_of_parts(self) -> Array:
+        """Relative error by rounding of the friction work of each part, (parts,)."""
+        return 3 * np.array([rounding_of_slip(share) for share in self.shares.tolist()])
+
+    def quadrature_errors(self) -> Array:
+        """Relative error by quadrature of the friction work of each part, (parts,); 0 of none."""
+        no_work = np.zeros(len(self.works))
+        return np.divide(self.errors, self.works, out=no_work, where=self.works > 0)
+
     def see_front(self, block: StepBlock) -> None:
         """Take the least P_c of a block."""
         records = block.records
@@ -526,10 +548,7 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
             sums.count(block, wants_work_here + wants_density_here, depth_alive)
             depth_alive = depth_of(block.curve)
             if wants_work_here:
-                work, n_nodes = slip_work(contact, slipping_records)
-                sums.works[part_number] += work_per_sum * float(np.sum(work))
-                sums.errors[part_number] += work_per_sum * work_error(contact, slipping_records)
-                sums.counts["quadrature_nodes"] += n_nodes
+                work = sums.add_work(part_number, contact, slipping_records, work_per_sum)
                 if wants_increments:
                     step_numbers = slice(first_step + 1, first_step + 1 + n_steps)
                     sums.step_works[step_numbers] = work_per_sum * np.bincount(
@@ -543,17 +562,12 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
                 sums.density += work_per_sum * density_of_records(
                     contact, slipping_records, request.distance
                 )
-    rounding_of_parts = 3 * np.array([rounding_of_slip(share) for share in sums.shares.tolist()])
-    no_work = np.zeros(len(sums.works))
-    relative_errors = (
-        np.divide(sums.errors, sums.works, out=no_work, where=sums.works > 0) + rounding_of_parts
-    )
+    rounding_of_parts = sums.rounding_of_parts()
+    relative_errors = sums.quadrature_errors() + rounding_of_parts
     increments = np.empty(0)
     if wants_increments:
-        rows_passed = (located.step + (located.share == 1))[located.back]
-        work_so_far = np.cumsum(sums.step_works)[rows_passed]
-        work_so_far += series.revolutions_beyond(request.time) * sums.works[last_part]
-        increments = np.diff(work_so_far, prepend=work_so_far[:1])
+        revolutions = series.revolutions_beyond(request.time)
+        increments = _increments_of_work(sums, located, revolutions * sums.works[last_part])
     snapshot, balance = states.snapshot(request.time, located.back)
     return PathResult(
         snapshot=snapshot,
@@ -574,6 +588,24 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
         },
         full_stick=sums.full_stick,
     )
+
+
+def _increments_of_work(sums: _SeriesSums, located: _Located, work_beyond: Array) -> Array:
+    """Friction work between the instants of a request, (n,), 0 for the first one.
+
+    Parameters
+    ----------
+    sums
+        with the work of each step of the path
+    located
+        where the instants are in the path: at rows, all of them
+    work_beyond
+        (n,) work of the whole revolutions by which instants lie beyond the path that was followed
+    """
+    rows_passed = (located.step + (located.share == 1))[located.back]
+    work_so_far = np.cumsum(sums.step_works)[rows_passed]
+    work_so_far += work_beyond
+    return np.diff(work_so_far, prepend=work_so_far[:1])
 
 
 def _parts_needed(series: LoadSeries, step: Indices) -> list[int]:

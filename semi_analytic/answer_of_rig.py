@@ -644,7 +644,10 @@ def _notes(
 
 def _note_of_next_order(rig: Rigged, driven: Driven, last_cycle: slice) -> str:
     """A sentence on the next order of the bodies: where it counts, and by how much it would change
-    the largest pressure and half-width of the loads that were found.
+    the largest pressure and half-width.
+
+    `rig` holds the contact with the effects of its bodies, `driven` the loads that were found, and
+    `last_cycle` are their rows of the last cycle.
     """
     left_out = _no_next_order(driven, last_cycle)
     place_text = f"left out: {left_out}" if left_out else "in the dissipation"

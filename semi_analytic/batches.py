@@ -98,16 +98,16 @@ _DISTINCT = 1e-3
 
 
 def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
-    """The two largest maxima of W(x) of each ellipse, (6, m).
+    """The two largest maxima of W(x) of each of the m `ellipses`, (6, m); `contact` is the normal
+    contact of the profile.
 
     Rows: the largest W(x) pi E*/(2 f^2), the second largest, the error of the largest, their |x|,
     and that of the largest as a fraction, 0 at the permanent stick edge, 1 at the largest contact.
-    The largest is 0 and the rest NaN where nothing slips; the second one is NaN where there is one
-    maximum only.
+    The largest is 0 and the other rows but its error NaN where nothing slips; the second one is NaN
+    where there is one maximum only; all are NaN where a sample of W(x) is.
 
-    In each piece between kinks and events W is sampled, by every second node of the rule; the
-    maximum is looked for about every sample above its neighbours. `contact` is the normal contact
-    of the profile.
+    Between the half-widths at which the law of W(x) changes it is sampled by every second node of
+    the rule; the maximum is looked for about every sample above its neighbours.
     """
     if len(ellipses.mean) > _MEMBERS:
         block_starts = range(0, len(ellipses.mean), _MEMBERS)
@@ -116,21 +116,21 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
         ]
         return np.concatenate(maxima_of_blocks, axis=1)
 
-    def density(member: Indices, x: Array, every: int = 1) -> Array:
-        forward, reverse = density_of(ellipses.take(member), contact, x, every)
+    def density(member: Indices, x: Array, node_stride: int = 1) -> Array:
+        forward, reverse = density_of(ellipses.take(member), contact, x, node_stride)
         return forward + reverse
 
     n_members = len(ellipses.mean)
     points = _points_of_search(ellipses, contact)
     inner_points = points[:, 0]
     outer_points = points[:, -1]
-    samples, is_spoilt = _samples(points, partial(density, every=2))
+    samples, is_spoilt = _samples(points, partial(density, node_stride=2))
     member, x, work = samples
     is_local_maximum = (work[1:-1] > work[:-2]) & (work[1:-1] >= work[2:])
     maximum_numbers = np.flatnonzero(is_local_maximum) + 1
     member_of_maximum = member[maximum_numbers]
     three_x, _ = _closer(
-        partial(density, every=2),
+        partial(density, node_stride=2),
         member_of_maximum,
         x[maximum_numbers + _THREE],
         work[maximum_numbers + _THREE],
@@ -169,7 +169,10 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     peak_work[slipping_members] = vertex.work[peak_numbers]
     peak_place[slipping_members] = vertex.place[peak_numbers]
     works_by_rules = np.stack(
-        [density(slipping_members, peak_place[slipping_members], every) for every in (1, 2, 4)]
+        [
+            density(slipping_members, peak_place[slipping_members], node_stride)
+            for node_stride in (1, 2, 4)
+        ]
     )
     relative_rule_error = (
         quadrature_error(works_by_rules, works_by_rules[0]) + relative_error[slipping_members]
@@ -905,8 +908,9 @@ class _Batch:
     def members_of(
         self, loads: LoadArrays, parameters: list[Array]
     ) -> tuple[NDArray[np.int8], Indices, Members, Array]:
-        """Reason of each member (m,), the numbers of the good ones (k,), these, and their friction
-        (k,).
+        """The members of a batch that have a result, from the `loads` and the `parameters` of the
+        profile, (m,) each: why each member has none (m,), a code of `Reason`; the numbers of those
+        that have one (k,), these members, and their coefficients of friction (k,).
         """
         is_invalid = self._invalid(loads, parameters)
         if np.any(is_invalid):

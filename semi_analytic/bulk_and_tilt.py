@@ -239,9 +239,19 @@ class _AffineRelation(NamedTuple):
     def fitted(
         cls, p: Array, q: Array, eps: Array, alpha: Array, load_sizes: LoadSizes
     ) -> _AffineRelation:
-        """The relation of samples (n,) of P, Q, bulk strain and tilt, the tilt NaN where none is
-        known: kappa from eps over Q where Q changes, else from alpha over P. `load_sizes` say below
-        which size a change is round-off.
+        """The relation of samples (n,) of P, Q, bulk strain `eps` and tilt `alpha`, the tilt NaN
+        where none is known: kappa from eps over Q where Q changes, else from alpha over P.
+
+        Parameters
+        ----------
+        p, q
+            P and Q [force per thickness]
+        eps
+            bulk strain, of both bodies together
+        alpha
+            tilt [rad]
+        load_sizes
+            below which size a change of each is round-off
         """
         has_tilt_value = np.isfinite(alpha)
         p_with_tilt = p[has_tilt_value]
@@ -276,12 +286,21 @@ def _slipping_apart(
     largest_shear: float,
     share_of_shear: float,
 ) -> OppositeSlip | None:
-    """The contact of a parabola at constant P whose ends slip opposite ways under bulk strain;
-    None where its stick zones are not nested up to `largest_shear`, the largest |Q|, or cannot be
-    resolved.
+    """The contact of a parabola at constant P whose ends slip opposite ways under bulk strain; None
+    where its stick zones are not nested up to `largest_shear`, or cannot be resolved.
 
-    `share_of_shear` is 0 where bulk strain alone changes and a load in proportion stands for Q,
-    else 1.
+    Parameters
+    ----------
+    intervals
+        nested intervals of contact of the parabola
+    datum_length
+        distance at which displacements count as 0 [length]
+    friction
+        f, coefficient of friction
+    largest_shear
+        the largest |Q| [force per thickness]
+    share_of_shear
+        0 where bulk strain alone changes and a load in proportion stands for Q, else 1
     """
     contact = OppositeSlip(
         intervals, datum_length, friction=friction, reach=largest_shear, share=share_of_shear

@@ -1097,8 +1097,11 @@ def _steady_from(followed: Followed, rows: PathRows, scene: Scene) -> int | None
 
 
 def _covered(question: Question, route: _Route, steady_from: int | None) -> tuple[int, ...]:
-    """For each whole cycle that the answer covers, the index of the followed cycle that it is: at
-    most two are followed, the first and a steady one.
+    """For each whole cycle that the answer to the `question` covers, the index of the followed
+    cycle that it is: at most two are followed, the first and a steady one.
+
+    `route` is the path of loads that was followed, and `steady_from` the number of the cycle from
+    which cycles repeat, None where none was seen to.
     """
     if route.period is None:
         return (0,)

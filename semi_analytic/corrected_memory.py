@@ -181,9 +181,10 @@ class PunchTable:
     def _cubics(
         self, begin_value: Array, end_value: Array, begin_rate: Array, end_rate: Array
     ) -> Array:
-        """Coefficients (cells, 4), constant first, of cubics of the share of a cell with given
-        values and rates per sigma at its begin and its end; sigma runs from 0 to 1 between two
-        corners of the profile.
+        """Coefficients (cells, 4), constant first, of cubics of the share of a cell that is passed,
+        with the values `begin_value`, `end_value` and the rates `begin_rate`, `end_rate` per sigma
+        at the begin and the end of each cell; sigma runs from 0 to 1 between two corners of the
+        profile.
         """
         step = 1 / self._cells_per_corner
         rise = end_value - begin_value

@@ -209,9 +209,11 @@ class Arc:
         )
         polynomials = chebyshev.chebvander(2 * share_of_panel - 1, DEGREE + 1)
         first_of_panel = np.flatnonzero(np.diff(panel, prepend=-1))
-        for first, last in pairwise([*first_of_panel.tolist(), len(different_times)]):
-            in_panel = slice(first, last)
-            integrals[in_panel] += polynomials[in_panel] @ self._primitive[panel[first]].T
+        for number_at_begin, number_beyond in pairwise(
+            [*first_of_panel.tolist(), len(different_times)]
+        ):
+            in_panel = slice(number_at_begin, number_beyond)
+            integrals[in_panel] += polynomials[in_panel] @ self._primitive[panel[number_at_begin]].T
         # Near P_x from stop to stop, in each panel from its begin.
         step_begins = np.append(panel_ends[0], different_times[:-1])
         step_begins[first_of_panel] = panel_ends[panel[first_of_panel]]
@@ -521,8 +523,9 @@ class _RangeNodes(NamedTuple):
 
 
 def _nodes_of_ranges(begin_s: Array, end_s: Array, is_rough: NDArray[np.bool_]) -> _RangeNodes:
-    """The nodes of ranges (m,): as many of Gauss' as their length takes, those of the rule for
-    singular ends where they are rough, none where they have no length.
+    """The nodes of the integrals over ranges of the variable s from `begin_s` to `end_s`, (m,)
+    each: as many of Gauss' as the length of the range takes; those of the rule for singular ends
+    where `is_rough`, (m,), is set; none where a range has no length.
 
     In one row: a call for each rule would take longer than its arithmetic.
     """

@@ -192,12 +192,14 @@ def _over_spans(
         span_number = np.repeat(rough_spans, [len(of_span.number) for of_span in rough_ranges])
         number = np.concatenate([of_span.number for of_span in rough_ranges])
 
-        def integrals_of_parts(which: Indices, low: Array, high: Array) -> Array:
-            """Integrals `which` (n,) of those in all spans in a row, from `low` to `high`."""
+        def integrals_of_parts(which: Indices, begins: Array, ends: Array) -> Array:
+            """Integrals of these numbers (n,), of those in all spans in a row, from `begins` to
+            `ends`, (n,) each.
+            """
             spans_of_parts = np.unique(span_number[which]).tolist()
             places = [np.flatnonzero(span_number[which] == k) for k in spans_of_parts]
             parts = [
-                SpanRanges(ranges[k].span, number[which[place]], low[place], high[place])
+                SpanRanges(ranges[k].span, number[which[place]], begins[place], ends[place])
                 for k, place in zip(spans_of_parts, places, strict=True)
             ]
             integrals = np.zeros(len(which))
@@ -495,12 +497,12 @@ def _share_to_zero(begin: Array, end: Array) -> Array:
 
 
 def _split(contact: Contact, records: Records) -> Records:
-    """Records of slip cut into parts between which neither the load P nor the load P_c at the stick
-    edge passes one at which the half-width a(P) is not smooth.
+    """Parts of the `records` of slip, along which neither the load P nor the load P_c at the stick
+    edge passes one at which the half-width a(P) of `contact` is not smooth.
 
-    `row` of a part is then the number of its record, and `until` the part's share of it. The loads
-    of the cuts are those of the profile's corners and, where P may hardly grow anywhere, of
-    half-widths so close that a(P) is smooth in between.
+    In a part the field `row` is the number of the record that it is of, and `until` the share of
+    this record. The loads of the cuts are those of the profile's corners and, where P may hardly
+    grow anywhere, of half-widths so close that a(P) is smooth in between.
     """
     break_loads = contact.break_loads
     if contact.bends_anywhere and len(records.row):
@@ -521,21 +523,21 @@ def _split(contact: Contact, records: Records) -> Records:
     share_at_begin = np.concatenate(shares_at_breaks, axis=1)
     share_at_begin.sort(axis=1)
     share_at_end = np.append(share_at_begin[:, 1:], np.ones((len(share_at_begin), 1)), axis=1)
-    row, mark_number = np.nonzero(share_at_end > share_at_begin)
-    first_share = share_at_begin[row, mark_number]
-    last_share = share_at_end[row, mark_number]
+    row, cut_number = np.nonzero(share_at_end > share_at_begin)
+    begin_share = share_at_begin[row, cut_number]
+    end_share = share_at_end[row, cut_number]
     load = records.load[row]
     load_growth = (records.load_after - records.load)[row]
     slipped = records.slipped[row]
     slip_growth = (records.slipped_after - records.slipped)[row]
     return Records(
         direction=records.direction[row],
-        load=load + first_share * load_growth,
-        load_after=load + last_share * load_growth,
-        slipped=slipped + first_share * slip_growth,
-        slipped_after=slipped + last_share * slip_growth,
-        rise=records.rise[row] * (last_share - first_share),
-        until=last_share - first_share,
+        load=load + begin_share * load_growth,
+        load_after=load + end_share * load_growth,
+        slipped=slipped + begin_share * slip_growth,
+        slipped_after=slipped + end_share * slip_growth,
+        rise=records.rise[row] * (end_share - begin_share),
+        until=end_share - begin_share,
         row=row,
     )
 

@@ -383,13 +383,27 @@ class Grid:
         slip_at_begin: Array,
         grids: NDArray[np.intp],
     ) -> Dragged:
-        """Shear q, slip, directions of slip and U of some grids under the force Q, by an active set
-        of the cells that slide; `contact` are the cells in contact, `displacement` that of their
-        faces without q, `slip_at_begin` the slip before the increment, (g, k) each.
+        """Shear q, slip, directions of slip and U of some grids under a tangential force, by an
+        active set of the cells that slide.
 
         q = q_0 - G v with q_0 of full stick and the slip v of the increment, that of few cells.
         Where grids have fewer cells in contact than others, open ones beside them slip without
         friction.
+
+        Parameters
+        ----------
+        force
+            Q [force per thickness]
+        displacement
+            of the faces without q, (g, k) for g grids of k cells [length]
+        friction_limit
+            f p of the cells, (g, k) [stress]
+        contact
+            the cells in contact
+        slip_at_begin
+            slip before the increment, (g, k) [length]
+        grids
+            numbers of the grids that are followed, (g,)
         """
         is_inside = self._inside(contact)[grids]
         n_cells = int(contact.number[grids].max())

@@ -113,8 +113,10 @@ _UNLOADS = 2
 
 
 class Records(NamedTuple):
-    """Parts of steps, (m,) each: direction of slip (0: none), P and P - P_c at both ends, rise of
-    the level, share of the step that is over at the end, and `row`, the number of the step.
+    """Parts of steps of a load path, (m,) each: direction of slip (1 forward, -1 in reverse, 0
+    none); normal load P `load` and P - P_c, `slipped`, at the begin and, `_after`, at the end, P_c
+    the load at the stick edge; `rise` of the level s Q - f P; `until`, share of the step that is
+    over at the end; `row`, the number of the step.
     """
 
     direction: Array
@@ -127,19 +129,19 @@ class Records(NamedTuple):
     row: Indices
 
     def take(self, numbers: NDArray[np.bool_] | Indices | slice) -> Records:
-        """The chosen ones."""
+        """The records of these numbers, of a mask or of a slice."""
         return Records._make(column[numbers] for column in self)
 
     def with_front_in_contact(self) -> Records:
-        """The same with P_c >= 0: of a contact that slips throughout, as next to full unloading,
-        the sum of lengths of lines may be a last digit more than P.
+        """The same records with P_c >= 0: of a contact that slips throughout, as next to full
+        unloading, the sum of lengths of lines may be a last digit more than P.
         """
         slipped = np.minimum(self.slipped, self.load)
         slipped_after = np.minimum(self.slipped_after, self.load_after)
         return self._replace(slipped=slipped, slipped_after=slipped_after)
 
     def slipping(self) -> Records:
-        """Those that slip."""
+        """The records in which a part of the contact slips."""
         return self.take(self.direction != 0)
 
 
@@ -268,10 +270,13 @@ def _step(
     curve
         the uppermost line of the memory curve before the step; None for bodies out of contact
     side
-        slip forward, 1, or in reverse, -1; full stick, 0; or `_UNLOADS`, unloading with |dQ| <=
-        f |dP|
+        slip forward, 1, or in reverse, -1; full stick, 0; or 2, unloading with |dQ| <= f |dP|
+    begin_station, end_station
+        P, Q and the share of the step that is over, at both ends
     friction
-        f
+        f, coefficient of friction
+    recorder
+        takes a record for each line that the step goes through
     """
     if side == _UNLOADS:
         return _unload(curve, begin_station, end_station, friction, recorder)
@@ -319,22 +324,24 @@ def _slip(
 ) -> Knot | None:
     """The memory curve after a step that slips.
 
-    # notation: P, Q normal and tangential load; P_c load at the front of slip; level s Q - f P, s
-    #           the direction of slip, which grows in slip
+    # notation: P, Q normal and tangential load; f coefficient of friction; P_c load at the front
+    #           of slip; level s Q - f P, s the direction of slip, which grows in slip
 
-    The front goes down through the lines of the curve while the level grows: a line of `length` in
-    P and `rise` in Q is passed when the level has grown by f length - s rise. P - P_c, `slipped`,
-    is the growth of P in the step and the lengths of all lines passed.
+    The front goes down through the lines of the curve while the level grows: a line that is l long
+    in P and rises by r in Q is passed when the level has grown by f l - s r. P - P_c is the growth
+    of P in the step and the lengths of all lines passed.
 
     Parameters
     ----------
     curve
-        the uppermost line of the memory curve before the step, which holds the lines below; None
-        for bodies out of contact
+        the uppermost line of the memory curve before the step, which holds the lines below;
+        None for bodies out of contact
     direction
         s, 1 of forward and -1 of reverse slip
     begin_station, end_station
         P, Q and the share of the step that is over, at both ends
+    friction
+        f, coefficient of friction
     recorder
         takes a record for each line that the front goes through
     """

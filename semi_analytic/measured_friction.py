@@ -237,8 +237,9 @@ def sliding_limit(
     phase: Array,
 ) -> Array:
     """The largest |Q|/P of ellipses, the coefficient f below which they slide grossly; infinite
-    where P reaches 0. Arrays that broadcast: P0, P1, Q0, Q1 and the lag `phase` of Q behind P
-    [rad].
+    where P reaches 0. Loads are P = P0 + P1 cos t and Q = Q0 + Q1 cos(t - `phase`) [rad], with P0
+    `mean_normal_load`, P1 `normal_amplitude`, Q0 `mean_tangential_load`, Q1 `tangential_amplitude`:
+    arrays that broadcast.
 
     Q - f P touches 0 where (f P0 - Q0)^2 = Q1^2 - 2 f P1 Q1 cos(phase) + f^2 P1^2, and so does Q +
     f P with Q0 turned.

@@ -283,7 +283,9 @@ def centres(span: Span, radius: float, time: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class _Strokes:
-    """The spans of a cycle, and those on both sides of it."""
+    """The spans of slip and stick of a cycle, on a parabola of this `radius` [length]; `before` and
+    `following` are the spans on both sides of the cycle, None where there is none.
+    """
 
     spans: tuple[Span, ...]
     radius: float
@@ -292,8 +294,9 @@ class _Strokes:
 
     def matrix(self, points: int, panels: int) -> Array:
         """Symmetric matrix (4, 4) of the work that tilt and strain add, over (alpha_P, alpha_Q,
-        e_P, e_Q): the sum over the spans of slip of the terms 1 to 4, with so many points a span
-        and so many panels.
+        e_P, e_Q), tilt and bulk strain per normal and per tangential load: summed over the spans of
+        slip, with `points` nodes a span along the spans, and `panels` panels for the parts of the
+        work at their ends.
         """
         work_matrix = np.zeros((4, 4))
         neighbours = (self.before, *self.spans, self.following)

@@ -1045,6 +1045,17 @@ def _ranges_of_pressure(
 ) -> _AdvanceRanges:
     """The ranges of the integral for the pressure at points x (k,): they begin where the edge of
     contact passes the point, and v = 0 is there or at the corner before, whichever is farther out.
+
+    Parameters
+    ----------
+    ranges
+        of the advance of the half-width, cut at the corners of the profile
+    x
+        |x| of the points [length]
+    least_half_width
+        of the flat in the middle of the profile, 0 without one [length]
+    ends_of_ranges
+        advances of the half-width at which ranges begin and end, ascending [length]
     """
     advance_to_point = (x - least_half_width)[:, None]
     corner_advance = ranges.at_v0

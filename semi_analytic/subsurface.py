@@ -481,7 +481,8 @@ def _from_potentials(
     y_tangential_slope: Complex,
 ) -> Array:
     """Stresses s_xx, s_yy, s_xy of a body below y = 0 at points (n,), (n, 3), from the complex
-    potentials N of the pressure and T of the shear, and from y N' and y T'.
+    potentials N of the pressure (`normal_potential`) and T of the shear (`tangential_potential`),
+    and from `y_normal_slope`, y N', and `y_tangential_slope`, y T', (n,) each.
     """
     part_of_depth = y_normal_slope.real - y_tangential_slope.imag
     part_of_pressure = -normal_potential.imag

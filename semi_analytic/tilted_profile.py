@@ -215,12 +215,12 @@ class ConvexProfile(abc.ABC):
         return middle, half_width
 
     def _pressed(self, load_product: Array, tilt: Array, first_touch: Array) -> tuple[Array, Array]:
-        """Centre m and half-length c of the contacts under A P = `load_product` > 0 and a tilt,
+        """Centre m and half-length c of the contacts under A P = `load_product` > 0 and a `tilt`,
         (n,) each, of a profile that touches at `first_touch` without load.
 
         Newton's method for what both ends carry, held back by the slope of the sum that is least,
-        which is convex. m and c are those of the last step that was accepted; the next trial is at
-        m + `shift`, c + `widening`.
+        which is convex. m and c are those of the last step that was accepted; the next step tries
+        another centre, moved by a shift, and another half-length, by a widening.
         """
         # From a wider contact: what either end carries is nearly a convex function of it, and
         # hardly one of the other.
@@ -1176,11 +1176,12 @@ class TiltedProfile:
         return displacement_rate
 
     def log_distance(self, load: ArrayLike) -> Array:
-        """Integral over loads from 0 to `load` of what a unit of load at each interval contributes
-        to the movement that `rigid` names, in closed form.
+        """Integral over loads from 0 to `load` of what a unit of load at each interval of contact
+        contributes to the movement that the field `rigid` names, in closed form.
 
         It is the moment, or the approach since the first contact plus load times logarithm of the
-        half-width, or ("loop") that and `lean` times the moment.
+        half-width, or ("loop") that and the field `lean` times the moment. m and c are the centre
+        and the half-length of the contact under `load` [length].
         """
         load = np.asarray(load, dtype=float)
         m, c = self.intervals.at(load)
