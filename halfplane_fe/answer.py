@@ -288,6 +288,12 @@ def _permanent_stick(
 
     Parameters
     ----------
+    scene
+        load path, friction and bodies
+    problem
+        the contact problem of the nodes
+    run
+        states of all increments, and which of them are stored
     surface_states
         (n_steps, n) of all increments, as they are reported
     edges

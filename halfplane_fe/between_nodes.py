@@ -151,6 +151,8 @@ def _at_stick_edge(
 
     Parameters
     ----------
+    problem
+        the contact problem that the states solve
     states
         the states of a cycle
     slip
@@ -202,7 +204,7 @@ def _at_stick_edge(
         load_between_nodes = load_from_node + _load_to(force_to_cone, cone_rate)
         if not 0 < load_between_nodes < math.inf:
             return None
-        g, unit_work = _chord(
+        excess_per_work, unit_work = _chord(
             problem, node, True, load_from_node / load_between_nodes, load_between_nodes
         )
         opposite_slides = 0 <= opposite_node < len(is_sliding) and bool(is_sliding[opposite_node])
@@ -213,7 +215,7 @@ def _at_stick_edge(
 
         slip_jump = _jump(slip_by_load, states_at_turn, nodes, STICK)
         edge_work = problem.friction * float(turning_state.pressure @ slip_jump) * unit_work
-        work_in_excess -= edge_work * float(g)
+        work_in_excess -= edge_work * float(excess_per_work)
         scatter += abs(edge_work) * _RMS
     return _EdgeWork(work_in_excess, scatter)
 
@@ -278,11 +280,12 @@ def _at_contact_edge(
             np.clip([load_from_node, load_at_end], 0.0, load_between_nodes) / load_between_nodes
         )
         shares = np.array([share_at_start, (share_at_start + share_at_end) / 2, share_at_end])
-        g, unit_work = _chord(problem, node, False, shares, load_between_nodes)
+        excess_per_work, unit_work = _chord(problem, node, False, shares, load_between_nodes)
         nodes = (node, opposite_node) if _regular(problem, opposite_node) else (node,)
         pressure_jump = _jump(pressure_by_load, start.state, nodes, OPEN)
         edge_work = problem.friction * float(node_slips @ pressure_jump) * unit_work
-        work_in_excess -= edge_work * float(g @ [1, 4, 1]) / 6  # Simpson's rule along the increment
+        # Simpson's rule along the increment
+        work_in_excess -= edge_work * float(excess_per_work @ [1, 4, 1]) / 6
         work_of_stays[node] = work_of_stays.get(node, 0.0) + abs(edge_work)
     # The way from node to node has no mean: what counts is the longest stay between two.
     return _EdgeWork(work_in_excess, max(work_of_stays.values(), default=0.0) * _RMS)
@@ -330,7 +333,7 @@ def _chord(
     problem: ContactProblem, node: int, inwards: bool, share: Array | float, distance: float
 ) -> tuple[Array, float]:
     """For an edge that is a `share` t of the way between a node and the next, inwards or outwards:
-    the dimensionless work g in excess there, and the load over the jump of the rates that makes it
+    the dimensionless work in excess there, and the load over the jump of the rates that makes it
     work.
 
     `distance` is the load that takes the edge from the one node to the next.
@@ -345,5 +348,5 @@ def _chord(
     v_of_next = v_of_middle if is_corner else v_of_corner
     jump_of_node = 1 - jump_of_middle if is_corner else jump_of_middle
     t = np.asarray(share)
-    g = v_of_node + (v_of_next - v_of_node) * t - place_of_node**2 * t * (1 - t) / 2
-    return g, distance / (place_of_node * jump_of_node)
+    excess_per_work = v_of_node + (v_of_next - v_of_node) * t - place_of_node**2 * t * (1 - t) / 2
+    return excess_per_work, distance / (place_of_node * jump_of_node)

@@ -241,7 +241,9 @@ def bent_work(
     """Dissipation that kinks between the first and the last start of sliding add to one increment
     from `start` to `end`, without sign [energy, scaled].
 
-    `solved` (n,) are the states of the nodes at the end, before an event changes them.
+    `problem` is the contact problem that both states solve; `solved` (n,) are the states of the
+    nodes at the end, before an event changes them. p and q are the nodal forces, pressure and
+    shear.
     """
     values = np.stack([start.values, end.values])
     _, p, q, _ = nodal(values)

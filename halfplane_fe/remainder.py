@@ -570,11 +570,14 @@ def require_flat(name: str, shape: Shape, scene: Scene) -> None:
 
 def combined(lower: BodyNumbers, upper: BodyNumbers, scene: Scene) -> BodyEffects:
     """Numbers of both bodies in the relative problem: compliances and curvatures add up; of the
-    strains e and the slopes a the differences count, e_P = e_l - e_u and alpha_Q = a_u - a_l.
+    strains e and the slopes a the differences count, e_P = e_l - e_u of the `lower` less the
+    `upper` body and alpha_Q = a_u - a_l.
 
     P presses both bodies alike; Q pulls the lower one along +x and the upper one along -x, and the
     upper body's y axis points the other way. So the two strains along x by P have one sign in the
-    common frame and their difference is a slip, and so it is with the slopes by Q.
+    common frame and their difference is a slip, and so it is with the slopes by Q. Where `upper` is
+    `lower` itself one body stands for both, and these differences are 0. Of the `scene` datum
+    length and elastic constants count.
     """
     effects = BodyEffects(
         datum_length=scene.profile.datum_length,

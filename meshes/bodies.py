@@ -307,15 +307,16 @@ def size_formula(
     sharp_corners
         (x, y) of corners where the strain is infinite
     """
-    outer = grading.outer
-    inner = grading.inner
+    edge_zone_begin = grading.inner
+    edge_zone_end = grading.outer
     formula = (
-        f"{grading.edge_size!r} + {growth!r} * Sqrt(Max(Max(x - {outer!r}, {inner!r} - x), 0)^2 +"
-        " y^2)"
+        f"{grading.edge_size!r} + {growth!r} * Sqrt(Max(Max(x - {edge_zone_end!r},"
+        f" {edge_zone_begin!r} - x), 0)^2 + y^2)"
     )
-    if inner > 0:
+    if edge_zone_begin > 0:
         formula = (
-            f"Min({formula}, {grading.size!r} + {growth!r} * Sqrt(Max(x - {inner!r}, 0)^2 + y^2))"
+            f"Min({formula}, {grading.size!r} + {growth!r} * Sqrt(Max(x - {edge_zone_begin!r}, 0)^2"
+            " + y^2))"
         )
     if grading.halvings:
         # The elements of the surface are as long as they are far from the tip.
@@ -323,7 +324,7 @@ def size_formula(
             f"Min({formula}, {grading.tip_size!r} + {max(growth, _TIP_GROWTH)!r} * Sqrt(x^2 + y^2))"
         )
     for x, y in sharp_corners:
-        size_around_edges = grading.edge_size + growth * math.hypot(max(x - outer, 0.0), y)
+        size_around_edges = grading.edge_size + growth * math.hypot(max(x - edge_zone_end, 0.0), y)
         corner_size = float(rounded(min(size_around_edges, x, -y) / _CORNER_SHARE))
         formula = (
             f"Min({formula}, {corner_size!r} + {corner_growth(growth)!r} * Sqrt((x - {x!r})^2 + (y"

@@ -397,7 +397,7 @@ class Scene(Frozen):
           load: polygon, P from 0 to 90.6229, Q from -27.1869 to 27.1869, |Q|/P up to 0.3
           units: N, mm, MPa
         """
-        upper, lower = self.material.upper, self.material.lower
+        upper_material, lower_material = self.material.upper, self.material.lower
         (least_load, largest_load), (back, forward) = self.ranges_of_load()
         normal_words = "approach" if self.load.states_approach else "P"
         tangential_words = f"Q from {back:.6g} to {forward:.6g}"
@@ -408,9 +408,9 @@ class Scene(Frozen):
         bodies = f"{self.bodies.upper.kind} on {self.bodies.lower.kind}"
         lines = (
             f"Scene {self.name!r}" + (f": {self.title}" if self.title else ""),
-            f"  {bodies.replace('_', ' ')}, E = {upper.young_modulus:.6g} and"
-            f" {lower.young_modulus:.6g}, ν = {upper.poisson_ratio:.4g} and"
-            f" {lower.poisson_ratio:.4g} (upper, lower)",
+            f"  {bodies.replace('_', ' ')}, E = {upper_material.young_modulus:.6g} and"
+            f" {lower_material.young_modulus:.6g}, ν = {upper_material.poisson_ratio:.4g} and"
+            f" {lower_material.poisson_ratio:.4g} (upper, lower)",
             f"  profile: {self.profile.kind.replace('_', ' ')}; coefficient of friction"
             f" {self.friction.coefficient:.6g}",
             f"  load: {self.load.kind.replace('_', ' ')}, {normal_words} from {least_load:.6g} to"

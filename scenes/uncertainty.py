@@ -709,8 +709,9 @@ def _moved_harmonics(
 def _moved_record(
     load: TimeSeriesLoad, normal_factor: float, tangential_factor: float
 ) -> dict[str, Any]:
-    """Keys of a record with P and Q of its rows times two factors: the rows that the path goes
-    through, so that rows that a threshold leaves out stay out.
+    """Keys of the record `load` with P of its rows times `normal_factor` and Q times
+    `tangential_factor`: the rows that the path goes through, so that rows that a threshold leaves
+    out stay out.
     """
     factors = np.array([1.0, normal_factor, tangential_factor])
     if load.has_bulk_or_tilt:  # lists with an entry for each row go with all rows

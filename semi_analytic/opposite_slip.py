@@ -42,8 +42,9 @@ _MEMBERS = 10_000
 
 
 def loads_of(left: Array, right: Array) -> tuple[Array, Array]:
-    """e < 0 and Q/(f P) under which the contact -1 < x < 1 slips for d1 = `left` and d2 = `right`
-    at its ends.
+    """Bulk strain e < 0 (scaled) and Q/(f P) under which the contact -1 < x < 1 slips, in opposite
+    senses, up to the depth d1 = `left` from its left end and d2 = `right` from its right end, (n,)
+    each.
 
     >>> e, q = loads_of(
     ...     np.array([0.5]), np.array([0.5])
@@ -92,8 +93,9 @@ def slip_depths(e: Array, force: Array) -> tuple[Array, Array]:
 
 
 def _depths(loads: Array) -> Array:
-    """Depths (2, n) by Newton's method, the loads growing in parts; NaN or anything where it
-    fails.
+    """Depths of slip (2, n) at the left and the right end of the contact -1 < x < 1 under `loads`
+    (2, n), bulk strain e < 0 and Q/(f P), by Newton's method with the loads growing in parts; NaN,
+    or no solution, where the method fails.
     """
     e, force = loads
     depth = np.stack([-e - force / 2, -e + force / 2]) / _PARTS
