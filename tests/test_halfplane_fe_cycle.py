@@ -8,6 +8,7 @@ import sys
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -939,3 +940,20 @@ def ellipse_of(normal, swing, mean, amplitude, phase, friction):
         "phase_degrees": phase,
         "initial_loading": "straight",
     }
+
+
+@pytest.mark.parametrize(
+    ("closed_after", "is_missed"), [((True, True, False), False), ((True, False, False), True)]
+)
+def test_an_increment_goes_too_far_where_another_node_lets_go(closed_after, is_missed):
+    """Of unlike bodies, in a regular increment: all nodes stay as they are."""
+    before = np.array([True, True, False])
+    after = np.array(closed_after)
+    start, solved = (
+        SimpleNamespace(
+            closed=closed, gap=np.where(closed, 0.0, 0.1), pressure=np.where(closed, 1.0, 0.0)
+        )
+        for closed in (before, after)
+    )
+    unlike = SimpleNamespace(interface=SimpleNamespace(coupling=np.zeros((3, 3))))
+    assert stepping._misses(unlike, start, solved, "regular") is is_missed
