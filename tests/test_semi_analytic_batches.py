@@ -273,34 +273,6 @@ def test_power_laws_dissipate_as_two_over_n():
 # ----------------------------------------------------------------------------- the limit of sliding
 
 
-def test_reasons_are_those_of_the_sampled_loops():
-    """|Q| <= f P at 2,000 instants of 4,000 random loops, both senses, any Q0."""
-    rng = np.random.default_rng(7)
-    count = 4000
-    ratio, mean, force, phase = (
-        rng.uniform(*ends, count) for ends in ((0, 1), (-0.3, 0.3), (0, 0.5), (-7, 7))
-    )
-    friction = rng.choice([0.3, 0.8], count)
-    t = np.linspace(0, 2 * math.pi, 2001)[:, None]
-    over = np.max(
-        np.abs(mean + force * np.cos(t - phase)) - friction * (1 + ratio * np.cos(t)), axis=0
-    )
-    batch = dissipation(
-        profile=HERTZ,
-        material=MATERIAL,
-        friction_coefficient=friction,
-        mean_normal_load=1.0,
-        normal_amplitude=ratio,
-        mean_tangential_load=mean,
-        tangential_amplitude=force,
-        phase_radians=phase,
-    )
-    clear = np.abs(over) > 1e-5
-    np.testing.assert_array_equal(
-        batch.reason[clear], np.where(over > 0, Reason.SLIDING, Reason.NONE)[clear]
-    )
-
-
 def limit(ratio, phase, friction, both_senses):
     """Largest Q1, and Q0, for P0 = 1: 0, or such that both senses of slip are at their limit at
     once (P_T = 0).

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -140,32 +139,6 @@ def test_score_of_few_points_shows_theorys_half_width() -> None:
         assert report.metric("largest_half_width").amounts[0] == pytest.approx(half_width, rel=1e-9)
         if spacing > 1:
             assert "too few" in report.metric("largest_half_width").note
-
-
-@cache
-def extremes_of_the_paper() -> semi_analytic.Extremes:
-    """Largest values of theory on the paper's cycle."""
-    return semi_analytic.extremes(semi_analytic.solve("hertz-paper"))
-
-
-def test_straight_steps_have_largest_values_of_their_own() -> None:
-    """Steps of a mesh cut the corners of an ellipse: less slip and less work, whatever the
-    points.
-    """
-    scene = load_scene("hertz-paper")
-    path = scene.load.path()
-    initial = np.linspace(path.start, path.initial_loading[-1].end, 9)
-    time = np.concatenate([initial, path.cycle_start + path.period * np.linspace(0.0, 2.0, 49)[1:]])
-    coarse = semi_analytic.solve(
-        scene, x=np.linspace(-1.3, 1.3, 12), time=time, straight_steps=True
-    )
-    fine = semi_analytic.solve(scene, x=np.linspace(-1.2, 1.2, 41), time=time, straight_steps=True)
-    of_steps = dataclasses.astuple(semi_analytic.extremes(coarse))[:-1]
-    assert dataclasses.astuple(semi_analytic.extremes(fine))[:-1] == pytest.approx(
-        of_steps, rel=1e-9
-    )
-    of_path = extremes_of_the_paper()
-    assert 0.9 < semi_analytic.extremes(coarse).slip / of_path.slip < 1.0
 
 
 def test_on_many_straight_steps_the_largest_values_are_those_about_the_place_on_the_path(
