@@ -256,25 +256,6 @@ def test_page_needs_no_network(page: Page, folder: Path) -> None:
     assert (folder / "report.html").stat().st_size < 8e6
 
 
-def test_page_says_what_it_is_and_is_not(page: Page) -> None:
-    text = " ".join(" ".join(page.words).split())
-    sentences = (
-        "two codes agreeing is not validation",
-        "Not within tolerance.",
-        "halfplane run 'my scene.toml'",
-        "not assessed",
-    )
-    for words in (
-        *sentences,
-        "Through the cycle",
-        "Stick and slip",
-        "Dissipation of a cycle",
-        "Admissible",
-        "Work",
-    ):
-        assert words in text
-
-
 def test_page_has_every_figure_with_words_for_it(page: Page) -> None:
     figures = [attributes for tag, attributes in page.found if tag == "figure"]
     assert len(figures) == len(FIGURES)
