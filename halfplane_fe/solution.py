@@ -420,34 +420,34 @@ class _Watch:
 def _contact_problem(
     task: Task, unscaled_faces: Interface, datum: float, work: Counter[str]
 ) -> ContactProblem:
-    """The scaled problem of the contact for these faces: gap, friction, layer and stiffnesses of
-    the method.
+    """The problem of the contact between two meshed faces, scaled by half-width, E* and load: gap,
+    friction, and the stiffnesses of the method.
 
-    `datum` is the length from which half-planes count displacements; `work` counts what is done.
-    Penalty: an elastic layer on the faces; other methods: no layer, and stiffnesses for the trial
-    tractions.
+    Penalty puts them into an elastic layer between the faces. Other methods have no layer: a trial
+    traction, which says whether a node opens or slips, is the traction plus a stiffness times the
+    gap or the slip. `datum` is the length from which half-planes count displacements; `work` counts
+    what is done.
     """
     scene = task.scene
     scales = task.scales
     settings = task.settings
     scaled_faces = unscaled_faces.scaled(scales.half_width, 1 / scales.modulus)
-    # A stiffness of k E*/h per area is, node by node and scaled, k w/h: that of the layer, the
-    # penalty, or the weight of the trial tractions.
-    weights = scaled_faces.weights
+    # A stiffness of k E*/h per area (h length of an element) is k w/h of a node with the area w.
+    areas_of_nodes = scaled_faces.weights
     normal_factor, tangential_factor = settings.stiffnesses
-    normal_stiffness = normal_factor * weights / task.mesh.edge_element_size
-    tangential_stiffness = tangential_factor * weights / task.mesh.edge_element_size
+    normal_stiffness = normal_factor * areas_of_nodes / task.mesh.edge_element_size
+    tangential_stiffness = tangential_factor * areas_of_nodes / task.mesh.edge_element_size
     augmentation: tuple[Array | float, Array | float]
     if settings.method == "penalty":
         layer = Layer(1 / normal_stiffness, 1 / tangential_stiffness)
         augmentation = (1.0, 1.0)
     else:
-        layer = Layer(np.zeros_like(weights), np.zeros_like(weights))
+        layer = Layer(np.zeros_like(areas_of_nodes), np.zeros_like(areas_of_nodes))
         augmentation = (normal_stiffness, tangential_stiffness)
-    height = initial_gap(scene, unscaled_faces) * scales.modulus / scales.load
+    scaled_gap = initial_gap(scene, unscaled_faces) * scales.modulus / scales.load
     return ContactProblem(
         scaled_faces,
-        height,
+        scaled_gap,
         scene.friction.coefficient,
         layer,
         tangential=needs_shear(scene),

@@ -23,11 +23,13 @@ def check_bulk_stress(scene: Scene) -> None:
     InputError
         For a bulk stress other than 0 in a pad, a cylinder or a block with guided sides.
     """
-    legs = [leg.bulk for leg in path_of(scene).legs(1) if leg.bulk is not None]
+    stress_histories = [leg.bulk for leg in path_of(scene).legs(1) if leg.bulk is not None]
     for number, name in enumerate(("lower", "upper")):
         body = getattr(scene.bodies, name)
-        pulled = any(np.any(leg.loads(sampled(leg, 25))[number]) for leg in legs)
-        if pulled and not (body.kind == "half_plane" or has_ends(body)):
+        is_pulled = any(
+            np.any(history.loads(sampled(history, 25))[number]) for history in stress_histories
+        )
+        if is_pulled and not (body.kind == "half_plane" or has_ends(body)):
             kind = f"{body.kind} with guided sides" if isinstance(body, Block) else body.kind
             raise InputError(
                 f"load.bulk_stress_{name}: nothing pulls the ends of the {name} body, a {kind};"

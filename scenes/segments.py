@@ -626,11 +626,10 @@ class HarmonicSegment(LoadSegment):
         )
 
     def _found_turns(self, combination: Combination) -> list[float]:
-        """Times inside the segment at which a combination stops growing or falling, ascending.
+        """Times inside the segment at which a combination of loads has an extreme, ascending.
 
-        One wave: where its argument is a multiple of pi, with none a rounding inside a turn that
-        starts at one. Several: roots of the rate, a polynomial in z, as eigenvalues, and steps of
-        Newton's method.
+        One wave has them where its argument is a multiple of pi. Of several waves the rate is a
+        polynomial in z = exp(i time): its roots on the unit circle, sharpened by Newton's method.
 
         >>> segment = HarmonicSegment(0.0, 2 * math.pi, (3.0, 0.0), ((1.0, 0.0), (1.0, 0.0)), ())
         >>> [
@@ -641,13 +640,11 @@ class HarmonicSegment(LoadSegment):
         size = np.abs(combination) @ np.abs(self._coefficients)
         if self.ellipse:
             height, lead = self.wave(combination)
-            first_turn, last_turn = ((time + lead) / math.pi for time in (self.start, self.end))
-            number = (
-                range(math.ceil(first_turn), math.floor(last_turn) + 1)
-                if abs(height) > _ROUNDING * size[1]
-                else ()
-            )
-            extremes = [k * math.pi - lead for k in number]
+            if abs(height) <= _ROUNDING * size[1]:  # constant but for rounding
+                return []
+            first_multiple = math.ceil((self.start + lead) / math.pi)
+            last_multiple = math.floor((self.end + lead) / math.pi)
+            extremes = [k * math.pi - lead for k in range(first_multiple, last_multiple + 1)]
             return [time for time in extremes if self.start < time < self.end]
         rates = self._rate(combination)
         rate_size = float(np.arange(len(size)) @ size)
@@ -659,11 +656,11 @@ class HarmonicSegment(LoadSegment):
             np.concatenate([np.conj(rates[order:0:-1]), rates[: order + 1]])
         )
         angles = np.angle(roots[np.abs(np.abs(roots) - 1) < _DOUBLE])
-        first_turn = 2 * math.pi * np.floor((self.start - angles) / (2 * math.pi))
-        turns = np.arange(math.ceil((self.end - self.start) / (2 * math.pi)) + 2)
-        return _sharpened(
-            self, combination, ((angles + first_turn)[:, None] + 2 * math.pi * turns).ravel()
-        )
+        period = 2 * math.pi
+        first_times = angles + period * np.floor((self.start - angles) / period)
+        n_periods = math.ceil((self.end - self.start) / period) + 2
+        times = first_times[:, None] + period * np.arange(n_periods)
+        return _sharpened(self, combination, times.ravel())
 
     def _time_inside(
         self,

@@ -1189,30 +1189,31 @@ def grids_at(
 
 
 def _states(points: PointFields, distance: Array, row_numbers: Indices) -> NDArray[np.int8]:
-    """State of points at distances (k,) from the middle at rows (n,), (n, k): open, stick, or slip
-    in the zone at the edge or in a ring further in, which may slip in the other direction or while
-    the edge rests.
+    """States (n, k) of points at distances |x| (k,) from the middle, at rows (n,) of the path:
+    open, stick, or slip in the zone at the edge or in a ring further in, which may slip in the
+    other direction or while the edge rests.
     """
     bodies = points.series
-    followed = bodies.followed
+    history = bodies.followed
     sides = np.array([-1.0, 1.0])
     half_width = bodies.half_width[row_numbers, None]
-    stick_edge = followed.table.half_width(followed.front[row_numbers])[:, None]
-    ring_ends = followed.table.half_width(followed.ring[row_numbers])
+    stick_edge = history.table.half_width(history.front[row_numbers])[:, None]
+    ring_ends = history.table.half_width(history.ring[row_numbers])
     states_by_sense = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
-    state_at_edge = states_by_sense[followed.direction[row_numbers, None] + 1]
-    state_in_ring = states_by_sense[followed.ring_direction[row_numbers, None] + 1]
+    state_at_edge = states_by_sense[history.direction[row_numbers, None] + 1]
+    state_in_ring = states_by_sense[history.ring_direction[row_numbers, None] + 1]
     # Of full slip only the middle is within the front, and it slips.
     is_within_stick_edge = between(stick_edge * sides, distance) & (stick_edge > 0)
     states = np.where(is_within_stick_edge, np.int8(STICK), state_at_edge)
     is_in_ring = (distance > ring_ends[:, [0]]) & (distance < ring_ends[:, [1]])
     states = np.where(is_in_ring, state_in_ring, states)
-    for number, further in points.inner_slips(row_numbers):
+    for number, slip_zone in points.inner_slips(row_numbers):
         states_of_row = np.where(
             is_within_stick_edge[number], np.int8(STICK), state_at_edge[number]
         )
-        states[number] = np.where(further.slips, states_by_sense[further.sense + 1], states_of_row)
-    is_pressed = followed.normal_load[row_numbers, None] > 0
+        state_of_zone = states_by_sense[slip_zone.sense + 1]
+        states[number] = np.where(slip_zone.slips, state_of_zone, states_of_row)
+    is_pressed = history.normal_load[row_numbers, None] > 0
     is_in_contact = between(half_width * sides, distance) & is_pressed
     return np.where(is_in_contact, states, np.int8(OPEN))
 

@@ -147,14 +147,17 @@ class PunchTable:
         pi E*/4: G(c) over c^2 [stress]
     """
 
-    def __init__(self, contact: SymmetricContact, modulus: float, largest: float) -> None:
-        """Tabulate the loads of flat punches up to each half-width, from 0 to the `largest`
-        [length]: of the profile, of x^2/2 and of x^4/24, by cubics on cells between the corners of
-        the profile. `modulus` is E*.
+    def __init__(
+        self, contact: SymmetricContact, modulus: float, largest_half_width: float
+    ) -> None:
+        """Tabulate eta(c), the load that flat punches of half-width up to c carry of a contact, for
+        c from 0 to `largest_half_width` [length], by cubics on equal cells between the corners of
+        its profile; and two integrals of it. `modulus` is E*. Loads of x^2/2 and of x^4/24 are
+        in closed form.
         """
         corners = [contact.least, *contact.breaks]
-        inner_corners = sorted({corner for corner in corners if 0 < corner < largest})
-        self._ends = np.array([0.0, *inner_corners, largest])
+        inner_corners = sorted({corner for corner in corners if 0 < corner < largest_half_width})
+        self._ends = np.array([0.0, *inner_corners, largest_half_width])
         self._begins: list[float] = self._ends[:-1].tolist()
         self._lengths: list[float] = np.diff(self._ends).tolist()
         n_intervals = len(self._lengths)
@@ -173,6 +176,7 @@ class PunchTable:
         load_rate = np.where(is_flat | (half_width_rate == 0), 0.0, load_rate)
         self._load = self._cubics(load[:, :-1], load[:, 1:], load_rate[:, :-1], load_rate[:, 1:])
         self._loads_of_cells: list[list[float]] = self._load.tolist()
+        # int eta dc/c and int eta G dc/c: by parts they give int ln(2 L/c) over d eta and d(eta G).
         self._log_area = self._integral(power=0)
         self._log_moment = self._integral(power=1)
         self._areas_of_cells: list[list[float]] = self._log_area.tolist()
@@ -903,7 +907,7 @@ def follow(
     >>> import numpy as np
     >>> from semi_analytic.hertz import HertzContact
     >>> contact = HertzContact(modulus=4 / np.pi, radius=1.0, datum_length=1.0)  # a^2 = P
-    >>> table = PunchTable(contact, contact.modulus, largest=1.2)
+    >>> table = PunchTable(contact, contact.modulus, largest_half_width=1.2)
     >>> rows = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.3], [1.0, -0.3], [1.0, 0.3]])
     >>> followed = follow(table, 0.5, *rows.T, Curvatures())
     >>> table.half_width(followed.front[-2:]).round(9).tolist()  # c = a sqrt(1 - Q/(f P))
@@ -1303,9 +1307,23 @@ def _crossing(
     bound: _Bound,
     round_off: float,
 ) -> tuple[float, PunchLoads]:
-    """Coordinate s of the flat punch within a piece at which F of the memory curve meets a `bound`
-    of slip, and the loads there; `ends` are the piece below and the piece itself, `excesses` how
-    far F is beyond the bound at their tops, of opposite signs. Newton's rule between brackets.
+    """Coordinate s of the flat punch at which friction that was locked in meets a bound of slip,
+    and the loads of the punches up to there.
+
+    The force F that a piece of the memory curve locked in grows with the loads of the punches of
+    the profile (P), of a parabola (G) and of x^4/24 (H), with a slope over each; so does the bound.
+    The excess of F over it is zero at s: Newton's rule between brackets.
+
+    Parameters
+    ----------
+    ends
+        the piece below, and the piece itself
+    excesses
+        of F over the bound at the tops of the two pieces, of opposite signs
+    bound
+        direction of slip, and slopes of the bound over P, G and H
+    round_off
+        excess that counts as 0
     """
     piece_below, piece = ends
     low_s = piece_below.top
@@ -1315,7 +1333,7 @@ def _crossing(
     slope = bound.direction * (bound.slope - piece.slope)
     parabola_slope = bound.direction * (bound.parabola_slope - piece.parabola_slope)
     fourth_slope = bound.direction * (bound.fourth_slope - piece.fourth_slope)
-    # Of a parabola without x^4 the excess is straight in G.
+    # Without x^4 the excess of a parabolic profile is a straight line over G.
     share_of_piece = excess_below / (excess_below - excess_above)
     s = table.place_of(
         piece_below.parabola + share_of_piece * (piece.parabola - piece_below.parabola)
@@ -1336,8 +1354,7 @@ def _crossing(
             low_s = s
         rate = slope * loads.load_rate + parabola_slope * loads.parabola_rate
         rate += fourth_slope * loads.fourth_rate
-        s = s - excess / rate if rate * sign_of_rise > 0 else low_s
-        if not low_s < s < high_s:
-            s = (low_s + high_s) / 2
+        newton_s = s - excess / rate if rate * sign_of_rise > 0 else math.nan
+        s = newton_s if low_s < newton_s < high_s else (low_s + high_s) / 2
         loads = table.loads_at(s)
     return s, loads

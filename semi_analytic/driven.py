@@ -437,7 +437,7 @@ def follow_actuator(
     >>> import numpy as np
     >>> from semi_analytic.hertz import HertzContact
     >>> contact = HertzContact(modulus=4 / np.pi, radius=1.0, datum_length=50.0)  # a^2 = P
-    >>> table = PunchTable(contact, contact.modulus, largest=1.2)
+    >>> table = PunchTable(contact, contact.modulus, largest_half_width=1.2)
     >>> rows = ActuatorRows(
     ...     time=np.array([0.0, 1.0, 2.0, 3.0]),
     ...     normal=np.array([0.0, 1.0, 1.0, 0.5]),

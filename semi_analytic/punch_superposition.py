@@ -919,12 +919,13 @@ def primitive_of(kind: Kind, order: int, x: Array, top: float, law: ContactLaw) 
     # Sums run from panel to panel of a point: one sum through all points would leave the round-off
     # of the largest in the smallest.
     number_at_point = np.arange(len(tails)) - np.searchsorted(panels.point, panels.point)
-    running_sums = np.zeros((len(x), int(np.max(number_at_point, initial=0)) + 2))
-    running_sums[panels.point, number_at_point + 1] = tails
-    error = np.cumsum(running_sums, axis=1)[panels.point, number_at_point + 1]
-    running_sums[panels.point, number_at_point + 1] = np.sum(coefficients, axis=0)
-    running_sums[:, 0] = _at_the_bottom(kind, order, x, float(ends_of_ranges[1]), law)
-    coefficients[0] += np.cumsum(running_sums, axis=1)[panels.point, number_at_point]
+    # Rows: points; columns: what lies below the first panel, then the panels.
+    terms = np.zeros((len(x), int(np.max(number_at_point, initial=0)) + 2))
+    terms[panels.point, number_at_point + 1] = tails
+    error = np.cumsum(terms, axis=1)[panels.point, number_at_point + 1]
+    terms[panels.point, number_at_point + 1] = np.sum(coefficients, axis=0)
+    terms[:, 0] = _at_the_bottom(kind, order, x, float(ends_of_ranges[1]), law)
+    coefficients[0] += np.cumsum(terms, axis=1)[panels.point, number_at_point]
     first_advances = panels.advance_at_v0 + panels.advance(kind, panels.begin)
     return Primitive(kind, x, x - law.least, top, panels, first_advances, coefficients, error)
 

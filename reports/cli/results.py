@@ -267,7 +267,7 @@ def _score_shown(report: Report, page: str) -> Iterator[Part]:
     yield from (
         f"Not scored: {', '.join(labels)} ({reason})." for reason, labels in reasons.items()
     )
-    if report.study is None:  # whose own sentences name them
+    if report.study is None:  # a mesh study's own sentences name the files not scored
         yield from (file.sentence for file in report.unscored)
     if report.evidence:
         yield "What the rows show:"

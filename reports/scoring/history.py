@@ -127,8 +127,11 @@ def _by_resultants(surface: SurfaceResult, scene: Scene) -> History:
         normal_force = surface.normal_load
 
     def history_with_shear(shear_sign: float, words: str) -> History | None:
-        """The instants with the shear times `shear_sign`: 1 as it is, -1 turned. None where they
-        don't fit the path. `words` says where the loads come from.
+        """The history of the result's instants on the load path, found from its integrated loads,
+        with the shear multiplied by `shear_sign` (1 or -1).
+
+        None where these loads do not follow the path of the scene. `words` says where the loads
+        come from.
         """
         try:
             return _by_loads(

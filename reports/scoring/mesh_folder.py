@@ -56,19 +56,22 @@ def score_folder(
                 f" ({len(faults) - 1} other files of the folder can't be scored either)"
             )
         raise InputError(f"{next(iter(faults.values()))}{further_faults}")
-    unscored = tuple(
+    unscored_files = tuple(
         UnscoredFile(name, str(fault).replace(str(folder / name), name))
         for name, fault in faults.items()
     )
-    notes = (*notes_on_files, *(file.sentence for file in unscored))
+    notes = (*notes_on_files, *(file.sentence for file in unscored_files))
     if faults and len(levels) == 1:  # a result, and no study
         (report,) = reports
         comparison_with_notes = replace(report.comparison, notes=(*notes, *report.comparison.notes))
         with stages.stage("diagnosis"):
-            return diagnosed(replace(report, comparison=comparison_with_notes, unscored=unscored))
+            return diagnosed(
+                replace(report, comparison=comparison_with_notes, unscored=unscored_files)
+            )
     mesh_study = study(levels, notes)
     with stages.stage("diagnosis"):
-        finest_level = next(
-            report for report in reports if report.comparison is mesh_study.levels[0].comparison
+        comparison_of_finest = mesh_study.levels[0].comparison
+        finest_report = next(
+            report for report in reports if report.comparison is comparison_of_finest
         )
-        return diagnosed(replace(finest_level, study=mesh_study, unscored=unscored))
+        return diagnosed(replace(finest_report, study=mesh_study, unscored=unscored_files))
