@@ -261,7 +261,14 @@ def cumulative_work(view: CycleView) -> Plate | None:
         "Dissipation so far over time",
         260.0,
     )
-    return worded("cumulative_work", [panel], table, [key for key, *_ in series], columns=1)
+    return worded(
+        "cumulative_work",
+        [panel],
+        table,
+        [key for key, *_ in series],
+        columns=1,
+        repeats=view.scene.load.path().period is not None,
+    )
 
 
 def load_path(view: CycleView) -> Plate:
