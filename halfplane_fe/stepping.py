@@ -54,8 +54,10 @@ _JUMPY = (
 # Predictions of an event of unlike bodies, each with the sliding nodes that the one before has led
 # to: the second one meets it, but where it meets another node first.
 _MOST_PREDICTIONS = 5
-# Secants before an event is bracketed instead.
+# Secants before an event is bracketed instead, and what is left of a gap, force or load, scaled,
+# that is the last digit of it: there secants find nothing but rounding.
 _MOST_SECANTS = 8
+_LAST_DIGIT = 1e-15
 # Instants of an increment at which the end of a stroke is looked for, and the share of it to which
 # that is found: slip rests there, so that its square counts.
 _LOOKED_AT = 9
@@ -562,15 +564,15 @@ def _zero(
     share: float,
     value_at_begin: float,
 ) -> float:
-    """Where a function of time that is nearly linear is zero between `begin` and `end`, near a
-    `share` of the way; by secants, and by a bracket where these miss.
+    """Where a gap, force or load that is nearly linear in time is zero between `begin` and `end`,
+    near a `share` of the way; by secants, and by a bracket where these miss.
     """
     time_before = begin
     value_before = value_at_begin
     time = begin + share * (end - begin)
     value = function(time)
     for _ in range(_MOST_SECANTS):
-        if value in (0.0, value_before):
+        if abs(value) <= _LAST_DIGIT or value == value_before:
             return time
         step = -value * (time - time_before) / (value - value_before)
         if abs(step) <= 4e-16 * abs(time):  # twice the spacing of floating-point numbers
