@@ -9,10 +9,14 @@ mean and Q of its amplitude, from a fixed seed.
         write the scene, of N rows
     python benchmarks/long_record.py SCENE.toml --run OUT [OPTIONS OF RUN]
         and run it; print what it took
-    python benchmarks/long_record.py --ten [like|unlike] [--rows N] [--seed S] [--against COMMIT]
+    python benchmarks/long_record.py --ten [like|unlike] [--rows N] [--seed S]
+                                     [--against COMMIT] [--times N]
         ten records on half-planes, five random and five as measured, 1,000 rows each: increments,
-        CPU seconds, W against exact theory (like bodies) and its uncertainty; the same by an
-        earlier commit beside them, each record by both in turn
+        CPU of the solve and of its load path, W against exact theory (like bodies) and its
+        uncertainty; the same by an earlier commit beside them, each record by both in turn,
+        medians of N times
+    EARLIER=CHECKOUT make bench SECTIONS=records
+        the same of unlike bodies, 150 rows, for docs/performance.md
 """
 
 from __future__ import annotations
@@ -22,12 +26,13 @@ import io
 import json
 import os
 import re
+import statistics
 import subprocess
 import sys
 import tarfile
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -49,6 +54,10 @@ TANGENTIAL = 30.0
 ROWS_OF_TEN = 1000
 SEED_OF_TEN = 48
 MOST_OF_LIMIT = 0.85
+# Rows of the records whose cost is on the page of performance.
+ROWS_ON_PAGE = 150
+TIMES = 3
+TITLE = "Records of unlike bodies"
 
 
 def rows_of(count: int) -> np.ndarray:
@@ -139,8 +148,9 @@ def solved(number: int, unlike: bool, count: int, seed: int) -> dict[str, Any]:
         aluminium = {"young_modulus": 70e3, "poisson_ratio": 0.33}
         steel = {"young_modulus": 210e3, "poisson_ratio": 0.3}
         scene = scene.vary(material={"upper": aluminium, "lower": steel})
+    path_clock = _PathClock()
     begun = time.process_time()
-    answer = halfplane_fe.solve(scene)
+    answer = halfplane_fe.solve(scene, progress=path_clock)
     seconds = time.process_time() - begun
     work = answer.work.counts
     truth = float("nan") if unlike else semi_analytic.solve(scene).dissipation
@@ -150,10 +160,30 @@ def solved(number: int, unlike: bool, count: int, seed: int) -> dict[str, Any]:
         "landed": work.get("touch increments", 0) + work.get("release increments", 0),
         "halved": work.get("increments halved, step error", 0),
         "seconds": seconds,
+        "path": path_clock.seconds,
         "work": answer.dissipation,
         "uncertainty": answer.dissipation_uncertainty,
         "truth": truth,
     }
+
+
+class _PathClock:
+    """CPU seconds of the load path of a record, by what the solver reports at its first and at its
+    last row.
+    """
+
+    def __init__(self) -> None:
+        self.begin = 0.0
+        self.seconds = float("nan")
+
+    def __call__(self, done: int, _total: int | None, text: str) -> None:
+        """Take the time of a report."""
+        if not text.startswith("initial loading"):
+            return
+        now = time.process_time()
+        if not done:
+            self.begin = now
+        self.seconds = now - self.begin
 
 
 @contextmanager
@@ -171,49 +201,122 @@ def packages_of(commit: str | None) -> Iterator[Path]:
 
 
 def solved_by(tree: Path, number: int, options: argparse.Namespace) -> dict[str, Any]:
-    """`solved` in a process of its own, by the packages of a folder."""
+    """`solved` in a process of its own, by the packages of a folder, which condense the bodies
+    afresh.
+    """
     words = [sys.executable, str(Path(__file__).resolve()), "--ten", options.ten]
     words += ["--number", str(number), "--rows", str(options.rows), "--seed", str(options.seed)]
+    # Version 0.3 stored condensed bodies; what a first run compiles is there for the next ones.
+    places = {"HALFPLANE_CACHE": "off", "PYTHONPYCACHEPREFIX": str(ROOT / ".cache" / "compiled")}
     printed = subprocess.run(
         words,
         check=True,
         capture_output=True,
         text=True,
-        env=os.environ | {"PYTHONPATH": str(tree)},
+        env=os.environ | places | {"PYTHONPATH": str(tree)},
         cwd=tree,
     ).stdout
     answer: dict[str, Any] = json.loads(printed)
     return answer
 
 
+def solved_in_turn(
+    trees: Sequence[Path], number: int, options: argparse.Namespace
+) -> list[dict[str, Any]]:
+    """A record by the packages of each folder in turn, several times: medians of their CPU."""
+    runs: list[list[dict[str, Any]]] = [[] for _ in trees]
+    for _ in range(options.times):
+        for tree, runs_of_tree in zip(trees, runs, strict=True):
+            runs_of_tree.append(solved_by(tree, number, options))
+    medians = []
+    for runs_of_tree in runs:
+        seconds = statistics.median(run["seconds"] for run in runs_of_tree)
+        path_seconds = statistics.median(run["path"] for run in runs_of_tree)
+        medians.append(runs_of_tree[0] | {"seconds": seconds, "path": path_seconds})
+    return medians
+
+
+RATIOS = ("increments", "seconds", "path an increment")
+
+
+def ratios(before: dict[str, Any], now: dict[str, Any]) -> list[float]:
+    """How many times less a record takes now: increments, CPU, and CPU of the path an increment."""
+    path_before = before["path"] / before["increments"]
+    path_now = now["path"] / now["increments"]
+    return [
+        before["increments"] / now["increments"],
+        before["seconds"] / now["seconds"],
+        path_before / path_now,
+    ]
+
+
 def print_ten(options: argparse.Namespace) -> None:
     """The table of the ten records."""
     print(f"{options.ten} bodies, {options.rows} rows, seed {options.seed}")
-    head = "increments landed halved  CPU [s]  W/theory - 1     u/W"
-    beside = f"   {options.against}: {head}  inc.  CPU  W/W - 1" if options.against else ""
+    head = "increments landed halved  CPU [s] path [ms]  W/theory - 1     u/W"
+    beside = f"   {options.against}: {head}  inc.  CPU  path  W/W - 1" if options.against else ""
     print(f"{'record':14s} {head}{beside}", flush=True)
-    ratios = []
+    ratios_of_records = []
     with packages_of(None) as here, packages_of(options.against) as there:
+        trees = (here, there) if options.against else (here,)
         for number in range(10):
-            now = solved_by(here, number, options)
+            now, *earlier = solved_in_turn(trees, number, options)
             line = f"{now['name']:14s} {_columns(now)}"
-            if options.against:
-                before = solved_by(there, number, options)
-                ratio = [before[name] / now[name] for name in ("increments", "seconds")]
-                ratios.append(ratio)
-                line += f"   {_columns(before)} {ratio[0]:6.2f} {ratio[1]:5.2f}"
-                line += f" {now['work'] / before['work'] - 1:+9.1e}"
+            for before in earlier:
+                ratios_of_record = ratios(before, now)
+                ratios_of_records.append(ratios_of_record)
+                words = " ".join(f"{ratio:5.2f}" for ratio in ratios_of_record)
+                line += f"   {_columns(before)} {words} {now['work'] / before['work'] - 1:+9.1e}"
             print(line, flush=True)
-    if ratios:
-        by_increments, by_seconds = np.exp(np.log(ratios).mean(axis=0))
-        print(f"geometric mean: {by_increments:.2f} times fewer increments, {by_seconds:.2f} CPU")
+    if ratios_of_records:
+        means = np.exp(np.log(ratios_of_records).mean(axis=0))
+        words = ", ".join(
+            f"{mean:.2f} times less {name}" for mean, name in zip(means, RATIOS, strict=True)
+        )
+        print(f"geometric means: {words}")
+
+
+def unlike_beside(earlier: Path) -> dict[str, Any]:
+    """The ten records of unlike bodies by this tree and by another one, for the page."""
+    options = argparse.Namespace(ten="unlike", rows=ROWS_ON_PAGE, seed=SEED_OF_TEN, times=TIMES)
+    commit = subprocess.run(
+        ["git", "-C", str(earlier), "rev-parse", "--short", "HEAD"],
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout.strip()
+    records = {}
+    for number in range(10):
+        now, before = solved_in_turn((ROOT, earlier.resolve()), number, options)
+        records[now["name"]] = {"this": now, "other": before}
+        print(f"    {now['name']:14s} {np.round(ratios(before, now), 2).tolist()}", flush=True)
+    return {"other": commit, "rows": ROWS_ON_PAGE, "seed": SEED_OF_TEN, "records": records}
+
+
+def page(measured: dict[str, Any]) -> list[str]:
+    """The part of docs/performance.md."""
+    records = measured["records"].values()
+    ratios_of_records = [ratios(record["other"], record["this"]) for record in records]
+    fewer, less, less_an_increment = np.exp(np.log(ratios_of_records).mean(axis=0))
+    now = statistics.median(
+        1e3 * record["this"]["path"] / record["this"]["increments"] for record in records
+    )
+    return [
+        (
+            f"Ten records, {measured['rows']} rows, seed {measured['seed']}, beside"
+            f" {measured['other']}: {less_an_increment:.2f} times less CPU an increment (now"
+            f" {now:.2f} ms), {fewer:.2f} times fewer increments, {less:.2f} times less CPU in all."
+        )
+    ]
 
 
 def _columns(row: dict[str, Any]) -> str:
     error = row["work"] / row["truth"] - 1
+    uncertainty = row["uncertainty"] / row["work"]
+    milliseconds = 1e3 * row["path"] / row["increments"]
     return (
         f"{row['increments']:10d} {row['landed']:6d} {row['halved']:6d} {row['seconds']:8.1f}"
-        f" {error:+13.1e} {row['uncertainty'] / row['work']:7.1e}"
+        f" {milliseconds:9.3f} {error:+13.1e} {uncertainty:7.1e}"
     )
 
 
@@ -227,6 +330,7 @@ if __name__ == "__main__":
     parser.add_argument("--ten", nargs="?", const="like", choices=("like", "unlike"))
     parser.add_argument("--seed", type=int, default=SEED_OF_TEN)
     parser.add_argument("--against", metavar="COMMIT")
+    parser.add_argument("--times", type=int, default=1)
     parser.add_argument("--number", type=int, help=argparse.SUPPRESS)
     arguments, options = parser.parse_known_args()
     if arguments.ten:

@@ -3,7 +3,8 @@ now.
 
     make bench              (python benchmarks/performance.py [SECTION ...] [--pages], a quarter of
                             an hour)
-    EARLIER=CHECKOUT make bench SECTIONS=speed  (CPU ratios to that checkout; left out without it)
+    EARLIER=CHECKOUT make bench SECTIONS="speed records"
+                            (CPU ratios to that checkout; left out without it)
 
 Each section measures, writes what it found to docs/performance/SECTION.json with machine and
 versions, draws its figure, and has its part of the page. With names of sections only those are
@@ -32,6 +33,7 @@ from typing import Any, NamedTuple
 import finite_elements as fe
 import half_plane
 import jobs
+import long_record
 import numpy as np
 import peers
 import speed
@@ -569,8 +571,13 @@ SECTIONS = {
         ("growth", growth_panels, "Growth"),
     ),
     "start": Section("Start-up and size", start, start_page),
+    "records": Section(
+        long_record.TITLE, lambda: long_record.unlike_beside(Path(EARLIER)), long_record.page
+    ),
     "speed": Section(speed.TITLE, lambda: speed.measure(Path(EARLIER)), speed.page),
 }
+# Sections that are measured beside an earlier version.
+BESIDE = ("records", "speed")
 # Series whose points differ in several ways at once, or whose errors change sign: no line through
 # them.
 POINTS_ONLY = ("named settings", "penalty, a/160", "increments, no tolerance", "contact method")
@@ -641,11 +648,11 @@ def measured(name: str) -> dict[str, Any]:
 
 
 def _measured_ones() -> dict[str, Section]:
-    """All but the one beside an earlier version where no such checkout was ever named."""
+    """All but those beside an earlier version where no such checkout was ever named."""
     return {
         name: section
         for name, section in SECTIONS.items()
-        if name != "speed" or (FOLDER / f"{name}.json").exists()
+        if name not in BESIDE or (FOLDER / f"{name}.json").exists()
     }
 
 
@@ -676,7 +683,7 @@ def main(words: list[str]) -> None:
         print(json.dumps(one_cost(words[1], int(words[2]))))
         return
     for name in chosen(words, SECTIONS):
-        if name == "speed" and not EARLIER:
+        if name in BESIDE and not EARLIER:
             print(f"==> {name}: left out, EARLIER names no checkout")
             continue
         print(f"==> {name}", flush=True)
