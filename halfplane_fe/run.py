@@ -16,8 +16,7 @@ The number m follows from the last ratio, d_k being about (k - 1/2)^-(m+1): r = 
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -422,40 +421,17 @@ def run_path(
     # itself, whichever of them are kept.
     bounded = not keep_all and all(straight(leg) for leg in (*path.initial_loading, *path.cycle))
     run = PathRun([_at_rest(problem, path, pace)], bounded=bounded)
+    follower = _Follower(problem, run, pace, progress)
     try:
-        _follow_legs(
-            problem,
-            run,
-            path.initial_loading,
-            pace.steps_per_cycle / 8,
-            pace,
-            progress,
-            "initial loading",
-        )
+        follower.follow(path.initial_loading, pace.steps_per_cycle / 8, "initial loading")
         if path.period is None:
             run.cycle_density.append(run.density)
             return run
         for number in range(cycles):
-            start_of_cycle = run.states[-1]
-            run.cycle_starts.append(len(run.iterations))
-            _follow_legs(
-                problem,
-                run,
-                path.cycle_legs(number),
-                pace.steps_per_cycle,
-                pace,
-                progress,
-                f"revolution {number + 1}",
-            )
-            run.close_cycle(excess(problem, run.states[run.cycle_starts[-1] :]))
-            run.cycle_change.append(_change(start_of_cycle, run.states[-1], problem.friction))
-            if run.cycle_change[-1] <= REPEATS:
-                allowed_error = uncertainty(run)
-                if np.isnan(allowed_error):
-                    allowed_error = REPEATS * float(run.density.sum())
-                if abs(run.trend.left) <= allowed_error:
-                    run.steady_from = number
-                    break
+            follower.follow_revolution(path.cycle_legs(number), number)
+            if _repeats(run, uncertainty):
+                run.steady_from = number
+                break
     except ConvergenceError as failure:
         run.failure = failure
     except KeyboardInterrupt:
@@ -463,6 +439,18 @@ def run_path(
             f"interrupted at time {run.states[-1].time:.6g}, after {len(run.iterations)} steps"
         )
     return run
+
+
+def _repeats(run: PathRun, uncertainty: Callable[[PathRun], float]) -> bool:
+    """Whether the last revolution ended as it started, and what is left of the dissipation's way is
+    less than its uncertainty, see `run_path`.
+    """
+    if run.cycle_change[-1] > REPEATS:
+        return False
+    allowed_error = uncertainty(run)
+    if np.isnan(allowed_error):
+        allowed_error = REPEATS * float(run.density.sum())
+    return abs(run.trend.left) <= allowed_error
 
 
 def _at_rest(problem: ContactProblem, path: LoadPath, pace: Pace) -> InterfaceState:
@@ -475,95 +463,148 @@ def _at_rest(problem: ContactProblem, path: LoadPath, pace: Pace) -> InterfaceSt
     return problem.at_rest(path.start, scaled_loads(leg, path.start, units), line)
 
 
-def _follow_legs(
-    problem: ContactProblem,
-    run: PathRun,
-    legs: tuple[LoadSegment, ...],
-    steps: float,
-    pace: Pace,
-    progress: Progress,
-    text: str,
-) -> None:
-    """Add the increments of some legs to a run, `steps` regular ones in the longest of them."""
-    longest_leg = max(leg.end - leg.start for leg in legs)
-    pieces: list[Stretch] = []
-    # Where U is given, U turns round, and not Q - f P.
-    friction = problem.friction if problem.actuators.tangential is None else 0.0
-    for leg in legs:
-        pieces += stretches(leg, friction, steps * (leg.end - leg.start) / longest_leg)
-    duration = legs[-1].end - legs[0].start
-    units = pace.units(problem)
-    run.density = np.zeros_like(problem.height)
-    reference = _reference_dissipation(run, pace, problem.friction)
+@dataclass(eq=False)
+class _Follower:
+    """Follows the legs of a path one after the other, and adds their increments to a run.
 
-    tolerance = StepTolerance(pace.step_tolerance * reference / duration, pace.of_kinks)
-
-    def report(n_pieces: int) -> None:
-        steps_done = len(run.iterations)
-        iterations = problem.work["contact iterations"]
-        words = f"{text}, {steps_done} steps, {iterations} contact iterations"
-        progress(n_pieces, len(pieces), words)
-
-    def followed(alike: Iterable[tuple[int, Stretch]], ends: list[int]) -> Iterator[Increment]:
-        """Increments of some stretches; `ends` gets the index of the state at the end of each."""
-        state = run.states[-1]
-        n_states = len(run.states)
-        for number, stretch in alike:
-            report(number)
-            try:
-                for increment in follow(problem, state, stretch, units, tolerance):
-                    state = increment.state
-                    n_states += 1
-                    yield increment
-            finally:
-                ends.append(n_states - 1)
-
-    for curved_leg, alike in itertools.groupby(enumerate(pieces), _curved_leg):
-        ends: list[int] = []
-        _take_all(problem, run, followed(alike, ends), ends, curved_leg, units)
-    report(len(pieces))
-
-
-def _curved_leg(numbered: tuple[int, Stretch]) -> LoadSegment | None:
-    """The leg of a stretch; None of straight ones, which are alike: loads enclose no area with
-    their chords.
-    """
-    _, stretch = numbered
-    return None if straight(stretch.leg) else stretch.leg
-
-
-def _take_all(
-    problem: ContactProblem,
-    run: PathRun,
-    followed: Iterator[Increment],
-    ends: list[int],
-    leg: LoadSegment | None,
-    units: tuple[float, ...],
-) -> None:
-    """Add the increments of a curved leg, or of straight ones, to a run, some of them at a time,
-    which bounds the memory.
-
-    Parameters
+    Attributes
     ----------
-    followed
-        the increments as they are solved
-    ends
-        indices of the states at which stretches of the path end, as far as `followed` has come
-    leg
-        the curved leg; None of straight ones
-    units
-        units of the loads
+    problem
+        what does not change along the path
+    run
+        what the path has left behind so far
+    pace
+        how finely the path is stepped
+    progress
+        called with (done, total, text) at the start of each stretch
     """
-    ended = False
-    while not ended:
-        increments: list[Increment] = []
+
+    problem: ContactProblem
+    run: PathRun
+    pace: Pace
+    progress: Progress
+
+    def follow_revolution(self, legs: tuple[LoadSegment, ...], number: int) -> None:
+        """Follow one revolution, and compare its end with its start."""
+        start_of_cycle = self.run.states[-1]
+        self.run.cycle_starts.append(len(self.run.iterations))
+        self.follow(legs, self.pace.steps_per_cycle, f"revolution {number + 1}")
+        states_of_cycle = self.run.states[self.run.cycle_starts[-1] :]
+        self.run.close_cycle(excess(self.problem, states_of_cycle))
+        change = _change(start_of_cycle, self.run.states[-1], self.problem.friction)
+        self.run.cycle_change.append(change)
+
+    def follow(
+        self, legs: tuple[LoadSegment, ...], n_increments_of_longest: float, title: str
+    ) -> None:
+        """Follow some legs, with so many regular increments in the longest of them.
+
+        What was solved before an error or Ctrl-C is added to the run too.
+        """
+        pieces = self._stretches(legs, n_increments_of_longest)
+        units = self.pace.units(self.problem)
+        reference_work = _reference_dissipation(self.run, self.pace, self.problem.friction)
+        duration = legs[-1].end - legs[0].start
+        tolerance = StepTolerance(
+            self.pace.step_tolerance * reference_work / duration, self.pace.of_kinks
+        )
+        self.run.density = np.zeros_like(self.problem.height)
+        batch = _Batch(self.problem, self.run, units)
         try:
-            increments += itertools.islice(followed, _AT_ONCE)
+            for number, stretch in enumerate(pieces):
+                self._report(number, len(pieces), title)
+                batch.begin_stretch(stretch)
+                try:
+                    for increment in follow(
+                        self.problem, batch.last_state, stretch, units, tolerance
+                    ):
+                        batch.add(increment)
+                finally:
+                    batch.end_stretch()
         finally:
-            ended = len(increments) < _AT_ONCE
-            run.take(problem, increments, leg, units)
-            run.end_stretches(ends)
-            ends.clear()
+            batch.take()
+        self._report(len(pieces), len(pieces), title)
+
+    def _stretches(
+        self, legs: tuple[LoadSegment, ...], n_increments_of_longest: float
+    ) -> list[Stretch]:
+        """The pieces of the legs between their turning points; a shorter leg has fewer increments
+        in proportion.
+        """
+        # Where U is given, U turns round, and not Q - f P.
+        tangential_load_given = self.problem.actuators.tangential is None
+        friction = self.problem.friction if tangential_load_given else 0.0
+        longest_leg = max(leg.end - leg.start for leg in legs)
+        pieces: list[Stretch] = []
+        for leg in legs:
+            share_of_longest = (leg.end - leg.start) / longest_leg
+            pieces += stretches(leg, friction, n_increments_of_longest * share_of_longest)
+        return pieces
+
+    def _report(self, n_done: int, n_pieces: int, title: str) -> None:
+        n_steps = len(self.run.iterations)
+        iterations = self.problem.work["contact iterations"]
+        words = f"{title}, {n_steps} steps, {iterations} contact iterations"
+        self.progress(n_done, n_pieces, words)
+
+
+@dataclass(eq=False)
+class _Batch:
+    """Increments that are solved and not in the run yet: the energies of up to `_AT_ONCE` of them
+    are found together. They are of one curved leg, or of straight legs: the loads of those enclose
+    no area with their chords.
+
+    Attributes
+    ----------
+    problem, run
+        what they belong to
+    units
+        of the loads
+    curved_leg
+        the leg that they are of; None of straight ones
+    increments
+        not in the run yet
+    ends
+        indices of the states at which stretches have ended since the last batch
+    """
+
+    problem: ContactProblem
+    run: PathRun
+    units: tuple[float, ...]
+    curved_leg: LoadSegment | None = None
+    increments: list[Increment] = field(default_factory=list)
+    ends: list[int] = field(default_factory=list)
+
+    @property
+    def last_state(self) -> InterfaceState:
+        """From which the path goes on."""
+        return self.increments[-1].state if self.increments else self.run.states[-1]
+
+    def begin_stretch(self, stretch: Stretch) -> None:
+        """Begin a stretch; what was solved of another leg goes into the run, if one is curved."""
+        curved_leg = None if straight(stretch.leg) else stretch.leg
+        if curved_leg is not self.curved_leg:
+            self.take()
+            self.curved_leg = curved_leg
+
+    def add(self, increment: Increment) -> None:
+        """Add an increment."""
+        self.increments.append(increment)
+        if len(self.increments) == _AT_ONCE:
+            self.take()
+
+    def end_stretch(self) -> None:
+        """End a stretch at the last state."""
+        self.ends.append(len(self.run.states) - 1 + len(self.increments))
+
+    def take(self) -> None:
+        """Add the increments and the ends of stretches to the run."""
+        increments = self.increments
+        ends = self.ends
+        self.increments = []
+        self.ends = []
+        self.run.take(self.problem, increments, self.curved_leg, self.units)
+        self.run.end_stretches(ends)
 
 
 def _reference_dissipation(run: PathRun, pace: Pace, friction: float) -> float:

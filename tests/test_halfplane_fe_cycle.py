@@ -211,13 +211,14 @@ def test_revolutions_go_on_while_the_dissipation_has_more_to_go_than_its_uncerta
 ):
     series = SERIES[name][0]
 
-    def revolve(_problem, run, _legs, _steps, _pace, _progress, text):
-        if text.startswith("revolution"):
-            run.density = np.array([float(series(np.float64(text.split()[1])))])
+    def revolve(follower, _legs, _n_increments, title):
+        run = follower.run
+        if title.startswith("revolution"):
+            run.density = np.array([float(series(np.float64(title.split()[1])))])
         moved = run.states[-1].pressure + 1e-6  # nodal forces that all but repeat
         run.states.append(run.states[-1].changed(pressure=np.where(moved > 1e-5, moved, 1.0)))
 
-    monkeypatch.setattr("halfplane_fe.run._follow_legs", revolve)
+    monkeypatch.setattr("halfplane_fe.run._Follower.follow", revolve)
     problem, load = walking(0.7, 0.9)
     outcome = run_path(
         problem,
