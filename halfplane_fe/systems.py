@@ -72,6 +72,8 @@ _FACTORISED = 8
 # Rows on either side of one that is needed whose answers are found along with it: edges of contact
 # and stick travel from node to node.
 _NEIGHBOURS = 16
+# Room for responses of a base over what is needed when it is made.
+_ROOM = 1.5
 # Rows that are multiplied with a matrix one by one: faster up to as many as P, Q and changes have.
 _FEW_ROWS = 3
 # Rows of a triangle that are multiplied at once: read from memory once for both products, and not
@@ -196,9 +198,9 @@ class _Base:
 
     @property
     def nbytes(self) -> int:
-        """Of the arrays that count. Room for responses that was never written takes no memory."""
+        """Of the arrays that count."""
         bytes_of_equations = 0 if self.equations is None else self.equations.nbytes
-        return bytes_of_equations + self.responses[: self.n_cases].nbytes
+        return bytes_of_equations + self.responses.nbytes
 
 
 class _Update(NamedTuple):
@@ -732,14 +734,20 @@ class Systems:
     def _factorise(self, states: States, held: Indices, free: Indices) -> _HeldEquations:
         """The equations of the rows of a set, by the forces of those that are held."""
         self.work["factorisations"] += 1
-        by_held = self.matrix.take(held, axis=1)
         # Sliding nodes take their q along with p.
         sliding_nodes = slip_sign(states).nonzero()[0]
         traction = slip_sign(states[sliding_nodes]) * self.friction
         places_of_pressure = np.searchsorted(held, sliding_nodes)
         columns_of_shear = len(states) + sliding_nodes
-        by_held[:, places_of_pressure] += self.matrix[:, columns_of_shear] * traction
-        return _HeldEquations(_lu(by_held[held]), by_held[free])
+
+        def displacements_by_held(rows: Indices) -> Array:
+            """(len(rows), k) displacements of some rows by forces of the k held ones."""
+            displacements = self.matrix[np.ix_(rows, held)]
+            by_shear = self.matrix[np.ix_(rows, columns_of_shear)]
+            displacements[:, places_of_pressure] += by_shear * traction
+            return displacements
+
+        return _HeldEquations(_lu(displacements_by_held(held)), displacements_by_held(free))
 
     def _solve_cases(self, base: _Base, required: Indices) -> None:
         """Have the responses of a base to these unit cases: rows, and loads (from 2 n on)."""
@@ -758,9 +766,9 @@ class Systems:
             assert base.origin is not None  # for the type checker: it has factors or an origin
             responses = self._responses_by_origin(base, base.origin, cases)
         n_cases = base.n_cases + len(cases)
-        if n_cases > len(base.responses):  # twice the room, so that it is seldom copied
+        if n_cases > len(base.responses):  # more room than is needed, so that it is seldom copied
             solved_responses = base.responses[: base.n_cases]
-            base.responses = np.empty((2 * n_cases, 2 * n + 3))
+            base.responses = np.empty((int(_ROOM * n_cases), 2 * n + 3))
             base.responses[: base.n_cases] = solved_responses
         base.responses[base.n_cases : n_cases] = responses
         base.case_number[cases] = np.arange(base.n_cases, n_cases)
