@@ -56,7 +56,7 @@ SEED_OF_TEN = 48
 MOST_OF_LIMIT = 0.85
 # Rows of the records whose cost is on the page of performance.
 ROWS_ON_PAGE = 150
-TIMES = 3
+TIMES = 1
 TITLE = "Records of unlike bodies"
 
 
