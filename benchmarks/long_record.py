@@ -288,7 +288,11 @@ def unlike_beside(earlier: Path) -> dict[str, Any]:
     records = {}
     for number in range(10):
         now, before = solved_in_turn((ROOT, earlier.resolve()), number, options)
-        records[now["name"]] = {"this": now, "other": before}
+        stored_values = ("increments", "seconds", "path", "work")
+        records[now["name"]] = {
+            "this": {name: now[name] for name in stored_values},
+            "other": {name: before[name] for name in stored_values},
+        }
         print(f"    {now['name']:14s} {np.round(ratios(before, now), 2).tolist()}", flush=True)
     return {"other": commit, "rows": ROWS_ON_PAGE, "seed": SEED_OF_TEN, "records": records}
 
@@ -298,14 +302,10 @@ def page(measured: dict[str, Any]) -> list[str]:
     records = measured["records"].values()
     ratios_of_records = [ratios(record["other"], record["this"]) for record in records]
     fewer, less, less_an_increment = np.exp(np.log(ratios_of_records).mean(axis=0))
-    now = statistics.median(
-        1e3 * record["this"]["path"] / record["this"]["increments"] for record in records
-    )
     return [
         (
-            f"Ten records, {measured['rows']} rows, seed {measured['seed']}, beside"
-            f" {measured['other']}: {less_an_increment:.2f} times less CPU an increment (now"
-            f" {now:.2f} ms), {fewer:.2f} times fewer increments, {less:.2f} times less CPU in all."
+            f"Ten records of {measured['rows']} rows beside {measured['other']}: CPU an increment"
+            f" {less_an_increment:.2f} times less, increments {fewer:.2f}, CPU in all {less:.2f}."
         )
     ]
 

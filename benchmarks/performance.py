@@ -662,8 +662,8 @@ def page_text() -> str:
         "# Performance",
         "",
         (
-            "Written by `make bench`; each JSON has every row and the machine. CPU times of one"
-            " thread vary by ten per cent and more: ratios within one run count."
+            "Written by `make bench`; each JSON has every row and the machine. CPU times vary"
+            " by ten per cent and more: ratios of one run count."
         ),
     ]
     for name, section in _measured_ones().items():
