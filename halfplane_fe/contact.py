@@ -467,9 +467,12 @@ class ContactProblem:
         return rates
 
     def _cached_rates(self, states: States, rates_by_load: Array) -> Array:
-        """Store the derivatives (n_loads, 3 + 4 n) of the values by the loads for a set of node
-        states, from `rates_by_load`, those by P, Q, bulk stresses and tilt: the tilt follows from
-        the moment where that is given.
+        """Store, for a set of node states, the derivatives (n_loads, 3 + 4 n) of the contact's
+        values by its loads: of approach, shift and tilt, then of slip, p, q and gap of the n nodes.
+
+        `rates_by_load` are the derivatives by P, Q, bulk stresses and tilt. Where the moment M is
+        given, not the tilt, they become those at constant M, d - d_tilt (dM/d)/(dM/dtilt), and the
+        last one d_tilt/(dM/dtilt). The oldest sets leave beyond a number of bytes.
         """
         self.work["rates"] += 1
         if self.moment_given and len(rates_by_load) > 2:

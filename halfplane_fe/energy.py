@@ -408,21 +408,23 @@ def _longest_row(starts: Mask) -> Indices:
 def _normal_work(
     problem: ContactProblem, i: int, j: int, rates_by_i: Array, rates_by_j: Array
 ) -> Array:
-    """(m,) work per unit of load i times change of load j, without that of shear: P in the
-    approach, p in bulk stress and tilt.
+    """(m,) work of normal tractions per unit of load i and unit of change of load j:
+    dP/di d(approach)/dj + dM/di d(tilt)/dj, and of a bulk stress j what it does on dp/di.
 
-    `rates_by_i` and `rates_by_j` (m, 3 + 4 n) are the derivatives of the values by the two loads.
+    `rates_by_i` and `rates_by_j` (m, 3 + 4 n) are the derivatives of the contact's values by loads
+    i and j at m instants: of approach, shift and tilt, then of slip, p, q and gap of the n nodes.
     """
-    _, p, q, _ = nodal(rates_by_i)
-    approach = rates_by_j[:, 0]
-    tilt = rates_by_j[:, 2]
-    moment = problem.interface.work_of_imposed(p, q)[..., 2]
-    normal_load: Array | float = float(i == 0)
+    _, p_by_i, q_by_i, _ = nodal(rates_by_i)
+    approach_by_j = rates_by_j[:, 0]
+    tilt_by_j = rates_by_j[:, 2]
+    moment_by_i = problem.interface.work_of_imposed(p_by_i, q_by_i)[..., 2]
+    normal_load_by_i: Array | float = float(i == 0)
     if problem.actuators.are_there:
-        normal_load, _ = problem.interface.carried(p.T, q.T)
-    work_rate = normal_load * approach + moment * tilt
+        normal_load_by_i, _ = problem.interface.carried(p_by_i.T, q_by_i.T)
+    work_rate = normal_load_by_i * approach_by_j + moment_by_i * tilt_by_j
     if j in (2, 3):  # a bulk stress
-        work_rate = work_rate + problem.interface.work_of_imposed(p, 0 * q)[..., j - 2]
+        work_by_bulk_stresses = problem.interface.work_of_imposed(p_by_i, 0 * q_by_i)
+        work_rate = work_rate + work_by_bulk_stresses[..., j - 2]
     return np.asarray(work_rate)
 
 

@@ -1169,24 +1169,27 @@ def _effects_of_driven(
 def _difference(
     scene: Scene, effects: BodyEffects | None, correlation: Array
 ) -> dict[str, Propagated]:
-    """The error of half-plane theory for the real bodies (bodies/half-planes - 1) in the
-    dissipation and the largest pressure, each with the standard uncertainty that the inputs give
-    it.
+    """The difference of real bodies from half-planes (bodies/half-planes - 1) in the dissipation
+    and the largest pressure, by key, each with the standard uncertainty that the inputs give it.
 
-    `effects` is what the bodies add to half-planes, found here where it is None; `correlation` is
-    the correlation matrix of the inputs (n, n).
+    Parameters
+    ----------
+    effects
+        elastic responses of the bodies beyond those of half-planes; solved for here where None
+    correlation
+        (n, n) matrix of the inputs
     """
     import halfplane_fe
 
     if effects is None:
         effects = halfplane_fe.body_effects(scene)
-    errors_at_inputs, moves = moves_of_difference(scene, effects)
+    values_at_inputs, changes_by_inputs = moves_of_difference(scene, effects)
     differences = {}
-    for key, value in errors_at_inputs.items():
+    for key, value in values_at_inputs.items():
         if math.isfinite(value):
             difference_in_words = f"difference of the {QUANTITIES_OF_THEORY[key].words}"
             quantity = QUANTITIES_OF_THEORY[key]._replace(words=difference_in_words, unit="share")
-            differences[key] = propagated(quantity, value, moves, key, correlation)
+            differences[key] = propagated(quantity, value, changes_by_inputs, key, correlation)
     return differences
 
 

@@ -634,8 +634,9 @@ def _moved_load(scene: HasInputs, changes: Mapping[str, float]) -> Any:
 def _moved_ellipse(
     load: EllipseLoad, normal_factor: float, tangential_factor: float, lag: float
 ) -> dict[str, Any]:
-    """Keys of an ellipse of loads whose P and Q are scaled by factors, Q lagging by `lag` degrees
-    more.
+    """Keys of an elliptical load path with other sizes and phase: its P, or the approach given in
+    its place, times `normal_factor`; its Q, or the displacement given in its place, times
+    `tangential_factor` and `lag` degrees later.
     """
     keys: dict[str, Any] = {}
     if load.approach is not None:

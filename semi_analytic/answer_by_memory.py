@@ -457,17 +457,29 @@ class _SeriesSums:
         )
     )
 
-    def count(self, block: StepBlock, integrals: int, alive_before: int) -> None:
-        """Count a block over which so many integrals are taken; so many lines were alive before."""
-        records = len(block.records.row)
-        slips = int(np.count_nonzero(block.records.direction))
-        steps = len(block.rows) - 1
-        self.counts["spans"] += records
-        self.counts["slips"] += slips
-        self.counts["slip_quadratures"] += integrals * slips
-        self.full_stick += integrals * (records - slips)
-        # each step puts one on
-        self.counts["pieces_dropped"] += steps + alive_before - depth_of(block.curve)
+    def count(self, block: StepBlock, integrals_per_span: int, pieces_before: int) -> None:
+        """Add the work of a block of load steps to the counts.
+
+        A step is one span of the path or several, each with slip or in full stick. The memory
+        of friction is a curve of straight pieces: each step adds one, and slip drops those that it
+        passes.
+
+        Parameters
+        ----------
+        integrals_per_span
+            integrals (work, its density) that are taken over each span
+        pieces_before
+            pieces of the memory curve before the block
+        """
+        n_spans = len(block.records.row)
+        n_slips = int(np.count_nonzero(block.records.direction))
+        n_steps = len(block.rows) - 1
+        pieces_after = depth_of(block.curve)
+        self.counts["spans"] += n_spans
+        self.counts["slips"] += n_slips
+        self.counts["slip_quadratures"] += integrals_per_span * n_slips
+        self.full_stick += integrals_per_span * (n_spans - n_slips)
+        self.counts["pieces_dropped"] += n_steps + pieces_before - pieces_after
         self.counts["pieces_alive"] = max(self.counts["pieces_alive"], block.alive)
 
     def add_work(

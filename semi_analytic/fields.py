@@ -232,8 +232,11 @@ class Arc:
         return self._factor * integrals[number_in_times.ravel()]
 
     def _follow(self, panel_ends: Array) -> None:
-        """Make the series on the panels between `panel_ends`, halved until they are resolved, the
-        integrals through whole panels near P_x step by step, and their error.
+        """Integrate over the panels of load between `panel_ends`, each halved until a Chebyshev
+        series resolves the integrand; store the running integrals, and their error.
+
+        Where the integrand is singular nearby (a panel near the load P_x whose contact edge lies at
+        the point x) the integral over the whole panel is taken by another rule, one step a panel.
         """
         panels = self._resolved(panel_ends[:-1], panel_ends[1:])
         self._near = panels.near
@@ -253,17 +256,17 @@ class Arc:
             np.concatenate([step_ends, step_middles, step_ends[sampled_steps]]),
             np.concatenate([point, point[sampled_steps], point[sampled_steps]]),
         )
-        steps, lower_halves, upper_halves = np.split(
+        step_integrals, lower_halves, upper_halves = np.split(
             integrals, [len(panel), len(panel) + len(sampled_steps)]
         )
         panel_integrals = np.sum(self._primitive, axis=2)
-        panel_integrals[panel, point] += steps
+        panel_integrals[panel, point] += step_integrals
         self._before = np.cumsum(panel_integrals, axis=0) - panel_integrals
         largest_change = float(
-            np.max(np.abs(steps[sampled_steps] - lower_halves - upper_halves), initial=0.0)
+            np.max(np.abs(step_integrals[sampled_steps] - lower_halves - upper_halves), initial=0.0)
         )
-        steps_of_point = np.max(np.bincount(point), initial=0)
-        error_of_steps = largest_change * math.sqrt(steps_of_point)
+        most_steps_of_point = np.max(np.bincount(point), initial=0)
+        error_of_steps = largest_change * math.sqrt(most_steps_of_point)
         error_of_series = float(np.max(np.sum(panels.error, axis=0), initial=0.0))
         self.error = self._factor * (error_of_steps + error_of_series)
 

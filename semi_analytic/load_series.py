@@ -578,7 +578,7 @@ class StepBlock(NamedTuple):
 
 
 def depth_of(curve: Knot | None) -> int:
-    """Number of lines."""
+    """Number of straight pieces of a memory curve; 0 without one."""
     return curve.depth if curve is not None else 0
 
 

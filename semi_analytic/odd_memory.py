@@ -241,12 +241,18 @@ def odd_work(
     span_before: Span | None,
     next_span: Span | None,
 ) -> OddWork:
-    """The second order of tilt and bulk strain in the work of a cycle, or of a whole path.
+    """Friction work of a cycle, or of a whole path, that is quadratic in tilt and bulk strain.
+
+    They make tractions that are odd in x, so that work has no first order in them. With o = (tilt
+    per P, tilt per Q, bulk strain per P, bulk strain per Q) the work is o . matrix o: the matrix
+    (4, 4) is taken twice, with all points of the quadrature and with half of them. Where an odd
+    number is so large that one side of the contact slips alone, no matrix holds: rows that tell it
+    are returned too, and NaN with the reason where there is no matrix at all.
 
     Parameters
     ----------
     spans
-        of the cycle, or of the path
+        stretches of the cycle, or of the path, in which the memory curve keeps its structure
     radius, modulus
         R of the parabola, E*
     span_before, next_span
@@ -260,8 +266,8 @@ def odd_work(
         coarse_matrix = strokes.matrix(_POINTS // 2, _PANELS // 2)
     except Declined as reason:
         return OddWork(unknown_matrix, unknown_matrix, declined=str(reason))
-    one_sided = [rows for span in spans for rows in _one_sided(span, radius, modulus)]
-    return OddWork(fine_matrix, coarse_matrix, tuple(one_sided))
+    one_sided_rows = [rows for span in spans for rows in _one_sided(span, radius, modulus)]
+    return OddWork(fine_matrix, coarse=coarse_matrix, one_sided=tuple(one_sided_rows))
 
 
 def centres(span: Span, radius: float, time: Array) -> tuple[Array, Array]:

@@ -512,8 +512,11 @@ class Judgement:
     def _explanations_of_shear(
         self, choices: Iterable[tuple[Cause, ...]], fit_before: Fit
     ) -> list[Fit]:
-        """Of the `choices`, each some causes together, the fits that explain the shear that the fit
-        `fit_before` leaves, and leave no more of the pressure; the best first.
+        """Fits of the `choices`, each a set of causes, that explain what `fit_before` leaves of the
+        shear; the best first.
+
+        A fit counts where it leaves of the pressure at most twice the square that `fit_before`
+        leaves: causes of the shear hardly touch the pressure.
         """
         explanations = []
         for causes in choices:

@@ -284,13 +284,16 @@ def sizes_of_cycles(values: Array, load: Array, time: Array, noise: float) -> Ar
         Q (n,), its time, and its sigma
     """
     least_load, largest_load = _range(load, noise)
-    begins, ends, _ = _crossings(load, least_load, largest_load)
-    crossing_times = _crossing_times(load, time, begins, ends, (least_load + largest_load) / 2)
-    instants = [
+    middle_load = (least_load + largest_load) / 2
+    rows_before, rows_after, _ = _crossings(load, least_load, largest_load)
+    crossing_times = _crossing_times(load, time, rows_before, rows_after, middle_load)
+    instants_of_cycles = [
         np.linspace(begin, end, _INSTANTS_OF_CYCLE)
         for begin, end in zip(crossing_times[:-2], crossing_times[2:], strict=True)
     ]
-    return np.array([float(np.std(np.interp(times, time, values))) for times in instants])
+    return np.array(
+        [float(np.std(np.interp(instants, time, values))) for instants in instants_of_cycles]
+    )
 
 
 def _turned(load: Array, begins: NDArray[np.intp], ends: NDArray[np.intp]) -> Array:

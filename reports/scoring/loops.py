@@ -375,11 +375,20 @@ def _sliding_loops(
     middle_load = float(loop.load.max() + loop.load.min()) / 2
     loops = []
     for name, sliding_loop in sliding_loops.items():
-        shift, load = sliding_loop.closed(SHARES)
-        shift = shift + float(np.mean(loop.shift - np.interp(fit.share, SHARES, shift)))
-        slope, distance = _beside_rows(loop, fit.share, shift, load)
-        row = LoopRow(name, sliding_loop.friction, sliding_loop.area, 0.0, slope, distance)
-        loops.append(_ComputedLoop(row, shift, load + middle_load))
+        displacement, load = sliding_loop.closed(SHARES)
+        # U counts from anywhere: moved to the mean of the measured one
+        displacement_at_rows = np.interp(fit.share, SHARES, displacement)
+        displacement = displacement + float(np.mean(loop.shift - displacement_at_rows))
+        slope, distance = _beside_rows(loop, fit.share, displacement, load)
+        row = LoopRow(
+            name,
+            sliding_loop.friction,
+            sliding_loop.area,
+            area_uncertainty=0.0,
+            slope=slope,
+            distance=distance,
+        )
+        loops.append(_ComputedLoop(row, displacement, load + middle_load))
     sentences = []
     if against == "fe":
         sentences.append(

@@ -504,8 +504,10 @@ def _most_changed_instants(
 
 def _rolling(discrepancy: Discrepancy) -> ProblemFit | None:
     """Fit of tractive rolling, whose stick zone begins at the leading edge: q = f [p(x, P) - p(x -+
-    (a - c), P - |Q|/f)] with the sign of Q (Carter 1926; Johnson 1985, 8.3). None without friction
-    or Q.
+    (a - c), P - |Q|/f)] with the sign of Q (Carter 1926; Johnson 1985, 8.3).
+
+    The side of the leading edge is the one that fits better. None without friction, shear or Q,
+    for an unsymmetric scene, and where all slides at some instant.
     """
     friction = discrepancy.scene.friction.coefficient
     if discrepancy.unsymmetric or not friction or not discrepancy.sheared:
