@@ -22,7 +22,7 @@ import scipy
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal
 from halfplane_fe.energy import bent_work, step_errors
 from halfplane_fe.law import slip_sign
-from halfplane_fe.path import Stretch, scaled_loads
+from halfplane_fe.path import Stretch, scaled_loads, straight
 from halfplane_fe.systems import SingularSet
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ConvergenceError, freeze
 from scenes.array_types import Array, Mask, States
@@ -144,6 +144,8 @@ def follow(
     def loads_at(time: float) -> tuple[float, ...]:
         return scaled_loads(stretch.leg, time, units)
 
+    # Along a straight leg slip that falls at its end falls from its start on: none is lost.
+    is_curved = not straight(stretch.leg)
     regular = stretch.ends[0] - stretch.start
     for end in stretch.ends:
         control = _ErrorControl(problem, tolerance, _SHORTEST_FOR_ERROR * regular)
@@ -155,7 +157,9 @@ def follow(
             if isinstance(attempt, NotConverged):
                 targets.append((state.time + attempt.time) / 2)
                 continue
-            end_of_slip = _end_of_lost_slip(problem, state, attempt, loads_at, tolerance)
+            end_of_slip = attempt.state.time
+            if is_curved:
+                end_of_slip = _end_of_lost_slip(problem, state, attempt, loads_at, tolerance)
             if control.is_longer(end_of_slip - state.time) and end_of_slip < attempt.state.time:
                 problem.work["increments ended where slip ends"] += 1
                 targets.append(end_of_slip)
