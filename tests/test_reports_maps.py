@@ -5,6 +5,7 @@ published pages.
 from __future__ import annotations
 
 import math
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -139,6 +140,19 @@ def test_a_table_that_is_none_is_refused(tmp_path: Path) -> None:
         distances_in(table)
     with pytest.raises(InputError, match="no map has its tables here"):
         pages.write(tmp_path / "nowhere")
+
+
+def test_a_map_without_its_kernel_solves_is_left_out(tmp_path: Path) -> None:
+    """An interrupted one stopped the pages of all others."""
+    for name in ("block", "pair"):
+        for table in pages.table_names(KINDS[name]):
+            shutil.copy(PUBLISHED / table, tmp_path / table)
+    rows = (tmp_path / "pair.csv").read_text(encoding="utf-8").splitlines(keepends=True)
+    kept = [row for row in rows if not row.startswith("kernels,")]
+    replace_text(tmp_path / "pair.csv", "".join(kept))
+    pages.write(tmp_path)
+    assert (tmp_path / "block.md").exists()
+    assert not (tmp_path / "pair.md").exists()
 
 
 # ----------------------------------------------------------------------------------- published maps

@@ -72,13 +72,19 @@ def require_free(folder: Path) -> None:
 
 
 def stored(folder: Path) -> list[Tables]:
-    """The maps that have both tables in `folder`."""
-    tables = []
+    """The maps that have both tables in `folder`, with a kernel solve at every point where finite
+    elements were solved; a map that was interrupted is not among them.
+    """
+    maps = []
     for kind in KINDS.values():
         errors, heights = (folder / name for name in table_names(kind))
-        if errors.exists() and heights.exists():
-            tables.append(Tables(kind, rows_in(errors), distances_in(heights)))
-    return tables
+        if not (errors.exists() and heights.exists()):
+            continue
+        tables = Tables(kind, rows_in(errors), distances_in(heights))
+        solved_places = _by_place(tables.rows, "kernels").keys()
+        if solved_places and _by_place(tables.rows, "elements").keys() <= solved_places:
+            maps.append(tables)
+    return maps
 
 
 def write(folder: Path) -> None:
