@@ -662,7 +662,7 @@ def page_text() -> str:
         "# Performance",
         "",
         (
-            "Written by `make bench`; each JSON has every row and the machine. CPU times vary"
+            "Written by `make bench`. CPU times vary"
             " by ten per cent and more: ratios of one run count."
         ),
     ]
