@@ -279,12 +279,10 @@ def print_ten(options: argparse.Namespace) -> None:
 def unlike_beside(earlier: Path) -> dict[str, Any]:
     """The ten records of unlike bodies by this tree and by another one, for the page."""
     options = argparse.Namespace(ten="unlike", rows=ROWS_ON_PAGE, seed=SEED_OF_TEN, times=TIMES)
-    commit = subprocess.run(
-        ["git", "-C", str(earlier), "rev-parse", "--short", "HEAD"],
-        check=True,
-        capture_output=True,
-        text=True,
-    ).stdout.strip()
+    # not above: the other tree's programs run this file with its own, older packages
+    from speed import commit_of
+
+    commit = commit_of(earlier)
     records = {}
     for number in range(10):
         now, before = solved_in_turn((ROOT, earlier.resolve()), number, options)

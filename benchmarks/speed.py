@@ -166,14 +166,20 @@ def run(program: str, checkout: Path) -> dict[str, float]:
     return measured
 
 
-def measure(earlier: Path, beginnings: tuple[str, ...] = (), times: int = TIMES) -> dict[str, Any]:
-    """Medians of both checkouts, of rows whose names begin with one of `beginnings`."""
-    commit = subprocess.run(
-        ["git", "-C", str(earlier), "rev-parse", "--short", "HEAD"],
+def commit_of(checkout: Path) -> str:
+    """The short name of the commit that a checkout is at."""
+    process = subprocess.run(
+        ["git", "-C", str(checkout), "rev-parse", "--short", "HEAD"],
         check=True,
         capture_output=True,
         text=True,
-    ).stdout.strip()
+    )
+    return process.stdout.strip()
+
+
+def measure(earlier: Path, beginnings: tuple[str, ...] = (), times: int = TIMES) -> dict[str, Any]:
+    """Medians of both checkouts, of rows whose names begin with one of `beginnings`."""
+    commit = commit_of(earlier)
     checkouts = {"other": earlier.resolve(), "this": ROOT}
     rows: dict[str, Any] = {}
     for row in ROWS:

@@ -14,7 +14,7 @@ import numpy as np
 from reports.comparison import Comparison
 from reports.scoring.causes import SHEAR_SIGN, SOFT_NORMAL, Cause
 from reports.scoring.causes_in_words import key_of_sentence, sentence_of, size_of
-from reports.scoring.discrepancy import PRESSURE, Discrepancy, discrepancy_of
+from reports.scoring.discrepancy import PRESSURE, TRACTIONS, Discrepancy, discrepancy_of
 from reports.scoring.fits import (
     CHANCE,
     MOST_LEFT,
@@ -44,7 +44,6 @@ from reports.scoring.traces import (
 )
 from reports.scoring.variants import Predictions
 
-_TRACTIONS = ("pressure", "shear")
 _UNITS = ("p_ref", "f p_ref")
 
 
@@ -274,7 +273,7 @@ def _where_it_lies(discrepancy: Discrepancy) -> Iterator[str]:
     channel, instant, point = map(int, index_of_largest)
     position = discrepancy.x[point] / discrepancy.half_width
     yield (
-        f"largest: the {_TRACTIONS[channel]} at x = {position:.2g} a_ref, t ="
+        f"largest: the {TRACTIONS[channel]} at x = {position:.2g} a_ref, t ="
         f" {discrepancy.time[instant]:.4g}, by {scaled_difference[channel, instant, point]:+.2g}"
         f" {_UNITS[channel]}"
     )

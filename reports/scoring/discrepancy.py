@@ -27,6 +27,7 @@ Mask = NDArray[np.bool_]
 
 PRESSURE = 0
 SHEAR = 1
+TRACTIONS = ("pressure", "shear")  # their names, by these numbers
 # A steady cycle has some five turning points and ends of full stick; two instants to each tell
 # faults apart. Each instant costs time in every solve of theory.
 _MOST_INSTANTS = 10
@@ -190,7 +191,7 @@ class Discrepancy:
 
     def is_within(self, channel: int) -> bool:
         """Whether the error of the pressure or of the shear is within its tolerance."""
-        key = ("pressure", "shear")[channel]
+        key = TRACTIONS[channel]
         limit = self.comparison.scene.tolerances.limit(key) or 0.0
         return verdict_on(self.errors()[channel], limit) is Verdict.WITHIN
 
