@@ -60,13 +60,20 @@ class MeshSettings:
     cells: Cells = "triangles"
 
     def __post_init__(self) -> None:
-        """InputError, with the range, for an element size, ratio of sizes, radius, growth, order or
-        form of elements that is none of those allowed.
+        """Refuse settings of a mesh outside their ranges.
+
+        Raises
+        ------
+        InputError
+            With the allowed range, for the first of these outside it: element sizes (over the
+            contact half-width), upper over lower element size, radius of the half-disc (over the
+            half-width), growth of the size per distance, polynomial order, form of the elements.
         """
         for name in ("element_size", "edge_element_size"):
-            if not self.LEAST_SIZE <= getattr(self, name) <= 0.25:
+            size_over_half_width = getattr(self, name)
+            if not self.LEAST_SIZE <= size_over_half_width <= 0.25:
                 raise InputError(
-                    f"mesh: {name} = {getattr(self, name)!r} is refused: it lies in"
+                    f"mesh: {name} = {size_over_half_width!r} is refused: it lies in"
                     f" [{self.LEAST_SIZE:g}, 0.25], in half-widths"
                 )
         if self.edge_element_size > self.element_size:
@@ -202,12 +209,24 @@ def contact_nodes(grading: SurfaceGrading, order: int) -> int:
 
 
 def body_nodes(grading: SurfaceGrading, growth: float, order: int) -> int:
-    """Nodes of a half-disc graded so, within a factor of two: the area over that of an equilateral
-    triangle of the size there.
+    """Estimate, within a factor of two, how many nodes the mesh of a half-disc will have.
 
-    # notation: L fine length of surface, h its elements, g growth, d distance from it, R radius
-    With size h + g d and dA = (pi d + L) dd the count is (4/sqrt 3) int_0^R (pi d + L)/(h + g d)^2
-    dd, in closed form.
+    Triangles have size h at the surface, and h + g d at distance d from it. The number of corners
+    is the area over that of an equilateral triangle of the size there; with dA = (pi d + L) dd::
+
+        corners = (4/sqrt 3) int_0^R (pi d + L) / (h + g d)^2 dd
+
+    # notation: L length of surface with elements of one size h, g growth of the size per distance
+    d from the surface, R radius of the half-disc, r = g R/h
+
+    Parameters
+    ----------
+    grading
+        sizes of the surface elements at the contact edges (`edge_size`) and between (`size`)
+    growth
+        g
+    order
+        1 or 2: a triangle of order 2 has mid-side nodes, four times as many nodes in all
     """
     n_corners = 0.0
     g = growth
@@ -216,24 +235,31 @@ def body_nodes(grading: SurfaceGrading, growth: float, order: int) -> int:
         (2 * grading.inner, grading.size),
     ):
         if length > 0:
-            scaled_radius = g * min(grading.radius, _FAR * grading.outer) / h
-            n_corners += (
-                4
-                / math.sqrt(3)
-                * (
-                    math.pi
-                    / g**2
-                    * (math.log1p(scaled_radius) - scaled_radius / (1 + scaled_radius))
-                    + length / (g * h) * scaled_radius / (1 + scaled_radius)
-                )
-            )
+            r = g * min(grading.radius, _FAR * grading.outer) / h
+            around_ends = math.pi / g**2 * (math.log1p(r) - r / (1 + r))
+            under_length = length / (g * h) * r / (1 + r)
+            n_corners += 4 / math.sqrt(3) * (around_ends + under_length)
     return round(n_corners * order**2 / 2)
 
 
 def check_count(name: str, grading: SurfaceGrading, growth: float, order: int) -> None:
-    """InputError where the mesh of the body `name` would have too many nodes, with the limit: on
-    its contact, or in all, by the sizes of its surface elements, their growth per distance and the
-    order of the elements.
+    """Refuse a mesh with too many nodes for memory, before it is made.
+
+    Parameters
+    ----------
+    name
+        "lower" or "upper", the body's name in the message
+    grading
+        sizes of the surface elements
+    growth
+        growth of the element size per distance from the contact
+    order
+        1 or 2, polynomial order of the elements
+
+    Raises
+    ------
+    InputError
+        With the number of nodes and its limit: of those on the contact, or of all in the body.
     """
     advice = "make element_size and edge_element_size larger"
     if (count := contact_nodes(grading, order)) > MOST_CONTACT_NODES:
@@ -273,8 +299,15 @@ def scaled_grading(grading: SurfaceGrading, factor: float) -> SurfaceGrading:
 
 
 def surface_points(grading: SurfaceGrading) -> Array:
-    """Corner points of the surface elements on 0 <= x <= grading.outer, (n,): even on either side
-    of grading.inner, halved towards a tip at x = 0 as often as the `grading` states.
+    """Abscissae x at which the elements of half a contact face begin and end, (n,), from 0 to
+    `grading.outer` [length].
+
+    Elements are about `grading.size` long up to `grading.inner` and `grading.edge_size` beyond. A
+    profile with a tip at x = 0 needs smaller ones there: the first is halved `grading.halvings`
+    times.
+
+    >>> surface_points(SurfaceGrading(inner=1.0, outer=2.0, size=1.0, edge_size=0.5, halvings=2))
+    array([0.  , 0.25, 0.5 , 1.  , 1.5 , 2.  ])
     """
     inner_points = np.linspace(
         0,
@@ -294,18 +327,21 @@ def surface_points(grading: SurfaceGrading) -> Array:
 def size_formula(
     grading: SurfaceGrading, growth: float, sharp_corners: Sequence[tuple[float, float]] = ()
 ) -> str:
-    """Element size at a point of x >= 0, that of the nearest surface elements, growing with the
-    distance: a formula of x and y for gmsh's field MathEval, which is four times faster there than
-    a call back to Python.
+    """Formula in x and y for the element size inside a body (half x >= 0), as text for gmsh's field
+    MathEval.
+
+    The size is that of the nearest surface elements plus `growth` times the distance to them; it is
+    smaller around a tip of the profile and around sharp corners. gmsh evaluates a text four times
+    faster than it calls Python.
 
     Parameters
     ----------
     grading
-        sizes of the surface elements
+        sizes of the surface elements: `edge_size` where the contact edge travels, `size` inside
     growth
         growth of the size per distance
     sharp_corners
-        (x, y) of corners where the strain is infinite
+        (x, y) of corners of the body where the strain is infinite; y is negative there
     """
     edge_zone_begin = grading.inner
     edge_zone_end = grading.outer

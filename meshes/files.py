@@ -19,24 +19,30 @@ def write_vtu(
     cells: NDArray[np.int64],
     point_data: Mapping[str, NDArray[np.float64]],
 ) -> None:
-    """Write one body, or the line of its surface, with nodal fields as VTU.
+    """Write a meshed body, or the line of its surface, with its nodal fields as a VTU file for
+    ParaView.
 
     Parameters
     ----------
     path
         file to write
     points
-        (n_points, 2) [length]
+        (n_points, 2), x and y of the nodes [length]
     cells
-        (n_elements, 3, 6, 4 or 9): corners, mid-side nodes, middle; (n_elements, 2) for lines
+        (n_elements, k), node numbers of each element: k = 2 for lines, 3 or 6 for triangles, 4 or 9
+        for quadrilaterals; corners first, then mid-side nodes, then the middle
     point_data
-        name -> (n_points,) or (n_points, k); vectors of two components get a third, 0
+        field name -> (n_points,) or (n_points, n_components); vectors of two components get a
+        third, 0
     """
-    kind = {2: "line", 3: "triangle", 6: "triangle6", 4: "quad", 9: "quad9"}[cells.shape[1]]
-    data = {name: _three_components(values) for name, values in point_data.items()}
-    import meshio  # noqa: PLC0415 - and with it a command line of its own, where files are written
+    cell_type = {2: "line", 3: "triangle", 6: "triangle6", 4: "quad", 9: "quad9"}[cells.shape[1]]
+    nodal_fields = {name: _three_components(values) for name, values in point_data.items()}
+    # Imported here: meshio loads a command line of its own, which only this needs.
+    import meshio  # noqa: PLC0415
 
-    meshio.write_points_cells(path, _three_components(points), [(kind, cells)], point_data=data)
+    meshio.write_points_cells(
+        path, _three_components(points), [(cell_type, cells)], point_data=nodal_fields
+    )
 
 
 @dataclass(frozen=True)
@@ -52,13 +58,16 @@ class PvdEntry:
 
 
 def write_pvd(path: str | Path, entries: Sequence[PvdEntry]) -> None:
-    """Write a PVD collection: the field files of all parts and instants as one, with the values of
-    time, for ParaView.
+    """Write a PVD file: the list by which ParaView opens the field files of all bodies and instants
+    as one animation.
 
     Parameters
     ----------
     path
-        file to write, in the folder that the entries' files lie in or above it
+        file to write; the paths of the entries' files are relative to its folder
+    entries
+        for each field file its instant, the number and name of its part (a body or a line of
+        surface), and its path
     """
     lines = [
         f"  <DataSet timestep={quoteattr(repr(entry.time))} part={quoteattr(str(entry.part))} "

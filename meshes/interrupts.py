@@ -14,22 +14,26 @@ _NAMES = ("SIGINT", "SIGTERM", "SIGHUP")  # the last is none of Windows
 
 @contextmanager
 def interrupts_wait() -> Iterator[Sequence[int]]:
-    """Hold back Ctrl-C, SIGTERM and SIGHUP until the block ends, then act on the first of them
-    once.
+    """Context manager that holds back Ctrl-C, SIGTERM and SIGHUP until its block ends, then acts on
+    the first of them once.
 
     The signal is acted on whether the block ends well or raises. What the block raised is then the
-    context of what the signal raises. Yields the signals that have come so far, for loops that look
-    there and end early.
+    context of what the signal raises. Yields the list of signal numbers that have come so far, for
+    loops that look there and end early.
 
-    Needed where gmsh is at work, whose one global state has to be left in order, or where half of a
-    change would be left (files that are moved).
+    Needed around gmsh, whose one global state has to be left in order, and around changes of files
+    of which no half may be left.
     """
-    numbers = [number for name in _NAMES if (number := getattr(signal, name, None)) is not None]
+    signal_numbers = [
+        number for name in _NAMES if (number := getattr(signal, name, None)) is not None
+    ]
     handlers = {
-        number: handler for number in numbers if callable(handler := signal.getsignal(number))
+        number: handler
+        for number in signal_numbers
+        if callable(handler := signal.getsignal(number))
     }
     signals_caught: list[int] = []
-    # only the main thread is interrupted
+    # Python delivers signals to the main thread alone: elsewhere there is nothing to hold back.
     if threading.current_thread() is not threading.main_thread() or not handlers:
         yield signals_caught
         return

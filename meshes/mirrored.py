@@ -24,7 +24,8 @@ from scenes.array_types import Array
 
 
 def mesh_quality(mesh: skfem.Mesh, exact_area: float) -> dict[str, float]:
-    """Counts, shape and area of a mesh of triangles or of quadrilaterals.
+    """Measures of the quality of a mesh: numbers of elements and nodes, shape of the elements,
+    error of the area.
 
     Parameters
     ----------
@@ -36,14 +37,15 @@ def mesh_quality(mesh: skfem.Mesh, exact_area: float) -> dict[str, float]:
     Returns
     -------
     dict
-        elements, nodes; least_angle [degrees]; worst_shape and mean_shape (1 for an equilateral
-        triangle or a square, 0 for a sliver; from the corners); area_error (relative,
-        isoparametric); size_ratio (longest over shortest side in the mesh).
+        elements, nodes; least_angle, of any corner [degrees]; worst_shape and mean_shape (1 for an
+        equilateral triangle or a square, 0 for a sliver; from the corners); area_error (area of the
+        curved elements over `exact_area`, minus 1); size_ratio (longest over shortest side of an
+        element in the mesh).
     """
     is_triangular = mesh.refdom.nfacets == 3
     corners = mesh.p[:, mesh.t[: mesh.refdom.nfacets]]  # (2, corners, n_elements)
-    side_ahead = np.roll(corners, -1, axis=1) - corners
-    side_behind = np.roll(corners, 1, axis=1) - corners
+    side_ahead = np.roll(corners, -1, axis=1) - corners  # from each corner to the next one
+    side_behind = np.roll(corners, 1, axis=1) - corners  # and to the one before
     side_lengths = np.linalg.norm(side_ahead, axis=0)
     cross_products = side_ahead[0] * side_behind[1] - side_ahead[1] * side_behind[0]
     angles = np.arctan2(np.abs(cross_products), np.sum(side_ahead * side_behind, axis=0))
@@ -53,15 +55,14 @@ def mesh_quality(mesh: skfem.Mesh, exact_area: float) -> dict[str, float]:
         else _quadrilateral_shape(side_ahead, side_behind, cross_products)
     )
     points, weights = get_quadrature(mesh.refdom, 4)
+    area_of_mesh = (np.abs(mesh.mapping().detDF(points)) @ weights).sum()
     return {
         "elements": float(mesh.t.shape[1]),
         "nodes": float(mesh.p.shape[1]),
         "least_angle": float(np.degrees(angles.min())),
         "worst_shape": float(shape_measures.min()),
         "mean_shape": float(shape_measures.mean()),
-        "area_error": (
-            float((np.abs(mesh.mapping().detDF(points)) @ weights).sum()) / exact_area - 1
-        ),
+        "area_error": float(area_of_mesh) / exact_area - 1,
         "size_ratio": float(side_lengths.max() / side_lengths.min()),
     }
 
@@ -72,15 +73,21 @@ def _triangle_shape(cross: Array, sides: Array) -> Array:
 
 
 def _quadrilateral_shape(side_ahead: Array, side_behind: Array, cross: Array) -> Array:
-    """Least over the corners of twice the parallelogram's area over the squares of its sides;
-    negative if not convex.
+    """Shape measure of quadrilaterals, (n_elements,): 1 for a square, 0 for a sliver, negative for
+    one that is not convex.
+
+    It is the least over the corners of 2 a x b / (a^2 + b^2), a and b the two sides at a corner.
+
+    Parameters
+    ----------
+    side_ahead, side_behind
+        (2, 4, n_elements), vectors from each corner to the next and to the one before
+    cross
+        (4, n_elements), their cross products a x b
     """
-    sense = np.sign(cross.sum(axis=0))
-    return np.asarray(
-        (2 * sense * cross / (np.sum(side_ahead**2, axis=0) + np.sum(side_behind**2, axis=0))).min(
-            axis=0
-        )
-    )
+    sense = np.sign(cross.sum(axis=0))  # +1 if the corners are numbered anticlockwise, else -1
+    squared_sides = np.sum(side_ahead**2, axis=0) + np.sum(side_behind**2, axis=0)
+    return np.asarray((2 * sense * cross / squared_sides).min(axis=0))
 
 
 Indices = NDArray[np.int64]
@@ -110,21 +117,22 @@ def mirrored_mesh(
     cells: Cells = "triangles",
     settle: Callable[[Array, dict[str, Indices]], Array] | None = None,
 ) -> skfem.Mesh:
-    """Mesh of a body from its half x >= 0, of which the axis x = 0 bounds one side.
+    """Mesh of a mirror-symmetric body: gmsh meshes its half x >= 0, which is then reflected in
+    x = 0, so that the mesh is symmetric to the last bit.
 
     Parameters
     ----------
     draw
-        puts the half into gmsh's current model (geo kernel, lengths of order one) and says
-        which curves have which name; curves without a name lie on the axis
+        function that draws the half into gmsh's current model (geo kernel, lengths of order one).
+        It returns boundary name -> tags of its curves; curves without a name lie on the axis
     size
-        element size at a point (x, y), as a formula of gmsh's field MathEval; for
-        quadrilaterals twice the size that is wanted, and so are the elements of each curve
+        element size at a point (x, y), as a formula of gmsh's field MathEval. For quadrilaterals
+        twice the size that is wanted: gmsh halves each element at the end
     order, cells
         1 or 2, of elements and geometry; triangles or quadrilaterals
     settle
-        given the points (n, 2) of the half and those of each name, the points where they shall
-        be
+        function that moves nodes of the half onto the true face: from points (n, 2) and
+        boundary name -> numbers of its nodes to points (n, 2). None leaves them
 
     Returns
     -------
@@ -154,26 +162,30 @@ def mirrored_mesh(
 
 @contextmanager
 def _gmsh_model(cells: Cells) -> Iterator[None]:
-    """An empty model in gmsh, set to mesh with triangles or quadrilaterals without messages; gmsh,
-    which has one global state, is closed on leaving, whatever happens.
+    """Context manager that opens gmsh with an empty model and options for triangles or
+    quadrilaterals.
+
+    gmsh prints no messages, raises on errors and gives the same mesh on every run. It has one
+    global state, so it is closed on leaving, whatever happened.
     """
     handler_of_broken_pipe = (
         signal.getsignal(signal.SIGPIPE) if hasattr(signal, "SIGPIPE") else None
     )
     gmsh.initialize(["-noenv"], readConfigFiles=False, interruptible=False)
     # gmsh lets a broken pipe end the whole process; in Python it is an error that can be reported.
-    # Only the main thread may say so.
+    # Only the main thread may set handlers of signals.
     if handler_of_broken_pipe is not None and threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGPIPE, handler_of_broken_pipe)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.option.setNumber("General.AbortOnError", 2)
+        # The element size comes from a size field alone.
         for size_rule in ("ExtendFromBoundary", "FromPoints", "FromCurvature"):
             gmsh.option.setNumber(f"Mesh.MeshSize{size_rule}", 0)
-        gmsh.option.setNumber("Mesh.Algorithm", 6)
+        gmsh.option.setNumber("Mesh.Algorithm", 6)  # frontal Delaunay
         gmsh.option.setNumber("Mesh.RandomSeed", 1)
         if cells == "quadrilaterals":
-            gmsh.option.setNumber("Mesh.Algorithm", 8)
+            gmsh.option.setNumber("Mesh.Algorithm", 8)  # frontal Delaunay for quadrilaterals
             gmsh.option.setNumber("Mesh.RecombineAll", 1)
             # no two sides of one element in line on the face
             gmsh.option.setNumber("Mesh.RecombineMinimumQuality", 0.1)
@@ -188,8 +200,17 @@ def _gmsh_model(cells: Cells) -> Iterator[None]:
 def _mesh_of_half(
     draw: Callable[[], Mapping[str, list[int]]], size: str, order: int, cells: Cells
 ) -> _ReadMesh:
-    """Nodes and elements of gmsh's mesh of half a body that `draw` puts into gmsh's model; the
-    element size is the formula `size` of x and y.
+    """Mesh half a body (x >= 0) with gmsh and read the nodes, elements and boundary nodes back.
+
+    Parameters
+    ----------
+    draw
+        function that draws the half into gmsh's current model and returns boundary name -> tags of
+        its curves
+    size
+        element size as a formula of x and y, for gmsh's field MathEval
+    order, cells
+        1 or 2, of elements and geometry; triangles or quadrilaterals
     """
     with interrupts_wait(), _gmsh_model(cells):
         curves_by_name = draw()
@@ -203,16 +224,19 @@ def _mesh_of_half(
 
 
 def _read(curves: Mapping[str, list[int]]) -> _ReadMesh:
-    """Points, elements and boundary points of the mesh in gmsh's current model; `curves` are the
-    tags of its boundary curves, by the name of the boundary.
+    """Read the mesh out of gmsh's current model: coordinates of the nodes, node numbers of the
+    elements, and of each named boundary.
+
+    `curves` maps the name of a boundary to the gmsh tags of its curves. gmsh's tags of nodes may
+    have gaps; here nodes are numbered from 0.
     """
     node_tags, coordinates, _ = gmsh.model.mesh.getNodes()
     number_of_tag = np.zeros(int(node_tags.max()) + 1, dtype=np.int64)
     number_of_tag[node_tags.astype(np.int64)] = np.arange(len(node_tags))
-    kinds, numbers, connectivity = gmsh.model.mesh.getElements(2)
-    if len(kinds) != 1:
+    element_types, element_tags, connectivity = gmsh.model.mesh.getElements(2)
+    if len(element_types) != 1:
         raise ValueError("gmsh left elements of more than one kind")
-    elements = number_of_tag[connectivity[0].astype(np.int64)].reshape(len(numbers[0]), -1)
+    elements = number_of_tag[connectivity[0].astype(np.int64)].reshape(len(element_tags[0]), -1)
     boundary_points = {}
     for name, curve_tags in curves.items():
         tags_of_curves = [
@@ -226,8 +250,10 @@ def _read(curves: Mapping[str, list[int]]) -> _ReadMesh:
 
 
 def _reflect(half_mesh: _ReadMesh) -> _ReadMesh:
-    """The mesh of a half (x >= 0) together with its mirror image in x = 0; points on the axis are
-    shared.
+    """Mesh of a body from that of its half x >= 0: the half and its mirror image in x = 0, which
+    share the points on the axis.
+
+    Mirrored elements list their nodes in another sequence, so that their area stays positive.
     """
     points = half_mesh.points.copy()
     is_on_axis = np.abs(points[:, 0]) < _ON_AXIS
@@ -249,10 +275,11 @@ def _reflect(half_mesh: _ReadMesh) -> _ReadMesh:
 
 
 def _corners_first(body: _ReadMesh) -> _ReadMesh:
-    """The mesh with corners numbered before mid-side points: then scikit-fem leaves the numbers
-    alone.
+    """Renumber the nodes of a mesh: corners of elements first, then mid-side nodes, so that
+    scikit-fem keeps these numbers.
 
-    Points of no element are dropped: gmsh counts the centre of an arc.
+    Points that belong to no element are dropped, such as the centre of an arc, which gmsh lists
+    among the nodes.
     """
     corners = np.unique(body.elements[:, : body.corners])
     points_in_order = np.concatenate([corners, np.setdiff1d(body.elements, corners)])

@@ -48,8 +48,7 @@ def half_disc(
     order: int = 2,
     cells: Cells = "triangles",
 ) -> BodyMesh:
-    """Mesh of a half-disc y <= 0 of radius `grading.radius`, by gmsh, which stands for the
-    half-plane `name`.
+    """Mesh by gmsh of a half-disc y <= 0, which stands for a half-plane in the finite elements.
 
     One quarter is meshed and reflected in x = 0, so that a symmetric contact stays symmetric in
     rounding too. Boundaries: "contact" (|x| <= grading.outer), "free" (the rest of y = 0),
@@ -57,8 +56,10 @@ def half_disc(
 
     Parameters
     ----------
+    name
+        "lower" or "upper", of the body
     grading
-        sizes of the surface elements, and the radius [length]
+        sizes of the surface elements, and the radius of the half-disc [length]
     growth
         growth of the element size per distance from the contact
     order, cells
@@ -79,8 +80,11 @@ def half_disc(
 
 
 def _quarter(grading: SurfaceGrading) -> dict[str, list[int]]:
-    """Draw the quarter x >= 0 of a half-disc into gmsh's current model, with one line for each
-    surface element; the tags of its curves by the name of the boundary.
+    """Draw the quarter x >= 0, y <= 0 of a disc into gmsh's current model, with one line for each
+    element on the contact.
+
+    `grading` has the sizes of the surface elements and the radius, in gmsh's unit of length.
+    Returns boundary name -> tags of its curves; the axis x = 0 has no name.
     """
     geometry = gmsh.model.geo
     surface = [geometry.addPoint(float(x), 0, 0) for x in surface_points(grading)]
@@ -95,7 +99,7 @@ def _quarter(grading: SurfaceGrading) -> dict[str, list[int]]:
     axis = geometry.addLine(bottom, surface[0])
     geometry.addPlaneSurface([geometry.addCurveLoop([*contact, free_line, arc, axis])])
     for line in contact:
-        geometry.mesh.setTransfiniteCurve(line, 2)
+        geometry.mesh.setTransfiniteCurve(line, 2)  # two nodes: one element on each line
     return {"contact": contact, "free": [free_line], "far_field": [arc]}
 
 
@@ -113,8 +117,8 @@ def solid(
     order: int = 2,
     cells: Cells = "triangles",
 ) -> BodyMesh:
-    """Mesh of a body of finite size in its own frame: first contact at the origin, y out of the
-    body.
+    """Mesh of a block, pad, cylinder, T-shape or shouldered pad in its own frame: first contact at
+    the origin, y out of the body.
 
     Elements are small at the contact and where the strain is infinite: in the corner of a free side
     with a fixed base, and in the re-entrant corner of a step. Boundaries: "contact" (|x| <=
@@ -152,10 +156,22 @@ def solid(
 
 
 def check_face(name: str, shape: Solid, profile: Profile, grading: SurfaceGrading) -> None:
-    """InputError where the face of a body does not reach past the places that may touch, or a pad's
-    face goes below its base.
+    """Refuse a body whose face is too short for the contact, and a pad whose curved face cuts
+    through its base or shoulder.
 
-    `name` is the body's, lower or upper; the contact reaches |x| = grading.outer.
+    Parameters
+    ----------
+    name
+        "lower" or "upper", the body's name in the message
+    shape, profile
+        the body, and the profile of its face
+    grading
+        of the contact face, whose nodes up to |x| = `grading.outer` may touch
+
+    Raises
+    ------
+    InputError
+        With what to change: a wider or higher body, or less load.
     """
     half_width = shape.face_half_width
     if grading.outer >= half_width:
@@ -181,27 +197,42 @@ def _supports(shape: Solid) -> Mapping[str, str]:
 
 
 def _area(shape: Solid, face: Face) -> float:
-    """Area of the body [length^2], by 1,280 Gauss points along the face."""
+    """Cross-section of a body [length^2], the reference for the area of its mesh.
+
+    The material between the profiled face and the tangent at its highest point is missing from the
+    rectangle (two rectangles of a body with a step). Its area is integrated by 20 Gauss points on
+    each of 64 intervals of x > 0, and doubled.
+    """
     if isinstance(shape, Cylinder):
         return np.pi * shape.radius**2 / 2
     nodes, weights = np.polynomial.legendre.leggauss(20)
+    # Where the face is flat up to an arc, nothing is missing above the flat.
     flat_half_length = min(face.arc[0], shape.width / 2) if face.arc is not None else 0.0
-    piece_begins = np.linspace(flat_half_length, shape.width / 2, 65)
-    half_piece = (piece_begins[1] - piece_begins[0]) / 2
-    depths = face.depth(piece_begins[:-1, None] + half_piece * (1 + nodes))
+    interval_ends = np.linspace(flat_half_length, shape.width / 2, 65)
+    half_interval = (interval_ends[1] - interval_ends[0]) / 2
+    depths = face.depth(interval_ends[:-1, None] + half_interval * (1 + nodes))
     area = shape.width * shape.height
     if isinstance(shape, TShape | ShoulderedPad):
         step = shape.step
         area = shape.width * step.depth + 2 * step.half_width * (shape.height - step.depth)
-    return float(area - 2 * half_piece * np.sum(depths @ weights))
+    return float(area - 2 * half_interval * np.sum(depths @ weights))
 
 
 class _Outline:
     """The half x >= 0 of a body in units of its contact side's half-width."""
 
     def __init__(self, shape: Solid, face: Face, length: float) -> None:
-        """Outline of a body in units of a `length`: half-width, height, the drop of its `face` at
-        the end, the foot of its sides, and the corners of a step.
+        """Sizes of a body over a `length`: half-width and height, drop of its face at the end,
+        lower end of its sides, corners of a step.
+
+        Parameters
+        ----------
+        shape
+            block, pad, cylinder, T-shape or shouldered pad
+        face
+            depth of the body's face below its highest point, as a function of x
+        length
+            unit of length, here the half-width of the fine part of the contact face
         """
         self._face = face
         self._length = length
@@ -237,11 +268,21 @@ class _Outline:
         return np.asarray(self._face.depth(np.asarray(x) * self._length)) / self._length
 
     def draw(self, grading: SurfaceGrading, growth: float) -> dict[str, list[int]]:
-        """Draw the half x >= 0 of the body into gmsh's current model: contact side, the rest of the
-        face, side, base and axis; the tags of its curves by the name of the boundary.
+        """Draw the half x >= 0 of the body into gmsh's current model: contact, the rest of the
+        face, side, base and axis.
 
-        `grading` has the sizes of the surface elements, `growth` is that of the element size per
-        distance.
+        Parameters
+        ----------
+        grading
+            sizes of the surface elements, in this outline's unit of length
+        growth
+            growth of the element size per distance from the contact
+
+        Returns
+        -------
+        dict
+            Boundary name ("contact", "free", "base", and "sides" if there are any) -> gmsh tags of
+            its curves.
         """
         geometry = gmsh.model.geo
         surface_x = surface_points(grading)
@@ -261,6 +302,7 @@ class _Outline:
         axis_end = geometry.addPoint(0, -self._height, 0)
         sides = []
         last_point = face_end
+        # A half-cylinder has no sides: its face goes down to the base.
         if self._drop < self._height * (1 - 1e-9):
             for x, y in (*self._at_step, self._foot):
                 corner_point = geometry.addPoint(x, y, 0)
@@ -278,15 +320,22 @@ class _Outline:
     def _rest_of_face(
         self, start: float, first_point: int, size: float, growth: float
     ) -> tuple[list[int], int]:
-        """Draw the face from `start`, the end of the contact side, to its own end: the tags of its
-        curves, and of the point there.
+        """Draw the free part of the face, between contact and side, into gmsh's current model: one
+        circular arc, one straight line, or a polygon along the profile.
 
         Parameters
         ----------
+        start
+            x where the contact ends and the free part begins
         first_point
-            tag of the point at `start`
+            gmsh tag of the point at `start`
         size, growth
             size of the first element, and its growth per distance
+
+        Returns
+        -------
+        curves, last_point
+            gmsh tags of the curves, and of the point at the end of the face.
         """
         geometry = gmsh.model.geo
         face_end = self._half_width
@@ -294,22 +343,20 @@ class _Outline:
             arc_begin, radius = rounded(np.array(self._face.arc) / self._length).tolist()
             if start >= arc_begin:
                 last_point = geometry.addPoint(face_end, -self._drop, 0)
-                return [
-                    geometry.addCircleArc(
-                        first_point, geometry.addPoint(arc_begin, -radius, 0), last_point
-                    )
-                ], last_point
-        face_x = (
-            np.array([face_end]) if self._face.flat else self._places(start, face_end, size, growth)
-        )
+                centre = geometry.addPoint(arc_begin, -radius, 0)
+                return [geometry.addCircleArc(first_point, centre, last_point)], last_point
+        face_x = np.array([face_end])  # a flat face is one straight line
+        if not self._face.flat:
+            face_x = self._places(start, face_end, size, growth)
         face_points = [first_point] + [
             geometry.addPoint(float(x), -float(y), 0)
             for x, y in zip(face_x, self._depth(face_x), strict=True)
         ]
-        return [
+        polygon = [
             geometry.addLine(line_begin, line_end)
             for line_begin, line_end in itertools.pairwise(face_points)
-        ], face_points[-1]
+        ]
+        return polygon, face_points[-1]
 
     def _places(self, start: float, end: float, size: float, growth: float) -> Array:
         """Points up to the face's end, as far apart as the elements are large."""
@@ -343,18 +390,21 @@ def check(
 def build(
     name: str, shape: Shape, profile: Profile, grading: SurfaceGrading, mesh: MeshSettings
 ) -> BodyMesh:
-    """The mesh of a body: a half-disc for a half-plane, the body itself for all other shapes.
+    """Mesh one of the two bodies of a scene with gmsh: a half-disc for a half-plane, its own
+    outline for every other shape.
 
     Parameters
     ----------
     name
         "lower" or "upper", as the scene calls it
+    shape
+        half-plane, block, pad, cylinder, T-shape or shouldered pad
     profile
-        the face of a pad
+        the initial gap, which is the face of a pad
     grading
-        of the contact side
+        sizes of the surface elements, and the |x| up to which nodes may touch [length]
     mesh
-        growth, order and kind of the elements
+        growth of the element size per distance, order and form of the elements
 
     Raises
     ------
