@@ -104,13 +104,18 @@ class Refinements(PythonNumbers):
 
 
 def theory_on_steps(result: ContactSolution) -> ContactSolution | None:
-    """Half-plane theory on the straight lines between the load instants of a result, on its points.
-    None where bulk stress or tilt leave theory without an answer.
+    """Half-plane theory for a result's scene with loads that run straight from one instant of the
+    result to the next, at the result's surface points.
+
+    The result minus this answer holds no error of the load increments. None where bulk stress or
+    tilt leave theory without an answer on such a path.
     """
     import semi_analytic
 
     scene = result.scene
     try:
+        # A thinned result, of a long path of straight lines, holds some of its instants only:
+        # theory follows that path itself.
         return semi_analytic.solve(
             scene, x=result.x, time=result.time, straight_steps=not result.thinned
         )
@@ -121,12 +126,13 @@ def theory_on_steps(result: ContactSolution) -> ContactSolution | None:
 
 
 def without_steps(comparison: Comparison) -> dict[str, float | None]:
-    """Metric -> value without the error of the load increments: the result compared with theory on
-    the result's own straight increments.
+    """Value of each metric, by its key, without the error of the load increments: a result compared
+    with theory on the result's own straight increments.
 
     Where bulk stress or tilt leave theory no such answer it is compared with theory on the smooth
     path. InputError where the comparison lacks theory on straight increments for another reason.
     """
+    # pulled: the scene has bulk stress; turned: it has tilt, a moment or two unequal sides
     if comparison.polygon_reference is None and not (comparison.pulled or comparison.turned):
         raise InputError(
             "a budget needs the reference on the polygon of the result's steps: give compare"
@@ -176,9 +182,11 @@ def mesh_ratio(mesh: MeshSettings) -> float | None:
 def coarser(
     mesh: MeshSettings, settings: SolverSettings, factor: float
 ) -> tuple[MeshSettings, SolverSettings]:
-    """Settings of mesh and solver for a coarser mesh: `mesh` with all surface elements `factor`
-    times larger, but at most 0.25 a. The stiffnesses of a penalty layer are multiplied by the
-    factor too: they are relative to the elements, and so the layer stays the same.
+    """Settings of mesh and solver for a mesh with all surface elements `factor` times larger, but
+    at most 0.25 a, a the half-width of the contact.
+
+    The stiffnesses of a penalty layer are multiplied by the factor too. They are stated relative to
+    the elements, and so the layer itself stays as stiff.
     """
     middle_size = min(_LARGEST, factor * mesh.element_size)
     edge_size = min(_LARGEST, factor * mesh.edge_element_size)
@@ -199,12 +207,14 @@ def climb(
     stage: _Stage,
     coarsenings: int = 3,
 ) -> Refinements:
-    """Solve again on coarser meshes, with other far fields, increments or penalty layers: all that
-    measures the errors of a run with this `mesh` and these `settings`.
+    """Solve a scene again by finite elements on coarser meshes, with other far fields, load
+    increments or penalty layers: all that measures the errors of a run with this `mesh` and these
+    `settings`.
 
     With three coarser meshes, their size ratio r, the runs are h, r h, r^2 h, r^3 h, h the element
     size of the run. Two coarser meshes are the least that shows an order, at a third of the cost.
-    The far field is measured at r^2 h, a penalty layer at h and r h.
+    The far field, a half-disc of finite radius in place of a half-plane, is measured at r^2 h. A
+    penalty layer, springs that let the faces overlap and creep, is measured at h and r h.
 
     Parameters
     ----------
@@ -248,6 +258,7 @@ def climb(
                 " one of twice"
             )
     step_runs: tuple[Run, ...] | None = None
+    # theory has no answer on the increments of a run: their error is measured by halving them
     if not solver.on_polygon:
         step_runs = (coarse_run, _finer_steps_run(solver, coarse_run, coarse_mesh, coarse_settings))
     penalty_pairs: tuple[tuple[Run, Run], ...] = ()
@@ -311,7 +322,7 @@ class _RunSolver:
         label
             name of the run, such as "2h"
         size
-            size of its elements over that of the finest run
+            what is refined, over that of the finest run: element size, or 1/radius of a half-disc
         """
         import halfplane_fe
 
@@ -349,13 +360,19 @@ def _finer_steps_run(
 def _far_field_runs(
     solver: _RunSolver, coarse_run: Run, mesh: MeshSettings, settings: SolverSettings
 ) -> tuple[Run, ...]:
-    """The run on `mesh` between those with half-discs of twice and of half its radius."""
+    """Three runs that show what the finite radius L of a meshed half-disc, in place of a
+    half-plane, does to a result: with the radius 2 L, L and L/2.
+
+    `coarse_run` is the run with the radius L, solved already with this `mesh` and these `settings`.
+    Sizes of the runs are 1/radius over 1/L: 0.5, 1 and 2.
+    """
     runs = []
-    for words, size in (("2 L", 0.5), ("L/2", 2.0)):
-        scaled_mesh = replace(mesh, far_radius=mesh.far_radius / size)
-        runs.append(solver.run(f"{coarse_run.label}, {words}", size, scaled_mesh, settings))
-    large, small_run = runs
-    return (large, replace(coarse_run, size=1.0), small_run)
+    for radius_in_words, inverse_radius in (("2 L", 0.5), ("L/2", 2.0)):
+        scaled_mesh = replace(mesh, far_radius=mesh.far_radius / inverse_radius)
+        label = f"{coarse_run.label}, {radius_in_words}"
+        runs.append(solver.run(label, inverse_radius, scaled_mesh, settings))
+    run_with_large_disc, run_with_small_disc = runs
+    return (run_with_large_disc, replace(coarse_run, size=1.0), run_with_small_disc)
 
 
 def _penalty_runs(
@@ -551,6 +568,12 @@ def _term_by_extrapolation(
 
     Parameters
     ----------
+    name
+        kind of error: "mesh" or "far field"
+    refinements
+        states, by kind of error, why one was not measured
+    runs
+        runs that differ in one size only
     formal_order
         order of convergence that the method has in theory
     """
@@ -623,11 +646,13 @@ def _stated_by_mesh(metric: Metric, comparison: Comparison) -> float | None:
 
 
 def _stated_of_edges(metric: Metric, comparison: Comparison) -> float:
-    """Uncertainty over a_ref that the result itself states of the edges at the metric's instant; 0
-    of other metrics, and without one.
+    """Uncertainty that a result itself states of a contact or stick edge at the instant at which
+    the metric was taken, over the reference half-width. 0 for metrics of no edge, and where none is
+    stated.
     """
     result = comparison.result
     edge_uncertainty = getattr(result, f"{metric.key}_uncertainty", None)
+    # no edge: the largest pressure, whose uncertainty has the same kind of name
     if metric.key in _PEAKS or edge_uncertainty is None or metric.time is None:
         return 0.0
     instant = int(abs(result.time - metric.time).argmin())
@@ -662,6 +687,7 @@ def _step(metric: Metric, refinements: Refinements) -> Term:
         if len(values) < 2:
             reason_before = "half-plane theory has no answer on the polygon of the steps, and "
             return _not_measured("step", refinements.step, before=reason_before)
+        # run with the increments of the result minus run with halved ones
         change = values[0] - values[1]
         method = (
             f"halved increments at {refinements.coarse}, second order; half-plane theory has no"
@@ -714,6 +740,7 @@ def _far_field(metric: Metric, comparison: Comparison, refinements: Refinements)
     if term.uncertainty is None:
         return term
     method = f"radius 2 L, L, L/2 on the mesh of {refinements.coarse}: {term.kind}"
+    # Tractions under given loads converge with the fourth power of 1/L.
     if term.kind == "exact" or _plausible(term.order, 4.0):
         return replace(term, how=method)
     values = [value for _, value in _sizes_and_values(metric, refinements.far_field)]
@@ -734,8 +761,8 @@ def _solver(comparison: Comparison) -> Term:
 
 
 def _theory(metric: Metric, comparison: Comparison) -> Term:
-    """The error of half-plane theory's own quadratures and series in a metric, as theory estimates
-    it; round-off where it uses closed forms.
+    """The error of half-plane theory's own quadratures and series in a metric, as theory's record
+    estimates it; round-off where it uses closed forms. There is no value: the sign is not known.
     """
     field = _FIELDS.get(metric.key, metric.key)
     polygon = comparison.polygon_reference
@@ -750,6 +777,7 @@ def _theory(metric: Metric, comparison: Comparison) -> Term:
     ]
     if metric.stated_by_reference:
         error_estimates.append(metric.stated_by_reference)
+    # without an estimate: closed forms
     uncertainty = ROUNDING
     method = "closed forms: rounding"
     if error_estimates:

@@ -262,8 +262,8 @@ def _refuse_points_beyond(cycle: Cycle, x: Array, engine: str) -> None:
 
 
 def _at_instants(cycle: Cycle, like: Cycle) -> tuple[Cycle, dict[str, float]]:
-    """A cycle interpolated to the instants of another solution's cycle, `like`, and an estimate of
-    the interpolation error of each field and edge, over its largest value.
+    """Interpolate a cycle to the instants of another solution's cycle, `like`. Returned with it: an
+    estimate of the interpolation error of each field and edge, over its largest value.
 
     Interpolation is linear in the fraction of the cycle; states are those of the nearest instant.
     """
@@ -283,8 +283,8 @@ def _at_instants(cycle: Cycle, like: Cycle) -> tuple[Cycle, dict[str, float]]:
 
 
 def _at_points(cycle: Cycle, x: Array) -> tuple[Cycle, dict[str, float]]:
-    """A cycle interpolated to the points `x`, and an estimate of the interpolation error of each
-    field and of the pointwise dissipation, over its largest value.
+    """Interpolate a cycle to the surface points `x`. Returned with it: an estimate of the
+    interpolation error of each field and of the pointwise dissipation, over its largest value.
 
     Interpolation is linear in x; states are those of the nearest point, and open beyond the range
     of the cycle's points.

@@ -14,11 +14,11 @@ from scenes import BodyEffects, ContactSolution, InputError, freeze
 
 
 def effects_between(reference: ContactSolution, result: ContactSolution) -> BodyEffects | None:
-    """What the bodies add to half-planes, where one solution counts its displacements with it and
-    the other does not.
+    """What finite bodies add to the displacements of half-planes, (c_t Q, c_n P), where only one of
+    two solutions counts its displacements from the bodies' supports.
 
-    None where both count alike, and where it is not known: curved faces, coupled materials, bulk
-    stress.
+    With it both can be compared. None where both count alike, and where it is not known: curved
+    faces, coupled materials, bulk stress.
     """
     scene = result.scene
     if lacks_datum(reference) == lacks_datum(result) or coupled(scene):

@@ -112,8 +112,8 @@ def read_findings(source: str | Path) -> Findings:
 
 
 def _of_answers(folder: Path, source: str | Path) -> Findings:
-    """The values of every engine's own answer in a folder without a comparison. InputError where
-    there is none, where none converged, or where they answer different scenes.
+    """The values of all engines' answers (*.json) in a run folder that holds no comparison.
+    InputError where there is none, where none converged, or where they answer different scenes.
     """
     contents = [_json(file, file) for file in sorted(folder.glob("*.json"))]
     answers = [
@@ -364,15 +364,16 @@ class Difference:
 def difference(
     a: Findings, b: Findings, tolerances: Mapping[str, float] | None = None
 ) -> Difference:
-    """How far the values of a run `b` are from those of a run `a`: a row for each, and notes.
+    """How far the values of a run `b` are from those of a run `a`: a row for each value that both
+    engines' answers have, and notes on the others.
 
     Parameters
     ----------
     a, b
-        of one scene
+        values of two runs of one scene
     tolerances
-        pattern of keys -> tolerance; before those kept with either, which come before the
-        defaults
+        pattern of keys, with wildcards -> tolerance. These come before those stored in a baseline,
+        which come before the defaults
 
     Raises
     ------

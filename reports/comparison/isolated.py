@@ -103,6 +103,7 @@ def isolated_values(result_cycle: Cycle, reference_cycle: Cycle) -> dict[str, Ma
         largest_reference = np.max(np.abs(reference_values), initial=0.0)
         is_large = np.abs(difference) > _LEAST_DIFFERENCE * largest_reference
         stands_alone = _stands_out(difference, _DIFFERENCE_OVER_ALL)
+        # A pressure of a few points has no form that a single value could stand out of.
         stands_alone &= _has_form(result_cycle.pressure)
         is_near_edge = _near(edges_of_field, reference_cycle)
         masks[name] = masks[name] | (stands_alone & is_large & ~is_near_edge)

@@ -93,7 +93,8 @@ def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
     """
     violations_in_fields = {"tension": _tension(solution)}
     if not np.isnan(solution.shear).all():
-        violations_in_fields["cone"] = _cone(solution)
+        violations_in_fields["cone"] = _cone(solution)  # |q| <= f p
+    # states that were derived from the tractions obey the law by construction; loads likewise
     if "state" not in derived(solution):
         violations_in_fields["slip"] = _slip(solution)
     if "normal_load" not in derived(solution):

@@ -255,21 +255,22 @@ def _beside_extremum(
     is_external: bool,
     note: str = "",
 ) -> Measured:
-    """An extreme value of the result, say its dissipation, minus the reference's own, over the
-    latter.
+    """Compare an extreme value, say the largest pressure, of result and reference: (result −
+    reference)/reference.
 
     Parameters
     ----------
     extremum, value_on_points
-        of the reference: its own, and by the rule, points and instants of the result
+        extreme value of the reference: its own, and as found on the points and instants of the
+        result
     value_of_result
         the result's extreme value
     scale
-        what the difference is over where the reference's own is 0
+        what the difference is divided by where the reference's own is 0
     is_external
-        whether the result has points and instants of its own choice. Then the difference is
-        that from `value_on_points`, so that their error drops out, and a note says so; where they
-        miss the reference's own by too much there is none
+        whether the result has points and instants of its own choice. Then the difference is that
+        from `value_on_points`, so that what lies between the points drops out, and a note says so.
+        Where `value_on_points` misses the reference's own by too much there is no value
     """
     amounts = (extremum, value_of_result)
     if math.isinf(extremum) and math.isfinite(value_of_result):
@@ -320,15 +321,16 @@ def _beside_theory(
 
 
 def _with_stated(pair: Pair, measurement: Measured, name: str, error: str = "") -> Measured:
-    """The measured metric with the uncertainties that reference and result themselves state of the
-    two amounts that it compares.
+    """A measured metric together with the uncertainties that reference and result themselves state
+    of the two amounts that it compares.
 
     Parameters
     ----------
     name
-        of the quantity in `uncertainties` of finite elements
+        key of the quantity among the uncertainties that finite elements state
     error
-        of the error in the record of half-plane theory; "" of what is exact there
+        key of the quantity among the relative errors that half-plane theory states; "" of what is
+        exact there
     """
     if measurement.amounts is None:
         return measurement
@@ -343,10 +345,17 @@ def _with_stated(pair: Pair, measurement: Measured, name: str, error: str = "") 
 def _uncertainty_stated(
     solution: ContactSolution, amount: float, name: str, error: str
 ) -> float | None:
-    """Uncertainty that a solution states of an amount, in the amount's unit.
+    """Uncertainty that a solution itself states of an amount, in the amount's unit. NaN: it has no
+    estimate; None: its engine states nothing.
 
-    `name` is that in finite elements, `error` that in the record of theory; NaN is no estimate,
-    None that nothing is stated.
+    Parameters
+    ----------
+    amount
+        value of the solution, such as its largest pressure
+    name
+        key of the amount among the uncertainties of finite elements
+    error
+        key of the amount among the relative errors of half-plane theory; "" where theory is exact
     """
     if solution.engine == "semi_analytic":
         return solution.record.errors.get(error, 0.0) * abs(amount)
@@ -449,6 +458,7 @@ def largest_slip(pair: Pair) -> Measured:
     measurement = _beside_theory(pair, "slip", reference_value, result_value, pair.scales.slip)
     measurement = _with_stated(pair, measurement, "largest_slip", "slip")
     if pair.result.engine == "halfplane_fe" and measurement.amounts is not None:
+        # Where all slip is round-off, slip is narrower than an element: no value, and the cure.
         round_off = _ROUND_OFF_OF_SLIP * float(np.max(np.abs(result_cycle.slip)))
         if result_value <= round_off < measurement.amounts[0]:
             return replace(measurement, value=None, note=_NO_SLIP_RESOLVED)
@@ -479,8 +489,11 @@ def _in_contact_in_both(pair: Pair) -> Mask:
 
 
 def dissipation(pair: Pair) -> Measured:
-    """Friction work W of the last cycle: (result − reference)/reference. Absolute where the
-    reference dissipates nothing.
+    """Difference in the friction work W of the last cycle, (result − reference)/reference. Absolute
+    where the reference dissipates nothing.
+
+    Of an external result the difference is that from the reference's W by the rule and points of
+    the result, `pair.reference`; the table shows the reference's own W, `pair.plain_reference`.
     """
     measurement = _beside_extremum(
         pair.plain_reference.dissipation,
@@ -634,12 +647,19 @@ def _tangential_resultant(cycle: Cycle, weights: Array, normals: Array) -> Array
 def _resultant(
     pair: Pair, resultant_of: Callable[[Cycle, Array, Array], Array], name_of_load: str
 ) -> Measured:
-    """Load that the result's tractions carry, minus the load that it states, over P: the worst
-    instant.
+    """Difference of the load that the result's tractions carry from the load that the result
+    states, over P, at the worst instant: a check of equilibrium.
 
-    `resultant_of` integrates tractions; `name_of_load` names the stated one. With the result's own
-    weights nothing of the reference enters; by the trapezoidal rule the rule's own error, taken
-    from the reference, is subtracted.
+    With the result's own weights of points nothing of the reference enters. Otherwise tractions are
+    integrated by the trapezoidal rule, and the rule's error, found from the reference, is
+    subtracted.
+
+    Parameters
+    ----------
+    resultant_of
+        integrates tractions, (cycle, weights, normals) -> (k,)
+    name_of_load
+        name of the stated load in a cycle
     """
     x = pair.found.x
     normals_of_flat = np.array([np.zeros_like(x), np.ones_like(x)])
@@ -742,11 +762,11 @@ def _stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
 def _with_stick_edges(
     status_of_reference: NDArray[np.int8], status_of_result: NDArray[np.int8]
 ) -> Mask:
-    """Instants at which the edges of the stick zones are compared, (k,), from the `_stick_status`
-    (no, some or full slip) of reference and result.
+    """Instants at which the edges of two stick zones can be compared, (k,), from the status of the
+    whole contact in reference and result: -1 open, 0 full slip, 1 partial slip, 2 full stick.
 
-    Both must have edges. Left out is a single step by which one of them changes to or from full
-    stick before the other: the edge jumps there, and that step is an error of an event.
+    Both must have edges. Left out is an instant by which one of them changes to or from full stick
+    earlier than the other: the edge jumps there, which is an error of time and not of place.
 
     >>> _with_stick_edges(
     ...     np.array([1, 1, 2, 2, 1, 1], dtype=np.int8), np.array([1, 1, 1, 2, 1, 2], dtype=np.int8)
@@ -886,10 +906,11 @@ def dissipation_without_steps(pair: Pair) -> Measured:
 
 
 def dissipation_of_steps(pair: Pair) -> Measured:
-    """What straight load increments do to the friction work W: the reference on the result's own
-    increments, minus the reference on the smooth path, over the latter.
+    """What straight load increments do to the friction work W of half-plane theory: (W along the
+    result's straight increments − W along the smooth path)/(W along the smooth path).
 
-    What the result adds within an increment for the curve of its path is added to the former too.
+    Finite elements add work within an increment for the curve of the path. The former W is scaled
+    by that share too.
     """
     reference_on_steps = pair.polygon_reference or pair.reference
     work_on_steps = on_straight_steps(pair.result).dissipation
@@ -909,8 +930,9 @@ def hysteresis(pair: Pair) -> Measured:
 
 
 def bulk_term(pair: Pair) -> Measured:
-    """Work of the bulk stress per cycle, −(closed integral of m_q d(eps)), result − reference over
-    W_ref. m_q is the moment of the shear, eps the bulk strain. Absolute where W_ref is nothing.
+    """Work of the bulk stress per cycle, −(closed integral of m_q d(eps)): the result's minus the
+    reference's, over the friction work W of the reference. m_q is the moment of the shear, eps the
+    bulk strain. Absolute, over A f^2 P_ref^2, where the reference does no friction work.
     """
     reference_cycle = pair.expected
     result_cycle = pair.found

@@ -106,7 +106,8 @@ def _over_time(scene: Scene, name_of_pair: str, index: int, value: Any, of: str 
     Parameters
     ----------
     name_of_pair, index
-        where each load segment holds it: name of a pair of loads ("bulk", "turning"), and 0 or 1
+        where a load segment holds it: name of a pair of loads, "bulk" (stresses of the lower and
+        the upper body) or "turning", and 0 or 1
     value
         what the scene states of it
     of
@@ -120,9 +121,14 @@ def _over_time(scene: Scene, name_of_pair: str, index: int, value: Any, of: str 
     if isinstance(value, int | float):
         return f"{of} {number(value)}"
     path = scene.load.path()
-    legs = [getattr(leg, name_of_pair) for leg in path.cycle or path.initial_loading]
+    # the repeated cycle; of a path that does not repeat all of it
+    segments = [getattr(segment, name_of_pair) for segment in path.cycle or path.initial_loading]
     values = np.concatenate(
-        [np.ravel(leg.loads(sampled(leg, 65))[index]) for leg in legs if leg is not None]
+        [
+            np.ravel(segment.loads(sampled(segment, 65))[index])
+            for segment in segments
+            if segment is not None
+        ]
     )
     least_value = number(float(f"{values.min():.4g}"))
     largest_value = number(float(f"{values.max():.4g}"))
@@ -346,10 +352,11 @@ def _failing(comparison: JudgedPair) -> list[Metric]:
 
 
 def _failure(comparison: JudgedPair) -> str:
-    """The sentence on an external result that fails: which metrics are outside, those with the
-    largest multiple of their tolerance first.
+    """The sentence on an external result that fails: which metrics are outside their tolerance, the
+    one with the largest |value|/tolerance first.
 
-    Without any of these, what is undecided, or which laws of contact it violates.
+    Without any of these it names what is undecided; without that, which laws of contact are
+    violated.
     """
 
     def multiple_of_tolerance(metric: Metric) -> float:
@@ -404,8 +411,8 @@ def _names(comparison: JudgedPair) -> tuple[str, str]:
 
 
 def _stated_errors(comparison: JudgedPair) -> list[tuple[str, str]]:
-    """(name of the engine, per cent in words) for the error that each solution states of its
-    dissipation, where it is more than round-off.
+    """The relative error that each of two solutions states of its own dissipation W, in words:
+    pairs (name of the engine, per cent). Errors of round-off size are left out.
     """
     errors = []
     for solution in (comparison.result, comparison.reference):
@@ -642,8 +649,8 @@ def shown_unit(scene: Scene, quantity: str) -> tuple[float, str]:
 
 
 def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str, str]]]:
-    """The table of absolute values of a comparison: its heads, and a row for each quantity that
-    either solution has, as texts by key.
+    """The table that shows what both solutions of a comparison have: its heads, and a row for each
+    quantity, as texts by key. Of an external result that fails, the failing metrics come first.
 
     Keys: key, label, short (label), reference, result, place (of the result's value), difference,
     verdict, tolerance, note.
@@ -657,6 +664,7 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
         label = metric.label
         short_label = metric.short or metric.label
         factor = 1.0
+        # a quantity with a unit; the other metrics are shares
         if metric.headline:
             factor, unit = shown_unit(comparison.scene, metric.quantity)
             label = f"{label} [{unit}]"
@@ -759,11 +767,13 @@ def without_value(comparison: JudgedPair) -> str:
 
 
 def _difference_of(metric: Metric) -> str:
-    """A metric's difference in words with its uncertainty, in per cent unless it is absolute; the
-    length of the stick zone in per cent of a, the half-width of the reference's contact.
+    """A metric's difference (result − reference) in words with its uncertainty: in per cent of the
+    reference's value, or of the half-width a for lengths of the stick zone; in the metric's unit
+    where it is absolute.
     """
     if metric.value is None:
         return "–"
+    # a metric without absolute values states its unit itself
     if not metric.headline:
         return " ".join(filter(None, [value_of(metric), uncertainty_of(metric), unit_of(metric)]))
     if not math.isfinite(metric.value) or metric.absolute:
@@ -904,6 +914,7 @@ def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
         (f"largest contact half-width [{unit_of_length}]", half_width),
         (f"permanent stick half-width [{unit_of_length}]", permanent_stick),
     ]
+    # an unsymmetric contact has two different ends of permanent stick; empty of others
     values_of_ends = of_unsymmetric(solution)
     if values_of_ends:
         ends = [values_of_ends[f"permanent_stick_{side}"] for side in ("left", "right")]
@@ -987,7 +998,9 @@ def _laws_in_words(solution: ContactSolution) -> str:
 
 def _loop_rows(solution: ContactSolution) -> Iterator[tuple[str, str]]:
     """Rows (label with unit, value) of the work that the loads do in a closed cycle: of the
-    tangential load Q, of the bulk stress, of the normal load P.
+    tangential load Q and the bulk stress together, of the bulk stress alone, of the normal load P.
+
+    In the labels U is the tangential displacement, V the approach, m_q the moment of the shear.
     """
     unit = energy_unit(solution.scene)
     bulk_work = of_unsymmetric(solution).get("bulk_work")
