@@ -34,8 +34,8 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
     metric has a tolerance, the metrics of the page's first table are drawn in per cent. None where
     there are none.
     """
-    budgets_with_tolerance = [row for row in budget.budgets if row.metric.tolerance]
-    headlines = [row for row in budget.budgets if row.metric.headline]
+    budgets_with_tolerance = [entry for entry in budget.budgets if entry.metric.tolerance]
+    headlines = [entry for entry in budget.budgets if entry.metric.headline]
     budgets = budgets_with_tolerance or headlines
     if not budgets:
         return None
@@ -44,22 +44,22 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
     rest_name = "unexplained" if budgets[0].half_planes else "idealisation"
     term_names = [term.name for term in budgets[0].terms]
     names = [*term_names, rest_name]
-    stacks = [_stack_of(row, is_judged) for row in budgets]
-    half_width = _half_width_of_bars(stacks, is_judged)
+    stacks = [_stack_of(entry, is_judged) for entry in budgets]
+    axis_end = _half_width_of_bars(stacks, is_judged)
 
     marks: list[Mark] = []
-    for row, stack in enumerate(stacks):
-        lower_edge = float(len(stacks) - row - 1)
+    for row_number, stack in enumerate(stacks):
+        lower_edge = float(len(stacks) - row_number - 1)
         marks += _limits_of_bar(lower_edge, is_judged)
         marks += _blocks_of_bar(lower_edge, stack, names, is_judged)
-        marks += _marks_of_total(lower_edge, stack.total, stack.uncertainty, half_width)
-        cut_off = ", cut off" if stack.reach > half_width else ""
+        marks += _marks_of_total(lower_edge, stack.total, stack.uncertainty, axis_end)
+        cut_off = ", cut off" if stack.reach > axis_end else ""
         text = f"{stack.budget.metric.label}: {value_of(stack.budget.metric)}{cut_off}"
-        marks.append(Note(-half_width, lower_edge + 0.7, text, "tick over", shift=(6.0, 0.0)))
+        marks.append(Note(-axis_end, lower_edge + 0.7, text, "tick over", shift=(6.0, 0.0)))
 
     panel = broad_panel(
         "budget",
-        Axis(-half_width, half_width, _axis_of_bars(is_judged), count=8),
+        Axis(-axis_end, axis_end, _axis_of_bars(is_judged), count=8),
         Axis(0.0, float(len(budgets)), "", count=0),
         marks,
         "Error budget as stacked bars",
@@ -101,31 +101,12 @@ def waterfall(why: Why) -> Plate | None:
     marks: list[Mark] = []
     labels: list[Mark] = []  # on top of all lines
     n_rows = len(steps) + 1
-    for step_number, (step, end_of_bar) in enumerate(zip(steps, ends_of_bars, strict=True)):
-        height_of_row = float(n_rows - step_number - 1)
-        start_of_bar = 100 * step.start
+    for step_number, step in enumerate(steps):
+        lower_edge = float(n_rows - step_number - 1)
         label = f"{step.words}: {percent_of(step.change)}"
-        marks.append(
-            Segments(np.array([[[0.0, height_of_row + 0.06], [0.0, height_of_row + 0.56]]]), "zero")
-        )
-        # from bar to bar, with a gap for the label between
-        line_to_next_bar = np.array(
-            [
-                [[end_of_bar, height_of_row + 0.14], [end_of_bar, height_of_row]],
-                [[end_of_bar, height_of_row - 0.36], [end_of_bar, height_of_row - 0.5]],
-            ]
-        )
-        marks.append(Segments(line_to_next_bar, "limit"))
-        if end_of_bar != start_of_bar:
-            marks.append(
-                Block(
-                    (start_of_bar, end_of_bar),
-                    (height_of_row + 0.14, height_of_row + 0.5),
-                    f"term-{step_number} edge",
-                    label,
-                )
-            )
-        labels.append(Note(axis.low, height_of_row + 0.7, label, "tick over", shift=(6.0, 0.0)))
+        ends_of_bar = (100 * step.start, ends_of_bars[step_number])
+        marks += _bar_of_cause(ends_of_bar, lower_edge, f"term-{step_number} edge", label)
+        labels.append(Note(axis.low, lower_edge + 0.7, label, "tick over", shift=(6.0, 0.0)))
     marks.append(Segments(np.array([[[0.0, 0.06], [0.0, 0.56]]]), "zero"))
     marks += _marks_of_total(0.0, total_change, uncertainty, max(-axis.low, axis.high))
     label = f"finite elements/theory − 1: {percent_of(why.total)}"
@@ -146,6 +127,35 @@ def waterfall(why: Why) -> Plate | None:
         "u": [step.change.uncertainty for step in steps],
     }
     return worded("waterfall", [panel], table, columns=1)
+
+
+def _bar_of_cause(
+    ends_of_bar: tuple[float, float], lower_edge: float, css: str, label: str
+) -> Iterator[Mark]:
+    """What is drawn for one cause in a waterfall figure: a piece of the zero line, a line down to
+    the next bar, and the bar itself where it has a length.
+
+    Parameters
+    ----------
+    ends_of_bar
+        sum of the changes before this cause, and with it [per cent]
+    lower_edge
+        height at which the row of the bar begins
+    css
+        look of the bar
+    """
+    start_of_bar, end_of_bar = ends_of_bar
+    yield Segments(np.array([[[0.0, lower_edge + 0.06], [0.0, lower_edge + 0.56]]]), "zero")
+    # with a gap for the label of the next bar
+    line_to_next_bar = np.array(
+        [
+            [[end_of_bar, lower_edge + 0.14], [end_of_bar, lower_edge]],
+            [[end_of_bar, lower_edge - 0.36], [end_of_bar, lower_edge - 0.5]],
+        ]
+    )
+    yield Segments(line_to_next_bar, "limit")
+    if end_of_bar != start_of_bar:
+        yield Block(ends_of_bar, (lower_edge + 0.14, lower_edge + 0.5), css, label)
 
 
 class _Stack(NamedTuple):
@@ -254,23 +264,23 @@ def _budget_table(budgets: Sequence[Budget], term_names: Sequence[str], rest_nam
 
 
 def _marks_of_total(
-    lower_edge: float, total: float, uncertainty: float, half_width: float
+    lower_edge: float, total: float, uncertainty: float, axis_end: float
 ) -> Iterator[Mark]:
-    """The total drawn over a bar: an upright line at its value with a whisker for its uncertainty,
-    and an arrow head at the edge of the figure, `half_width` from zero, where these reach beyond
-    it.
+    """The total drawn over a stacked bar: an upright line at its value with a whisker for its
+    uncertainty. An arrow head at an end of the axis, which runs from −`axis_end` to `axis_end`,
+    shows that they reach beyond it.
     """
     height_of_whisker = lower_edge + 0.32
-    if abs(total) <= half_width:
+    if abs(total) <= axis_end:
         yield Curve([total, total], [lower_edge + 0.06, lower_edge + 0.58], "total")
-    left_end = max(total - uncertainty, -half_width)
-    right_end = min(total + uncertainty, half_width)
+    left_end = max(total - uncertainty, -axis_end)
+    right_end = min(total + uncertainty, axis_end)
     if right_end > left_end:
         yield Curve([left_end, right_end], [height_of_whisker, height_of_whisker], "whisker")
     for side in (-1, 1):
-        if side * total + uncertainty > half_width:
-            tip = side * 0.998 * half_width
-            end_of_head = side * 0.985 * half_width
+        if side * total + uncertainty > axis_end:
+            tip = side * 0.998 * axis_end
+            end_of_head = side * 0.985 * axis_end
             yield Curve(
                 [end_of_head, tip, end_of_head],
                 [height_of_whisker - 0.1, height_of_whisker, height_of_whisker + 0.1],
@@ -279,14 +289,16 @@ def _marks_of_total(
 
 
 def mesh_refinement(budget: ErrorBudget) -> Plate | None:
-    """A figure of how the metrics of the page's first table converge: distance of each from its
-    extrapolated value at element size zero, over the element size. None for two meshes, or where no
-    metric converges.
+    """A figure of how the metrics of the page's first table converge with the mesh, from the runs
+    of an error budget: distance of each metric from its extrapolated value at element size zero,
+    over the element size.
+
+    None for two meshes, or where no metric converges.
     """
     runs = [run for run in budget.refinements.mesh if not run.failure]
     distances_by_label: dict[str, list[tuple[float, float]]] = {}
-    for row in budget.budgets:
-        metric = row.metric
+    for entry in budget.budgets:
+        metric = entry.metric
         points_of_runs = [(run.size, run.values.get(metric.key)) for run in runs]
         known_points = [
             (size, float(value))
@@ -297,7 +309,7 @@ def mesh_refinement(budget: ErrorBudget) -> Plate | None:
             continue
         sizes = tuple(size for size, _ in known_points)
         values = tuple(value for _, value in known_points)
-        limit = extrapolate(Refinement(sizes, values, 2.0, ROUNDING))
+        limit = extrapolate(Refinement(sizes, values, formal_order=2.0, rounding=ROUNDING))
         if limit.kind == "monotone" and limit.value is not None:
             distances_by_label[metric.label] = [
                 (size, abs(value - limit.value))

@@ -68,6 +68,7 @@ class CycleView:
         self.noun = self.stretch.split()[-1]
         self.reference_cycle = comparison.expected
         self.result_cycle = comparison.found
+        # r and f: how lines of the reference and of the result look
         self.engines = (
             EngineView("r", self.reference_cycle, name_of(comparison.reference.engine)),
             EngineView("f", self.result_cycle, name_of(comparison.result.engine)),
@@ -190,6 +191,7 @@ def slip_points(comparison: Comparison, count: int = 4) -> list[int]:
     """
     edges = comparison.expected.contact_edges
     x = comparison.found.x
+    # Turned by a tilt, a moment or unequal sides the contact may lie on one side of x = 0.
     if comparison.turned:
         outer_edge = float(np.nanmax(edges, initial=float(x[0])))
     else:

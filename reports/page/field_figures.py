@@ -102,19 +102,23 @@ def traction_panels(
     *,
     live: bool = False,
 ) -> tuple[Panel, Panel]:
-    """Two panels: pressure p and shear q of both engines over x at one instant, and the difference
-    of the engines in per cent.
+    """Two panels for one instant: pressure p and shear q of both engines over x, and below it the
+    difference of the engines in per cent.
 
     Parameters
     ----------
-    title
-        title of the upper panel
+    view
+        last cycles of reference and result, and the range of x that figures share
     instant
         index of the instant that is drawn
     instants
         indices of those whose values the axes must hold, so that panels can be compared
+    name
+        name of the upper panel
     size
         width and height of the upper panel [pixels]
+    title
+        title of the upper panel
     live
         whether the page's slider moves the curves
     """

@@ -148,6 +148,7 @@ def discrepancies(view: CycleView) -> Plate:
     for metric, css in zip(drawn_metrics, LINE_LOOKS, strict=False):
         unit_of_ratio = (metric.tolerance or 1.0) if is_judged else 0.01
         ratios = np.abs(np.asarray(metric.series)) / unit_of_ratio
+        # At a light load errors relative to the small traction measure the mesh only.
         judged_ratios = np.where(view.comparison.judged, ratios, np.nan)
         worst_instant = int(np.nanargmax(judged_ratios)) if np.isfinite(judged_ratios).any() else 0
         largest_ratio = max(largest_ratio, float(np.nanmax(judged_ratios, initial=0.0)))
@@ -361,16 +362,16 @@ def _parts_of_path(scene: Scene) -> list[_PathPart]:
     where nothing repeats.
     """
     path = scene.load.path()
-    named_legs = [("path", "loop", path.initial_loading)]
+    named_parts = [("path", "loop", path.initial_loading)]
     if path.cycle:
-        named_legs = [
+        named_parts = [
             ("initial loading", "initial-loading", path.initial_loading),
             ("cycle", "loop", path.cycle),
         ]
     parts = []
-    for name, look, legs in named_legs:
-        if legs:
-            time = np.concatenate([sampled(leg, 257) for leg in legs])
+    for name, look, segments in named_parts:
+        if segments:
+            time = np.concatenate([sampled(segment, 257) for segment in segments])
             normal_load, tangential_load = path.at(time)
             parts.append(
                 _PathPart(name, look, time, np.asarray(normal_load), np.asarray(tangential_load))
@@ -533,6 +534,7 @@ def hysteresis(view: CycleView) -> Plate | None:
             f"U − k Q, about its mean  [{unit_of_length}]",
         ),
     ]
+    # With bulk stress the friction work is not the area of one loop alone.
     if comparison.pulled and all(cycle.shear_moment is not None for cycle in cycles):
         panels.append(_bulk_loop_panel(view))
 
@@ -582,17 +584,23 @@ def _datum_in_words(comparison: JudgedPair) -> str:
     return ""
 
 
-def _loop_panel(view: CycleView, name: str, shift: tuple[str, list[Array]], title: str) -> Panel:
-    """A panel of the tangential load over a displacement, of both engines.
+def _loop_panel(
+    view: CycleView, name: str, displacement: tuple[str, list[Array]], title: str
+) -> Panel:
+    """A panel of the tangential load Q over a displacement through the cycle, a loop for each
+    engine.
 
     Parameters
     ----------
-    shift
-        letter of its series that the slider moves, U or V; its values of each engine
+    view
+        last cycles of reference and result, and the instants that figures number
+    displacement
+        letter of the displacement, U or V = U − k Q, by which the slider moves a dot; its values in
+        the reference and in the result, (k,) each
     title
         words of the axis
     """
-    letter, (reference_values, result_values) = shift
+    letter, (reference_values, result_values) = displacement
     loads = [view.reference_cycle.tangential_load, view.result_cycle.tangential_load]
     range_of_displacement = float(np.ptp(reference_values)) or 1.0
     difference_in_percent = 100 * (result_values - reference_values) / range_of_displacement

@@ -144,6 +144,7 @@ class RigMotion:
         contact_half_width = self.solution.contact_half_width[self.rows]
         is_apart = normal_load <= 0
         limit = self.scene.friction.coefficient * normal_load * (1 - _AT_LIMIT)
+        # no stick zone, and all of f P is used: the bodies slide as a whole
         slide_direction = np.where(
             ~is_apart & np.isnan(stick_half_width) & (np.abs(tangential_load) >= limit),
             np.sign(tangential_load),

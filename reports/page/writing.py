@@ -363,6 +363,7 @@ def _cycle_data(view: CycleView) -> dict[str, Any]:
     scene = view.scene
     rows = _carried_instants(view)
     points = _carried_points(view, len(rows))
+    # 0 the reference, 1 the result; V is U without the elastic part, so that its loop is wide
     series = {
         "t": view.time,
         "P": view.result_cycle.normal_load,
@@ -583,6 +584,7 @@ def published(comparison: Comparison) -> str:
 
     moves = np.ptp(reference_cycle.tangential_displacement) > 1e-9 * comparison.scales.shift
     loop_plate = hysteresis(view) if moves else None
+    # half-widths over time, not over the share of the period
     view.time = view.result_cycle.time
     view.time_words = "time"
     second_plate_panel = loop_plate.panels[1] if loop_plate else half_widths(view).panels[0]
