@@ -852,6 +852,8 @@ class _Pen:
         """The SVG element of a curve. On a page it keeps nearly all its points, which the pointer
         picks; in an SVG file that stands alone those on a straight line are left out.
         """
+        # a point may lie this far [pixels] from the line that replaces it; how often points are
+        # sought
         tolerance, passes = (0.1, 8) if self.alone else (0.02, 1)
         x = self.frame.x.place(mark.x)
         y = self.frame.y.place(mark.y)
@@ -902,6 +904,7 @@ class _Pen:
         if self.alone or not mark.name:
             return _element("path", d=self.visible(mark) or "M0 0", **self.look(mark.css))
         x_scale = self.frame.x
+        # _GRAIN is the small length that ends of the lines are rounded to
         zoom = (x_scale.end - x_scale.start) / (x_scale.high - x_scale.low) * _GRAIN
         x_of_origin = float(x_scale.place(0.0))
         y_of_origin = float(self.frame.y.place(0.0))
