@@ -50,17 +50,22 @@ def path_of(scene: Scene) -> LoadPath:
 
 
 def actuators_of(scene: Scene, datum: float) -> Actuators:
-    """What the actuators of a scene prescribe of its scaled contact, and how far each rig yields;
-    none prescribed under given loads. `datum` is the datum length of the condensed half-planes.
+    """Which loads of a scene are prescribed as movements of actuators, and the compliance between
+    actuator and contact, times E*.
+
+    The compliance is that of the rig's spring plus that of half-planes between two distances from
+    the contact: `datum`, from which the finite elements count displacement, and the one from which
+    the actuator's movement is counted [length]. Where loads are given, no movement is prescribed.
     """
     load = scene.load
     if not load.is_driven:
         return LOADS_ARE_GIVEN
     rig = scene.rig
     modulus = 1 / _compliance(scene, half_planes_alone=False)
-    # Of real bodies a half-plane among them counts from where every answer does.
+    # Where the rig states no distance, displacement counts from where it does in every answer.
     datum_of_motion = rig.datum_length or scene.profile.datum_length
     compliance_outside = compliance_beyond(scene, datum_of_motion / datum) * modulus
+    # A rig without a stiffness is rigid.
     normal_compliance = compliance_outside + modulus / (rig.normal_stiffness or math.inf)
     tangential_compliance = compliance_outside + modulus / (rig.tangential_stiffness or math.inf)
     return Actuators(normal_compliance if load.states_approach else None, tangential_compliance)

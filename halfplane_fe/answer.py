@@ -52,61 +52,34 @@ _CREEP_OF_COUPLED = 3e-5
 def answer_arrays(
     scene: Scene, problem: ContactProblem, run: PathRun, scales: Scales
 ) -> dict[str, Any]:
-    """The fields of an answer that are numbers, by name and in the scene's units, at the stored
-    instants of a run: loads, nodal forces as stresses, slip, edges, friction work.
+    """Arrays and numbers of a finite-element solution by name, in the scene's units: loads,
+    displacements, tractions, slip, edges and friction work at the stored instants of a run.
 
     Parameters
     ----------
     problem
         the contact problem, in scaled variables
     run
-        the states along the load path
+        the contact states along the load path, and which of them are stored
     scales
-        load, half-width and modulus that they are scaled by
+        load, half-width and modulus that the variables are scaled by
     """
     states = [run.states[index] for index in run.stored]
-    slip = np.stack([state.slip for state in states])
-    pressure = np.stack([state.pressure for state in states])
-    shear = np.stack([state.shear for state in states])
-    # Moments about x = 0.
-    moment = -problem.interface.work_of_imposed(pressure, shear)[..., 2]
-    shear_moment = shear @ problem.interface.x
-    if problem.layer.tangential.any():
-        slip += problem.layer.tangential * shear
     displacement_unit = scales.load / scales.modulus
     work_unit = scales.load * displacement_unit
     weights = problem.interface.weights * scales.half_width
-    densities = np.array(run.cycle_density).reshape(-1, len(weights)) * work_unit
+    # (n_cycles, n): friction work of each node in each revolution.
+    cycle_works = np.array(run.cycle_density).reshape(-1, len(weights)) * work_unit
+    density = cycle_works[-1] / weights if len(cycle_works) else np.zeros_like(weights)
     states_of_all = reported_states(problem, run.states, run.cycle_starts)
-    stored_states = states_of_all[run.stored]
-    loads = np.array([(state.normal_load, state.tangential_load) for state in run.states])
-    has_no_slip_zone = np.zeros(len(loads), dtype=bool)
-    if scene.bodies.half_planes and problem.interface.coupling is None and not scene.unsymmetric:
-        has_no_slip_zone = _grows_within_cone(loads, scene.friction.coefficient)
-    edges = _edges_of_all(problem, states, stored_states, has_no_slip_zone[run.stored], scene)
-    permanent_edges = _permanent_stick(scene, problem, run, states_of_all, edges["stick_edges"])
-    if len(densities) and edges_are_sharp(scene, problem):
-        nodes_at_work = working_nodes(problem.interface.x, densities[-1] / weights, permanent_edges)
+    edges, permanent_edges = _edges_of_run(scene, problem, run, states_of_all)
+    if len(cycle_works) and edges_are_sharp(scene, problem):
+        nodes_at_work = working_nodes(problem.interface.x, density, permanent_edges)
         permanent_edges = nodes_at_work.confine(permanent_edges)
     edges = {name: values * scales.half_width for name, values in edges.items()}
-    # In place: of a fine mesh with thousands of steps each copy is half a gigabyte and more.
-    np.multiply(pressure, scales.load / weights, out=pressure)
-    np.multiply(shear, scales.load / weights, out=shear)
-    np.multiply(slip, displacement_unit, out=slip)
-    for values in (pressure, shear, slip):
-        values.flags.writeable = False
-    loads = loads[run.stored] * scales.load
+    loads = np.array([(state.normal_load, state.tangential_load) for state in states]) * scales.load
     shifts = np.array([state.shift for state in states])
     approaches = np.array([state.approach for state in states])
-    dissipation = float("nan")
-    dissipation_density = np.zeros_like(weights)
-    if len(densities):
-        dissipation = float(densities[-1].sum())
-        dissipation_density = densities[-1] / weights
-    # The closed integral of Q dU, and of what bulk stress adds, over the last revolution.
-    loop_work = float("nan")
-    if scene.load.path().period is not None and run.steady_from is not None:
-        loop_work = float(run.column("loop")[run.cycle_starts[-1] :].sum()) * work_unit
     arrays = {
         "time": freeze([state.time for state in states]),
         "normal_load": freeze(loads[:, 0]),
@@ -114,29 +87,90 @@ def answer_arrays(
         "tangential_displacement": freeze(shifts * displacement_unit),
         "normal_approach": freeze(approaches * displacement_unit),
         "x": freeze(problem.interface.x * scales.half_width),
-        "pressure": pressure,
-        "shear": shear,
-        "slip": slip,
-        "state": freeze(stored_states, np.int8),
+        **_nodal_arrays(problem, states, scales),
+        "state": freeze(states_of_all[run.stored], np.int8),
         **{name: freeze(values) for name, values in edges.items()},
         "contact_half_width": freeze(np.diff(edges["contact_edges"])[:, 0] / 2),
         "stick_half_width": freeze(np.diff(edges["stick_edges"])[:, 0] / 2),
-        "dissipation_density": freeze(dissipation_density),
-        "dissipation": dissipation,
-        "cycle_dissipation": freeze(densities.sum(axis=1)),
+        "dissipation_density": freeze(density),
+        "dissipation": float(cycle_works[-1].sum()) if len(cycle_works) else float("nan"),
+        "cycle_dissipation": freeze(cycle_works.sum(axis=1)),
         "permanent_stick_half_width": float(permanent_edges[1] - permanent_edges[0])
         / 2
         * scales.half_width,
         "permanent_stick_edges": freeze(permanent_edges * scales.half_width),
         "steady_from": run.steady_from,
-        "loop_work": loop_work,
+        "loop_work": _loop_work(scene, run) * work_unit,
     }
     if not scene.unsymmetric:
         return arrays
+    return arrays | _tilt_arrays(problem, states, scales)
+
+
+def _edges_of_run(
+    scene: Scene, problem: ContactProblem, run: PathRun, surface_states: States
+) -> tuple[dict[str, Array], Array]:
+    """Contact and stick edges of a run, scaled: of the stored instants by name, (k, 2) each with
+    their uncertainties, and of the permanent stick zone, (2,).
+
+    `surface_states` are open, stick or slip of the nodes at all instants, (n_steps, n).
+    """
+    states = [run.states[index] for index in run.stored]
+    loads = np.array([(state.normal_load, state.tangential_load) for state in run.states])
+    has_no_slip_zone = np.zeros(len(loads), dtype=bool)
+    if scene.bodies.half_planes and problem.interface.coupling is None and not scene.unsymmetric:
+        has_no_slip_zone = _grows_within_cone(loads, scene.friction.coefficient)
+    edges = _edges_of_all(
+        problem, states, surface_states[run.stored], has_no_slip_zone[run.stored], scene
+    )
+    permanent_edges = _permanent_stick(scene, problem, run, surface_states, edges["stick_edges"])
+    return edges, permanent_edges
+
+
+def _nodal_arrays(
+    problem: ContactProblem, states: Sequence[InterfaceState], scales: Scales
+) -> dict[str, Array]:
+    """Pressure and shear [stress] and slip [length] of the nodes at some instants, each
+    (n_instants, n); slip has the elastic slip of a penalty layer in it.
+    """
+    weights = problem.interface.weights * scales.half_width
+    slip = np.stack([state.slip for state in states])
+    pressure = np.stack([state.pressure for state in states])
+    shear = np.stack([state.shear for state in states])
+    if problem.layer.tangential.any():
+        slip += problem.layer.tangential * shear
+    # In place: of a fine mesh with thousands of steps each copy is half a gigabyte and more.
+    np.multiply(pressure, scales.load / weights, out=pressure)
+    np.multiply(shear, scales.load / weights, out=shear)
+    np.multiply(slip, scales.load / scales.modulus, out=slip)
+    for values in (pressure, shear, slip):
+        values.flags.writeable = False
+    return {"pressure": pressure, "shear": shear, "slip": slip}
+
+
+def _loop_work(scene: Scene, run: PathRun) -> float:
+    """Closed integral of Q dU over the last revolution, with the work of bulk stress and tilt,
+    scaled; NaN where the path does not repeat or no revolution is steady.
+    """
+    if scene.load.path().period is None or run.steady_from is None:
+        return float("nan")
+    return float(run.column("loop")[run.cycle_starts[-1] :].sum())
+
+
+def _tilt_arrays(
+    problem: ContactProblem, states: Sequence[InterfaceState], scales: Scales
+) -> dict[str, Array]:
+    """Series that only scenes with bulk stress or tilt have, (n_instants,) each: bulk stresses of
+    both bodies, tilt, and the moments of pressure and of shear about x = 0.
+    """
     stress_unit = scales.load / scales.half_width
     moment_unit = scales.load * scales.half_width
+    pressure = np.stack([state.pressure for state in states])
+    shear = np.stack([state.shear for state in states])
+    moment = -problem.interface.work_of_imposed(pressure, shear)[..., 2]
+    shear_moment = shear @ problem.interface.x
     bulk_lower, bulk_upper, tilt = np.array([state.imposed for state in states]).T
-    return arrays | {
+    return {
         "bulk_stress_lower": freeze(bulk_lower * stress_unit),
         "bulk_stress_upper": freeze(bulk_upper * stress_unit),
         "tilt": freeze(tilt * stress_unit / scales.modulus),
@@ -153,10 +187,10 @@ def edges_are_sharp(scene: Scene, problem: ContactProblem) -> bool:
 
 
 def _grows_within_cone(loads: Array, friction: float) -> Mask:
-    """(n,) instants since whose forerunner P has grown by |dQ|/f at least: half-planes of like
-    materials stick in full then, whatever was before.
+    """Instants at which half-planes of like materials stick in full, whatever was before: since the
+    instant before, P has grown and |dQ| <= f dP. Returns (n,).
 
-    Source: Barber, Davies, Hills (2011).
+    `loads` is (n, 2) of P and Q, `friction` is f. Source: Barber, Davies, Hills (2011).
     """
     rise_of_p, rise_of_q = np.diff(loads, axis=0, prepend=loads[:1]).T
     limit = friction * rise_of_p
@@ -170,17 +204,19 @@ def _edges_of_all(
     has_no_slip_zone: Mask,
     scene: Scene,
 ) -> dict[str, Array]:
-    """Contact and stick edges of all instants and their uncertainties, by name; worked out for some
-    instants at a time, which bounds the memory.
+    """Edges of the contact and of the stick zone at k instants and their uncertainties, by name,
+    (k, 2) each, scaled. Blocks of a few hundred instants bound the memory.
 
     Parameters
     ----------
     states
-        the states of the interface at each instant
+        (k,) nodal forces, slip and gap of the contact at each instant
     surface_states
         (k, n) open, stick or slip of the nodes
     has_no_slip_zone
-        (k,) instants at which theory has no slip zone
+        (k,) instants at which the whole contact sticks by half-plane theory
+    scene
+        its profile (roughness of tabulated heights) and whether it is symmetric
     """
     blocks = []
     for first_step in range(0, len(states), _AT_ONCE):
@@ -201,17 +237,23 @@ def _edges(
     has_no_slip_zone: Mask,
     scene: Scene,
 ) -> dict[str, Array]:
-    """Contact edges, stick edges, and the uncertainty of either, each (n_steps, 2), scaled; without
-    load the nodes that touch, or 0.
+    """Left and right edge of the contact and of the stick zone, between the nodes of the mesh, and
+    the uncertainty of each: four arrays by name, (n_steps, 2), scaled.
+
+    Edges follow from a fit of the tractions near them. Without load they are the outermost nodes
+    that touch, or 0.
 
     Parameters
     ----------
     states
-        states of the interface at the instants
+        nodal forces, slip and gap of the contact at the instants
     surface_states
-        (n_steps, n) open, stick or slip of the nodes, as they are reported
+        (n_steps, n) open, stick or slip of the nodes, where a node that has hardly moved counts as
+        stick
     has_no_slip_zone
-        (n_steps,) instants at which theory has no slip zone
+        (n_steps,) instants at which the whole contact sticks by half-plane theory
+    scene
+        its profile, and whether it is symmetric
     """
     may_be_anywhere = scene.unsymmetric  # then the stick zone may be anywhere in the contact
     roughness = roughness_of(scene.profile)
@@ -220,7 +262,7 @@ def _edges(
     _, normal_force, tangential_force, gap = nodal(np.stack([state.values for state in states]))
     pressure = normal_force / weights
     shear = tangential_force / weights
-    states_by_law = np.stack([state.state for state in states])
+    states_by_law = np.stack([state.state for state in states])  # as the law of friction left them
     is_closed = states_by_law != OPEN
     is_stuck = surface_states == STICK
     # The gap of open nodes, which carry nothing, so that the layer does not count there.
@@ -275,16 +317,16 @@ def in_last_cycle(scene: Scene, time: Array, normal_load: Array) -> Mask:
 def _permanent_stick(
     scene: Scene, problem: ContactProblem, run: PathRun, surface_states: States, edges: Array
 ) -> Array:
-    """(2,) ends of what sticks through the whole last cycle: the intersection of its stick zones;
-    NaN if there is none.
+    """Ends (2,) of the permanent stick zone, which sticks through the whole last cycle: the
+    intersection of its stick zones, scaled; NaN if there is none.
 
-    A path that does not repeat starts unloaded, where nothing touches: nothing sticks through all
-    of it. Of instants that a long run has dropped the stick zone follows from the states of the
-    nodes alone.
+    A path that does not repeat starts unloaded, where nothing touches, so that it has no such zone.
+    Nodes that only creep belong to the zone too:
 
-    With bulk stress or tilt the steady state is only approached: what still creeps, less and less
-    from cycle to cycle, counts. Between coupled bodies too: there single increments label nodes
-    slip that move next to nothing.
+    - With bulk stress or tilt, where the steady state is only approached, and slip near the zone
+      grows less from cycle to cycle.
+    - Between coupled bodies (unlike materials), where single increments label nodes as slipping
+      that move next to nothing.
 
     Parameters
     ----------
@@ -293,9 +335,9 @@ def _permanent_stick(
     problem
         the contact problem of the nodes
     run
-        states of all increments, and which of them are stored
+        contact states after all increments, and which k of them are stored in the solution
     surface_states
-        (n_steps, n) of all increments, as they are reported
+        (n_steps, n) open, stick or slip of the nodes after all increments
     edges
         (k, 2) stick edges of the stored instants, scaled
     """
@@ -306,11 +348,11 @@ def _permanent_stick(
     if not in_cycle.any():  # no cycle, or the very first increment failed
         return no_edges
     x = problem.interface.x
-    anywhere = scene.unsymmetric
+    # Instants that the solution leaves out have no fitted edges: theirs lie between nodes.
     dropped_steps = np.setdiff1d(np.flatnonzero(in_cycle), run.stored)
     states_of_dropped = surface_states[dropped_steps]
     zones_of_dropped = _zones_by_nodes(
-        x, states_of_dropped == STICK, states_of_dropped != OPEN, anywhere
+        x, states_of_dropped == STICK, states_of_dropped != OPEN, anywhere=scene.unsymmetric
     )
     left, right = np.concatenate([edges[in_cycle[run.stored]], zones_of_dropped]).T
     common_zone = np.array([left.max(), right.min()])  # NaN where nothing sticks at some instant
@@ -326,17 +368,23 @@ def _permanent_stick(
 def creeping_zone(
     scene: Scene, x: Array, slip: Array, is_closed: Mask, times: float = 1.0
 ) -> Array:
-    """(2,) ends of what sticks all through a cycle or only creeps; NaN if there is nothing.
+    """Ends (2,) of the zone whose nodes stay closed all through a cycle and slip by next to nothing
+    (creep), scaled; NaN if no node does.
+
+    A node creeps if the range of its slip over the cycle is a small part of the largest range of
+    any node.
 
     Parameters
     ----------
+    x
+        (n,) places of the nodes
     slip, is_closed
-        (m, n) of the instants of the cycle
+        (m, n) slip of the nodes, and whether they touch, at the m instants of the cycle
     times
-        how many times the usual range of slip still counts as creep
+        factor on that small part: larger than 1 counts more nodes as creeping
     """
-    share = times * (_CREEP if scene.unsymmetric else _CREEP_OF_COUPLED)
-    creeps = _creeping(slip, is_closed, share)
+    range_share = times * (_CREEP if scene.unsymmetric else _CREEP_OF_COUPLED)
+    creeps = _creeping(slip, is_closed, range_share)
     if not creeps.any():
         return np.full(2, np.nan)
     ever_closed = np.any(is_closed, axis=0)
@@ -397,8 +445,8 @@ class PenaltyAudit:
     creep_share: float
 
     def note(self) -> str | None:
-        """What a penalty layer costs, in a sentence: overlap, elastic slip, creep; None where there
-        is no layer.
+        """A sentence on the error of a penalty layer, the springs that stand for the contact
+        conditions: overlap of the faces, elastic slip, creep; None where there is no layer.
         """
         if np.isinf(self.normal_stiffness) and np.isinf(self.tangential_stiffness):
             return None
@@ -445,17 +493,20 @@ def penalty_audit(
     arrays: Mapping[str, Any],
     scales: Scales,
 ) -> PenaltyAudit:
-    """What a penalty layer costs: its stiffnesses, the penetration, the elastic slip and the creep,
-    and their shares of the profile's rise and of the slip.
+    """How far the springs of a penalty method let the contact conditions be broken: overlap of the
+    faces, elastic slip, and creep of nodes that stick through the last cycle.
+
+    Overlap is compared with the rise of the profile over the largest contact, the others with the
+    largest slip of the last cycle.
 
     Parameters
     ----------
     problem
-        the contact problem with the layer
+        the contact problem, with the compliance of its layer of springs at each node
     states
-        states of the interface at the instants of the answer
+        contact states at the stored instants
     arrays
-        the answer's fields and series by name, in the scene's units
+        fields and series of the solution by name, in the scene's units
     scales
         half-width and modulus that lengths and compliances are scaled by
     """
@@ -465,8 +516,8 @@ def penalty_audit(
     largest_half_width = float(np.nanmax(arrays["contact_half_width"]))
     profile_rise = float(np.ptp(scene.profile.height(np.array([0.0, largest_half_width]))))
     # Range of the relative displacement, in the last cycle, of nodes that stick throughout and of
-    # nodes that slip, by the law's own states: those that are reported count a node that has hardly
-    # moved as sticking.
+    # nodes that slip. Stick and slip are those of the friction law: the states of the solution
+    # count a node that has hardly moved as sticking.
     period = scene.load.path().period
     time = arrays["time"]
     is_in_cycle = np.ones(len(time), dtype=bool)
@@ -497,20 +548,29 @@ def penalty_audit(
 def record_of(
     run: PathRun, scales: Scales, audit: PenaltyAudit, notes: Iterable[str] = ()
 ) -> Record:
-    """How the run went, from one stored instant to the next; the first is the unloaded state.
-    `notes`: what a reader must know too.
+    """Record of a run for the reader of its solution: whether it converged and how it ended, and
+    iterations, energies and checks of the law of contact at each stored instant.
 
-    Energies and iterations are those of all increments since the stored instant before, checks the
-    worst of them.
+    Several increments may lie between two stored instants. Their energies and iterations are
+    summed, of their checks the worst counts. The first stored instant is the unloaded state.
+
+    Parameters
+    ----------
+    run
+        what the increments along the load path report, scaled
+    audit
+        the error of a penalty layer, in a sentence if there is a layer
+    notes
+        further sentences for the reader
     """
     note_of_layer = audit.note()
-    firsts = run.stored[:-1]  # of the increments from each stored instant to the next
+    first_increments = run.stored[:-1]  # the first one after each stored instant
 
     def between(rule: np.ufunc, values: ArrayLike, dtype: Any = float) -> NDArray[Any]:
         """(n_stored,) values of increments joined by a rule; 0 of the unloaded state."""
         of_increments = np.asarray(values)
         if len(of_increments):
-            of_increments = rule.reduceat(of_increments, firsts)
+            of_increments = rule.reduceat(of_increments, first_increments)
         return freeze(np.concatenate([[0.0], of_increments]), dtype)
 
     energy_names = [name for name in _ENERGIES if note_of_layer is not None or name != "layer"]
@@ -556,18 +616,22 @@ def _termination(run: PathRun) -> str:
 
 
 def _message(run: PathRun) -> str:
-    """How a run along the load path ended, as a sentence: failed, steady, at the end of the path,
-    or ratcheting.
+    """A sentence on how a run along the load path ended: failed, in a steady cycle, at the end of
+    the path, or ratcheting.
     """
     if run.failure is not None:
         return str(run.failure)
-    steps = len(run.iterations)
-    drift = ""
+    n_increments = len(run.iterations)
+    drift_text = ""
     if run.ratchets:
-        drift = "; the upper body goes further by the same distance in each: ratcheting"
+        drift_text = "; the upper body goes further by the same distance in each: ratcheting"
     if run.steady_from is None:
-        return f"the path ended after {steps} increments without a revolution that repeats{drift}"
+        return (
+            f"the path ended after {n_increments} increments without a revolution that"
+            f" repeats{drift_text}"
+        )
     return (
         f"revolution {run.steady_from + 1} ended in the state it started from, to"
-        f" {run.cycle_change[-1]:.1e} of the largest nodal force, after {steps} increments{drift}"
+        f" {run.cycle_change[-1]:.1e} of the largest nodal force, after {n_increments}"
+        f" increments{drift_text}"
     )

@@ -47,22 +47,23 @@ def notes_of_answer(
     arrays: Mapping[str, Any],
     dissipation_uncertainty: float,
 ) -> list[str]:
-    """Notes of a finite-element answer, sentences on what limits it: repeated steps, bulk stress,
-    drift, creep, mesh, uncertainty of the dissipation. A run that failed has fewer; a penalty layer
-    adds its own elsewhere.
+    """Sentences for the reader of a finite-element solution on what limits it: bulk stress, drift
+    from cycle to cycle, creep, resolution of the mesh, uncertainty of the friction work W.
+
+    A run that failed on its way has no cycle to speak of, so fewer sentences.
 
     Parameters
     ----------
     task
-        scene, meshes, settings and scales
+        the scene, its meshes, settings, and the scales of its variables
     condensed
-        lower and upper body, condensed to their faces
+        stiffness of the lower and upper body, condensed to the nodes of their faces
     problem, run
-        the contact problem and its states along the path
+        the contact problem, and its states along the load path
     arrays
-        the answer's fields and series by name
+        fields and series of the solution by name, in the scene's units
     dissipation_uncertainty
-        that of W [energy / thickness]
+        of the friction work W of the last cycle [energy / thickness]
     """
     scene = task.scene
     scales = task.scales
@@ -87,19 +88,23 @@ def notes_of_answer(
 
 
 def _creep_notes(scene: Scene, arrays: Mapping[str, Any]) -> Iterator[str]:
-    """That the permanent stick zone reaches beyond stick edges of single instants, by more than
-    these are uncertain.
+    """A sentence where the permanent stick zone of the last cycle is wider than the stick zone of
+    some instant, by more than that instant's edges are uncertain.
+
+    Nodes that slip by next to nothing (creep) count as permanently stuck. So an instant at which
+    they slip has a narrower stick zone. `arrays` has the fields and series of the solution by name,
+    in the scene's units.
     """
-    zone_ends = arrays["permanent_stick_edges"]
+    zone_ends = arrays["permanent_stick_edges"]  # (2,) x of its left and right end
     if np.isnan(zone_ends).any():
         return
     in_cycle = in_last_cycle(scene, arrays["time"], arrays["normal_load"])
+    # Left edges change sign, so that "farther out" means "larger" at both edges.
     outwards = np.array([-1.0, 1.0])
     outward_edges = arrays["stick_edges"][in_cycle] * outwards
     farthest_edges = outward_edges + arrays["stick_edge_uncertainty"][in_cycle]
-    reaches_ends = np.all(
-        farthest_edges >= zone_ends * outwards, axis=1
-    )  # False where nothing sticks
+    # NaN edges of instants at which nothing sticks compare as False.
+    reaches_ends = np.all(farthest_edges >= zone_ends * outwards, axis=1)
     n_narrower = int(np.sum(~reaches_ends))
     if not n_narrower:
         return
@@ -115,7 +120,9 @@ def _creep_notes(scene: Scene, arrays: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _thinned_notes(run: PathRun) -> Iterator[str]:
-    """That not every increment is in the answer, and what is of all of them nevertheless."""
+    """A sentence where a run along a long path was thinned out: how many instants the solution
+    leaves out, and which of its values still rest on all of them.
+    """
     n_dropped = len(run.states) - len(run.stored)
     if n_dropped:
         yield (
@@ -127,13 +134,18 @@ def _thinned_notes(run: PathRun) -> Iterator[str]:
 
 
 def _drift_notes(run: PathRun, scales: Scales) -> Iterator[str]:
-    """Shakedown that is only approached, and what the dissipation has left to go; ratcheting."""
+    """Sentences on how the revolutions of a periodic load path differ from one another: no steady
+    cycle, slow shakedown of the friction work W, ratcheting.
+
+    `run` has W of each revolution, its trend over the revolutions, and how far each ends from the
+    state that it began with; `scales` turn its scaled values into the scene's units.
+    """
     if not run.cycle_change:
         return
-    works = [float(density.sum()) for density in run.cycle_density]
+    works = [float(density.sum()) for density in run.cycle_density]  # W of each revolution, scaled
     last_work = works[-1]
     work_unit = scales.load**2 / scales.modulus
-    trend_of_work = run.trend
+    trend_of_work = run.trend  # limit that W tends to, and what is left of the way there
     drift_text = ""
     if len(works) > 1 and last_work > 0:
         drift_text = f"; W changed by {1 - works[-2] / last_work:+.1e}"
@@ -171,17 +183,19 @@ def work_done(
     condensed: tuple[CondensedBody, CondensedBody],
     seconds: Mapping[str, float],
 ) -> Work:
-    """Counts of what was done for an answer, what was not done with the reason, and the seconds of
-    its parts.
+    """Effort of a finite-element solution: counts of what was computed, counts and reasons of what
+    was not needed, and seconds of each stage.
 
     Parameters
     ----------
+    scene
+        whose path may have more cycles than were computed
     problem, run
-        the contact problem and its states along the path
+        the contact problem, with its counters, and its states along the load path
     condensed
-        lower and upper body, condensed to their faces
+        stiffness of the lower and upper body, condensed to the nodes of their faces
     seconds
-        time of each stage
+        name of a stage -> its time [s]
     """
     lower_body, upper_body = condensed
     is_one_mesh = lower_body.body is upper_body.body
@@ -194,6 +208,22 @@ def work_done(
         "sparse factorisations": problem.work["sparse factorisations"],
         **{name: int(count) for name, count in sorted(problem.work.items())},
     }
+    skipped = _skipped_at_bodies(scene, problem, run, condensed)
+    skipped |= _skipped_along_path(scene, problem, run)
+    return Work(counts, skipped, dict(seconds))
+
+
+def _skipped_at_bodies(
+    scene: Scene,
+    problem: ContactProblem,
+    run: PathRun,
+    condensed: tuple[CondensedBody, CondensedBody],
+) -> dict[str, tuple[int, str]]:
+    """What symmetry and the cache of condensed bodies saved, and corrections that were not made:
+    name of the work -> (how often it was skipped, why).
+    """
+    lower_body, upper_body = condensed
+    is_one_mesh = lower_body.body is upper_body.body
     skipped: dict[str, tuple[int, str]] = {}
     if is_one_mesh:
         skipped["meshes"] = (1, "both bodies have one shape: meshed once, reflected")
@@ -222,6 +252,14 @@ def work_done(
         if problem.work[REPEATED]:
             reason = "the contact did not converge without it"
         skipped["the mesh's part of N - T"] = (1, reason)
+    return skipped
+
+
+def _skipped_along_path(
+    scene: Scene, problem: ContactProblem, run: PathRun
+) -> dict[str, tuple[int, str]]:
+    """What the load path did not need: name of the work -> (how often it was skipped, why)."""
+    skipped: dict[str, tuple[int, str]] = {}
     if problem.tangential and not problem.work["slip iterations"]:
         skipped["slip iterations"] = (len(run.iterations), "no node left stick")
     if run.steady_from is not None and run.steady_from + 1 < scene.cycles:
@@ -235,4 +273,4 @@ def work_done(
             n_dropped,
             f"stored at {len(run.stored)} instants: more would take gigabytes",
         )
-    return Work(counts, skipped, dict(seconds))
+    return skipped

@@ -20,8 +20,11 @@ _MOST_NAMED = 4
 
 
 def scene_of_loads(scene: Scene, run: PathRun, load_unit: float) -> Scene:
-    """The scene with the P and Q that were found at the ends of increments, in the place of the
-    movements; what is before the last revolution is initial loading.
+    """The scene of a rig with loads in the place of movements: P and Q as the finite elements found
+    them at the end of each increment, joined by straight lines.
+
+    The last revolution becomes the cycle, what is before it the initial loading. `load_unit` is the
+    force per thickness that P and Q of the run are scaled by.
     """
     states = run.states
     points = [
@@ -39,20 +42,30 @@ def scene_of_loads(scene: Scene, run: PathRun, load_unit: float) -> Scene:
 
 
 class _Slide(NamedTuple):
-    """One stretch of gross sliding: its times, its way, of the upper body over the lower one along
-    +x, its friction work; scaled.
+    """One spell of gross sliding, scaled.
+
+    Attributes
+    ----------
+    begin, end
+        times
+    distance
+        slid by the upper body over the lower one, along +x
+    work
+        of friction, positive
     """
 
     begin: float
     end: float
-    way: float
+    distance: float
     work: float
 
 
 def _slides_of(friction: float, states: list[InterfaceState]) -> list[_Slide]:
-    """The stretches of gross sliding along states that follow each other, scaled: those in which
-    every node that touches slides. The bodies slide by the slip of the node that slips least;
-    stretches in one direction that meet are joined.
+    """Spells of gross sliding along a sequence of contact states: increments at whose end every
+    touching node slips, those that follow on each other in one direction joined.
+
+    The bodies slide as a whole by the slip of the node that slips least; the friction work of an
+    increment is `friction` times its mean normal load times that distance. All is scaled.
     """
     slides: list[_Slide] = []
     for start, end in pairwise(states):
@@ -60,32 +73,36 @@ def _slides_of(friction: float, states: list[InterfaceState]) -> list[_Slide]:
         if np.any(end.state == STICK) or not np.any(touches_throughout):
             continue
         slip = (end.slip - start.slip)[touches_throughout]
-        slide_distance = float(slip[np.argmin(np.abs(slip))])
-        mean_load = (start.normal_load + end.normal_load) / 2
-        slide = _Slide(
-            start.time, end.time, slide_distance, friction * mean_load * abs(slide_distance)
-        )
-        if slides and slides[-1].end == slide.begin and slides[-1].way * slide_distance > 0:
+        distance = float(slip[np.argmin(np.abs(slip))])
+        mean_normal_load = (start.normal_load + end.normal_load) / 2
+        work = friction * mean_normal_load * abs(distance)
+        if slides and slides[-1].end == start.time and slides[-1].distance * distance > 0:
             slide_before = slides[-1]
             slides[-1] = _Slide(
                 slide_before.begin,
-                slide.end,
-                slide_before.way + slide_distance,
-                slide_before.work + slide.work,
+                end.time,
+                slide_before.distance + distance,
+                slide_before.work + work,
             )
         else:
-            slides.append(slide)
+            slides.append(_Slide(start.time, end.time, distance, work))
     return slides
 
 
 def notes_of_rig(
     scene: Scene, problem: ContactProblem, run: PathRun, scales: Scales
 ) -> tuple[str, ...]:
-    """Sentences on how P and Q were found by the rig, and when the bodies slide as a whole and how
-    far.
+    """Sentences for the reader of a solution in which actuators move the bodies: which loads were
+    unknown, how exactly the movements are met, and where the bodies slide as a whole.
 
-    `problem` and `run` are the contact problem and its states along the path, `scales` what they
-    are scaled by.
+    Parameters
+    ----------
+    scene
+        with the rig and the units of force and length
+    problem, run
+        the contact problem and its states along the path, scaled
+    scales
+        load, half-width and modulus that they are scaled by
     """
     _, length_unit, _ = scene.unit_words
     displacement_unit = scales.load / scales.modulus
@@ -103,8 +120,10 @@ def notes_of_rig(
 
 
 def _notes_of_slides(scene: Scene, friction: float, run: PathRun, scales: Scales) -> Iterator[str]:
-    """Sentences on when the bodies slide as a whole and how far, in the last cycle and before it,
-    or on the path; from the states of a `run`, which `scales` turn into the scene's units.
+    """Sentences on gross sliding: when the bodies slide as a whole, how far, and the friction work
+    of it, in the last cycle and before; on the whole path where it does not repeat.
+
+    `run` has the scaled states along the path; `scales` turn them into the scene's units.
     """
     force_unit, length_unit, _ = scene.unit_words
     displacement_unit = scales.load / scales.modulus
@@ -114,7 +133,7 @@ def _notes_of_slides(scene: Scene, friction: float, run: PathRun, scales: Scales
     if not slides:
         yield f"gross sliding: none in {span_text}"
     else:
-        slide_distance = sum(abs(slide.way) for slide in slides) * displacement_unit
+        slide_distance = sum(abs(slide.distance) for slide in slides) * displacement_unit
         work = sum(slide.work for slide in slides) * scales.load * displacement_unit
         slides_in_words = "; ".join(
             _in_words(slide, displacement_unit, length_unit) for slide in slides[:_MOST_NAMED]
@@ -134,21 +153,27 @@ def _notes_of_slides(scene: Scene, friction: float, run: PathRun, scales: Scales
 
 
 def _in_words(slide: _Slide, movement: float, length: str) -> str:
-    direction = "forward" if slide.way > 0 else "back"
+    direction = "forward" if slide.distance > 0 else "back"
     return (
         f"from time {slide.begin:.6g} to {slide.end:.6g} {direction} by"
-        f" {abs(slide.way) * movement:.6g} {length}"
+        f" {abs(slide.distance) * movement:.6g} {length}"
     )
 
 
 def _largest_miss(problem: ContactProblem, states: list[InterfaceState]) -> float:
-    """How far an actuator is from where it is to be at most, scaled."""
+    """Largest distance, over all states, between where an actuator is and where the rig prescribes
+    it to be; scaled.
+
+    An actuator moves by the rigid motion of the bodies plus its compliance times the load.
+    """
     largest_miss = 0.0
     for state in states[1:]:
-        rigid = (state.approach, state.shift)
+        rigid_motions = (state.approach, state.shift)
         loads = (state.normal_load, state.tangential_load)
-        for number, compliance in enumerate(problem.actuators):
+        for direction, compliance in enumerate(problem.actuators):  # normal, tangential
             if compliance is not None:
-                movement = rigid[number] + compliance * loads[number]
-                largest_miss = max(largest_miss, abs(movement - state.loads[number]))
+                movement = rigid_motions[direction] + compliance * loads[direction]
+                # Of a driven direction the path states a movement where a load stands elsewhere.
+                prescribed_movement = state.loads[direction]
+                largest_miss = max(largest_miss, abs(movement - prescribed_movement))
     return largest_miss

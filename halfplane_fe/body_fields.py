@@ -136,13 +136,25 @@ class Snapshot:
 
 
 def fields(solution: FiniteElementSolution, instants: Iterable[float]) -> tuple[Snapshot, ...]:
-    """Stress and displacement fields in both bodies at the stored steps of a `solution` nearest to
-    the given instants.
+    """Stress and displacement at the nodes of both bodies, at given instants of a finite-element
+    solution.
+
+    Parameters
+    ----------
+    solution
+        by finite elements, solved in this process: only then its meshes are there
+    instants
+        times; the stored step nearest to each is taken
+
+    Returns
+    -------
+    tuple of Snapshot
+        For each instant the loads and the fields of the lower and the upper body.
 
     Raises
     ------
     InputError
-        For an instant outside the solved time; for an answer without meshes.
+        For an instant outside the solved time; for a solution without meshes.
     """
     if not isinstance(solution, FiniteElementSolution):
         raise InputError("fields: the answer has no meshes, so nothing inside the bodies is known")
@@ -164,8 +176,10 @@ def fields(solution: FiniteElementSolution, instants: Iterable[float]) -> tuple[
 def _fields_of_bodies(
     solution: FiniteElementSolution, steps: Sequence[int]
 ) -> list[list[BodyFields]]:
-    """Fields of the lower and of the upper body of a solution at stored steps: two lists
-    (n_steps,).
+    """Nodal stress and displacement of the lower and of the upper body of a solution: two lists of
+    fields, (n_steps,) each, in the common frame (y out of the lower body).
+
+    `steps` are indices of stored instants.
     """
     tension, tension_uncertainty = edge_tension(solution, steps)
     series_of_steps = [tractions_with_uncertainty(_nodal(solution, step)).series for step in steps]
@@ -208,11 +222,20 @@ def _displacement_and_stress(
     series: Sequence[Tractions | None],
     number: int,
 ) -> tuple[Array, Array]:
-    """Displacement (n_steps, n, 2) [length], without the rigid motion of the upper body, and stress
-    (n_steps, n, 4) of one body at stored steps, in the common frame.
+    """Displacement (n_steps, n, 2) [length] and stress xx, yy, xy, zz (n_steps, n, 4) at the n
+    nodes of one body, in the common frame (y out of the lower body).
 
-    `series` are the tractions on the lower body at the steps, `number` is 0 of the lower body and 1
-    of the upper one.
+    Far from the contact the stress is that of the elements, next to it that of the tractions on a
+    half-plane. The rigid motion of the upper body is left out.
+
+    Parameters
+    ----------
+    steps
+        indices of stored instants
+    series
+        tractions on the lower body at each step, as series; None out of contact
+    number
+        0 of the lower body, 1 of the upper one
     """
     material = solution.condensed[number].material
     sign_of_y = _sign_of_y(number)
@@ -226,6 +249,7 @@ def _displacement_and_stress(
     )
     places = nodal_fields.basis.mesh.p
     displacement = nodal_fields.displacement.reshape(places.shape[1], 2, -1).swapaxes(0, 1)
+    # The elements of other bodies have the bulk stress in them.
     if isinstance(getattr(solution.scene.bodies, _BODIES[number]), HalfPlane):
         displacement = displacement + uniform_stretch(material, *places)[..., None] * bulk_stress
         by_bulk_stress = np.array([1.0, 0.0, 0.0, material.poisson_ratio])
@@ -237,8 +261,8 @@ def _displacement_and_stress(
 
 
 def _rigid_motion(solution: FiniteElementSolution, number: int, step: int, points: Array) -> Array:
-    """(n, 2) by tilt, tangential displacement and normal approach of the upper body; 0 of the lower
-    one.
+    """Displacement (n, 2) of points of the upper body as it moves rigidly, by tilt, tangential
+    displacement and normal approach [length]; 0 of the lower body (`number` 0).
     """
     if number == 0:
         return np.zeros_like(points)
@@ -248,7 +272,9 @@ def _rigid_motion(solution: FiniteElementSolution, number: int, step: int, point
 
 
 def _step(solution: FiniteElementSolution, instant: float) -> int:
-    """Index of the stored step nearest to an instant."""
+    """Index of the stored step of a solution whose time is nearest to an instant; InputError for an
+    instant outside the solved time.
+    """
     start = float(solution.time[0])
     end = float(solution.time[-1])
     if not start - _ROUNDING_OF_TIME <= instant <= end + _ROUNDING_OF_TIME:
@@ -259,11 +285,18 @@ def _step(solution: FiniteElementSolution, instant: float) -> int:
 
 
 def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array, Array]:
-    """Stress s_xx of both faces at the edges of contact at stored steps, and its uncertainty
+    """Stress s_xx along both faces at the edges of contact, tension positive, and its uncertainty
     [stress].
 
-    Its largest value in a cycle is the tension on which lives in fretting fatigue are built: at the
-    trailing edge.
+    Its largest value in a cycle, at the trailing edge, is the tension on which lives in fretting
+    fatigue are built.
+
+    Parameters
+    ----------
+    solution
+        by finite elements or by kernels
+    steps
+        (n_steps,) indices of its stored instants
 
     Returns
     -------
@@ -284,9 +317,10 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
             " known; solve it again, with meshed bodies"
         )
     tension = _edge_tension(solution, steps)
-    of_new_contact = np.array([_of_new_contact(solution, step) for step in steps])
-    seen = tension.uncertainties + of_new_contact.reshape(-1, 1, 2)
-    return tension.values, np.maximum(seen, tension.of_unseen_slip)
+    # A narrow strip of new contact, or of slip, may lie between the nodes at an edge.
+    change_by_new_contact = np.array([_of_new_contact(solution, step) for step in steps])
+    uncertainties = tension.uncertainties + change_by_new_contact.reshape(-1, 1, 2)
+    return tension.values, np.maximum(uncertainties, tension.of_unseen_slip)
 
 
 def _has_bodies(solution: ContactSolution) -> bool:
@@ -300,20 +334,21 @@ def _has_bodies(solution: ContactSolution) -> bool:
 
 
 def _of_new_contact(solution: ContactSolution, step: int) -> Array:
-    """(2,) change of the tension at both edges, left and right, by contact that is new since P
-    began to grow in full stick, where it is too narrow for the nodes of the rim to show its shear
-    [stress].
+    """Possible error of the tension at the left and right edge, (2,) [stress], where the contact
+    has just grown by a strip so narrow that no node shows the shear in it.
 
-    Within new contact q/p near the edge is dQ/dP of the time since, behind it what the slip before
-    has left. With p = K sqrt(d) a difference c of the two changes s_xx by (4/pi) c K sqrt(w), w the
-    width of what is newer: the largest of these counts, of all times since which w is within the
-    rim.
+    While P grows in full stick, q/p in the new strip is dQ/dP, while behind it q/p is what earlier
+    slip has left. With p = K sqrt(d) near the edge, a jump c of q/p at the depth w changes s_xx by
+    (4/pi) c K sqrt(w). The largest of these counts, of all instants since which w is still less
+    than the depth of the outermost nodes (the rim).
+
+    # notation: d distance from the edge, K constant of the pressure there, w width of the strip
     """
     if not step or not _sticks_in_full(solution, step):
         return np.zeros(2)
     p_increments = np.diff(solution.normal_load[: step + 1])
     q_increments = np.diff(solution.tangential_load[: step + 1])
-    start = step
+    start = step  # the stored step at which P began to grow in full stick
     while start > 0 and p_increments[start - 1] > 0 and _sticks_in_full(solution, start):
         start -= 1
     nodal = _nodal(solution, step)
@@ -322,15 +357,15 @@ def _of_new_contact(solution: ContactSolution, step: int) -> Array:
     rim_nodes = [RIM, -1 - RIM]
     pressure = nodal.pressure[rim_nodes]
     rim_depths = np.abs(nodal.x[rim_nodes] - solution.contact_edges[step])
-    ratios = q_increments[start:] / p_increments[start:]
-    # q/p that was at the edge before each increment since: at the first, what the rim has.
-    ratio_before = np.tile(np.append(np.nan, ratios[:-1])[:, None], 2)
+    q_over_p = q_increments[start:] / p_increments[start:]  # in the strip of each increment
+    # q/p that was at the edge before each increment: before the first, that of the rim's node.
+    ratio_before = np.tile(np.append(np.nan, q_over_p[:-1])[:, None], 2)
     ratio_before[0] = nodal.shear[rim_nodes] / pressure
-    widths_of_new = np.abs(solution.contact_edges[step] - solution.contact_edges[start:step])
-    change_of_ratio = np.abs(ratios[-1] - ratio_before)
-    pressure_at_width = pressure * np.sqrt(widths_of_new / rim_depths)
+    strip_widths = np.abs(solution.contact_edges[step] - solution.contact_edges[start:step])
+    jump_of_ratio = np.abs(q_over_p[-1] - ratio_before)
+    pressure_at_width = pressure * np.sqrt(strip_widths / rim_depths)
     changes = np.where(
-        widths_of_new < rim_depths, 4 / np.pi * change_of_ratio * pressure_at_width, 0.0
+        strip_widths < rim_depths, 4 / np.pi * jump_of_ratio * pressure_at_width, 0.0
     )
     return np.asarray(changes.max(axis=0))
 
@@ -341,8 +376,8 @@ def _sticks_in_full(solution: ContactSolution, step: int) -> bool:
 
 
 class _EdgeTension(NamedTuple):
-    """Of stored steps, each (n_steps, 2, 2) as of `edge_tension`; `of_unseen_slip` is what slip
-    that no node shows yet may change.
+    """Stress s_xx along the faces at the edges of contact, its uncertainty, and what slip in a zone
+    too narrow for the nodes may change: each (n_steps, 2, 2) by body and edge [stress].
     """
 
     values: Array
@@ -351,11 +386,17 @@ class _EdgeTension(NamedTuple):
 
 
 def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTension:
-    """Stress along each face just outside each edge of contact, at stored steps of a solution, with
-    its uncertainty, (n_steps, 2, 2) by body and edge; and what slip that no node shows may change.
+    """Stress s_xx along each face just outside each edge of contact, with its uncertainty and what
+    slip in a zone too narrow for the nodes may change.
 
-    The faces of half-planes by the tractions, plus what the bodies add. NaN where a pressed contact
-    has no series of its tractions; 0 where P = 0.
+    It is the tension that the tractions cause in a half-plane, opposite in the two bodies, plus
+    what bulk stress and the size of each body add. Arrays are (n_steps, 2, 2) by body and edge: NaN
+    where too few nodes touch to fit the tractions by a series, 0 where P = 0.
+
+    Parameters
+    ----------
+    steps
+        (n_steps,) indices of stored instants
     """
     values = np.zeros((len(steps), 2, 2))
     uncertainties = np.zeros((len(steps), 2, 2))
@@ -384,14 +425,22 @@ def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTensi
 def _tension_by_bodies(
     solution: ContactSolution, steps: Sequence[int], series: Sequence[Tractions]
 ) -> tuple[Array, Array]:
-    """What bulk stress and the size of the bodies add to s_xx at both edges of contact [stress].
+    """Stress s_xx at both edges of contact that bulk stress and the finite size of the bodies add
+    to that of half-planes.
 
-    Bodies that mirror each other have one size effect, found once.
+    Two bodies that mirror each other have one effect of size, which is computed once.
+
+    Parameters
+    ----------
+    steps
+        (n_steps,) indices of stored instants
+    series
+        tractions on the lower body at each step, as series
 
     Returns
     -------
     values, uncertainties
-        (n_steps, 2, 2) by body and edge, and (2,) by body; NaN where it is not known
+        (n_steps, 2, 2) by body and edge, and (2,) by body [stress]; NaN where it is not known
     """
     bodies = solution.scene.bodies
     material = solution.scene.material
@@ -430,15 +479,19 @@ def _tension_by_bodies(
 def _tension_by_kernels(
     solution: KernelSolution, number: int, tractions_on_body: Sequence[Tractions]
 ) -> tuple[Array, float]:
-    """What the size of a body with a flat face adds to s_xx at both edges of contact, (n_steps, 2),
-    and its uncertainty [stress]: E' times the strain by its kernels, for nothing presses there.
+    """Stress s_xx at both edges of contact that the finite size of a flat-faced body adds to that
+    of a half-plane, (n_steps, 2), and its uncertainty [stress].
+
+    It is E/(1 - nu^2) times the strain along the face, since no pressure acts beside the contact.
+    The strain is the body's response to the nodal forces (its kernels), integrated by Gauss-
+    Chebyshev points over the contact.
 
     Parameters
     ----------
     number
         0 of the lower body, 1 of the upper one
     tractions_on_body
-        the tractions on the body in its own frame, at each step
+        tractions on the body in its own frame at each step, as sine series over the contact
     """
     name = _BODIES[number]
     kernels = getattr(solution.kernels, name)
@@ -514,25 +567,26 @@ def _size_fit(
     series: Sequence[Tractions],
     bulk: Array,
 ) -> _SizeFit | None:
-    """What the size of a body adds to the stress at the face, as a linear function of moments of
-    the tractions and of the bulk stress, found at a few of the steps; None where it is not known.
+    """Least-squares fit of what the finite size of a body adds to the stress beside the contact:
+    linear in its causes, which are moments of the tractions and the bulk stress.
+
+    The stress of the elements minus that of a half-plane is found at a dozen steps, spread evenly;
+    the fit gives it at all others. None where the body is too thin for it.
 
     Parameters
     ----------
     number
         0 of the lower body, 1 of the upper one
     steps
-        stored steps of the solution
+        (n_steps,) indices of stored instants
     series, bulk
-        tractions, and bulk stress of the body, at the steps
+        tractions on the lower body as series, and bulk stress of this body, at the steps
     """
     evenly_spread = np.linspace(0, len(steps) - 1, _SAMPLED).round().astype(int)
-    sampled_numbers = sorted(set(evenly_spread.tolist()))
-    sampled_steps = [steps[k] for k in sampled_numbers]
-    nodal_fields = _nodal_fields(solution, number, sampled_steps, bulk[sampled_numbers])
-    near_contact = _near_contact(
-        solution, number, nodal_fields, [series[k] for k in sampled_numbers]
-    )
+    sampled_rows = sorted(set(evenly_spread.tolist()))
+    sampled_steps = [steps[k] for k in sampled_rows]
+    nodal_fields = _nodal_fields(solution, number, sampled_steps, bulk[sampled_rows])
+    near_contact = _near_contact(solution, number, nodal_fields, [series[k] for k in sampled_rows])
     if near_contact is None or near_contact.size_effect is None:
         return None
     causes = _causes([_on_body(step_tractions, number) for step_tractions in series], bulk)
@@ -542,7 +596,7 @@ def _size_fit(
     cause_units = np.abs(causes[:, 0]).max() * half_width ** np.array([0, 1, 2, 0, 1, 2])
     if bulk.any():
         cause_units = np.append(cause_units, np.abs(bulk).max())
-    causes = causes[sampled_numbers, : len(cause_units)]
+    causes = causes[sampled_rows, : len(cause_units)]
     slopes = np.linalg.lstsq(
         causes / cause_units, near_contact.size_effect.coefficients.T, rcond=1e-8
     )[0]
@@ -562,18 +616,22 @@ def stress(
     *,
     body: Literal["lower", "upper"] = "lower",
 ) -> Array:
-    """Stress next to the contact at any place of one body, from the tractions, at the stored steps
-    of a solution nearest to instants.
+    """Stress at any place next to the contact in one body, from the surface tractions of a
+    finite-element solution.
+
+    It is the stress that the tractions cause in a half-plane, plus bulk stress, plus a fitted
+    correction for the finite size of the body. It resolves the edges of contact better than the
+    elements do.
 
     Parameters
     ----------
     solution
         by finite elements
     x, y
-        (n_points,) places [length]; y points out of the lower body and counts from a face that
-        is flattened, so that y <= 0 in the lower body, y >= 0 in the upper one
+        (n_points,) places [length]; y points out of the lower body and counts from the face as if
+        that were flat: y <= 0 in the lower body, y >= 0 in the upper one
     instants
-        (n_instants,) times
+        (n_instants,) times; the stored step nearest to each is taken
     body
         "lower" or "upper"
 
@@ -589,46 +647,44 @@ def stress(
         size that is further than three half-widths from the contact, or close to a support or side:
         `fields` has the stress there.
     """
-    steps = [
-        _step(solution, float(instant))
-        for instant in np.atleast_1d(np.asarray(instants, dtype=float))
-    ]
+    instant_times = np.atleast_1d(np.asarray(instants, dtype=float))
+    steps = [_step(solution, float(instant)) for instant in instant_times]
     number = _BODIES.index(body)
-    sign = _sign_of_y(number)
+    sign_of_y = _sign_of_y(number)
     x_places, y_places = np.broadcast_arrays(
-        np.atleast_1d(np.asarray(x, dtype=float)), np.atleast_1d(sign * np.asarray(y, dtype=float))
+        np.atleast_1d(np.asarray(x, dtype=float)),
+        np.atleast_1d(sign_of_y * np.asarray(y, dtype=float)),
     )
     if np.any(y_places > 0):
         raise InputError(
-            f"stress: y = {sign * float(y_places.max()):.6g} is outside the {body} body; y points"
-            " out of the lower one"
+            f"stress: y = {sign_of_y * float(y_places.max()):.6g} is outside the {body} body; y"
+            " points out of the lower one"
         )
     bulk_stress = _bulk_stress(solution, steps, number)
     series_of_steps = [tractions_with_uncertainty(_nodal(solution, step)).series for step in steps]
-    stress = np.zeros((len(steps), len(x_places), 4))
     tractions_on_body = [
-        None if step is None else _on_body(step, number) for step in series_of_steps
+        None if series is None else _on_body(series, number) for series in series_of_steps
     ]
+    stress = np.zeros((len(steps), len(x_places), 4))
     half_plane_stress = _stress_of_tractions(tractions_on_body, x_places, y_places)
     stress[..., :3] = np.moveaxis(half_plane_stress, -1, 0)
     if isinstance(getattr(solution.scene.bodies, body), HalfPlane):
         stress[..., 0] += bulk_stress[:, None]
-    elif any(step is not None for step in series_of_steps):
+    elif any(series is not None for series in series_of_steps):
         nodal_fields = _nodal_fields(solution, number, steps, bulk_stress)
         near_contact = _near_contact(solution, number, nodal_fields, series_of_steps)
         size_effect = None if near_contact is None else near_contact.size_effect
-        # the limit itself may be missed by rounding
-        if size_effect is None or np.any(
-            np.hypot(x_places, y_places) > size_effect.length * (1 + 1e-9)
-        ):
+        distances = np.hypot(x_places, y_places)
+        # A place at the limit itself may miss it by rounding.
+        if size_effect is None or np.any(distances > size_effect.length * (1 + 1e-9)):
             raise InputError(
                 f"stress: a place in the {body} body is further from the contact than where the"
                 " tractions alone give its stress"
             )
         stress[..., :3] += np.moveaxis(size_effect.stress(x_places, y_places), -1, 0)
-    stress[..., 2] *= sign
+    stress[..., 2] *= sign_of_y  # s_xy from the body's own frame to the common one
     poisson_ratio = solution.condensed[number].material.poisson_ratio
-    stress[..., 3] = poisson_ratio * (stress[..., 0] + stress[..., 1])
+    stress[..., 3] = poisson_ratio * (stress[..., 0] + stress[..., 1])  # plane strain
     return stress
 
 
@@ -659,12 +715,12 @@ class LargestTension:
 
 
 def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
-    """The largest stress along a face just outside an edge of contact in the last cycle of a
-    solution, tension positive; None where it is not known, and out of contact.
+    """The largest tension s_xx of the last cycle of a solution, along either face just outside an
+    edge of contact, with its place, time and uncertainty.
 
-    Where a load has just turned, elements may still have the tension from before the turn, for the
-    new slip zone is narrower than they see. So slip that no node shows does not make the largest
-    tension uncertain.
+    None out of contact, and where it is not known what the size of a body adds. Just after a load
+    has turned, the new slip zone is narrower than an element, so that the stress is still that from
+    before the turn. The largest tension is met before a turn: such slip leaves it certain.
     """
     if not _has_bodies(solution):
         return None
@@ -697,53 +753,58 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
 
 
 def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
-    """The steps of the last cycle among which the largest tension is looked for, in order: those of
-    the largest tension by single nodes and what bodies and bulk stress add to it.
+    """Candidates for the instant of the largest edge tension: steps of the last cycle, in order of
+    time, at which an estimate of it is highest.
 
-    Between half-planes without bulk stress that is all of the tension: there the largest is among
-    those that are alike but for round-off. Edges are fitted in the order of the tension by nodal
-    values alone, until what is left cannot be among the largest.
+    The estimate is the tension by tractions that are fitted at few points, plus what bodies and
+    bulk stress add, interpolated in time. Fits cost most, so they are made in the order of a
+    cheaper bound, by nodal values alone. They end when no step left can be among the highest.
+
+    Between half-planes without bulk stress the estimate is exact, and one candidate is enough.
     """
     cycle = [int(step) for step in solution.last_cycle]
     nodal_values = {step: _nodal(solution, step) for step in cycle}
-    of_nodes = {
+    tension_by_nodes = {
         step: tension_of_nodes(nodal)
         for step, nodal in nodal_values.items()
         if len(nodal.x) >= FEWEST
     }
     has_bulk_stress = any(_bulk_stress(solution, cycle, body).any() for body in (0, 1))
-    largest_alone = solution.scene.bodies.half_planes and not has_bulk_stress
-    n_candidates = 1 if largest_alone else _CANDIDATES
-    if len(of_nodes) <= n_candidates:
-        return list(of_nodes)
-    by_bodies = dict.fromkeys(of_nodes, np.zeros((2, 2)))
-    if not largest_alone:
-        by_bodies = _between_sampled(solution, {step: nodal_values[step] for step in of_nodes})
-    at_most = {
-        step: _NODES_TOO_LOW * of_nodes[step] + float(by_bodies[step].max()) for step in of_nodes
+    is_exact = solution.scene.bodies.half_planes and not has_bulk_stress
+    n_candidates = 1 if is_exact else _CANDIDATES
+    if len(tension_by_nodes) <= n_candidates:
+        return list(tension_by_nodes)
+    tension_by_bodies = dict.fromkeys(tension_by_nodes, np.zeros((2, 2)))
+    if not is_exact:
+        tension_by_bodies = _between_sampled(
+            solution, {step: nodal_values[step] for step in tension_by_nodes}
+        )
+    upper_bounds = {
+        step: _NODES_TOO_LOW * tension + float(tension_by_bodies[step].max())
+        for step, tension in tension_by_nodes.items()
     }
-    tension: dict[int, float] = {}
-    for step in sorted(at_most, key=lambda step: -at_most[step]):
-        highest_tensions = sorted(tension.values(), reverse=True)[:n_candidates]
-        if len(highest_tensions) == n_candidates and at_most[step] < highest_tensions[-1]:
+    estimates: dict[int, float] = {}
+    for step in sorted(upper_bounds, key=lambda step: -upper_bounds[step]):
+        highest_estimates = sorted(estimates.values(), reverse=True)[:n_candidates]
+        if len(highest_estimates) == n_candidates and upper_bounds[step] < highest_estimates[-1]:
             break
-        at_edges = sampled_tractions(nodal_values[step]).edge_tension()
-        of_bodies = np.outer([1.0, -1.0], at_edges) + by_bodies[step]
-        tension[step] = float(of_bodies.max())
-    highest_tensions = sorted(tension.values(), reverse=True)[:n_candidates]
-    # instants that are alike but for round-off are all among them, or none
-    least_tension = highest_tensions[-1] * (1 - _ROUND_OFF)
-    return [step for step in cycle if tension.get(step, -math.inf) >= least_tension]
+        tension_at_edges = sampled_tractions(nodal_values[step]).edge_tension()
+        tension_of_bodies = np.outer([1.0, -1.0], tension_at_edges) + tension_by_bodies[step]
+        estimates[step] = float(tension_of_bodies.max())
+    highest_estimates = sorted(estimates.values(), reverse=True)[:n_candidates]
+    # Instants that are alike but for round-off are all candidates, or none.
+    least_estimate = highest_estimates[-1] * (1 - _ROUND_OFF)
+    return [step for step in cycle if estimates.get(step, -math.inf) >= least_estimate]
 
 
 def _between_sampled(
     solution: ContactSolution, nodal_values: Mapping[int, Nodal]
 ) -> dict[int, Array]:
-    """About what bodies and bulk stress add to the tension of each step of a solution, (2, 2) by
-    body and edge [stress]: found at a few steps, by a cubic spline between them; 0 where it is not
-    known.
+    """Estimate of what bulk stress and the size of the bodies add to the edge tension at each step:
+    step -> (2, 2) by body and edge [stress].
 
-    `nodal_values` are the tractions at the nodes by the number of the step.
+    It is computed at six steps and interpolated in time by a cubic spline; 0 where it is not known.
+    `nodal_values` maps the index of a stored step to the tractions at its nodes.
     """
     steps = list(nodal_values)
     evenly_spread = np.linspace(0, len(steps) - 1, _SAMPLED_FOR_SEARCH).round().astype(int)
@@ -765,8 +826,8 @@ def _bulk_stress(solution: ContactSolution, steps: Sequence[int], number: int) -
 
 
 def _nodal(solution: ContactSolution, step: int) -> Nodal:
-    """Tractions at the closed nodes of a solution at a stored step, with edges, loads and profile
-    that their series needs.
+    """Pressure and shear at the touching nodes of a solution at a stored step, with all that a fit
+    of them by a series needs: edges of stick and contact, friction, Q, kinks of the profile.
     """
     pressure = solution.pressure[step]
     shear = solution.shear[step]
@@ -800,8 +861,11 @@ def _nodal(solution: ContactSolution, step: int) -> Nodal:
 
 
 def profile_kinks(scene: Scene) -> Array:
-    """(k, 2) where the curvature of the gap jumps, and E* times by how much from left to right
-    [length, stress/length].
+    """Places where the curvature of the profile jumps, and E* times the jump: (k, 2), left side
+    subtracted from right [length, stress/length].
+
+    Curvatures on either side are second differences of the height h with a step of a thousandth of
+    the place. Each kink at x > 0 has its mirror image at -x.
     """
     kinks = []
     for place in scene.profile.kinks:
@@ -844,8 +908,17 @@ class _NodalFields:
 def _nodal_fields(
     solution: FiniteElementSolution, body_number: int, steps: Sequence[int], bulk_stress: Array
 ) -> _NodalFields:
-    """Displacements and nodal stresses of the lower (0) or upper (1) body at stored steps, with its
-    bulk stress (k,) at each step.
+    """Displacement and stress at the nodes of one body by its elements, at k stored steps, in the
+    body's own frame.
+
+    Parameters
+    ----------
+    body_number
+        0 of the lower body, 1 of the upper one
+    steps
+        (k,) indices of stored instants
+    bulk_stress
+        (k,) of this body at the steps [stress]
     """
     condensed = solution.condensed[body_number]
     states = [solution.states[step] for step in steps]
@@ -894,18 +967,21 @@ def _near_contact(
     nodal_fields: _NodalFields,
     series: Sequence[Tractions | None],
 ) -> _NearContact | None:
-    """The nodes of a body next to the contact, the tractions on it and what its size adds to the
-    stress there; None where nothing touches, and where the body is so thin that all of it is next
-    to the contact.
+    """The nodes of a body within three half-widths of the contact, the tractions on the body, and a
+    fit of what its finite size adds to the stress at these nodes.
+
+    There stress follows from the tractions more accurately than from the elements. The fit rests on
+    nodes deep enough, or far enough beside the contact, for the elements to be accurate. None where
+    nothing touches, and where a support or a side is too near.
 
     Parameters
     ----------
     number
         0 of the lower body, 1 of the upper one
     nodal_fields
-        stress and displacement at its nodes by the elements
+        stress and displacement at its nodes by the elements, at k steps
     series
-        (k,) the tractions on the lower body at the steps, None without contact
+        (k,) tractions on the lower body at the steps, None without contact
     """
     shape = getattr(solution.scene.bodies, _BODIES[number])
     half_widths = [
@@ -920,6 +996,7 @@ def _near_contact(
     if largest_distance < _LEAST_OUTER * half_width:
         return None
     x, y = nodal_fields.basis.mesh.p
+    # Depth below the curved face, as if that were flat.
     y = np.minimum(y + face_of(shape, solution.scene.profile).depth(np.abs(x)), 0.0)
     nodes = np.flatnonzero(np.hypot(x, y) < largest_distance)
     x = x[nodes]
@@ -958,28 +1035,32 @@ def _stress_of_tractions(series: Sequence[Tractions | None], x: Array, y: Array)
 def _joined_stress(
     nodal_fields: _NodalFields, near_contact: _NearContact, material: Elastic
 ) -> Array:
-    """Stress xx, yy, xy, zz at the nodes of a body, (n, 4, k): beside the contact that by the
-    tractions and by the size of the body; further away that of the elements; a smooth step leads
-    from the one to the other.
+    """Stress xx, yy, xy, zz at the n nodes of a body at k steps, (n, 4, k): that of the elements
+    far from the contact, that of the tractions close to it, blended in between.
 
-    `nodal_fields` is stress by the elements, `near_contact` the nodes beside the contact with the
-    tractions, `material` that of the body.
+    With s the distance to the limit of the close part over the width of the blending zone, clipped
+    to 0 <= s <= 1, the weight of the tractions' stress is s^2 (3 - 2 s).
+
+    Parameters
+    ----------
+    nodal_fields
+        stress by the elements at all nodes
+    near_contact
+        the nodes close to the contact, the tractions on the body, and the effect of its size
+    material
+        of the body; its Poisson ratio gives s_zz in plane strain
     """
-    stress = nodal_fields.stress.copy()
-    traction_stress = _stress_of_tractions(near_contact.series, near_contact.x, near_contact.y)
-    if near_contact.size_effect is not None:
-        traction_stress = traction_stress + near_contact.size_effect.stress(
-            near_contact.x, near_contact.y
-        )
-    distance_to_limit = (near_contact.limit - np.hypot(near_contact.x, near_contact.y)) / (
-        _STEP * near_contact.limit
-    )
-    share_of_tractions = np.clip(distance_to_limit, 0.0, 1.0)
-    share_of_tractions = (share_of_tractions**2 * (3 - 2 * share_of_tractions))[:, None, None]
+    x = near_contact.x
+    y = near_contact.y
     nodes = near_contact.nodes
-    stress[nodes, :3] = (1 - share_of_tractions) * stress[
-        nodes, :3
-    ] + share_of_tractions * traction_stress
+    traction_stress = _stress_of_tractions(near_contact.series, x, y)
+    if near_contact.size_effect is not None:
+        traction_stress = traction_stress + near_contact.size_effect.stress(x, y)
+    blending_width = _STEP * near_contact.limit
+    s = np.clip((near_contact.limit - np.hypot(x, y)) / blending_width, 0.0, 1.0)
+    weight = (s**2 * (3 - 2 * s))[:, None, None]
+    stress = nodal_fields.stress.copy()
+    stress[nodes, :3] = (1 - weight) * stress[nodes, :3] + weight * traction_stress
     stress[nodes, 3] = material.poisson_ratio * (stress[nodes, 0] + stress[nodes, 1])
     return stress
 
@@ -990,8 +1071,10 @@ def _room(shape: Shape) -> float:
 
 
 def _counter_clockwise(points: Array, cells: Indices) -> Indices:
-    """`cells` with those that go round clockwise reversed: readers of VTU would give them negative
-    areas.
+    """Node numbers of elements, (n_elements, nodes of one), with those that run clockwise reversed:
+    readers of VTU files would give them negative areas.
+
+    `points` are (n, 2), `cells` list corners, then mid-side nodes, then the middle.
     """
     n_corners = 3 if cells.shape[1] in (3, 6) else 4
     corners = points[cells[:, :n_corners]]
@@ -1005,22 +1088,26 @@ def _counter_clockwise(points: Array, cells: Indices) -> Indices:
 def _nodal_stress(
     basis: skfem.Basis, displacement: Array, tension: Array, condensed: CondensedBody
 ) -> tuple[Array, Array]:
-    """Stress xx, yy, xy, zz at the nodes, (n_nodes, 4), and the sum of the areas of the elements
-    around each node, (n_nodes,): element stresses are carried to each node and averaged there with
-    these areas as weights.
+    """Stress xx, yy, xy, zz at the nodes of a body, (n_nodes, 4), by averaging over the elements
+    around each node, and the sum of the areas of these elements, (n_nodes,).
+
+    Stress at quadrature points is extrapolated to the nodes of each element, then averaged there
+    with the areas as weights.
+
+    # notation: lam, mu Lame's constants; lam without the part that enters through `tension`
 
     Parameters
     ----------
     basis
-        of the displacement
+        finite-element basis of the displacement
     displacement
-        values of the displacement in this basis [length]
+        (n_dofs,) values of the displacement in this basis [length]
     tension
-        part of lam div(u) that is found beside the displacement, at the corners [stress]
+        part of lam div(u) that mixed elements have as an unknown of its own, at the corners
+        [stress]
     condensed
         the body, with its material and the order of its elements
     """
-    # notation: lam, mu are Lame's constants, the part of lam that enters through `tension` left out
     lam, _, mu = split_lame(condensed.material, condensed.order)
     strain = sym_grad(basis.interpolate(displacement))
     tension_at_points = basis.with_element(scalar_element(basis.mesh, 1)).interpolate(tension)
@@ -1046,8 +1133,8 @@ def _nodal_stress(
 
 
 def _to_nodes(basis: skfem.Basis, order: int) -> Array:
-    """(n_nodes, n_quadrature) matrix of one element, from values at its quadrature points to values
-    at its nodes, by the polynomial nearest to the former.
+    """Matrix (n_nodes, n_quadrature) that extrapolates values at the quadrature points of an
+    element to its nodes, by the polynomial that fits them best in least squares.
 
     The polynomial has a degree less than the displacement, where stresses are most accurate:
     constant, or linear (bilinear on a quadrilateral). Source: Zienkiewicz and Zhu (1992), Int. J.

@@ -47,16 +47,18 @@ class CondensedBodies:
     def condensed(
         self, body: BodyMesh, material: Elastic, datum_length: float, work: Counter[str]
     ) -> CondensedBody:
-        """The body condensed to its face, from the cache of bodies where it is stored.
+        """Stiffness of a meshed body condensed to the nodes of its contact face, taken from this
+        process's cache where the same body was condensed before.
 
         Parameters
         ----------
-        material
-            of the body
+        body, material
+            mesh with its supports, and elastic constants
         datum_length
             distance from a force at which a half-plane's surface counts as unmoved [length]
         work
-            counts a find in the cache, or how many condensations and factorisations it took
+            counters of the solution, raised here: by a body from the cache, or by the condensations
+            and factorisations that were needed
         """
         key = _digest(body, material, datum_length)
         with self._lock:
@@ -90,9 +92,11 @@ def _nbytes(values: dict[str, Any]) -> int:
 
 
 def _digest(body: BodyMesh, material: Elastic, datum_length: float) -> bytes:
-    """SHA-256 of all that the condensation reads of a body, its key in the cache of condensed
-    bodies: mesh, sizes and supports, elastic constants, and the datum length. A body that differs
-    in any bit has another key.
+    """SHA-256 hash of a body by which a cache finds its condensed stiffness: of its mesh, element
+    sizes, supports, elastic constants and `datum_length`.
+
+    A body that differs in any bit of these has another hash. The datum length is the distance from
+    a force at which a half-plane's surface counts as unmoved [length].
     """
     mesh = body.mesh
     settings = [
