@@ -283,31 +283,26 @@ class LoadSegment(abc.ABC):
         self, combination: Combination, change: Array, begin: float, end: float, guess: Array
     ) -> Array | None:
         """Times (n,) at which a combination of the loads has changed by `change` since `begin`,
-        from guesses by Newton's steps alone, at a third of the cost; None where a step leaves the
-        range or is not half as long as the one before.
+        from guesses by Newton's steps alone, at a third of the cost; None where these do not end
+        between `begin` and `end`, in which a combination has one time for each change.
 
         A step leaves its square over the distance of a turning point, which is no nearer than an
         end: below rounding it is the last.
         """
         time = guess
-        last_step = np.full(change.shape, math.inf)
-        for _ in range(_MOST_PLAIN_STEPS):
-            change_so_far, rate = self._change_and_rate(combination, time, begin)
-            with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            for _ in range(_MOST_PLAIN_STEPS):
+                change_so_far, rate = self._change_and_rate(combination, time, begin)
                 step = (change - change_so_far) / rate
-            step_size = np.abs(step)
-            time = time + step
-            rounding = _ROUNDING_OF_TIME * np.abs(time)
-            is_shorter = step_size <= np.maximum(last_step / 2, rounding)
-            share_to_end = np.minimum((time - begin) / (end - begin), (end - time) / (end - begin))
-            if not np.all(is_shorter & (share_to_end >= 0)):
-                return None
-            time_left = (
-                step_size * step_size / np.maximum(share_to_end * abs(end - begin), rounding)
-            )
-            if np.all((_LEFT_OF_STEP * time_left <= rounding) | (step_size <= rounding)):
-                return time
-            last_step = step_size
+                time = time + step
+                rounding = _ROUNDING_OF_TIME * np.abs(time)
+                distance = np.minimum(np.abs(time - begin), np.abs(end - time))
+                longest_last_step = np.sqrt(
+                    rounding * np.maximum(distance / _LEFT_OF_STEP, rounding)
+                )
+                if (np.abs(step) <= longest_last_step).all():
+                    is_between = (time - begin) * (end - time) >= 0
+                    return time if is_between.all() else None
         return None
 
     def slope_and_bend(
@@ -562,40 +557,39 @@ class HarmonicSegment(LoadSegment):
         """
         end_time = _float_or_array(time)
         begin_time = _float_or_array(time_before)
-        middle = (end_time + begin_time) / 2
         half_step = (end_time - begin_time) / 2
         if self.ellipse:
+            middle = (end_time + begin_time) / 2
             size, lead = self.wave(combination)
             change: Array = -2 * size * np.sin(middle + lead) * np.sin(half_step)
             return change
-        centre = np.exp(1j * np.atleast_1d(middle))
-        side = np.exp(1j * np.atleast_1d(half_step))
-        change = self._change_between(combination, centre, side)
-        return np.reshape(change, np.shape(middle))
+        half_turn = np.exp(1j * np.atleast_1d(half_step))
+        change = self._change_between(combination, _unit_vector(begin_time), half_turn)
+        return change.reshape(np.shape(half_step))
 
     def _change_between(
         self,
         combination: Combination,
-        centre: NDArray[np.complex128],
-        side: NDArray[np.complex128],
+        z_before: complex | NDArray[np.complex128],
+        half_turn: NDArray[np.complex128],
     ) -> Array:
-        """Change of a combination from z_0 to z, by z = exp(i t) and the factors `centre` = exp(i
-        (t + t_0)/2), `side` = exp(i (t - t_0)/2), (n,) each.
+        """Change of a combination from z_0 to z, by z = exp(i t) and the factor `half_turn` =
+        exp(i (t - t_0)/2), (n,); z_0 is one number or (n,).
         """
         # (p(z) - p(z_0))/(z - z_0) by Horner's scheme, and z - z_0 = 2i sin((t - t_0)/2) exp(i (t +
         # t_0)/2).
-        z = centre * side
-        z_before = centre * side.conjugate()
         coefficients, _ = self._series_of(combination)
         *lower_terms, highest_term = coefficients
         if not lower_terms:
-            return np.zeros(z.shape)
+            return np.zeros(half_turn.shape)
+        centre = half_turn * z_before
+        z = half_turn * centre
         quotient: Any = highest_term
         value: Any = highest_term * z_before + lower_terms[-1]
         for coefficient in reversed(lower_terms[:-1]):
             quotient = quotient * z + value
             value = value * z_before + coefficient
-        change: Array = (quotient * centre * (2j * side.imag)).real
+        change: Array = (quotient * centre * (2j * half_turn.imag)).real
         return change
 
     def _change_and_rate(
@@ -603,11 +597,11 @@ class HarmonicSegment(LoadSegment):
     ) -> tuple[Array, Array]:
         if self.ellipse:
             return super()._change_and_rate(combination, time, time_before)
-        centre = np.exp(0.5j * (time + time_before))
-        side = np.exp(0.5j * (time - time_before))
+        z_before = _unit_vector(time_before)
+        half_turn = np.exp(0.5j * (time - time_before))
         _, rate_terms = self._series_of(combination)
-        change = self._change_between(combination, centre, side)
-        return change, _wave_sum_at(rate_terms, centre * side, time)
+        change = self._change_between(combination, z_before, half_turn)
+        return change, _wave_sum_at(rate_terms, half_turn * half_turn * z_before, time)
 
     def companion_of(self, combination: Combination) -> HarmonicSegment:
         """The segment with 0 as its first load and, as its second one, a combination of both loads
@@ -930,6 +924,11 @@ def _terms(coefficients: NDArray[np.complex128]) -> WaveTerms:
         terms.append((complex(coefficients[k]), order_above - k))
         order_above = k
     return tuple(terms)
+
+
+def _unit_vector(time: float | Array) -> Any:
+    """exp(i t) of one time, a number without a shape, or of times (n,)."""
+    return cmath.exp(1j * time) if isinstance(time, float) else np.exp(1j * np.atleast_1d(time))
 
 
 def _wave_sum(terms: WaveTerms, time: Array) -> Array:

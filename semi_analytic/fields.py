@@ -42,7 +42,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from scenes import NORMAL_LOAD, LoadSegment
+from scenes import NORMAL_LOAD, TANGENTIAL_LOAD, LoadSegment
 from scenes.array_types import Array
 from scenes.chebyshev import DEGREE, NODES, series, tail
 from semi_analytic.memory import CurvePart, Piece, Snapshot, front_time, pieces
@@ -345,7 +345,7 @@ class Arc:
             is_far = edge_loads <= least_load - margin
             is_near = (edge_loads < largest_load) & (edge_loads > least_load - margin)
         panel, point = np.nonzero(is_far)
-        force_rate = self._leg.rates(time)[1] * (ends - begins)[:, None]
+        force_rate = self._leg.rate_of(TANGENTIAL_LOAD, time) * (ends - begins)[:, None]
         advance = contact.advance(load)
         coefficients = np.empty((len(panel), DEGREE + 1))
         pairs_at_once = _NODES // (DEGREE + 1)
@@ -399,7 +399,8 @@ def _force_over_root(leg: LoadSegment, turn: TurningPoint, z: Array) -> Array:
     """
     time = leg.time_of(NORMAL_LOAD, turn.sign * z * z, turn.time, turn.farthest)
     slope = np.abs(leg.rate_of(NORMAL_LOAD, time))
-    return np.asarray(leg.rates(time)[1] * 2 * z / np.where(slope > 0, slope, np.inf))
+    force_rate = leg.rate_of(TANGENTIAL_LOAD, time)
+    return np.asarray(force_rate * 2 * z / np.where(slope > 0, slope, np.inf))
 
 
 def _kernel(

@@ -101,7 +101,7 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
         span = of_span.span
         times, weights = rule(of_span.begin, of_span.end)
         load, _tangential = span.leg.loads(times)
-        kernel = contact.dissipation_kernel(load, span.slipped(times))
+        kernel = contact.dissipation_kernel(load, span.slipped_at(times, load))
         return np.asarray(np.sum(weights * _growth(span, times) * kernel, axis=-1))
 
     split = _over_spans(contact, modulus, ranges, 1, _span_by_span(work))
@@ -283,7 +283,7 @@ def pointwise_dissipation(
         times, weights = rule(of_span.begin, of_span.end)
         places = x[of_span.number, None]
         load, _tangential = span.leg.loads(times)
-        stick_edge_load = load - span.slipped(times)
+        stick_edge_load = load - span.slipped_at(times, load)
         excess = np.maximum(edge_loads[of_span.number, None] - stick_edge_load, 0.0)
         ratio = contact.arccosh_ratio(places, excess, contact.advance(stick_edge_load))
         works = weights * _growth(span, times) * contact.pressure(places, load) * ratio
