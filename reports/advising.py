@@ -23,11 +23,13 @@ class NoAdvice(InputError):
 def advise(
     scene: Scene | str | Path, limit: float = 0.05, effects: BodyEffects | None = None
 ) -> Advice | KernelAdvice:
-    """How far finite bodies are from half-plane theory, in seconds.
+    """How far half-plane theory is wrong for the finite bodies of a scene, in seconds, without
+    solving these by finite elements.
 
-    Corrected theory answers where it has an uncertainty that was held to finite elements: flat
-    faces, like materials, small tilt and bulk strain. Else the kernel solve of the bodies does, in
-    some seconds more. Where that declines, corrected theory's size of the change is left.
+    Theory corrected by elastic responses of the bodies answers where its uncertainty was checked
+    against finite elements: flat faces, like materials, small tilt and bulk strain. Else
+    half-planes with the compliance of the bodies added (kernels) are solved, in some seconds more.
+    Where that is not possible, the size of the change by corrected theory is left.
 
     Parameters
     ----------
@@ -36,7 +38,7 @@ def advise(
     limit
         share of the dissipation up to which theory may be used
     effects
-        the numbers of the bodies, where they are known already
+        elastic responses of the bodies, where they are known already
 
     Returns
     -------

@@ -64,20 +64,20 @@ class KernelAdvice:
 
 
 def advise_by_kernels(scene: Scene, limit: float, instead_of: str) -> KernelAdvice:
-    """How far the bodies of a scene are from half-plane theory, by finite elements of half-planes
-    to which the compliance of the bodies is added as kernels.
+    """How far half-plane theory is wrong for the finite bodies of a scene, by finite elements of
+    half-planes to which the compliance of the bodies is added as kernels.
 
     Parameters
     ----------
     limit
         |change of the dissipation| up to which theory may be used
     instead_of
-        why corrected theory, with the numbers of the bodies, does not answer; for the sentence
+        why theory corrected by responses of the bodies does not answer; for the sentence
 
     Raises
     ------
     InputError
-        For bodies that have no kernels; where theory dissipates nothing.
+        For bodies whose compliance is not known; where theory dissipates nothing.
     InadmissibleLoadError
         For loads with gross sliding or separation.
     ConvergenceError
@@ -89,6 +89,8 @@ def advise_by_kernels(scene: Scene, limit: float, instead_of: str) -> KernelAdvi
     changes = changes_of(halfplane_fe.solve(scene, bodies="kernel"), theory)
     for quantity, change_of_quantity in changes.items():
         estimated_change = change_of_quantity.change
+        # The largest pressure of a pad with a flat lies at its rounded flank, where kernels err
+        # more.
         error_of_kernels = _LEFT_OF_FLAT_PAD if _is_at_flank(scene, quantity) else _LEFT
         # It is a share of the value with bodies, which is 1 + change of theory's.
         uncertainty = estimated_change.uncertainty + error_of_kernels * (1 + estimated_change.value)

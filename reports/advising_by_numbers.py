@@ -151,8 +151,8 @@ class Advice:
 
     @property
     def declined(self) -> str:
-        """Why the numbers give no more than the size of the change; empty where they give it with
-        an uncertainty that was held to finite elements.
+        """Why corrected theory gives only the size of the change by finite bodies, and no
+        uncertainty that was checked against finite elements. "" where it gives one.
         """
         if coupled(self.scene):
             return "the materials are unlike (Dundurs' beta is not 0)"
@@ -175,8 +175,12 @@ class Advice:
 def advise_by_numbers(
     scene: Scene | str | Path, limit: float = 0.05, effects: BodyEffects | None = None
 ) -> Advice:
-    """How far finite bodies are from half-plane theory, by half-plane theory that is corrected with
-    what the bodies add to half-planes (curvatures of the faces per load, tilt, bulk strain).
+    """How far finite bodies are from half-plane theory, by theory that is corrected with the
+    elastic responses that bodies add to half-planes: curvatures of the faces per load, tilt, bulk
+    strain.
+
+    Tilt and bulk strain are the odd part: at -x they do the opposite of what they do at x. The
+    curvatures are the even part.
 
     Parameters
     ----------
@@ -185,13 +189,13 @@ def advise_by_numbers(
     limit
         share of the dissipation up to which theory may be used
     effects
-        what the bodies add to half-planes, where it is known already
+        the responses, where they are known already
 
     Raises
     ------
     InputError
-        Where the numbers say nothing: curved faces, unlike half-planes, bulk stress, profiles that
-        are not symmetric; where theory dissipates nothing.
+        Where the responses are of no use: curved faces, unlike half-planes, bulk stress, profiles
+        that are not symmetric; where theory dissipates nothing.
     """
     import halfplane_fe
     import semi_analytic
@@ -226,8 +230,7 @@ def advise_by_numbers(
     ratio = ratio_of_next_order(effects, half_width)
     parts = _parts(effects, theory, corrected_solution, uncertainties)
     odd_share = _size_of_odd_part(effects, scene, half_width)
-    left_out = odd_share
-    has_odd_part = odd_share > 0
+    left_out = odd_share  # until the odd part is followed itself
     if is_coupled:
         left_out += _size_of_coupling(effects, scene, half_width)
     elif left_out > _LEAST_ODD_PART:
@@ -244,12 +247,14 @@ def advise_by_numbers(
         if key == WORK:
             change = sum(part.value for part in parts.values())
             uncertainty = sum(part.uncertainty for part in parts.values()) + left_out
-        estimate = Estimate(change, uncertainty + LEFT_IN_ANY_CASE)
-        if (is_coupled or odd_share > _MOST_ODD) and key != WORK:
+            estimate = Estimate(change, uncertainty + LEFT_IN_ANY_CASE)
+        elif is_coupled or odd_share > _MOST_ODD:
             # coupling, or a large tilt, moves it by an amount that is not known
             estimate = Estimate(math.nan, math.nan)
-        elif has_odd_part and key == "permanent_stick":
+        elif odd_share > 0 and key == "permanent_stick":
             estimate = _change_of_stick(scene, effects, theory_value, uncertainty)
+        else:
+            estimate = Estimate(change, uncertainty + LEFT_IN_ANY_CASE)
         changes[key] = Change(words, own_values.get(key, theory_value), estimate)
     return Advice(scene, effects, changes, parts, left_out, limit)
 
@@ -257,13 +262,16 @@ def advise_by_numbers(
 def _odd_part_of_work(
     effects: BodyEffects, scene: Scene, even_part: float, ratio: float
 ) -> Estimate | None:
-    """The change of the dissipation by the tilt and the bulk strain of the bodies, relative to
-    theory's, with its uncertainty. None where no method of theory follows them in this scene.
+    """The change of the dissipation W by the tilt and the bulk strain of finite bodies, relative to
+    W of half-plane theory, with its uncertainty. None where no method of theory follows them in
+    this scene.
 
     Parameters
     ----------
+    effects
+        elastic responses that the bodies add to half-planes
     even_part
-        relative change by the curvatures of the faces
+        relative change of W by the curvatures of the faces
     ratio
         size of what the bodies' next order adds, over the first order
     """
@@ -281,13 +289,17 @@ def _odd_part_of_work(
 def _change_of_stick(
     scene: Scene, effects: BodyEffects, theory_value: float, uncertainty: float
 ) -> Estimate:
-    """Relative change of the permanent stick half-width by finite bodies, from `theory_value`, with
-    tilt and bulk strain to first order; NaN where that does not hold.
+    """Relative change of the permanent stick half-width by finite bodies, with tilt and bulk strain
+    to first order; NaN where that does not hold.
 
     Parameters
     ----------
+    effects
+        elastic responses that the bodies add to half-planes
+    theory_value
+        the half-width by half-plane theory [length]
     uncertainty
-        of the change by the curvatures
+        relative uncertainty of the change by the curvatures of the faces
     """
     import semi_analytic
     from semi_analytic.odd_memory import Declined, odd_answer
@@ -304,15 +316,17 @@ def _change_of_stick(
 
 
 def split(comparison: JudgedPair, budget: ErrorBudget | None) -> Why:
-    """The difference of W between finite elements of real bodies and half-plane theory, split by
-    what makes it; not split, and why, where the numbers of the bodies say nothing.
+    """Split the difference of the dissipation W between finite elements of real bodies and
+    half-plane theory into its causes. Not split, with the reason, where no method for these bodies
+    finds the causes.
 
     Parameters
     ----------
     comparison
         of finite elements with half-plane theory, W with its uncertainty
     budget
-        of which mesh and steps are taken; without it they are in what is left
+        error budget that states the parts by mesh and load steps; without it they are in what is
+        left
     """
     metric = comparison.metric(WORK)
     if metric.value is None or metric.absolute or not math.isfinite(metric.value):
@@ -324,6 +338,7 @@ def split(comparison: JudgedPair, budget: ErrorBudget | None) -> Why:
         terms = next(row.terms for row in budget.budgets if row.metric.key == WORK)
         numerical_part = sum(term.value or 0.0 for term in terms)
     try:
+        # unlike materials: pressure and shear depend on each other
         if coupled(comparison.scene):
             parts = _parts_of_unlike(comparison)
         elif comparison.scene.bodies.faces_are_true:
@@ -349,13 +364,9 @@ def _parts_of_alike(advice: Advice, comparison: JudgedPair) -> dict[str, Estimat
     """The causes of the change of the dissipation for bodies of like materials with flat faces:
     cause -> relative change with its uncertainty.
 
-    They are those of corrected theory. Where that gives no more than their size, what the kernel
-    solve of the bodies finds beyond their sum is added as a further cause.
-
-    Parameters
-    ----------
-    advice
-        the advice of corrected theory on this scene
+    They are those of theory corrected by the bodies' elastic responses (`advice`). Where that gives
+    no more than their size, finite elements of half-planes with the whole compliance of the bodies
+    are solved: what they find beyond the sum is a further cause.
     """
     parts = dict(advice.parts)
     if not advice.declined:
@@ -366,19 +377,20 @@ def _parts_of_alike(advice: Advice, comparison: JudgedPair) -> dict[str, Estimat
     work_by_kernels = _work_by_kernels(comparison)
     sum_of_parts = sum(part.value for part in parts.values())
     parts = {cause: Estimate(part.value) for cause, part in parts.items()}
-    beyond_numbers = work_by_kernels.value / theory_work - 1 - sum_of_parts
-    parts[HIGHER_ORDERS] = Estimate(beyond_numbers, work_by_kernels.uncertainty / theory_work)
+    change_beyond_parts = work_by_kernels.value / theory_work - 1 - sum_of_parts
+    parts[HIGHER_ORDERS] = Estimate(change_beyond_parts, work_by_kernels.uncertainty / theory_work)
     return parts
 
 
 def _parts_of_curved(comparison: JudgedPair) -> dict[str, Estimate]:
-    """The cause of the change of the dissipation for bodies with curved faces: one, their finite
-    size, by the kernel solve of the bodies; cause -> relative change with its uncertainty.
+    """The one cause of the change of the dissipation for bodies with curved faces, their finite
+    size: cause -> relative change with its uncertainty. It is found by finite elements of
+    half-planes with the compliance of the bodies added (kernels).
 
     Raises
     ------
     InputError
-        For bodies that have no kernels, before anything is solved.
+        For bodies whose compliance is not known, before anything is solved.
     """
     import semi_analytic
 
@@ -390,13 +402,16 @@ def _parts_of_curved(comparison: JudgedPair) -> dict[str, Estimate]:
 
 def _parts_of_unlike(comparison: JudgedPair) -> dict[str, Estimate]:
     """The causes of the change of the dissipation for bodies of unlike materials: cause -> relative
-    change with its uncertainty. The coupling of pressure and shear is that of half-planes of these
-    materials, by finite elements; the finite size is what the kernel solve of the bodies adds.
+    change with its uncertainty.
+
+    Coupling of pressure and shear: half-planes of these materials, by finite elements, against
+    theory. Finite size: what half-planes with the compliance of the bodies added (kernels) have
+    beyond that.
 
     Raises
     ------
     InputError
-        For bodies that have no kernels, before anything is solved.
+        For bodies whose compliance is not known, before anything is solved.
     """
     import halfplane_fe
     import semi_analytic
@@ -453,12 +468,14 @@ def _parts(
     corrected_solution: ContactSolution,
     uncertainties: Mapping[str, float],
 ) -> dict[str, Estimate]:
-    """The change of the dissipation, relative to theory's, by each of the curvatures that the
-    bodies add (of the gap under P, of the faces under Q) alone, and what both together make beyond
-    that.
+    """Relative change of the dissipation by each curvature that finite bodies add to half-planes,
+    alone: of the gap under P, and of the faces under Q. Beside them what both together make beyond
+    their sum.
 
     Parameters
     ----------
+    effects
+        elastic responses that the bodies add to half-planes
     theory, corrected_solution
         half-plane theory, and theory with all curvatures
     uncertainties
@@ -563,8 +580,8 @@ def sentence(advice: Advice) -> str:
 
 
 def _what_to_do(advice: Advice) -> str:
-    """A sentence on whether the expected error is within the limit, and what to do: use theory,
-    correct it, or solve the scene.
+    """A sentence on whether the expected error of half-plane theory is within the limit, and what
+    to do: use theory, correct it, or solve the scene.
     """
     limit_in_words = f"the limit of {100 * advice.limit:g} %"
     advice_to_solve = "solve the scene (`halfplane run`)"

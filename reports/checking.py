@@ -80,27 +80,29 @@ class _NearestToSliding:
 
 
 def nearest_to_sliding(scene: Scene) -> _NearestToSliding:
-    """The largest |Q|/(f P) of the initial loading and one cycle, with its time and loads. Each
-    load segment is sampled, and the samples around the largest once more.
+    """How near the loads come to gross sliding: the largest |Q|/(f P) of the initial loading and
+    one cycle, with its time and loads. Each load segment is sampled, and the samples around the
+    largest once more.
 
     >>> from scenes import load_scene
     >>> round(nearest_to_sliding(load_scene("cattaneo-mindlin")).ratio, 12)
     0.6
     """
-    named_legs = _deciding_legs(scene)
+    named_segments = _deciding_segments(scene)
+    friction = scene.friction.coefficient
 
-    def worst_of(leg: LoadSegment) -> tuple[float, float]:
-        return _highest(leg, lambda time: _ratio(*leg.loads(time), scene.friction.coefficient))
+    def highest_ratio_and_time(segment: LoadSegment) -> tuple[float, float]:
+        return _highest(segment, lambda time: _ratio(*segment.loads(time), friction))
 
-    worst_instants = [worst_of(leg) for leg, _ in named_legs]
-    worst_leg = int(np.argmax([ratio for ratio, _ in worst_instants]))
-    ratio, time = worst_instants[worst_leg]
-    leg, part_of_path = named_legs[worst_leg]
-    normal_load, tangential_load = leg.loads(time)
+    worst_instants = [highest_ratio_and_time(segment) for segment, _ in named_segments]
+    number_of_worst = int(np.argmax([ratio for ratio, _ in worst_instants]))
+    ratio, time = worst_instants[number_of_worst]
+    segment, part_of_path = named_segments[number_of_worst]
+    normal_load, tangential_load = segment.loads(time)
     return _NearestToSliding(ratio, part_of_path, time, float(normal_load), float(tangential_load))
 
 
-def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
+def _deciding_segments(scene: Scene) -> list[tuple[LoadSegment, str]]:
     """The load segments among which |Q|/(f P) can be largest, each with the part of the path that
     it belongs to: "initial loading", "cycle" or "path".
 
@@ -111,12 +113,12 @@ def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
     if not isinstance(load, TimeSeriesLoad):
         path = load.path()
         name_of_first = "initial loading" if path.cycle else "path"
-        parts = [(leg, name_of_first) for leg in path.initial_loading]
-        return parts + [(leg, "cycle") for leg in path.cycle]
+        parts = [(segment, name_of_first) for segment in path.initial_loading]
+        return parts + [(segment, "cycle") for segment in path.cycle]
     name_of_first = "initial loading" if load.repeats else "path"
     name_of_later = "cycle" if load.repeats else "path"
     rows = load.series()
-    legs: list[tuple[LoadSegment, str]] = []
+    segments: list[tuple[LoadSegment, str]] = []
     for first_of_block in range(0, len(rows) - 1, _BLOCK):
         block = rows[first_of_block : first_of_block + _BLOCK + 1]
         normal_load = np.stack([block[:-1, 1], block[1:, 1]], axis=1)
@@ -127,11 +129,11 @@ def _deciding_legs(scene: Scene) -> list[tuple[LoadSegment, str]]:
         for row in np.unique([row_of_highest_ratio, row_of_highest_load]).tolist():
             start, *loads_before = block[row].tolist()
             end, *loads_after = block[row + 1].tolist()
-            leg = StraightSegment(
+            segment = StraightSegment(
                 start, end, (loads_before[0], loads_before[1]), (loads_after[0], loads_after[1])
             )
-            legs.append((leg, name_of_later if first_of_block + row > 0 else name_of_first))
-    return legs
+            segments.append((segment, name_of_later if first_of_block + row > 0 else name_of_first))
+    return segments
 
 
 def require_admissible(scene: Scene, source: str) -> None:
@@ -145,6 +147,7 @@ def require_admissible(scene: Scene, source: str) -> None:
     try:
         _check(scene)
     except InadmissibleLoadError as fault:
+        # a record that counts compression as negative
         if _is_tension(scene):
             sign_in_words = (
                 "never positive" if largest_normal_load(scene) <= 0 else "negative but for noise"
@@ -234,8 +237,8 @@ def largest_normal_load(scene: Scene) -> float:
 def _when_largest(scene: Scene) -> tuple[float, float]:
     """Largest P of the path and when that is."""
     return max(
-        _highest(leg, lambda time, leg=leg: leg.loads(time)[0])  # type: ignore[misc]
-        for leg, _ in _deciding_legs(scene)
+        _highest(segment, lambda time, segment=segment: segment.loads(time)[0])  # type: ignore[misc]
+        for segment, _ in _deciding_segments(scene)
     )
 
 
@@ -244,7 +247,7 @@ def _ratio(normal_load: Array, tangential_load: Array, friction: float) -> Array
     and at Q where f P = 0.
     """
     size_of_q = np.abs(tangential_load)
-    # A load that is zero but for the rounding of its own leg is zero.
+    # A load that is zero but for the rounding of its own segment is zero.
     size_of_q = np.where(
         size_of_q <= _ROUNDING * friction * np.max(np.abs(normal_load), axis=-1, keepdims=True),
         0.0,
@@ -255,12 +258,12 @@ def _ratio(normal_load: Array, tangential_load: Array, friction: float) -> Array
     return np.asarray(np.where(normal_load < 0, np.inf, np.where(size_of_q == 0, 0.0, ratio)))
 
 
-def _highest(leg: LoadSegment, value_at: Callable[[Array], Array]) -> tuple[float, float]:
-    """The largest value of a function of time on one load segment (`leg`), and its time: the best
-    of some samples, then twice the best of closer samples around it. `value_at` gives values at
-    times (n,).
+def _highest(segment: LoadSegment, value_at: Callable[[Array], Array]) -> tuple[float, float]:
+    """The largest value of a function of time on one load segment, and its time: the best of some
+    samples, then twice the best of closer samples around it. `value_at` gives the values at times
+    (n,).
     """
-    time = sampled(leg, _SAMPLES)
+    time = sampled(segment, _SAMPLES)
     for _ in range(3):
         values = value_at(time)
         index_of_highest = int(np.argmax(values))
@@ -337,6 +340,7 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> E
         bodies that finite elements refuse (theory has half-planes in their place), and what both
         refuse.
     """
+    # prescribed displacements; theory then needs the responses of flat faces
     if scene.load.is_driven:
         if scene.bodies.faces_are_true:
             return Engines(_NO_THEORY_OF_CURVED_FACES, "")
@@ -440,10 +444,10 @@ class _LargestContact:
 
 
 def largest_contact(scene: Scene, source: str) -> _LargestContact:
-    """Half-width, peak pressure, strain and slope of the contact at the largest load, by half-plane
-    theory.
+    """Half-width, peak pressure, strain and slope of the contact at the largest load of a scene, by
+    half-plane theory.
 
-    Neither the history nor bulk stress matters: they do not move p. InputError naming `source`
+    Neither the history nor bulk stress matters: they do not move p. InputError, naming `source`,
     where theory can't press the profile with that load: a table or function that ends within the
     contact, a shape under which the contact would split, a tilt of a profile that bends down
     somewhere.
@@ -454,25 +458,37 @@ def largest_contact(scene: Scene, source: str) -> _LargestContact:
     contact = _pressed_convex(scene, largest_load, time)
     if contact is None:
         contact = _pressed_by_the_engine(scene, largest_load, time, source)
-    left_edge, right_edge = contact.left, contact.right
+    half_width = (contact.right - contact.left) / 2
+    peak_pressure = _peak_pressure(contact, scene)
+    typical_pressure = peak_pressure
+    if not np.isfinite(peak_pressure):  # at the tip of a wedge: the mean pressure in its place
+        typical_pressure = largest_load / (2 * half_width)
+    contact_edges = np.array([contact.left, contact.right])
+    heights = scene.profile.height(contact_edges[:, None] * np.array([1 - 1e-6, 1 + 1e-6]))
+    slopes = (heights[:, 1] - heights[:, 0]) / (2e-6 * np.abs(contact_edges))
+    return _LargestContact(
+        normal_load=largest_load,
+        half_width=half_width,
+        peak_pressure=peak_pressure,
+        strain=typical_pressure / composite_modulus(scene.material),
+        edge_slope=float(np.max(slopes)),
+        ratios=_ratios(scene, half_width),
+    )
+
+
+def _peak_pressure(contact: _Pressed, scene: Scene) -> float:
+    """Largest pressure of a contact [stress], of many points; infinite at the tip of a wedge."""
     # Close points at the edges, where a flat with rounded corners has its peak; then closer ones
     # around the best.
-    half_width = (right_edge - left_edge) / 2
-    x = (left_edge + right_edge) / 2 + half_width * np.sin(np.linspace(-np.pi / 2, np.pi / 2, 257))
+    half_width = (contact.right - contact.left) / 2
+    middle_x = (contact.left + contact.right) / 2
+    x = middle_x + half_width * np.sin(np.linspace(-np.pi / 2, np.pi / 2, 257))
     kinks = np.array([*scene.profile.kinks, *(-kink for kink in scene.profile.kinks)])
-    x = np.union1d(x, kinks[(left_edge < kinks) & (kinks < right_edge)])
+    x = np.union1d(x, kinks[(contact.left < kinks) & (kinks < contact.right)])
     pressure = contact.pressure(x)
     peak_index = int(np.argmax(pressure))
     x_around_peak = np.linspace(x[max(peak_index - 1, 0)], x[min(peak_index + 1, len(x) - 1)], 65)
-    peak = max(float(pressure[peak_index]), float(np.max(contact.pressure(x_around_peak))))
-    contact_edges = np.array([left_edge, right_edge])
-    heights = scene.profile.height(contact_edges[:, None] * np.array([1 - 1e-6, 1 + 1e-6]))
-    slopes = (heights[:, 1] - heights[:, 0]) / (2e-6 * np.abs(contact_edges))
-    typical_pressure = peak if np.isfinite(peak) else largest_load / (2 * half_width)
-    strain = typical_pressure / composite_modulus(scene.material)
-    return _LargestContact(
-        largest_load, half_width, peak, strain, float(np.max(slopes)), _ratios(scene, half_width)
-    )
+    return max(float(pressure[peak_index]), float(np.max(contact.pressure(x_around_peak))))
 
 
 @dataclass(frozen=True)
@@ -511,7 +527,9 @@ def _pressed_convex(scene: Scene, load: float, time: float) -> _Pressed | None:
 
 
 def _pressed_by_the_engine(scene: Scene, load: float, time: float, source: str) -> _Pressed:
-    """Ends and pressure of the contact under one load P, by solving the scene with this load alone.
+    """Ends and pressure of the contact under one normal load P, by solving the scene with this load
+    alone.
+
     It takes any profile that theory takes, and the tilt or moment that the load path has at `time`.
     InputError, naming `source`, for what theory does not take.
     """
@@ -531,17 +549,17 @@ def _pressed_by_the_engine(scene: Scene, load: float, time: float, source: str) 
 
 
 def _tilt_or_moment_at(scene: Scene, time: float) -> dict[str, float]:
-    """Tilt or moment of the load path at time `time`, by its key in a scene's load; empty where the
-    path has neither.
+    """The tilt [rad] or the moment [force] of the load path at a time, whichever the scene states,
+    by its key in the scene's load. Empty where the path has neither.
     """
     if not scene.load.has_bulk_or_tilt:
         return {}
     path = scene.load.path()
     key = "moment" if path.moment_given else "tilt"
     value_by_key: dict[str, float] = {}
-    for leg in (*path.initial_loading, *path.cycle):
-        if leg.turning is not None and leg.start <= time <= leg.end:
-            tilt, moment = leg.turning.loads(time)
+    for segment in (*path.initial_loading, *path.cycle):
+        if segment.turning is not None and segment.start <= time <= segment.end:
+            tilt, moment = segment.turning.loads(time)
             value_by_key = {key: float(moment if path.moment_given else tilt)}
     return value_by_key
 
@@ -565,44 +583,20 @@ class _BulkAndTilt:
 
 
 def bulk_and_tilt(scene: Scene) -> _BulkAndTilt | None:
-    """Largest bulk strain of a scene's path, how far it moves the stick zone, and how far tilt or
-    moment shift the contact over its half-width. None without bulk stress and tilt.
+    """What bulk stress and tilt do to a contact, from the loads alone: the largest bulk strain, the
+    shift of the stick zone by it, and the shift of the contact by tilt or moment over its
+    half-width. None for a scene without both.
     """
     import semi_analytic
-    from semi_analytic.elasticity import composite_modulus
 
     if not scene.load.has_bulk_or_tilt:
         return None
-    path = scene.load.path()
-    strain_per_stress = bulk_strains(scene.material)
-    samples = []
-    for leg in (*path.initial_loading, *path.cycle):
-        time = sampled(leg, 129)
-        zeros = np.zeros((2, len(time)))
-        bulk = leg.bulk.loads(time) if leg.bulk is not None else zeros
-        tilt_or_moment = leg.turning.loads(time) if leg.turning is not None else zeros
-        strain_of_lower = strain_per_stress[0] * np.asarray(bulk[0])
-        strain_of_upper = strain_per_stress[1] * np.asarray(bulk[1])
-        samples.append(
-            np.array([leg.loads(time)[0], strain_of_lower + strain_of_upper, *tilt_or_moment])
-        )
-    load, strain, tilt, moment = np.concatenate(samples, axis=1)
-    largest_shift = None
-    if isinstance(scene.profile, Hertz):
-        is_pressed = load > 0
-        radius = scene.profile.radius
-        modulus = composite_modulus(scene.material)
-        half_width = np.sqrt(4 * radius * load[is_pressed] / (np.pi * modulus))
-        if path.moment_given:
-            middle_x = moment[is_pressed] / load[is_pressed]
-        else:
-            middle_x = -radius * tilt[is_pressed]
-        shift_over_half_width = middle_x / half_width
-        largest_shift = float(shift_over_half_width[np.argmax(np.abs(shift_over_half_width))])
+    strain, largest_shift = _strain_and_shift(scene)
     largest_strain = float(np.max(np.abs(strain)))
     eccentricity = semi_analytic.eccentricity(scene)
     if eccentricity is None:
         return _BulkAndTilt(largest_strain, None, None, largest_shift)
+    # None where no strain varies; infinite where Q stands still, so that any strain is large
     share_of_limit = None
     if eccentricity.strain:
         share_of_limit = np.inf
@@ -610,6 +604,41 @@ def bulk_and_tilt(scene: Scene) -> _BulkAndTilt | None:
             share_of_limit = eccentricity.strain / eccentricity.limit
     value = eccentricity.value if np.isfinite(eccentricity.value) else None
     return _BulkAndTilt(largest_strain, value, share_of_limit, largest_shift)
+
+
+def _strain_and_shift(scene: Scene) -> tuple[Array, float | None]:
+    """Bulk strain of the lower body minus that of the upper at samples of the load path, (n,); and
+    the largest distance of the contact's middle from x = 0, over the half-width, for a parabola.
+
+    The middle lies at M/P under a moment M, at -tilt R under a tilt. None for other profiles.
+    """
+    from semi_analytic.elasticity import composite_modulus
+
+    path = scene.load.path()
+    strain_per_stress = bulk_strains(scene.material)
+    samples = []
+    for segment in (*path.initial_loading, *path.cycle):
+        time = sampled(segment, 129)
+        zeros = np.zeros((2, len(time)))
+        bulk = segment.bulk.loads(time) if segment.bulk is not None else zeros
+        tilt_and_moment = segment.turning.loads(time) if segment.turning is not None else zeros
+        strain_of_lower = strain_per_stress[0] * np.asarray(bulk[0])
+        strain_of_upper = strain_per_stress[1] * np.asarray(bulk[1])
+        normal_load = segment.loads(time)[0]
+        samples.append(np.array([normal_load, strain_of_lower + strain_of_upper, *tilt_and_moment]))
+    normal_load, strain, tilt, moment = np.concatenate(samples, axis=1)
+    if not isinstance(scene.profile, Hertz):
+        return strain, None
+    is_pressed = normal_load > 0
+    radius = scene.profile.radius
+    modulus = composite_modulus(scene.material)
+    half_width = np.sqrt(4 * radius * normal_load[is_pressed] / (np.pi * modulus))
+    if path.moment_given:
+        middle_x = moment[is_pressed] / normal_load[is_pressed]
+    else:
+        middle_x = -radius * tilt[is_pressed]
+    shift = middle_x / half_width
+    return strain, float(shift[np.argmax(np.abs(shift))])
 
 
 def bulk_in_words(effect: _BulkAndTilt) -> str:
