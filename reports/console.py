@@ -231,8 +231,9 @@ def show_table(
     widths_with_blanks = _widths([columns, *table_rows], console.width - 3 * len(columns) + 1)
     widths_without_blanks = _widths([columns, *table_rows], console.width - len(columns) - 1)
     full_widths = _widths([columns, *table_rows], sys.maxsize)
+    # with blanks a cell would break into two lines, without them none does
     if widths_without_blanks == full_widths != widths_with_blanks:
-        widths_with_blanks = []  # rather no blanks than cells of two lines
+        widths_with_blanks = []
     n_blanks = 0 if widths_without_blanks and not widths_with_blanks else 1
     table = Table(
         title=Text(_printable(title)),

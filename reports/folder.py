@@ -438,9 +438,10 @@ def _lies_in(folder: Path, name: str) -> bool:
 
 
 def _move(staging: Path, folder: Path, fresh: tuple[str, ...], out: str | Path) -> None:
-    """Move the results from `staging` to `folder`: the old page goes first, the new one comes last.
+    """Move the results of a run from the hidden folder `staging` to `folder`: an old page goes
+    first, the new one comes last. After an error everything is as it was before.
 
-    After an error everything is as it was before. The manifest that goes there before any file
+    A manifest in the folder lists the program's own files. One that goes there before any file
     lists what was there and what will be; the last one lists what is there. So a run killed between
     two moves leaves nothing that the next one takes for somebody else's.
 

@@ -83,13 +83,17 @@ def stated_content(scene: Scene) -> list[dict[str, Any]] | None:
 def sentences(
     effects: InputEffects, scene: Scene, comparison: JudgedPair | None = None
 ) -> list[str]:
-    """What uncertain inputs do to the answer, in sentences: the difference of the models, what a
-    measurement could see, which input matters most, what was drawn, what is left out.
+    """What uncertain inputs do to the answer of a scene, in sentences: the difference of finite
+    bodies and half-planes, what a measurement could see of it, which input matters most, what was
+    drawn at random, what is left out.
 
     Parameters
     ----------
+    effects
+        values of theory with their uncertainties by the inputs
     comparison
-        of finite elements with theory; without it the difference is that of corrected theory
+        of finite elements with theory; without it the difference is that of theory corrected by
+        responses of the bodies
     """
     sliding = sliding_in_words(effects.sliding)
     if effects.unknown:
@@ -104,6 +108,7 @@ def sentences(
         all_sentences.append(_draws_in_words(effects.draws, scene))
     drawn_values = effects.draws.values if effects.draws is not None else {}
     names_of_drawn = {QUANTITIES_OF_THEORY[key].words for key in drawn_values}
+    # values whose second order is large, and that were not taken from draws
     names_of_rough = [
         value.words
         for key, value in (*effects.values.items(), *effects.difference.items())
@@ -159,8 +164,8 @@ def _ended(sentence: str) -> str:
 
 
 def _of_difference(effects: InputEffects, comparison: JudgedPair | None) -> Iterator[str]:
-    """A sentence on the difference of the two models in W with the uncertainty by the inputs, or on
-    why it is not stated.
+    """A sentence on the difference in W between finite bodies and half-planes with the uncertainty
+    that the inputs give it, or on why it is not stated.
     """
     if effects.no_difference:
         if comparison is not None:
@@ -187,8 +192,8 @@ def _difference_of_work(term: Propagated, comparison: JudgedPair | None) -> tupl
 
 
 def _of_measurement(effects: InputEffects, comparison: JudgedPair | None) -> Iterator[str]:
-    """A sentence on the uncertainty that these inputs give a measurement of W, and whether it could
-    see the difference of the two models.
+    """A sentence on the uncertainty that the scene's uncertain inputs give to a measurement of W,
+    and whether such a measurement could tell finite bodies from half-planes.
     """
     relative_uncertainty = effects.work_uncertainty
     if not math.isfinite(relative_uncertainty):
@@ -263,8 +268,9 @@ HEADS = ("Value of theory", "value", "u", "u in %", "most of it")
 
 
 def rows(effects: InputEffects, scene: Scene) -> list[tuple[str, ...]]:
-    """Rows of the table of theory's values: value, standard uncertainty by the inputs, the same in
-    per cent, and the three inputs that make most of it.
+    """Rows of the table of half-plane theory's values: each value, its standard uncertainty by the
+    scene's inputs, that in per cent, and the three inputs that make most of it. Values from random
+    draws of the inputs come last.
     """
     input_in_words = {entry.key: entry.words for entry in effects.inputs}
     table: list[tuple[str, ...]] = []
@@ -297,8 +303,9 @@ HEADS_OF_DIFFERENCE = ("By corrected theory", "%", "u, points", "most of it, poi
 
 
 def rows_of_difference(effects: InputEffects) -> list[tuple[str, ...]]:
-    """Rows of the table of differences of the two models: size in per cent, uncertainty by the
-    inputs in points, and the three inputs that make most of it.
+    """Rows of the table of differences between finite bodies and half-planes: size in per cent,
+    uncertainty by the scene's inputs in points of per cent, and the three inputs that make most of
+    it.
     """
     input_in_words = {entry.key: entry.words for entry in effects.inputs}
     table: list[tuple[str, ...]] = []
@@ -317,8 +324,9 @@ def rows_of_difference(effects: InputEffects) -> list[tuple[str, ...]]:
 
 
 def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """Heads, and a row for each input: its standard uncertainty, what that changes of W of theory
-    in per cent, and of the difference of W in points where that is known.
+    """The table of a scene's uncertain inputs: heads, and a row for each with its standard
+    uncertainty and what that changes of theory's W in per cent. Where it is known, also what it
+    changes, in points of per cent, of the difference between finite bodies and half-planes.
 
     The last row holds the sums, correlations counted.
     """

@@ -285,22 +285,27 @@ class InputEffects:
 
 
 def propagated(
-    quantity: Quantity, value: float, moves: Sequence[_Move], key: str, correlation: Array
+    quantity: Quantity,
+    value: float,
+    changes_by_inputs: Sequence[_ChangeByInput],
+    key: str,
+    correlation: Array,
 ) -> Propagated:
-    """A value of theory with the standard uncertainty that all n inputs together give it.
+    """A computed value with the standard uncertainty that all n uncertain inputs together give it:
+    u^2 = c^T R c, c its changes by one standard uncertainty of each input, R their correlations.
 
     Parameters
     ----------
     quantity, value
         its name with unit, and its size
-    moves
+    changes_by_inputs
         for each input, how much one standard uncertainty of it changes every value
     key
-        key of this value in `moves`
+        key of this value in these changes
     correlation
         (n, n) correlation matrix of the inputs
     """
-    changes = {move.key: move.changes[key] for move in moves}
+    changes = {change.key: change.changes[key] for change in changes_by_inputs}
     change_by_input = np.array([change.value for change in changes.values()])
     second_order = math.hypot(*(change.uncertainty for change in changes.values()))
     # a correlation of -1 may leave a negative sum of squares by round-off
@@ -318,7 +323,7 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
     half-widths, largest slip and edge tension; fewer for long records.
 
     Under a prescribed displacement the largest Q and the largest |Q|/(f P) are among them, and
-    `effects` states what the bodies add to half-planes.
+    `effects` are the elastic responses that finite bodies add to half-planes.
 
     Raises
     ------
@@ -341,6 +346,7 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
             values[RATIO] = ratio_of_answer(solution)
         return values
     solution = semi_analytic.solve(scene, x=0.0, fields=(WORK,))
+    # largest values are searched for, which takes too long there
     if _is_long(scene) or _needs_grids(scene):
         return {
             WORK: solution.dissipation,
@@ -370,8 +376,10 @@ def _needs_grids(scene: Scene) -> bool:
     return scene.unsymmetric and one_curve(scene) is None
 
 
-class _Move(NamedTuple):
-    """An input moved by its standard uncertainty: by value, the change and the second order."""
+class _ChangeByInput(NamedTuple):
+    """How much one standard uncertainty of an input (`key`) changes each value, by name, with the
+    second order as error.
+    """
 
     key: str
     changes: Mapping[str, Estimate]
@@ -379,7 +387,7 @@ class _Move(NamedTuple):
 
 def central_differences(
     values_at: Callable[[Scene], _Values], scene: Scene, entry: Input, values_at_inputs: _Values
-) -> _Move:
+) -> _ChangeByInput:
     """How much one standard uncertainty of an input changes each value of theory, by central
     differences: the values are computed with the input moved up and down by its standard
     uncertainty.
@@ -409,7 +417,7 @@ def central_differences(
             if share_of_uncertainty == _STEPS[-1]:
                 raise
             continue
-        return _Move(
+        return _ChangeByInput(
             entry.key,
             _differences(values_at_inputs, values_above, values_below, share_of_uncertainty),
         )
@@ -446,18 +454,18 @@ def _change_of_modulus(scene: Scene, entry: Input) -> float:
     return (modulus_above - modulus_below) / (2 * composite_modulus(scene.material))
 
 
-# ----------------------------------------------------------------------------------- theory's moves
+# ------------------------------------------------------------------- changes of theory's values
 def moves_of_theory(
     scene: Scene, values_at_inputs: _Values, effects_of: Callable[[Scene], BodyEffects | None]
-) -> list[_Move]:
-    """For each input, what its standard uncertainty changes of theory's values `values_at_inputs`:
-    by scaling laws where they hold, else by central differences.
+) -> list[_ChangeByInput]:
+    """For each uncertain input of a scene, how much one standard uncertainty of it changes theory's
+    values `values_at_inputs`: by scaling laws where they hold, else by central differences.
 
-    `effects_of` gives what the bodies of a moved scene add to half-planes.
+    `effects_of` gives the elastic responses of the bodies of a scene with a changed input.
     """
 
-    def values_at(moved_scene: Scene) -> _Values:
-        return values_of_theory(moved_scene, effects_of(moved_scene))
+    def values_at(changed_scene: Scene) -> _Values:
+        return values_of_theory(changed_scene, effects_of(changed_scene))
 
     laws_hold = not (scene.load.is_driven or scene.unsymmetric)
     if not laws_hold:
@@ -474,16 +482,16 @@ def _by_laws(
     entry: Input,
     values_at_inputs: _Values,
     values_at: Callable[[Scene], _Values],
-) -> _Move:
-    """How much one standard uncertainty of an input changes each value of theory: by a scaling law
-    where there is one for its key, else by central differences.
+) -> _ChangeByInput:
+    """How much one standard uncertainty of an input changes each value of half-plane theory: by a
+    scaling law where there is one for its key, else by central differences.
 
     Parameters
     ----------
     laws
         the scaling laws of this scene
     entry
-        the input
+        the input: its key and its standard uncertainty, a share of its value
     values_at_inputs
         the values with the input as it is
     values_at
@@ -492,16 +500,16 @@ def _by_laws(
     key = entry.key
     if key.startswith("bodies.") and not key.endswith(".radius"):
         # half-plane theory has no bodies
-        return _Move(key, dict.fromkeys(values_at_inputs, Estimate(0.0)))
+        return _ChangeByInput(key, dict.fromkeys(values_at_inputs, Estimate(0.0)))
     if key == "friction":
-        return laws.move(key, entry.standard, laws.of_friction())
+        return laws.change(key, entry.standard, laws.of_friction())
     if key.startswith("material."):
-        return laws.move(key, _change_of_modulus(scene, entry), laws.of_modulus())
+        return laws.change(key, _change_of_modulus(scene, entry), laws.of_modulus())
     is_parabola = isinstance(scene.profile, Hertz)
     if key == "profile.radius" and is_parabola:
-        return laws.move(key, entry.standard, laws.of_radius())
+        return laws.change(key, entry.standard, laws.of_radius())
     if key == "normal_load" and is_parabola:
-        return laws.move(key, entry.standard, laws.of_normal_load())
+        return laws.change(key, entry.standard, laws.of_normal_load())
     if key in ("normal_load", "tangential_load"):
         return laws.by_differences(key)
     return central_differences(values_at, scene, entry, values_at_inputs)
@@ -518,10 +526,10 @@ class _ScalingLaws:
         self.scene = scene
         self.middle = middle
         self.values_at = values_at
-        self._measured: dict[str, _Move] = {}
+        self._measured: dict[str, _ChangeByInput] = {}
         self._derivatives: dict[str, _Values] = {}
 
-    def move(self, key: str, share: float, derivatives: _Values) -> _Move:
+    def change(self, key: str, share: float, derivatives: _Values) -> _ChangeByInput:
         """Changes by a share of the input. Powers of one input: the second order of x^n is about
         half of the first squared over the value.
         """
@@ -531,7 +539,7 @@ class _ScalingLaws:
             change = share * derivative
             second_order = abs(change * (change - share * value) / (2 * value)) if value else 0.0
             changes[name] = Estimate(change, second_order)
-        return _Move(key, changes)
+        return _ChangeByInput(key, changes)
 
     def of_tangential_load(self) -> _Values:
         return self.derivative("tangential_load")
@@ -570,15 +578,16 @@ class _ScalingLaws:
             for key, value in self.middle.items()
         }
 
-    def by_differences(self, key: str) -> _Move:
+    def by_differences(self, key: str) -> _ChangeByInput:
         """Central differences for P or Q, by its standard uncertainty where one is stated."""
         if key not in self._measured:
             stated_inputs = [entry for entry in self.scene.inputs if entry.key == key]
             entry = stated_inputs[0] if stated_inputs else Input(key, "", "", None, _STEP_OF_LOAD)
-            move = central_differences(self.values_at, self.scene, entry, self.middle)
-            self._measured[key] = move
+            change_by_load = central_differences(self.values_at, self.scene, entry, self.middle)
+            self._measured[key] = change_by_load
             self._derivatives[key] = {
-                name: change.value / entry.standard for name, change in move.changes.items()
+                name: change.value / entry.standard
+                for name, change in change_by_load.changes.items()
             }
         return self._measured[key]
 
@@ -677,40 +686,38 @@ def _no_difference(scene: Scene) -> str:
     return ""
 
 
-def moves_of_difference(scene: Scene, effects: BodyEffects) -> tuple[_Values, list[_Move]]:
-    """The error of theory (finite bodies/half-planes − 1) in the work W and the largest pressure,
-    by corrected theory; and what each input changes in it, being the same in both models.
+def moves_of_difference(scene: Scene, effects: BodyEffects) -> tuple[_Values, list[_ChangeByInput]]:
+    """The error of half-plane theory (finite bodies/half-planes − 1) in the work W and the largest
+    pressure; and for each uncertain input, how much one standard uncertainty of it changes that
+    error. The input is changed in both models alike.
 
-    Parameters
-    ----------
-    effects
-        what the bodies of the scene add to half-planes
+    Finite bodies are half-planes corrected by the bodies' elastic responses, `effects`.
 
     Raises
     ------
     InputError
-        Where the effects of moved bodies are not known.
+        Where the responses of changed bodies are not known.
     """
     import halfplane_fe
 
-    def values_at(moved_scene: Scene) -> _Values:
-        effects_of_moved = effects
-        if moved_scene.bodies != scene.bodies or moved_scene.material != scene.material:
-            effects_of_moved = halfplane_fe.body_effects(moved_scene)
-        return difference_at(moved_scene, effects_of_moved, by_batch=by_batch)
+    def values_at(changed_scene: Scene) -> _Values:
+        changed_effects = effects
+        if changed_scene.bodies != scene.bodies or changed_scene.material != scene.material:
+            changed_effects = halfplane_fe.body_effects(changed_scene)
+        return difference_at(changed_scene, changed_effects, by_batch=by_batch)
 
-    by_batch = takes_batch(scene, effects)
+    by_batch = takes_batch(scene, effects)  # W by the quick formula for ellipses of loads
     errors_at_inputs = difference_at(scene, effects, by_batch=by_batch)
     laws = _LawOfModulus(scene, errors_at_inputs, values_at)
-    moves = []
+    changes_by_inputs = []
     for entry in scene.inputs:
         if entry.key == "material.young_modulus":
-            moves.append(laws.move(entry))
+            changes_by_inputs.append(laws.change(entry))
         elif entry.key in ("normal_load", "tangential_load"):
-            moves.append(laws.by_differences(entry.key))
+            changes_by_inputs.append(laws.by_differences(entry.key))
         else:
-            moves.append(central_differences(values_at, scene, entry, errors_at_inputs))
-    return errors_at_inputs, moves
+            changes_by_inputs.append(central_differences(values_at, scene, entry, errors_at_inputs))
+    return errors_at_inputs, changes_by_inputs
 
 
 class _LawOfModulus:
@@ -723,10 +730,10 @@ class _LawOfModulus:
     ) -> None:
         self.loads = _ScalingLaws(scene, middle, values_at)
 
-    def by_differences(self, key: str) -> _Move:
+    def by_differences(self, key: str) -> _ChangeByInput:
         return self.loads.by_differences(key)
 
-    def move(self, entry: Input) -> _Move:
+    def change(self, entry: Input) -> _ChangeByInput:
         """How much one standard uncertainty of Young's modulus (`entry`) changes the error of
         theory in each value, where both bodies are of one material: the error depends on loads over
         E, so the derivatives by the loads give it.
@@ -738,7 +745,7 @@ class _LawOfModulus:
             change = -entry.standard * (derivative_by_p[key] + derivative_by_q[key])
             # E is linear in small 1/E: the second order is the first times the share
             changes[key] = Estimate(change, abs(change) * entry.standard)
-        return _Move(entry.key, changes)
+        return _ChangeByInput(entry.key, changes)
 
 
 def takes_batch(scene: Scene, effects: BodyEffects) -> bool:
@@ -754,14 +761,14 @@ def takes_batch(scene: Scene, effects: BodyEffects) -> bool:
 
 
 def difference_at(scene: Scene, effects: BodyEffects, *, by_batch: bool) -> _Values:
-    """Work W and largest pressure of finite bodies over those of half-planes, minus 1, by corrected
-    theory with the `effects` of the bodies.
+    """Work W and largest pressure of finite bodies over those of half-planes, minus 1, by theory
+    with the elastic responses of the bodies (`effects`).
 
     Parameters
     ----------
     by_batch
-        whether W is taken from the curvatures alone, in a fifth of the time; else with the next
-        order of the bodies, tilt and strain
+        whether W is taken from the curvatures of the faces alone, in a fifth of the time; else with
+        the next order of the bodies, tilt and strain
     """
     return {
         WORK: _difference_of_work(scene, effects, by_batch),
@@ -777,8 +784,8 @@ def _difference_of_work(scene: Scene, effects: BodyEffects, by_batch: bool) -> f
 
 
 def _works_by_batch(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
-    """Friction work W of a cycle for half-planes and for finite bodies, by the quick formula for
-    elliptical load paths. InputError where the loads have no W.
+    """Friction work W of a cycle for half-planes and for finite bodies with elastic responses
+    `effects`, by the quick formula for elliptical load paths. InputError where the loads have no W.
     """
     import semi_analytic
 
@@ -841,9 +848,9 @@ def _loads_of_last_cycle(scene: Scene) -> tuple[Array, Array]:
         return rows[:, 1], rows[:, 2]
     path = scene.load.path()
     loads = []
-    for leg in path.cycle or path.initial_loading:
-        times = np.union1d(sampled(leg, 129), leg.turning_points(NORMAL_LOAD))
-        loads.append(np.array(leg.loads(times)))
+    for segment in path.cycle or path.initial_loading:
+        times = np.union1d(sampled(segment, 129), segment.turning_points(NORMAL_LOAD))
+        loads.append(np.array(segment.loads(times)))
     normal_load, tangential_load = np.concatenate(loads, axis=1)
     return normal_load, tangential_load
 
@@ -851,10 +858,10 @@ def _loads_of_last_cycle(scene: Scene) -> tuple[Array, Array]:
 # ------------------------------------------------------------------------------------------- draws
 def draws_of_work(scene: Scene, reason: str) -> Draws | None:
     """Friction work W for random draws of the inputs: normal, with the stated correlations, the
-    same in each run.
+    same in each run. None for long records, prescribed displacements, bulk stress and tilt, whose
+    draws take too long.
 
-    `reason` says why they are needed. None for long records, prescribed displacements, bulk stress
-    and tilt, whose draws take too long.
+    `reason` says why draws are needed.
     """
     entries = scene.inputs
     if scene.load.is_driven or scene.unsymmetric or _is_long(scene):
@@ -863,6 +870,7 @@ def draws_of_work(scene: Scene, reason: str) -> Draws | None:
     moves_compound_profile = isinstance(scene.profile, Compound) and any(
         entry.key.startswith("profile.") for entry in entries
     )
+    # ellipses are solved in one batch; others, and profiles of several parts, one by one
     count = DRAWS if is_ellipse and not moves_compound_profile else FEW_DRAWS
     samples = samples_of(scene, count)
     values_of = values_of_ellipses if is_ellipse else values_one_by_one
@@ -905,12 +913,12 @@ def values_of_ellipses(
     scene: Scene, samples: Mapping[str, Array]
 ) -> tuple[dict[str, Array], Array]:
     """The dissipation, and where known the permanent stick half-width, for n random draws of the
-    inputs under an elliptical load path, solved in one batch: values by name, (n,) each, NaN where
-    a draw has none; and which draws slide as a whole, (n,).
+    inputs under an elliptical load path, solved in one batch. Returned: values by name, (n,) each,
+    NaN where a draw has none; and which draws slide as a whole, (n,).
 
-    `samples` holds the relative change of each input, (n,) by its key. The permanent stick
-    half-width is among them where the profile is a parabola or is not moved. W of E*, P and Q is W
-    of E*_0, P E*_0/E* and Q E*_0/E*, times E*/E*_0; half-widths are the same.
+    `samples` holds the relative change of each input, (n,) by its key. The half-width is known
+    where the profile is a parabola or is not changed. W of E*, P and Q is W of E*_0, P E*_0/E* and
+    Q E*_0/E*, times E*/E*_0; half-widths are the same.
     """
     import semi_analytic
     from semi_analytic.elasticity import composite_modulus
@@ -942,6 +950,7 @@ def values_of_ellipses(
         tangential_amplitude=load.tangential_amplitude * tangential_factor,
         phase_degrees=load.phase_degrees + samples.get("phase_degrees", 0.0),
     )
+    # W of the scaled loads at the stated E*, back to that of the draw
     values = {WORK: batch.value * modulus_factor}
     stick_load = batch.permanent_stick_load
     if profile is scene.profile:
@@ -958,8 +967,8 @@ def values_of_ellipses(
 
 
 def _moduli(scene: Scene, samples: Mapping[str, Array]) -> Array:
-    """Composite modulus E* of all draws, (n,): 1/E* = (1 − nu_l^2)/E_l + (1 − nu_u^2)/E_u.
-    `samples` holds the relative change of each input; NaN where nu is not below 0.5.
+    """Composite modulus E* of n random draws, (n,): 1/E* = (1 − nu_l^2)/E_l + (1 − nu_u^2)/E_u. NaN
+    where nu is not below 0.5. `samples` holds the relative change of each input, (n,) by its key.
     """
     compliance: Array = np.zeros(len(next(iter(samples.values()))))
     for body in ("lower", "upper"):
@@ -1069,6 +1078,8 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
     """What the uncertainties of the inputs do to the values of theory and, where it is known, to
     the difference that real bodies make. Random draws are added where derivatives are not enough.
 
+    `effects` are elastic responses of the scene's bodies, None where they are not known yet.
+
     Raises
     ------
     InputError, ConvergenceError
@@ -1079,24 +1090,24 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
     notes: list[str] = []
     quantities = OF_DRIVEN if scene.load.is_driven else QUANTITIES_OF_THEORY
 
-    def effects_of(moved_scene: Scene) -> BodyEffects | None:
-        return _effects_of_driven(moved_scene, scene, effects)
+    def effects_of(changed_scene: Scene) -> BodyEffects | None:
+        return _effects_of_driven(changed_scene, scene, effects)
 
     values_at_inputs = values_of_theory(scene, effects_of(scene))
     values = {}
     reason_for_draws = ""
     try:
-        moves = moves_of_theory(scene, values_at_inputs, effects_of)
+        changes_by_inputs = moves_of_theory(scene, values_at_inputs, effects_of)
     except InadmissibleLoadError:
-        moves = [_unknown(entry, values_at_inputs) for entry in scene.inputs]
+        changes_by_inputs = [_unknown(entry, values_at_inputs) for entry in scene.inputs]
         reason_for_draws = "a sixteenth of a standard uncertainty makes the loads slide"
     for key, value in values_at_inputs.items():
-        values[key] = propagated(quantities[key], value, moves, key, correlation)
+        values[key] = propagated(quantities[key], value, changes_by_inputs, key, correlation)
     notes += _notes_on_values(scene)
     sliding = None if scene.load.is_driven else sliding_of_loads(scene)
     if RATIO in values:
         ratio = propagated(
-            quantities[RATIO], values_at_inputs[RATIO], _away(moves), RATIO, correlation
+            quantities[RATIO], values_at_inputs[RATIO], _away(changes_by_inputs), RATIO, correlation
         )
         values[RATIO] = ratio
         sliding = NearSliding(ratio.value, ratio.uncertainty)
@@ -1129,20 +1140,22 @@ def _no_draws(reason: str, second_order: str, sliding: NearSliding | None) -> st
     return words if second_order else f"derivatives may not be enough: {words}"
 
 
-def _away(moves: Sequence[_Move]) -> list[_Move]:
+def _away(changes_by_inputs: Sequence[_ChangeByInput]) -> list[_ChangeByInput]:
     """Moves of |Q|/(f P), which changes no more once the bodies slide: each input counts by the
     larger of the changes on its two sides.
     """
     one_sided = []
-    for move in moves:
-        size, second_order = move.changes[RATIO]
+    for change_by_input in changes_by_inputs:
+        size, second_order = change_by_input.changes[RATIO]
         change = math.copysign(abs(size) + second_order, size)
-        one_sided.append(_Move(move.key, {RATIO: Estimate(change, second_order)}))
+        one_sided.append(
+            _ChangeByInput(change_by_input.key, {RATIO: Estimate(change, second_order)})
+        )
     return one_sided
 
 
-def _unknown(entry: Input, middle: _Values) -> _Move:
-    return _Move(entry.key, dict.fromkeys(middle, Estimate(math.nan, math.nan)))
+def _unknown(entry: Input, middle: _Values) -> _ChangeByInput:
+    return _ChangeByInput(entry.key, dict.fromkeys(middle, Estimate(math.nan, math.nan)))
 
 
 def _effects_of_driven(

@@ -74,7 +74,7 @@ class RecordCheck:
 
 def check_record(scene: Scene) -> RecordCheck | None:
     """What averaging, reduction and noise of a measured record of loads change in its dissipation
-    W, by half-plane theory; None for other loads.
+    W, by half-plane theory: W with each of them, and without. None for other loads.
 
     Values of W are None for records that repeat or are very long.
     """
@@ -85,7 +85,17 @@ def check_record(scene: Scene) -> RecordCheck | None:
     n_kept = len(load.kept_rows())
     noise_of_loads = (noise_of(rows[:, _NORMAL]), noise_of(rows[:, _TANGENTIAL]))
     if len(rows) > _MOST_ROWS or load.repeats:
-        return RecordCheck(len(rows), n_kept, None, None, None, None, noise_of_loads, 1, None)
+        return RecordCheck(
+            rows=len(rows),
+            kept=n_kept,
+            dissipation=None,
+            unreduced=None,
+            all_rows=None,
+            half_threshold=None,
+            noise=noise_of_loads,
+            average=1,
+            averaged=None,
+        )
 
     all_kept: dict[str, Any] = {"reduce": None, "threshold": None}
     dissipation = _work(scene)
@@ -102,15 +112,15 @@ def check_record(scene: Scene) -> RecordCheck | None:
         if rows_per_mean > 1:
             work_of_means = _work(scene, average=rows_per_mean, **all_kept)
     return RecordCheck(
-        len(rows),
-        n_kept,
-        dissipation,
-        unreduced_work,
-        work_of_all_rows,
-        work_at_half_threshold,
-        noise_of_loads,
-        rows_per_mean,
-        work_of_means,
+        rows=len(rows),
+        kept=n_kept,
+        dissipation=dissipation,
+        unreduced=unreduced_work,
+        all_rows=work_of_all_rows,
+        half_threshold=work_at_half_threshold,
+        noise=noise_of_loads,
+        average=rows_per_mean,
+        averaged=work_of_means,
     )
 
 
@@ -393,10 +403,10 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
     ):
         return None
     rows = scene.load.series()
-    start_of_last = 0.0  # of the last cycle, after that of the first
+    start_of_last = 0.0  # start of the last cycle of a record that repeats, minus that of the first
     period = 0.0
     if scene.load.repeats:
-        rows = rows[1:]
+        rows = rows[1:]  # without the unloaded row before the cycle
         period = float(rows[-1, _TIME] - rows[0, _TIME])
         start_of_last = period * (len(solution.cycle_dissipation) - 1)
     if solution.engine == "semi_analytic":
@@ -404,6 +414,7 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
     else:
         time = solution.time - start_of_last
         work = solution.record.energy.get("dissipation", np.empty(0))
+    # a solution that does not hold the work of each instant
     if len(work) != len(time):
         return None
     time_tolerance = 1e-9 * (rows[-1, _TIME] - rows[0, _TIME])
@@ -417,18 +428,18 @@ def load_cycles(solution: ContactSolution) -> LoadCycles | None:
     if scene.load.repeats:
         last_whole_cycle = None
         # the same work in every revolution
-        work_time = np.concatenate([time, time[1:] + period])
-        work_over_two_periods = np.concatenate([work_so_far, work_so_far[1:] + work_so_far[-1]])
+        times_of_work = np.concatenate([time, time[1:] + period])
+        work_until_times = np.concatenate([work_so_far, work_so_far[1:] + work_so_far[-1]])
         cycle_shift = max(start_of_last - period, 0.0)
     else:
         last_whole_cycle = _last_whole_cycle(solved_rows, time, work_so_far)
-        work_time = time
-        work_over_two_periods = work_so_far
+        times_of_work = time
+        work_until_times = work_so_far
         cycle_shift = 0.0
     row_cycles = _cycles_of_rows(solved_rows, repeats=scene.load.repeats)
     cycles = [
         replace(cycle, start=cycle.start + cycle_shift, end=cycle.end + cycle_shift)
-        for cycle in with_work(row_cycles, work_time, work_over_two_periods)
+        for cycle in with_work(row_cycles, times_of_work, work_until_times)
     ]
     return LoadCycles(tuple(cycles), time + start_of_last, work_so_far, last_whole_cycle)
 

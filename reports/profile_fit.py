@@ -104,24 +104,27 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
         raise InputError(
             f"{scene.name}: its profile is not fitted to rows, so that there is no noise to follow"
         )
-    way_to_work = _way_to_work(scene)
-    count = min(resamples, _MARCHES) if way_to_work is _Work.MARCHED else resamples
+    method_for_work = _way_to_work(scene)
+    count = min(resamples, _MARCHES) if method_for_work is _Work.MARCHED else resamples
     pattern = _pattern(scene)
-    values_of_fit = _values(scene, way_to_work)
-    values_of_resamples = _values_with_other_noise(scene, fit, pattern, way_to_work, count, seed)
+    values_of_fit = _values(scene, method_for_work)
+    values_of_resamples = _values_with_other_noise(
+        scene, fit, pattern, method_for_work, count, seed
+    )
     changes = values_of_resamples - values_of_fit
     # The mean is what the fit itself errs by at this noise: a curve that may not bend down, or is
     # smoothed, has some.
     bias = np.abs(np.mean(changes, axis=0))
+    # a smoothing spline: with less smoothing it loses less of the rows
     if fit.weight:
         less_smoothed = fitted_again(scene.profile, smoothing=0.1)
-        values_less_smoothed = _values_of_another_fit(scene, less_smoothed, way_to_work)
+        values_less_smoothed = _values_of_another_fit(scene, less_smoothed, method_for_work)
         if values_less_smoothed is not None:
             bias = np.maximum(bias, np.abs(values_less_smoothed - values_of_fit))
     uncertainty = 2 * np.std(changes, axis=0) + bias
     if pattern is not None and fit.kind != "smoothing_spline":
         values_of_spline = _values_of_another_fit(
-            scene, fitted_by_spline(scene.profile), way_to_work
+            scene, fitted_by_spline(scene.profile), method_for_work
         )
         if values_of_spline is None:
             raise InputError(
@@ -132,7 +135,7 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
         uncertainty += _SPLINE * np.abs(values_of_spline - values_of_fit)
     work, half_width, peak_pressure = map(Spread, values_of_fit.tolist(), uncertainty.tolist())
     return FitUncertainty(
-        None if way_to_work is _Work.LEFT_OUT else work,
+        None if method_for_work is _Work.LEFT_OUT else work,
         half_width,
         peak_pressure,
         count,
@@ -162,16 +165,18 @@ def _way_to_work(scene: Scene) -> _Work:
 
 
 def _values_of_another_fit(
-    scene: Scene, profile_keys: dict[str, Any] | None, way: _Work
+    scene: Scene, profile_keys: dict[str, Any] | None, method_for_work: _Work
 ) -> NDArray[np.float64] | None:
     """Dissipation, largest half-width and peak pressure, (3,), of the scene with another fit of its
     profile. None where there is no such fit (`profile_keys` None), or where its contact would be
-    wider than the rows. `way` says how the dissipation is computed.
+    wider than the rows.
+
+    `method_for_work` says how the dissipation is computed, or that it is left out.
     """
     if profile_keys is None:
         return None
     try:
-        return _values(scene.vary(profile={**profile_keys, "fitted": None}), way)
+        return _values(scene.vary(profile={**profile_keys, "fitted": None}), method_for_work)
     except InputError:
         return None
 
@@ -180,18 +185,18 @@ def _values_with_other_noise(
     scene: Scene,
     fit: Fitted,
     pattern: NDArray[np.float64] | None,
-    way_to_work: _Work,
+    method_for_work: _Work,
     count: int,
     seed: int,
 ) -> NDArray[np.float64]:
-    """Dissipation, half-width and peak pressure, (n, 3), of fits to `count` other measurements:
+    """Dissipation, half-width and peak pressure, (n, 3), of fits to `count` simulated measurements:
     the fitted curve with other noise, and a `pattern` of the residuals moved along x.
 
     n is less than `count` where a fit can't carry the load; InputError where half of them can't.
 
     Parameters
     ----------
-    way_to_work
+    method_for_work
         how the dissipation is computed, or that it is left out
     seed
         of the random numbers
@@ -200,7 +205,7 @@ def _values_with_other_noise(
     values_of_resamples = []
     for _ in range(count):
         noise = _noise(random, fit, pattern)
-        values = _values_of_another_fit(scene, fitted_again(scene.profile, noise), way_to_work)
+        values = _values_of_another_fit(scene, fitted_again(scene.profile, noise), method_for_work)
         if values is not None:
             values_of_resamples.append(values)
     if len(values_of_resamples) < max(2, count // 2):
@@ -233,6 +238,7 @@ def _pattern(scene: Scene) -> NDArray[np.float64] | None:
     block_size = int(np.sqrt(n_rows))
     n_blocks = n_rows // block_size
     block_means = residuals[: n_blocks * block_size].reshape(n_blocks, block_size).mean(axis=1)
+    # variance of the blocks' means over that of white noise, minus 1
     excess_variance = block_size * float(np.mean(block_means**2)) / (sum_of_squares / n_rows) - 1
     is_correlated = correlation * np.sqrt(n_rows) > _CHANCE
     varies_over_blocks = excess_variance > _CHANCE * np.sqrt(2 / n_blocks)
@@ -308,6 +314,7 @@ def fit_in_words(scene: Scene, half_width: float) -> list[str]:
     left_out_in_words = f", {fit.left_out} beyond the extent left out" if fit.left_out else ""
     left_out_in_words += _spikes_in_words(fit)
     noise_source = "stated" if fit.noise_stated else "taken from these residuals"
+    # the rows that were fitted
     rows = len(fit.used_rows())
     return [
         (
@@ -423,8 +430,7 @@ def findings(scene: Scene) -> tuple[tuple[str, ...], FitUncertainty | None]:
     """Sentences on a fitted profile, and the uncertainty that the noise of its rows leaves; none,
     and None, for a profile that is not fitted.
 
-    The page, its JSON and the terminal ask for the same, which takes up to some seconds: it is
-    worked out once.
+    It takes up to some seconds, and page, JSON and terminal all ask for it: it is computed once.
     """
     if fit_of(scene) is None:
         return (), None

@@ -148,11 +148,12 @@ def _at_rest(rows: Array, count: int) -> Mask:
         return np.zeros(len(rows), dtype=bool)
     window_is_at_rest = np.ones(len(rows) - count + 1, dtype=bool)
     for column in (_NORMAL, _TANGENTIAL):
-        windows_start = count // 2
-        highest_load = maximum_filter1d(rows[:, column], count)[windows_start:][
+        first_centre = count // 2
+        # extremes of P or Q over every window of `count` rows, by its first row
+        highest_load = maximum_filter1d(rows[:, column], count)[first_centre:][
             : len(window_is_at_rest)
         ]
-        lowest_load = minimum_filter1d(rows[:, column], count)[windows_start:][
+        lowest_load = minimum_filter1d(rows[:, column], count)[first_centre:][
             : len(window_is_at_rest)
         ]
         window_is_at_rest &= highest_load - lowest_load <= _AT_REST * float(np.ptp(rows[:, column]))
@@ -175,8 +176,9 @@ def _stretches(mask: Mask) -> Iterator[tuple[int, int]]:
 
 
 def _parts_of_cycles(cycles: _Cycles, unit: str) -> list[RecordPart]:
-    """The parts of a record by its cycles: runs of cycles whose ranges of Q are alike, runs of
-    other cycles (run-in), and drifts, over which the mean of Q of cycles that are alike moves.
+    """Divide a record of loads into parts by the range of Q of its cycles: runs of cycles whose
+    ranges are alike, runs of other cycles (run-in), and drifts, over which the mean of Q of alike
+    cycles moves.
 
     `unit` is that of the loads.
     """
@@ -184,6 +186,7 @@ def _parts_of_cycles(cycles: _Cycles, unit: str) -> list[RecordPart]:
     is_alike = np.abs(cycles.ranges - median_range) <= _UNLIKE * median_range
     parts = []
     for first_cycle, cycle_beyond in _stretches(is_alike):
+        # a single cycle is no run
         if cycle_beyond - first_cycle < 2:
             is_alike[first_cycle:cycle_beyond] = False
     for first_cycle, cycle_beyond in _stretches(~is_alike):

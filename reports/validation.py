@@ -184,8 +184,9 @@ def _against_result(
 def against_loop(
     score: LoopScore, effects: InputEffects | None, measured: Measured
 ) -> tuple[AgainstMeasurement, ...]:
-    """The area of a measured loop beside the areas that theory and finite elements compute with the
-    scene's friction. Empty where the scene states no uncertainty of its inputs.
+    """Compare the area of a measured loop with the areas that theory and finite elements compute
+    with the scene's friction, each with its uncertainties. Empty where the scene states no
+    uncertainty of its inputs.
 
     What lies between rows is a bound, taken as a uniform distribution; the scatter is stated in 95
     %.
@@ -210,6 +211,7 @@ def against_loop(
     stated_share = measured.share("dissipation")
     measurement = math.hypot(uncertainty_of_rows, (stated_share or 0.0) * measured_row.area)
     entries = []
+    # loops with the scene's friction; the others have the fitted one, and agree by design
     for row in score.rows[1:]:
         model, _, engine = row.name.partition(", ")
         if engine != OF_SCENE:
