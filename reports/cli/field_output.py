@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Generator, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -58,13 +58,12 @@ def fields(job: Job) -> Answer:
     """The command `fields`: solve by finite elements, then write displacement, stress and tractions
     of both bodies to files, with pictures and fatigue measures on request.
     """
-    from reports.comparison.json_values import strict
-    from reports.field_output import fatigue, files
-    from reports.folder import filled, replace_text
+    from reports.field_output import files
 
     scene = job.scene
     stages = job.stages
     options = replace(job.options, at=named(job.options))
+    job = replace(job, options=options)
     files.require_series(options.every, options.frames)
     criteria = _criteria(options)
     require_times(options.at, "--at", scene)
@@ -72,73 +71,147 @@ def fields(job: Job) -> Answer:
         require_drawing(stages)
     load_engines(stages)
     solution = files.with_bodies(solve_finite_elements(job), "fields")
-    chosen_instants = files.instants_of(options.at, solution, "--at")
+    request = _request(job, solution, criteria)
+    content, snapshots_drawn = _write_files(job, solution, request)
+    # What was solved is saved before anything is drawn.
+    if options.pictures and snapshots_drawn:
+        content = _with_pictures(job, solution, content, snapshots_drawn)
+    names_of_files = ["fields/fields.json", *content["files"], *content["pictures"]]
+    collection = str(job.folder / "fields" / "fields.pvd")
+    measures = content.get("fatigue", ())
+    copied_keys = ["instants", "largest nodal stresses", "notes"]
+    if criteria is not None:
+        copied_keys.append("fatigue")
+    json_answer = {
+        **{key: content[key] for key in copied_keys},
+        "passed": True,
+        "files": names_of_files,
+        "file": collection,
+        "seconds": stages.seconds,
+    }
+    parts = _parts(scene, content["instants"], names_of_files, request.notes, measures, collection)
+    return Answer(WITHIN, parts, lambda: json_answer, scene.name)
+
+
+@dataclass(frozen=True)
+class _Request:
+    """What is to be written of a solution.
+
+    Attributes
+    ----------
+    instants
+        those whose fields are written, in the order of time
+    times_drawn
+        times of those of which pictures are drawn, named by --at
+    notes
+        sentences on the choice of instants
+    criteria
+        fatigue measures with their constants; None for none
+    """
+
+    instants: Sequence[Instant]
+    times_drawn: frozenset[float]
+    notes: list[str]
+    criteria: Criteria | None
+
+
+def _request(job: Job, solution: FiniteElementSolution, criteria: Criteria | None) -> _Request:
+    """What the options of `fields` ask for: instants over the last cycle (--every, --frames) and
+    those named by --at, each once.
+    """
+    from reports.field_output import files
+
+    options = job.options
+    named_instants = files.instants_of(options.at, solution, "--at")
     series: Sequence[Instant] = ()
     notes: list[str] = []
     if _series(options):
         series, notes = files.series_of(solution, options.every, options.frames)
-    instant_by_time = {instant.time: instant for instant in (*series, *chosen_instants)}
+    # one that is in the series too has the label that --at gives it
+    instant_by_time = {instant.time: instant for instant in (*series, *named_instants)}
     instants = [instant_by_time[time] for time in sorted(instant_by_time)]
+    times_drawn = frozenset(instant.time for instant in named_instants)
+    return _Request(instants, times_drawn, notes, criteria)
+
+
+def _json_text(content: dict[str, Any]) -> str:
+    """The text of fields.json."""
+    from reports.comparison.json_values import strict
+
+    return json.dumps(strict(content), allow_nan=False, indent=1) + "\n"
+
+
+def _write_files(
+    job: Job, solution: FiniteElementSolution, request: _Request
+) -> tuple[dict[str, Any], list[tuple[Instant, Snapshot]]]:
+    """Write the fields at the requested instants as files for ParaView, a table of fatigue measures
+    if there are any, and fields.json.
+
+    Returns the content of fields.json, and each instant that pictures are drawn of, with
+    displacement and stress of both bodies there.
+    """
+    from reports.field_output import fatigue, files
+    from reports.folder import filled
+
+    stages = job.stages
     stated_values: list[dict[str, Any]] = []
     snapshots_drawn: list[tuple[Instant, Snapshot]] = []
 
-    def as_json(content: dict[str, Any]) -> str:
-        return json.dumps(strict(content), allow_nan=False, indent=1) + "\n"
-
     def noted_snapshots() -> Generator[Snapshot, None, None]:
-        """The snapshots one by one, as they are written: the values stated of each are collected,
-        and those of the instants named by --at are kept for pictures.
+        """Displacement and stress at each instant, one by one, as they are written. Values that
+        are stated of each are collected, and those that are drawn are kept.
         """
-        times_of_stills = {instant.time for instant in chosen_instants}
-        for instant, snapshot in zip(instants, files.snapshots_of(solution, instants), strict=True):
+        snapshots = files.snapshots_of(solution, request.instants)
+        for instant, snapshot in zip(request.instants, snapshots, strict=True):
             stated_values.append(files.stated(instant, snapshot))
-            if instant.time in times_of_stills:
+            if instant.time in request.times_drawn:
                 snapshots_drawn.append((instant, snapshot))
             yield snapshot
 
     with filled(job.folder, fresh=("fields/", "pictures/")) as staging:
+        folder = staging / "fields"
         with stages.stage("files for ParaView", "instants") as report:
             names = files.write_fields(
-                solution, noted_snapshots(), staging / "fields", report, len(instants)
+                solution, noted_snapshots(), folder, report, len(request.instants)
             )
         written_names = [f"fields/{name}" for name in names]
         measures: dict[str, Any] = {}
-        if criteria is not None:
+        if request.criteria is not None:
             with stages.stage("measures of fatigue"):
-                places = fatigue.survey(solution, criteria)
-            places.to_csv(staging / "fields" / "fatigue.csv", index=False, float_format="%.9g")
+                places = fatigue.survey(solution, request.criteria)
+            places.to_csv(folder / "fatigue.csv", index=False, float_format="%.9g")
             written_names.append("fields/fatigue.csv")
             measures = {"fatigue": fatigue.largest(places)}
         content = files.record(
             solution,
-            command=options.command("fields", job.source, job.folder),
+            command=job.options.command("fields", job.source, job.folder),
             instants=stated_values,
-            notes=notes,
+            notes=request.notes,
             files=written_names,
             pictures=[],
             seconds=dict(stages.seconds),
             **measures,
         )
-        (staging / "fields" / "fields.json").write_text(as_json(content), encoding="utf-8")
-    # What was solved is saved before anything is drawn.
-    pictures: list[str] = []
-    if options.pictures and snapshots_drawn:
-        with filled(job.folder, fresh=("pictures/",)) as staging:
-            pictures = _draw(solution, snapshots_drawn, staging / "pictures", stages)
-        content |= {"pictures": pictures, "seconds": dict(stages.seconds)}
-        replace_text(job.folder / "fields" / "fields.json", as_json(content))
-    names_of_files = ["fields/fields.json", *written_names, *pictures]
-    pvd = str(job.folder / "fields" / "fields.pvd")
-    copied_keys = ("instants", "largest nodal stresses", "notes", *measures)
-    json_answer = {
-        **{key: content[key] for key in copied_keys},
-        "passed": True,
-        "files": names_of_files,
-        "file": pvd,
-        "seconds": stages.seconds,
-    }
-    parts = _parts(scene, stated_values, names_of_files, notes, measures.get("fatigue", ()), pvd)
-    return Answer(WITHIN, parts, lambda: json_answer, scene.name)
+        (folder / "fields.json").write_text(_json_text(content), encoding="utf-8")
+    return content, snapshots_drawn
+
+
+def _with_pictures(
+    job: Job,
+    solution: FiniteElementSolution,
+    content: dict[str, Any],
+    snapshots: Sequence[tuple[Instant, Snapshot]],
+) -> dict[str, Any]:
+    """Draw pictures of the instants with their `snapshots`, and name them in fields.json; returns
+    its new content.
+    """
+    from reports.folder import filled, replace_text
+
+    with filled(job.folder, fresh=("pictures/",)) as staging:
+        pictures = _draw(solution, snapshots, staging / "pictures", job.stages)
+    content = content | {"pictures": pictures, "seconds": dict(job.stages.seconds)}
+    replace_text(job.folder / "fields" / "fields.json", _json_text(content))
+    return content
 
 
 def _parts(
