@@ -236,10 +236,11 @@ def largest_normal_load(scene: Scene) -> float:
 
 def _when_largest(scene: Scene) -> tuple[float, float]:
     """Largest P of the path and when that is."""
-    return max(
-        _highest(segment, lambda time, segment=segment: segment.loads(time)[0])  # type: ignore[misc]
-        for segment, _ in _deciding_segments(scene)
-    )
+
+    def largest_of(segment: LoadSegment) -> tuple[float, float]:
+        return _highest(segment, lambda time: segment.loads(time)[0])
+
+    return max(largest_of(segment) for segment, _ in _deciding_segments(scene))
 
 
 def _ratio(normal_load: Array, tangential_load: Array, friction: float) -> Array:
