@@ -131,7 +131,13 @@ _AT_ONCE = 2000
 
 # ------------------------------------------------------------------------------------- the effects
 def curvatures_of(effects: BodyEffects) -> Curvatures:
-    """Values of the curvatures that bodies add to gap and faces, per load, without their errors."""
+    """Curvatures that finite bodies add to gap and faces per unit of load, as plain numbers without
+    their uncertainties.
+
+    `effects` holds each as a value with its uncertainty. Second order [1/(stress length^2)]: of the
+    gap per P and per Q, of the tangential displacement of the faces per Q and per P. The fourth
+    order [1/(stress length^4)] is in `*_fourth` and `*_mixed`.
+    """
     return Curvatures(
         normal=effects.normal_curvature.value,
         normal_under_shear=effects.normal_curvature_under_shear.value,
@@ -227,17 +233,22 @@ def notes_of_effects(
     odd: OddPart,
     in_answer: OddInAnswer = OF_LOADS,
 ) -> Iterator[str]:
-    """Sentences on which of the bodies' effects are in the values and which are not: the even
-    numbers are; tilt and bulk strain are in the dissipation where they were found.
+    """Sentences for the notes of an answer: which effects of the finite bodies its values contain.
+
+    The even ones (curvatures, compliances) are contained. The odd ones (tilt and bulk strain) are
+    in the dissipation where they could be found; else the sentence gives their sizes and the
+    reason.
 
     Parameters
     ----------
+    effects
+        what the finite bodies add to the compliance of half-planes
     half_width, modulus
-        of the contact, and E*, by which the sizes of the numbers are stated
+        contact half-width [length] and E* [stress], which make the sizes dimensionless
     odd
-        what tilt and bulk strain add to the work, or why that is left out
+        work that tilt and bulk strain add, or why it is left out
     in_answer
-        words for which values hold what
+        words for the values that contain each kind of effect
     """
     yield f"effects: {in_answer.even} of the bodies are in these values"
     odd_values = odd_part(effects, half_width, modulus)
@@ -267,8 +278,10 @@ def notes_of_effects(
 
 
 def notes_of_batch(effects: BodyEffects) -> Iterator[str]:
-    """Sentences on what the finite bodies of a batch add to its values and what of it is left out;
-    a batch has no half-width that the sizes could be stated for.
+    """Sentences for the notes of an array of answers: which effects of the finite bodies are in its
+    values, and which are left out.
+
+    An array has no single contact half-width, so no sizes of what is left out are stated.
     """
     yield "effects: the curvatures N, N_Q, T, T_P of the bodies are in these values"
     if has_next_order(effects):
@@ -350,8 +363,15 @@ class _Route:
         return [cycle_start + k * self.period for k in range(3)]
 
     def rows(self, time: Array) -> PathRows:
-        """Rows of the path at instants (n,) and at the ends of its cycles, none twice, with P and Q
-        there. InputError for too many.
+        """Instants at which the load path is cut into straight steps, with the loads P and Q there.
+
+        The cuts are the instants `time` (n,) and the ends of the cycles. Of two instants nearer
+        than 1e-12 of the path's duration one goes; the end of a cycle stays.
+
+        Raises
+        ------
+        InputError
+            If more instants result than can be followed.
         """
         cycle_ends = self.marks
         duration = cycle_ends[-1] - self.start
@@ -379,10 +399,12 @@ class _Route:
         return PathRows(instants, positive_load, tangential_load, rows_of_ends, self.period)
 
     def first_rows(self, time: Array | None) -> PathRows:
-        """Rows of P and Q at theory's own instants and at those asked for, `time`.
+        """First choice of the instants that cut the load path into straight steps, with P and Q
+        there.
 
-        Of a path that repeats, the instants of the last cycle that theory solved stand in the first
-        two cycles.
+        They are the instants at which half-plane theory was solved, and those that the caller asked
+        for, `time` (None: no more). Of a path that repeats, the instants of the last cycle that
+        theory solved are also taken in the first two cycles.
         """
         instants = self.instants
         marks = self.marks
@@ -399,12 +421,27 @@ class _Route:
     def with_turning_points(
         self, rows: PathRows, friction: float, curvatures: Curvatures, parabola: float
     ) -> PathRows:
-        """Rows with more instants: those at which the bound of slip, Q - s f P + (s f kn - kt) G, s
-        = +1 or -1, turns round for some punches up to the largest, whose G is `parabola`.
-        Half-planes turn round at other instants.
+        """Steps of the load path, cut further where slip turns round for punches inside the
+        contact.
 
-        kn and kt are the `curvatures` of gap and faces that P and Q add, G the load of a parabola's
-        punches.
+        A flat punch up to which a parabola carries G slips at the Coulomb limit
+
+            bound = Q - s f P + (s f kn - kt) G,    s = +1, -1.
+
+        Here kn and kt are the curvatures that the loads add to the gap and to the faces. Where the
+        bound turns, slip turns. Half-planes (kn = kt = 0) turn at other instants, so that these
+        must be added.
+
+        Parameters
+        ----------
+        rows
+            the steps so far
+        friction
+            f
+        curvatures
+            what P and Q add to kn and kt, per load
+        parabola
+            G of the largest punch [force per thickness times length]
         """
         if isinstance(self.path, LoadSeries):
             return rows
@@ -498,8 +535,13 @@ class PathSeries:
 
     @cached_property
     def tangential_displacement(self) -> Array:
-        """Relative tangential displacement U at the rows of the path, (n,) [length]: by the shear
-        between half-planes, by gross sliding, and by what the bodies add.
+        """Relative tangential displacement U of the two bodies at each instant of the path, (n,)
+        [length].
+
+        It is what the shear does between half-planes, plus any sliding as a whole, plus what finite
+        bodies add: c_t Q + T q_2/2 + N_Q p_2/2 + T_4 q_4/24 and the part of their tilt. p_k and q_k
+        are the moments int x^k p dx and int x^k q dx; T, N_Q, T_4 curvatures per load, c_t a
+        compliance.
         """
         _, shear_logarithm = self._logarithms
         displacement = self.unit * shear_logarithm
@@ -519,7 +561,12 @@ class PathSeries:
 
     @cached_property
     def normal_approach(self) -> Array:
-        """Normal approach, (n,)."""
+        """Approach of the two bodies at each instant of the path, (n,) [length].
+
+        It is that of half-planes under the pressure, plus what finite bodies add: c_n P + N p_2/2 +
+        T_P q_2/2 + N_4 p_4/24 and the part of their tilt. p_k and q_k are the moments int x^k p dx
+        and int x^k q dx; N, T_P, N_4 curvatures per load, c_n a compliance.
+        """
         pressure_logarithm, _ = self._logarithms
         approach = self.unit * pressure_logarithm
         if self.effects is None:
@@ -536,11 +583,13 @@ class PathSeries:
 
     @cached_property
     def _moved_by_tilt(self) -> tuple[Array, Array]:
-        """What the tilt of a parabola adds to U and the approach, (n,) each; 0 of other profiles.
+        """Displacements that the tilt of finite bodies adds to U and to the normal approach, (n,)
+        each [length]; 0 unless the profile is a parabola.
 
-        Tilted by alpha = alpha_P P + alpha_Q Q the contact sits about -alpha R, so that the moment
-        of the pressure is M = -R alpha P; by reciprocity it moves the bodies by alpha_Q M and
-        alpha_P M, and a tilted parabola is pressed in by R alpha^2/2 less.
+        A parabola of radius R tilted by alpha = alpha_P P + alpha_Q Q touches about x = -alpha R.
+        The moment of its pressure is then m = -R alpha P. By reciprocity m moves the bodies by
+        alpha_Q m tangentially and alpha_P m normally. A tilted parabola is pressed in by R
+        alpha^2/2 less.
         """
         load = self.followed.normal_load
         zeros = np.zeros(len(load))
@@ -564,7 +613,12 @@ class PathSeries:
 
     @cached_property
     def _inner_senses(self) -> Indices:
-        """Sense of slip, (n,), at rows at which |q| of the memory curve is beyond f p; else 0."""
+        """Direction of slip, +1 or -1, at each instant at which the shear of the memory curve
+        exceeds the Coulomb limit inside the contact, |q| > f p; 0 elsewhere. (n,)
+
+        Half-planes never exceed it; curvatures of finite bodies make it possible. A few places are
+        looked at first, more of them at suspect instants and two instants to each side.
+        """
         followed = self.followed
         senses = np.zeros(len(followed.edge), dtype=np.int64)
         curvatures = (
@@ -589,8 +643,11 @@ class PathSeries:
         return senses
 
     def _beyond_limit(self, rows: Indices, count: int) -> tuple[Array, Array]:
-        """Largest |q| - f p of the memory curve at so many places, and the sign of q there, at rows
-        (n,): (n,) each.
+        """How far the shear of the memory curve exceeds the Coulomb limit at each instant: the
+        largest |q| - f p over `count` places from the middle to the edge, and the sign of q there.
+
+        `rows` (n,) are the numbers of the instants; both values returned are (n,), the first
+        [stress].
         """
         shares_of_half_width = np.sin(np.linspace(0.0, math.pi / 2, count))
         fields_at_places = PointFields(self, float(np.max(self.half_width)) * shares_of_half_width)
@@ -624,8 +681,11 @@ class PathSeries:
             yield number, self._inner_slips[row]
 
     def _inner_slip(self, row: int) -> InnerSlip:
-        """The further slip at a row at which |q| of the memory curve is beyond f p, by the
-        tractions there and the half-widths of contact and of the ends of its slip zones.
+        """Extra slip inside the contact at instant number `row`, where the shear of the memory
+        curve exceeds the Coulomb limit, |q| > f p.
+
+        `inner_slip` finds it by the tractions there, the contact half-width, the stick half-width
+        and the half-widths at which the slip zones of the memory curve end.
         """
         followed = self.followed
 
@@ -636,9 +696,12 @@ class PathSeries:
             )[0]
 
         half_width = float(self.half_width[row])
-        stick_edge, *ring = followed.table.half_width([followed.front[row], *followed.ring[row]])
+        stick_edge, *half_widths_of_ring = followed.table.half_width(
+            [followed.stick_edge[row], *followed.ring[row]]
+        )
+        # Without slip at the edge all of the contact sticks.
         edge_of_stick = stick_edge if followed.direction[row] else half_width
-        ends_of_zones = np.array([stick_edge, *ring])
+        ends_of_zones = np.array([stick_edge, *half_widths_of_ring])
         sense = int(self._inner_senses[row])
         return inner_slip(tractions, sense, half_width, ends_of_zones, edge_of_stick, self.modulus)
 
@@ -700,8 +763,12 @@ class PointFields:
         return self._shear_of_curves(rows) + shear_of_faces
 
     def shear_at(self, row: int) -> Array:
-        """Shear traction q at one row, (k,), by its memory curve alone: each piece adds its slopes
-        times the pressure that its punches make; without further slip inside the contact.
+        """Shear traction q at the points at instant number `row`, (k,) [stress], as the memory
+        curve has it: without the extra slip inside the contact.
+
+        The memory curve is a chain of pieces, each with a constant rise of its force per load of
+        flat punches (of the profile, of a parabola, of x^4/24). A piece adds these slopes times the
+        pressure of its punches. The curvature that the loads give to the faces adds the rest.
         """
         pieces = self._followed.pieces
         numbers_of_pieces = pieces.chain(int(self._followed.curve[row]))
@@ -737,8 +804,10 @@ class PointFields:
         return slip
 
     def _slip(self, rows: Indices) -> Array:
-        """Slip s at rows (n, k): that of the memory curves, the curvature of the faces outside the
-        contact, sliding as a whole, and further slip inside the contact.
+        """Relative slip s of the faces at the points, at instants `rows`, (n, k) [length].
+
+        It is the sum of the slip by the memory curves, of the curvature of the faces outside the
+        contact, of sliding as a whole, and of the extra slip inside the contact.
         """
         followed = self._followed
         slip = self._slip_of_curves(rows)
@@ -769,8 +838,11 @@ class PointFields:
         return {}
 
     def work(self, rows: slice) -> Array:
-        """Friction work per area W(x) of the steps of a cycle at the points, (k,): the mean of f p
-        at both ends of a step times how far the point slips in it, where it slips.
+        """Friction work per area W(x) of one cycle at the points, (k,) [force per length], for the
+        instants `rows` of that cycle.
+
+        Each step adds the mean of f p at its two ends times the distance that the point slips. A
+        point inside the smaller stick zone of the step does not slip.
         """
         row_numbers = np.arange(len(self._followed.edge))[rows]
         friction_limit = self._followed.friction * self.pressure(row_numbers)
@@ -784,8 +856,12 @@ class PointFields:
         return np.asarray(np.sum(np.where(is_rubbed, mean_limit * slip_distance, 0.0), axis=0))
 
     def _shear_of_curves(self, rows: Indices) -> Array:
-        """Shear [stress] that the memory curves carry at rows of the path, (n, k): the sum over the
-        pieces of each of its slopes times pressures of profile, parabola and x^4/24.
+        """Shear traction that the memory curves carry at instants `rows`, at the points, (n, k)
+        [stress].
+
+        A memory curve is a chain of pieces of constant slopes. Its shear is the sum over the pieces
+        of each slope times the pressure of the punches of the piece: punches of the profile, of a
+        parabola x^2/2 and of x^4/24.
         """
         followed = self._followed
         pieces, curves = followed.pieces.of_curves(followed.curve[rows])
@@ -832,9 +908,15 @@ class PointFields:
         return pressure_of_parabola, pressure_of_fourth
 
     def _outside(self, half_width: Array) -> tuple[Array, Array]:
-        """Integrals of arccosh(|x|/c) over the punches up to half-widths a, where the point is
-        outside of them, c < min(a, |x|): of c dc for those of x^2/2, and of (c^3/4) dc for those of
-        x^4/24, (n, k) each; slip is these times a factor.
+        """Integrals over flat punches that give the slip of a point outside of them, for a parabola
+        and for x^4/24, (n, k) each [length^2, length^4].
+
+        With c the half-width of a punch and a the upper limit `half_width` (n,), over c < min(a,
+        |x|):
+
+            int c arccosh(|x|/c) dc,    int (c^3/4) arccosh(|x|/c) dc
+
+        Slip is such an integral times a slope of the memory curve.
         """
         x = self._x
         inner_half_width = np.minimum(half_width[:, None], x)
@@ -905,13 +987,14 @@ class _Paths:
 
 
 def with_effects(question: Question) -> Findings:
-    """The answer of corrected theory to a question: half-planes with the effects of the bodies.
+    """Answer of half-plane theory corrected for finite bodies: fields, displacements, friction work
+    and their errors along the load path of a question.
 
     Raises
     ------
     InputError
-        For scenes with bulk stress, tilt or unequal sides of the profile, and for straight
-        steps; for curvatures under which the contact would split or leave the profile.
+        For scenes with bulk stress, tilt or unequal sides of the profile, and for straight steps;
+        for curvatures under which the contact would split or leave the profile.
     """
     _require_symmetric(question)
     with histories_kept():
@@ -919,9 +1002,11 @@ def with_effects(question: Question) -> Findings:
 
 
 def _answer(question: Question) -> Findings:
-    """The answer of corrected theory to a symmetric scene: the path is followed with the bodies and
-    without, fields are taken at the rows of the instants, tilt and strain move the edges, and the
-    work is exact theory's with what the bodies change.
+    """Corrected half-plane answer to a question with a symmetric profile.
+
+    The load path is followed with the finite bodies and with half-planes, by equal steps. Fields
+    are those of the bodies; their tilt and bulk strain move the edges. The friction work is exact
+    half-plane theory plus the difference between the two followed paths.
     """
     started = clock.perf_counter()
     paths = _followed(question)
@@ -935,31 +1020,31 @@ def _answer(question: Question) -> Findings:
     time, row_numbers = instants_of(question, paths.rows, paths.last_cycle)
     points = PointFields(bodies, distance)
     fields_at_distances = grids_at(question, points, distance, row_numbers)
-    odd = _odd_part(paths)
+    tilt_and_strain = _odd_part(paths)
     series = series_at(question, bodies, row_numbers)
-    contact_centres, stick_centres = odd.centres(paths.rows.time)
+    contact_centres, stick_centres = tilt_and_strain.centres(paths.rows.time)
     series["contact_edges"] = series["contact_edges"] + contact_centres[row_numbers, None]
     series["stick_edges"] = series["stick_edges"] + stick_centres[row_numbers, None]
     fields_done = clock.perf_counter()
 
-    work = _work_of(paths, points, distance, odd)
-    errors = work.errors | _errors_of_steps(paths) | _errors_of_contact(paths)
+    friction_work = _work_of(paths, points, distance, tilt_and_strain)
+    errors = friction_work.errors | _errors_of_steps(paths) | _errors_of_contact(paths)
     seconds = {"history": history_done - started, "fields": fields_done - history_done}
     seconds["dissipation"] = clock.perf_counter() - fields_done
     termination, message = _ending(paths)
+    fields_at_points = {
+        name: np.take(grid, number_of_distance, axis=1)
+        for name, grid in fields_at_distances.items()
+    }
+    stick_half_width = permanent_stick(bodies, paths.last_cycle, stick_centres[paths.last_cycle])
     values: dict[str, Any] = {
         **series,
-        **{
-            name: np.take(grid, number_of_distance, axis=1)
-            for name, grid in fields_at_distances.items()
-        },
-        "permanent_stick_half_width": permanent_stick(
-            bodies, paths.last_cycle, stick_centres[paths.last_cycle]
-        ),
-        "dissipation": float(work.cycles[-1]),
-        "loop_work": work.loop,
-        "cycle_dissipation": work.cycles,
-        "dissipation_density": work.density[number_of_distance],
+        **fields_at_points,
+        "permanent_stick_half_width": stick_half_width,
+        "dissipation": float(friction_work.cycles[-1]),
+        "loop_work": friction_work.loop,
+        "cycle_dissipation": friction_work.cycles,
+        "dissipation_density": friction_work.density[number_of_distance],
         "steady_from": paths.steady_from,
     }
     return Findings(
@@ -968,7 +1053,7 @@ def _answer(question: Question) -> Findings:
         values=values,
         termination=termination,
         message=message,
-        notes=tuple(_notes_of(paths, odd)),
+        notes=tuple(_notes_of(paths, tilt_and_strain)),
         errors={name: error for name, error in errors.items() if error},
         certificates=certificates_of(bodies, fields_at_distances, row_numbers),
         counts={
@@ -982,8 +1067,11 @@ def _answer(question: Question) -> Findings:
 
 
 def _followed(question: Question) -> _Paths:
-    """The path of loads of a question, followed by equal straight steps twice: with the curvatures
-    of the bodies, and of half-planes.
+    """The load path of a question, followed twice by equal straight steps: with the curvatures of
+    the finite bodies, and with half-planes.
+
+    Returned with both are the steps, the first cycle that ends as it began, and which followed
+    cycle stands for each cycle of the answer.
     """
     scene = question.scene
     effects = question.effects
@@ -1013,7 +1101,9 @@ def _followed(question: Question) -> _Paths:
 
 
 def _require_symmetric(question: Question) -> None:
-    """InputError for what corrected theory does not take."""
+    """Refuse what corrected half-plane theory does not cover: InputError for bulk stress, tilt,
+    unequal sides of the profile, and steps that are straight between given rows.
+    """
     if question.scene.unsymmetric:
         raise InputError(
             "effects: corrected theory takes neither bulk stress nor tilt nor a profile with"
@@ -1029,13 +1119,28 @@ def _require_symmetric(question: Question) -> None:
 def table_of(
     contact: SymmetricContact, modulus: float, rows: PathRows, curvatures: Curvatures
 ) -> PunchTable:
-    """Table of the flat punches up to the largest contact of the `rows` of a path, with the
-    curvatures of the bodies and without.
+    """Table of the flat punches that make up the contact, wide enough for the largest contact of a
+    load path, with the curvatures of finite bodies and without.
+
+    The table is widened step by step until its punches carry the load P at every instant.
+    Curvatures of the gap below zero widen the contact.
+
+    Parameters
+    ----------
+    contact
+        P(a) of the profile on half-planes
+    modulus
+        E* [stress]
+    rows
+        instants of the path with P and Q
+    curvatures
+        what P and Q add to the curvature of gap and faces
 
     Raises
     ------
     InputError
-        Where that is beyond the profile, or where the bodies bend the faces away from each other.
+        Where that contact is wider than the profile, or where the bodies bend the faces away from
+        each other so that the contact would split.
     """
     largest_load = float(np.max(rows.normal_load))
     largest_half_width = float(contact.half_width(largest_load))
@@ -1060,13 +1165,18 @@ def table_of(
         largest_half_width *= _BEYOND
     else:
         raise splits()
-    s = np.linspace(1.0 if contact.least else 0.0, table.last, 200)
+    s_of_punches = np.linspace(1.0 if contact.least else 0.0, table.last, 200)
     least_curvature_of_all = min(float(np.min(gap_curvature)), 0.0)
-    if np.any(np.diff(table.load(s) + least_curvature_of_all * table.parabola(s)) < 0):
+    if np.any(
+        np.diff(table.load(s_of_punches) + least_curvature_of_all * table.parabola(s_of_punches))
+        < 0
+    ):
         raise splits()
     for row in {int(np.argmin(least_curvature)), int(np.argmin(gap_fourth))}:
-        carried_load = table.load(s) + least_curvature[row] * table.parabola(s)
-        if np.any(np.diff(carried_load + gap_fourth[row] * table.fourth(s)) < 0):
+        carried_load = table.load(s_of_punches) + least_curvature[row] * table.parabola(
+            s_of_punches
+        )
+        if np.any(np.diff(carried_load + gap_fourth[row] * table.fourth(s_of_punches)) < 0):
             raise splits()
     return table
 
@@ -1080,10 +1190,19 @@ def splits() -> InputError:
 
 
 def _steady_from(followed: Followed, rows: PathRows, scene: Scene) -> int | None:
-    """Index of the first cycle that ends in the state it started from, the first or the second:
-    whose memory curves at begin and end agree. None where neither does.
+    """Index of the first cycle, 0 or 1, that leaves the friction state as it found it; None where
+    neither does.
 
-    `followed` has the memory curve at each of the `rows`.
+    The state is the memory curve, locked-in tangential force over half-width. Those at begin and
+    end of the cycle must agree at 200 punches to 1e-9 of f P. A path without cycles counts as
+    steady (0) if it ends unloaded.
+
+    Parameters
+    ----------
+    followed
+        memory curve at each instant
+    rows
+        the instants, with the loads there
     """
     if rows.period is None:
         return 0 if rows.normal_load[-1] <= 0 else None
@@ -1097,11 +1216,19 @@ def _steady_from(followed: Followed, rows: PathRows, scene: Scene) -> int | None
 
 
 def _covered(question: Question, route: _Route, steady_from: int | None) -> tuple[int, ...]:
-    """For each whole cycle that the answer to the `question` covers, the index of the followed
-    cycle that it is: at most two are followed, the first and a steady one.
+    """For each whole cycle of the answer, the index of the followed cycle that stands for it.
 
-    `route` is the path of loads that was followed, and `steady_from` the number of the cycle from
-    which cycles repeat, None where none was seen to.
+    Only two cycles are followed, the first and a steady one: index 0 or 1. Later cycles equal the
+    second.
+
+    Parameters
+    ----------
+    question
+        how many cycles are wanted, or at which instants
+    route
+        the load path
+    steady_from
+        index of the first cycle that repeats; None where none was seen to
     """
     if route.period is None:
         return (0,)
@@ -1116,8 +1243,10 @@ def _covered(question: Question, route: _Route, steady_from: int | None) -> tupl
 
 
 def instants_of(question: Question, rows: PathRows, last_cycle: slice) -> tuple[Array, Indices]:
-    """Instants of the answer, (n,), and the numbers of the rows nearest to them, (n,): those of the
-    question, else all rows, or those of the last cycle.
+    """Instants of the answer, (n,), and the number of the followed instant nearest to each, (n,).
+
+    The instants are those of the question. Where it gives none, they are all followed instants, or
+    those of the last cycle if only that is wanted.
     """
     if question.time is None:
         begin = last_cycle.start if question.wants_last_cycle_alone else 0
@@ -1130,8 +1259,17 @@ def instants_of(question: Question, rows: PathRows, last_cycle: slice) -> tuple[
 
 
 def series_at(question: Question, bodies: PathSeries, row_numbers: Indices) -> dict[str, Array]:
-    """Loads, half-widths, edges and movements at rows (n,) of a path with the bodies, by the names
-    of the answer; movements that were not asked for are NaN.
+    """Values of the answer that have one number per instant, or one per edge, by their names.
+
+    They are loads, displacements, contact and stick half-width (n,) and the edges (n, 2), left then
+    right. Displacements that were not asked for are NaN.
+
+    Parameters
+    ----------
+    bodies
+        the followed path with the finite bodies
+    row_numbers
+        (n,) numbers of its instants
     """
     not_a_number = np.full(len(row_numbers), np.nan)
     displacement = not_a_number
@@ -1158,17 +1296,19 @@ def series_at(question: Question, bodies: PathSeries, row_numbers: Indices) -> d
 def grids_at(
     question: Question, points: PointFields, distance: Array, row_numbers: Indices
 ) -> dict[str, NDArray[Any]]:
-    """pressure, shear, slip [stress, stress, length] and state at rows of a path and at distances
-    from the centre, (n, k) each; NaN, and open, where a field was not asked for.
+    """Fields of the answer at instants and points, by their names, (n, k) each: pressure and shear
+    [stress], slip [length] and state of contact.
+
+    A field that was not asked for is NaN; its state is "open".
 
     Parameters
     ----------
     points
-        fields at the distances along the path
-    row_numbers
-        (n,) rows of the path
+        evaluates the fields of the followed path at the distances
     distance
-        (k,) |x| [length]
+        (k,) |x| [length] from the middle of contact
+    row_numbers
+        (n,) numbers of the instants of the path
     """
     shape = (len(row_numbers), len(distance))
     fields: dict[str, NDArray[Any]] = {
@@ -1189,20 +1329,30 @@ def grids_at(
 
 
 def _states(points: PointFields, distance: Array, row_numbers: Indices) -> NDArray[np.int8]:
-    """States (n, k) of points at distances |x| (k,) from the middle, at rows (n,) of the path:
-    open, stick, or slip in the zone at the edge or in a ring further in, which may slip in the
-    other direction or while the edge rests.
+    """State of contact of each point at each instant, (n, k): open, stick, forward or reverse slip.
+
+    A point slips in the zone at the edge of contact, or in a ring further in. The ring may slip in
+    the other direction, or while the edge sticks.
+
+    Parameters
+    ----------
+    points
+        fields of the followed path at the distances
+    distance
+        (k,) |x| [length] from the middle
+    row_numbers
+        (n,) numbers of the instants
     """
     bodies = points.series
     history = bodies.followed
     sides = np.array([-1.0, 1.0])
     half_width = bodies.half_width[row_numbers, None]
-    stick_edge = history.table.half_width(history.front[row_numbers])[:, None]
+    stick_edge = history.table.half_width(history.stick_edge[row_numbers])[:, None]
     ring_ends = history.table.half_width(history.ring[row_numbers])
     states_by_sense = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
     state_at_edge = states_by_sense[history.direction[row_numbers, None] + 1]
     state_in_ring = states_by_sense[history.ring_direction[row_numbers, None] + 1]
-    # Of full slip only the middle is within the front, and it slips.
+    # In full slip the stick edge is at 0: only x = 0 is within it, and that point slips.
     is_within_stick_edge = between(stick_edge * sides, distance) & (stick_edge > 0)
     states = np.where(is_within_stick_edge, np.int8(STICK), state_at_edge)
     is_in_ring = (distance > ring_ends[:, [0]]) & (distance < ring_ends[:, [1]])
@@ -1229,11 +1379,22 @@ class _Work(NamedTuple):
     errors: dict[str, float]
 
 
-def _work_of(paths: _Paths, points: PointFields, distance: Array, odd: OddPart) -> _Work:
-    """Friction work of the covered cycles and its density at distances (k,): that of exact theory
-    of half-planes plus the difference of two paths, with the bodies and without, by equal steps.
-    `points` are fields along the path with the bodies, `odd` what their tilt and bulk strain add to
-    the work.
+def _work_of(
+    paths: _Paths, points: PointFields, distance: Array, tilt_and_strain: OddPart
+) -> _Work:
+    """Friction work of the cycles of the answer, its density W(x), and their relative errors.
+
+    Each is that of exact half-plane theory plus a difference: the path with the finite bodies minus
+    the path of half-planes, both by equal straight steps. The errors of the steps cancel in it.
+
+    Parameters
+    ----------
+    points
+        fields along the path with the bodies at the distances
+    distance
+        (k,) |x| [length] from the middle
+    odd
+        work that tilt and bulk strain of the bodies add
     """
     question = paths.question
     cycles = np.full(len(paths.covered), np.nan)
@@ -1256,7 +1417,7 @@ def _work_of(paths: _Paths, points: PointFields, distance: Array, odd: OddPart) 
     if question.wants("dissipation"):
         works_of_theory = np.asarray(theory.values["cycle_dissipation"])
         exact_works = works_of_theory[np.minimum(paths.covered, len(works_of_theory) - 1)]
-        cycles, loop, errors = _works_of_cycles(paths, exact_works, odd)
+        cycles, loop, errors = _works_of_cycles(paths, exact_works, tilt_and_strain)
         if "dissipation" in errors:
             errors["dissipation"] += theory.errors.get("dissipation", 0.0)
     if question.wants("dissipation_density"):
@@ -1270,8 +1431,20 @@ def _work_of(paths: _Paths, points: PointFields, distance: Array, odd: OddPart) 
 def _density_of(
     paths: _Paths, points: PointFields, distance: Array, exact_density: Array
 ) -> tuple[Array, float | None]:
-    """W(x) of the last cycle at distances (k,): exact theory's, `exact_density`, plus the change by
-    the bodies; and its error over its largest value, None where nothing slips.
+    """Friction work per area W(x) of the last cycle, (k,), and its relative error.
+
+    It is `exact_density` of half-plane theory plus the change that finite bodies make, by equal
+    steps with and without them; 0 where the bodies do not slip. The error is over the largest W(x),
+    None where nothing slips.
+
+    Parameters
+    ----------
+    points
+        fields along the path with the bodies
+    distance
+        (k,) |x| [length] from the middle
+    exact_density
+        (k,) W(x) of half-planes by exact theory
     """
     half_planes = paths.half_planes
     last_cycle = paths.last_cycle
@@ -1291,60 +1464,77 @@ def _density_of(
 
 
 def _works_of_cycles(
-    paths: _Paths, exact_works: Array, odd: OddPart
+    paths: _Paths, exact_works: Array, tilt_and_strain: OddPart
 ) -> tuple[Array, float, dict[str, float]]:
-    """Friction work of the covered cycles (c,), that of half-planes with what the bodies and their
-    tilt and strain change; closed integral of Q dU + P d(approach) of the last; relative errors.
+    """Friction work of each cycle of the answer (c,), the work of the loads in the last cycle, and
+    the relative errors of both by name.
+
+    Friction work is that of half-planes plus what curvatures, tilt and bulk strain of finite bodies
+    change. The work of the loads is the closed integral of Q dU + P d(approach); it equals the
+    friction work where the cycle is steady, and is NaN where it cannot be compared.
 
     Parameters
     ----------
     exact_works
-        work of these cycles by exact theory of half-planes, (c,)
+        (c,) work of these cycles by exact half-plane theory
+    odd
+        work that tilt and bulk strain add, or why it is left out
     """
     half_planes = paths.half_planes
     bodies = paths.bodies
     cycles = [paths.rows.cycles[k] for k in paths.covered]
     works_by_steps = np.array([half_planes.work(rows) for rows in cycles])
     works_of_bodies = np.array([bodies.work(rows) for rows in cycles])
-    odd_works = [odd.work(k) for k in paths.covered]
+    works_of_tilt_and_strain = [tilt_and_strain.work(k) for k in paths.covered]
     works = exact_works + (works_of_bodies - works_by_steps)
-    works = works + np.array([odd_work.value for odd_work in odd_works])
+    works = works + np.array([added.value for added in works_of_tilt_and_strain])
 
-    # displacements do not have what tilt and bulk strain do to slip
+    # The displacements lack what tilt and bulk strain do to slip: no comparison with them.
     has_loop = (
         paths.question.wants("loop_work")
-        and odd.answer is None
-        and odd.on_grids is None
+        and tilt_and_strain.answer is None
+        and tilt_and_strain.on_grids is None
         and paths.is_steady
         and paths.rows.period is not None
     )
-    loop = bodies.loop_work(paths.last_cycle) if has_loop else math.nan
+    loop_work = bodies.loop_work(paths.last_cycle) if has_loop else math.nan
     last_work = float(exact_works[-1])
     if last_work <= 0:
-        return works, loop, {}
+        return works, loop_work, {}
     step_error = _OF_STEPS * abs(float(works_by_steps[-1]) / last_work - 1)
     step_error += (
         _OF_HALVED * abs(_work_of_halved_steps(paths) - float(works_of_bodies[-1])) / last_work
     )
-    odd_error = odd_works[-1].uncertainty / last_work
+    odd_error = works_of_tilt_and_strain[-1].uncertainty / last_work
     effects = paths.question.effects
     assert effects is not None  # for the type checker
     next_order_error = left_of_work(bodies, half_planes, paths.last_cycle, effects)
     errors = {"dissipation": step_error + odd_error + next_order_error}
-    if odd.left_out:
+    if tilt_and_strain.left_out:
         errors["dissipation"] = math.nan  # how much tilt and strain add is not known
     if has_loop:
         loop_of_half_planes = half_planes.loop_work(paths.last_cycle)
         errors["loop_work"] = abs(loop_of_half_planes / last_work - 1) + next_order_error
-    return works, loop, errors
+    return works, loop_work, errors
 
 
 def left_of_work(
     bodies: PathSeries, half_planes: PathSeries, rows: slice, effects: BodyEffects
 ) -> float:
-    """Uncertainty of the friction work of a cycle, over that of half-planes, by the orders of the
-    bodies' effects after the next: of the change that each curvature makes, the share that it may
-    miss.
+    """Relative uncertainty of the friction work of a cycle, because the effects of finite bodies
+    are cut after their next order.
+
+    Each curvature changes the work of half-planes by some share. Of that change a known fraction
+    may be missed. Curvatures that may cancel each other are followed one kind at a time.
+
+    Parameters
+    ----------
+    bodies, half_planes
+        the path followed with the finite bodies, and with half-planes
+    rows
+        instants of the cycle
+    effects
+        curvatures of the bodies
     """
     left_by_curvature = left_of_curvatures(effects, float(np.max(half_planes.half_width[rows])))
     work_of_half_planes = half_planes.work(rows)
@@ -1369,8 +1559,11 @@ def left_of_work(
 
 
 def _errors_of_contact(paths: _Paths) -> dict[str, float]:
-    """Relative errors of the largest pressure and half-width by the orders of the bodies' effects
-    after the next: a share of what the bodies change.
+    """Relative errors of the largest pressure and of the contact half-width, because the effects of
+    finite bodies are cut after their next order.
+
+    Each error is a fraction of what the bodies change: the ratio of values with and without them,
+    minus 1, at the largest load of the last cycle. Empty where there is no contact.
     """
     effects = paths.question.effects
     assert effects is not None  # for the type checker
@@ -1404,8 +1597,11 @@ def _errors_of_contact(paths: _Paths) -> dict[str, float]:
 
 
 def _work_of_halved_steps(paths: _Paths) -> float:
-    """Friction work of the last cycle by two steps in the place of each long one in which the
-    contact grows in stick: that is a chord, and every other step is exact however long it is.
+    """Friction work of the last cycle [energy per thickness], after long steps in which the contact
+    grows in stick are halved.
+
+    In such a step the memory curve grows by a straight chord, which is an approximation. All other
+    steps are exact however long they are. The change of work by halving gives the error.
     """
     followed = paths.bodies.followed
     effects = paths.question.effects
@@ -1431,8 +1627,10 @@ def _work_of_halved_steps(paths: _Paths) -> float:
 
 
 def _odd_part(paths: _Paths) -> OddPart:
-    """What tilt and bulk strain of the bodies add to dissipation and edges: in the second order, or
-    on grids where that does not hold; with the reason where neither does.
+    """Work and shift of the edges that tilt and bulk strain of the finite bodies cause.
+
+    Taken in the second order of these small numbers; where that does not hold, by a numerical
+    solution on grids. Where neither works, the reason is returned instead of a number.
     """
     question = paths.question
     effects = question.effects
@@ -1440,25 +1638,27 @@ def _odd_part(paths: _Paths) -> OddPart:
     if not any(getattr(effects, name).value for name in ODD_NUMBERS):
         return OddPart()
     try:
-        odd = OddPart(odd_answer(question.scene, effects))
+        tilt_and_strain = OddPart(odd_answer(question.scene, effects))
     except Declined as reason:
         if not question.wants("dissipation"):
             return OddPart(left_out=str(reason))
         work = paths.bodies.work(paths.last_cycle)
-        odd = odd_part_on_grids(question.scene, effects, work, str(reason))
+        tilt_and_strain = odd_part_on_grids(question.scene, effects, work, str(reason))
     work_of_half_planes = paths.half_planes.work(paths.last_cycle)
     if not work_of_half_planes > 0:
-        return odd
+        return tilt_and_strain
     change_by_curvatures = paths.bodies.work(paths.last_cycle) / work_of_half_planes - 1
     ratio = ratio_of_next_order(effects, paths.largest_half_width)
-    return odd._replace(left=left_of_tilt_and_strain(change_by_curvatures, ratio))
+    return tilt_and_strain._replace(left=left_of_tilt_and_strain(change_by_curvatures, ratio))
 
 
 def odd_part_on_grids(scene: Scene, effects: BodyEffects, work: float, reason: str) -> OddPart:
-    """What tilt and bulk strain of the bodies add to `work`, on grids: the relative change that
-    grids find for half-planes, where the second order does not hold for the `reason`.
+    """Work that tilt and bulk strain of the finite bodies add, found by a numerical solution on
+    grids.
 
-    Where grids do not take the scene, it is left out, and the reason is stated.
+    Grids give the relative change of the work of half-planes; it is applied to `work` [energy per
+    thickness], that of the followed cycle. Used where the second order does not hold, for `reason`.
+    Where grids refuse the scene or the change is too large, nothing is added and the reason stated.
     """
     try:
         half_plane_work = work_of_half_planes(scene)
@@ -1476,9 +1676,11 @@ def odd_part_on_grids(scene: Scene, effects: BodyEffects, work: float, reason: s
 
 
 def _errors_of_steps(paths: _Paths) -> dict[str, float]:
-    """Errors of shear and slip by the straight steps: the largest differences of half-planes by the
-    steps and by exact theory, more than 1 % of the half-width from edges, over the largest f p and
-    slip.
+    """Relative errors of shear and slip that the straight steps of the path cause, by field name.
+
+    Measured on half-planes, for which exact theory exists: the largest difference between both at
+    some instants and points. Points within 1 % of a half-width from an edge are left out. It is
+    divided by the largest f p (shear) or the largest slip.
     """
     question = paths.question
     half_planes = paths.half_planes
@@ -1526,12 +1728,14 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
 
 
 def permanent_stick(bodies: PathSeries, rows: slice, centre: Array | float = 0.0) -> float:
-    """Half-width of what sticks all through a cycle; NaN if nothing does.
+    """Half-width of the zone that sticks all through a cycle; NaN where no point does.
 
     Parameters
     ----------
+    rows
+        instants of the cycle
     centre
-        of the stick zone at these rows, (n,)
+        (n,) centre of the stick zone at these instants [length]
     """
     stick = np.nan_to_num(np.minimum(bodies.stick_half_width, bodies.half_width)[rows])
     half_width = float(np.min(centre + stick) - np.max(centre - stick)) / 2
@@ -1555,9 +1759,10 @@ def _ending(paths: _Paths) -> tuple[str, str]:
 
 
 def _notes_of(paths: _Paths, odd: OddPart) -> Iterator[str]:
-    """Sentences on what a reader of the answer must not miss: what the bodies add and what of it is
-    left out, and why there is no closed integral of Q dU. `odd` is what tilt and bulk strain of the
-    bodies add.
+    """Sentences on what a reader of the answer must not miss: which effects of finite bodies are in
+    it, what is left out, and why the loop of Q over U is not compared with the friction work.
+
+    `odd` is what tilt and bulk strain of the bodies add.
     """
     question = paths.question
     scene = question.scene
@@ -1582,12 +1787,22 @@ def _notes_of(paths: _Paths, odd: OddPart) -> Iterator[str]:
 def certificates_of(
     bodies: PathSeries, grids: Mapping[str, NDArray[Any]], row_numbers: Indices
 ) -> dict[str, Array]:
-    """Checks of a path followed with bodies, at rows of it given by `row_numbers`, (n,) each:
-    "tangential_balance", |M(a) - Q| over f times the largest P, M(a) the shear that the memory
-    carries up to the edge; and "cone", the largest |q| - f p over f times the largest p, where both
-    are known.
+    """Checks of the laws of contact along a followed path, by name, (n,) each, 0 where satisfied.
 
-    `grids` holds pressure and shear at points (n, k).
+        tangential_balance    |M - Q| / (f times the largest P)
+        cone                  the largest |q| - f p over the points, over f times the largest p
+
+    M is the tangential force that the memory curve carries up to the edge of contact. The Coulomb
+    limit ("cone") is checked where both pressure and shear were asked for.
+
+    Parameters
+    ----------
+    bodies
+        the path followed with the finite bodies
+    grids
+        pressure and shear at instants and points, (n, k) each
+    row_numbers
+        (n,) numbers of those instants
     """
     followed = bodies.followed
     friction = followed.friction

@@ -150,10 +150,19 @@ class PunchTable:
     def __init__(
         self, contact: SymmetricContact, modulus: float, largest_half_width: float
     ) -> None:
-        """Tabulate eta(c), the load that flat punches of half-width up to c carry of a contact, for
-        c from 0 to `largest_half_width` [length], by cubics on equal cells between the corners of
-        its profile; and two integrals of it. `modulus` is E*. Loads of x^2/2 and of x^4/24 are
-        in closed form.
+        """Tabulate the load eta(c) that flat punches of half-width up to c carry in a contact, for
+        c from 0 to `largest_half_width` [length].
+
+        eta(c) is P(a) at a = c. It is stored as cubics on equal cells between the corners of the
+        profile, with two integrals of it. Loads of x^2/2 and of x^4/24 need no table: they are
+        closed forms.
+
+        Parameters
+        ----------
+        contact
+            P(a) of the profile on half-planes
+        modulus
+            E* [stress]
         """
         corners = [contact.least, *contact.breaks]
         inner_corners = sorted({corner for corner in corners if 0 < corner < largest_half_width})
@@ -185,9 +194,11 @@ class PunchTable:
     def _cubics(
         self, begin_value: Array, end_value: Array, begin_rate: Array, end_rate: Array
     ) -> Array:
-        """Coefficients (cells, 4), constant first, of cubics of the share of a cell that is passed,
-        with the values `begin_value`, `end_value` and the rates `begin_rate`, `end_rate` per sigma
-        at the begin and the end of each cell; sigma runs from 0 to 1 between two corners of the
+        """Cubic polynomials that have given values and slopes at both ends of each cell of the
+        table (Hermite interpolation).
+
+        Returns coefficients (cells, 4), constant first. Their variable is the passed share of the
+        cell, 0 to 1. The rates are per sigma, which runs from 0 to 1 between two corners of the
         profile.
         """
         step = 1 / self._cells_per_corner
@@ -271,8 +282,11 @@ class PunchTable:
         return number + math.sqrt(max(half - self._begins[number], 0.0) / self._lengths[number])
 
     def loads_at(self, s: float) -> PunchLoads:
-        """Loads that the flat punches up to the one at s carry, and their rates per s: eta of the
-        profile, G of a parabola of unit curvature, G_4 of x^4/24; no eta is negative by round-off.
+        """Loads that the flat punches up to the one at coordinate s carry, and their rates per s.
+
+        They are eta of the profile [force per thickness], G of a parabola x^2/2 and G_4 of x^4/24,
+        each per unit of its factor. For one s this is faster than by arrays. Round-off below 0 in
+        eta is cut.
 
         # notation: c0 to c3 coefficients of a cubic of the share of a cell
         """
@@ -286,20 +300,25 @@ class PunchTable:
         half_width_rate = 2 * length * (s - interval)
         squared_width = half_width * half_width
         parabola = self.parabola_stiffness * half_width * half_width
+        load = c0 + share_of_cell * (c1 + share_of_cell * (c2 + share_of_cell * c3))
+        load_rate = (
+            c1 + share_of_cell * (2 * c2 + 3 * share_of_cell * c3)
+        ) * self._cells_per_corner
         return PunchLoads(
-            load=max(c0 + share_of_cell * (c1 + share_of_cell * (c2 + share_of_cell * c3)), 0.0),
+            load=max(load, 0.0),
             parabola=parabola,
             fourth=parabola * squared_width / 8,
-            load_rate=(c1 + share_of_cell * (2 * c2 + 3 * share_of_cell * c3))
-            * self._cells_per_corner,
+            load_rate=load_rate,
             parabola_rate=2 * self.parabola_stiffness * half_width * half_width_rate,
             fourth_rate=parabola * half_width * half_width_rate / 2,
         )
 
     def sums_at(self, s: float, datum: float) -> PunchSums:
-        """Integrals over the flat punches up to the one at the place s, of half-width c: ln(2 L/c)
-        and c^2/2 over d eta and over dG, eta and G the loads of the profile's and of a parabola's
-        punches, L = `datum` [length]; for one s, faster than by arrays.
+        """Integrals over the flat punches from the middle to the one at coordinate s, for
+        displacements and moments: of ln(2 L/c) and of c^2/2, each over d eta and over dG.
+
+        c is the half-width of a punch, eta and G are the loads of the profile's and of a parabola's
+        punches up to c, L = `datum` [length]. For one s this is faster than by arrays.
 
         # notation: c0 to c3 coefficients of a cubic of the share of a cell
         """
@@ -327,11 +346,12 @@ class PunchTable:
         )
 
     def contact_at(self, normal_load: float, curvature: float) -> float:
-        """Coordinate s of the flat punch at the edge of contact a under one load, by bisection of P
-        = eta(a) + kn G(a), `curvature` kn.
+        """Coordinate s of the flat punch at the edge of contact a under one load P, by bisection of
+        P = eta(a) + kn G(a).
 
-        eta(c) is the load that the profile's punches carry up to half-width c, G(c) that of a
-        parabola's punches per unit of curvature.
+        eta(c) and G(c) are the loads that punches up to half-width c carry, of the profile and of a
+        parabola x^2/2. `curvature` is kn, the factor of x^2/2 that the bodies add to the gap
+        [1/length].
         """
         low_s = 0.0
         high_s = self.last
@@ -382,12 +402,20 @@ class PunchTable:
         fourth: Array | float = 0.0,
         known_s: Array | None = None,
     ) -> Array:
-        """Coordinates s (n,) of the flat punches at the edges of contact a: P = eta(a) + kn G(a) +
-        n4 G_4(a), with loads P = `normal_load`, `curvature` kn and `fourth` n4 (n,).
+        """Coordinates s (n,) of the flat punches at the edges of contact a under loads P (n,), from
+        P = eta(a) + kn G(a) + n4 G_4(a), by bisection and Newton's rule.
 
-        eta, G and G_4 are the loads carried up to half-width c by the punches of the profile, of a
-        parabola and of x^4/24. `known_s` is s (n,) where it is known to 1e-3; then bisection is
-        left out.
+        eta, G and G_4 are the loads that punches up to half-width c carry: of the profile, of x^2/2
+        and of x^4/24. Where P = 0, s is 0.
+
+        Parameters
+        ----------
+        normal_load
+            P (n,)
+        curvature, fourth
+            kn and n4 (n,): factors of x^2/2 and x^4/24 that the bodies add to the gap
+        known_s
+            s (n,) where it is known to 1e-3; then bisection is left out
         """
 
         def carried(s: Array) -> Array:
@@ -494,8 +522,20 @@ class Pieces(list[Piece]):
         super().__init__([_EMPTY_CURVE])
 
     def above(self, parent: int, top: float, loads: OfPunches, slopes: OfPunches) -> Piece:
-        """A piece of a memory curve F(s) above piece number `parent`, up to s = `top`, where eta, G
-        and G_4 are `loads`; F rises by `slopes` per unit of each. It is not added to the pieces.
+        """A new piece of memory curve on top of piece number `parent`, not yet stored.
+
+        A memory curve is F(s), the locked-in tangential force of the flat punches up to s. It is a
+        chain of pieces; on each F rises by constant `slopes` per unit of the punches' loads eta, G
+        and G_4.
+
+        Parameters
+        ----------
+        top
+            s at which the new piece ends
+        loads
+            eta, G and G_4 there
+        slopes
+            dF/d eta, dF/dG and dF/dG_4
         """
         parent_piece = self[parent]
         load, parabola, fourth = loads
@@ -556,7 +596,7 @@ class Followed:
         (n,) P, Q, kn, kt at the rows of the path
     normal_fourth, tangential_fourth
         (n,) n4, t4 there
-    edge, front
+    edge, stick_edge
         (n,) s of the edges of contact and of stick; the same where nothing slips
     direction
         (n,) sense of slip in the step that ends at the row, 0 in full stick
@@ -578,7 +618,7 @@ class Followed:
     normal_fourth: Array
     tangential_fourth: Array
     edge: Array
-    front: Array
+    stick_edge: Array
     direction: Indices
     ring: Array
     ring_direction: Indices
@@ -588,7 +628,7 @@ class Followed:
     @property
     def innermost(self) -> Array:
         """s of the innermost punch that slips, (n,); the edge of contact where none does."""
-        return np.where(self.ring_direction != 0, self.ring[:, 0], self.front)
+        return np.where(self.ring_direction != 0, self.ring[:, 0], self.stick_edge)
 
     @property
     def sense(self) -> Indices:
@@ -626,7 +666,20 @@ class Followed:
         return np.where(self.normal_load > 0, moment, 0.0)
 
     def of_shear(self, at_tops: PunchMoments, at_edge: PunchMoments) -> Array:
-        """The same of q, of what it is up to the tops of the pieces and to the edges."""
+        """An integral of the shear traction over the contact at each instant, (n,), such as a
+        moment.
+
+        It is summed along the memory curve: slope of each piece times the rise of the integral over
+        its punches. The curvature that the loads give to the faces adds its own share. 0 where the
+        bodies are apart.
+
+        Parameters
+        ----------
+        at_tops
+            the integral over punches of unit load, up to the top of each piece
+        at_edge
+            that integral up to the edge of contact at each instant
+        """
         pieces = self.pieces
         moment = pieces.sums(
             (pieces.slope, at_tops.profile),
@@ -639,11 +692,15 @@ class Followed:
 
     @cached_property
     def step_work(self) -> Array:
-        """pi/A times the friction work of the step that ends at each row, (n,)."""
+        """Friction work of the straight step that ends at each instant, times pi/A, (n,).
+
+        Work is done in the slip zone at the edge, in a slip zone further in (ring), and by punches
+        that the contact leaves during the step: they slip until then. A = 2/E*.
+        """
         # Punches that the contact leaves in a step slip until then.
         edge_before = np.append(self.edge[:1], self.edge[:-1])
         parts = self._parts_of_zones(
-            (self.direction, self.front, self.edge),
+            (self.direction, self.stick_edge, self.edge),
             (self.ring_direction, self.ring[:, 0], self.ring[:, 1]),
             (self.direction, self.edge, edge_before),
         )
@@ -651,12 +708,12 @@ class Followed:
         return np.asarray(work, dtype=float)
 
     def _work_of_parts(self, parts: _Parts) -> Array:
-        """pi/A times the friction work of each part of a slip zone, (m,): the integral of
+        """Friction work of each part of a slip zone in one step, times pi/A, (m,): the integral of
         f [load beyond c] |dF| dc/c over the flat punches of the part, of half-width c.
 
-        A punch slips in the share of the step in which its F follows the bound B_s, which goes
-        straight through the step, and no longer than it is in contact: the load beyond it counts
-        with its mean over that share.
+        F is the tangential force that a punch locks in. A punch slips in that share of the step in
+        which F follows the Coulomb bound, which moves linearly. It slips no longer than it is in
+        contact. The load beyond it counts with its mean over that share.
         """
         nodes, weights = _GAUSS_OF_WORK
         length = (parts.high - parts.low)[:, None]
@@ -668,25 +725,28 @@ class Followed:
         load_after = self._load_beyond(punches, parts.row)
         bound_before = self._slip_bound(punches, parts.row - 1, sense_of_part, load_before)
         bound_after = self._slip_bound(punches, parts.row, sense_of_part, load_after)
+        # bound_rise: how far the bound moves in the step; slip_force: |dF| that the punch slips by.
         # Of what slides as a whole, the curvature of the faces may move a punch against the slide.
-        growth = sense_of_part * (bound_after - bound_before)
-        change = sense_of_part * (bound_after - self._frozen_forces(punches, parts.piece))
-        slip_share = np.clip(change / np.where(growth != 0, growth, np.inf), 0.0, 1.0)
+        bound_rise = sense_of_part * (bound_after - bound_before)
+        slip_force = sense_of_part * (bound_after - self._frozen_forces(punches, parts.piece))
+        slip_share = np.clip(slip_force / np.where(bound_rise != 0, bound_rise, np.inf), 0.0, 1.0)
         # Where the bodies touch within the step, slip goes on from there to its end.
         touches = parts.piece[:, None] == 0
-        rise = np.where(touches & (load_after > load_before), load_after - load_before, np.inf)
-        share_since_touch = np.clip(load_after / rise, 0.0, 1.0)
+        load_gain = np.where(touches & (load_after > load_before), load_after - load_before, np.inf)
+        share_since_touch = np.clip(load_after / load_gain, 0.0, 1.0)
         slip_share = np.where(touches, share_since_touch, slip_share)
-        change = np.where(touches, growth * share_since_touch, change)
+        slip_force = np.where(touches, bound_rise * share_since_touch, slip_force)
         leaves = (load_after < 0) & (load_before > 0)
-        fall = np.where(leaves, load_before - load_after, np.inf)
-        share_out_of_contact = np.where(leaves, -load_after / fall, 0.0)
+        load_loss = np.where(leaves, load_before - load_after, np.inf)
+        share_out_of_contact = np.where(leaves, -load_after / load_loss, 0.0)
         share_in_contact = np.maximum(slip_share - share_out_of_contact, 0.0)
-        change = np.where(leaves, growth * share_in_contact, change)
+        slip_force = np.where(leaves, bound_rise * share_in_contact, slip_force)
         middle_of_slip = 1 - slip_share + share_in_contact / 2
         mean_load = np.maximum(load_before + middle_of_slip * (load_after - load_before), 0.0)
         logarithmic_rate = table.half_width_rate(s) / table.half_width(s)
-        work = self.friction * (mean_load * change * logarithmic_rate) @ weights * length[:, 0] / 2
+        work = (
+            self.friction * (mean_load * slip_force * logarithmic_rate) @ weights * length[:, 0] / 2
+        )
         return np.asarray(work)
 
     def _load_beyond(self, punches: _PunchArrays, row: Indices) -> Array:
@@ -698,8 +758,19 @@ class Followed:
     def _slip_bound(
         self, punches: _PunchArrays, row: Indices, sense: Indices, load_beyond: Array
     ) -> Array:
-        """B_s at rows (m,) of punches (m, k), (m, k): what F is while a punch slips in `sense` s,
-        Q - kt G - t4 G_4 - s f [load beyond the punch].
+        """Coulomb bound of the locked-in tangential force F of each punch at each instant, (m, k):
+        what F is while the punch slips.
+
+            Q - kt G - t4 G_4 - s f [load beyond the punch],    s = `sense`: +1 forward, -1 reverse.
+
+        Parameters
+        ----------
+        punches
+            loads eta, G and G_4 (m, k)
+        row
+            (m,) numbers of the instants
+        load_beyond
+            (m, k) normal load that is carried outside of each punch
         """
         force = self.tangential_load[row][:, None]
         force = force - self.tangential_curvature[row][:, None] * punches.parabola
@@ -707,7 +778,12 @@ class Followed:
         return np.asarray(force - sense * self.friction * load_beyond)
 
     def _frozen_forces(self, punches: _PunchArrays, piece: Indices) -> Array:
-        """F of punches (m, k) that stick, (m, k), each row on a piece (m,) of the memory curve."""
+        """Tangential force F that punches (m, k) keep while they stick, (m, k).
+
+        On a piece of the memory curve F is the force at the foot of the piece plus its slopes times
+        the rise of the loads eta, G and G_4 of the punches. `piece` (m,) is the number of the piece
+        for each row of `punches`.
+        """
         pieces = self.pieces
         below = pieces.parent[piece]
         force = pieces.force[below][:, None]
@@ -719,11 +795,17 @@ class Followed:
         return np.asarray(force + pieces.fourth_slope[piece][:, None] * fourth_rise)
 
     def _parts_of_zones(self, *zones: tuple[Indices, Array, Array]) -> _Parts:
-        """Slip zones of the steps that end at the rows, each given by the sense of slip, 0 for
-        none, and s of both its ends, (n,) each; cut at the corners of the profile and at the tops
-        of the memory curve before the step.
+        """The slip zones of all steps, cut into parts within which the integrand of the work is
+        smooth.
 
-        s is the coordinate of the flat punches; at the corners it is a whole number.
+        Cuts are at corners of the profile, which are whole numbers of the punch coordinate s, and
+        at the tops of the pieces of the memory curve before the step.
+
+        Parameters
+        ----------
+        zones
+            each as three arrays (n,) over the steps: direction of slip, 0 for no slip; s of the
+            inner end; s of the outer end
         """
         parts: list[tuple[int, float, float, int, int]] = []
         tops, parents, curves = self._lists
@@ -768,9 +850,12 @@ class Followed:
         return self.pieces.top.tolist(), self.pieces.parent.tolist(), self.curve.tolist()
 
     def frozen_force(self, row: int, s: Array) -> Array:
-        """F of the memory curve at a row of the path, at the flat punches of coordinates s (k,):
-        the tangential force that does not change while a punch sticks. Beyond the edge of contact
-        that at the edge.
+        """Locked-in tangential force F at flat punches of coordinate s (k,), at instant number
+        `row`, (k,) [force per thickness].
+
+        F is the memory of the contact: it does not change while a punch sticks. It is read from the
+        chain of pieces of the memory curve. Beyond the edge of contact its value at the edge is
+        returned.
         """
         numbers_of_pieces = self.pieces.chain(int(self.curve[row]))
         tops = self.pieces.top[numbers_of_pieces]
@@ -833,8 +918,10 @@ class PieceTable:
         return np.array(numbers[::-1])
 
     def of_curves(self, curves: Indices) -> tuple[PieceTable, Indices]:
-        """The pieces that some memory curves, given by their uppermost pieces (n,), consist of,
-        numbered again; and the new numbers of those uppermost pieces (n,).
+        """The pieces that some memory curves consist of, with new numbers; others are left out.
+
+        `curves` (n,) gives each curve by the number of its uppermost piece; from there each piece
+        names the one below it. Also returned are the new numbers of these uppermost pieces, (n,).
         """
         is_needed = np.zeros(len(self.parent), dtype=bool)
         pieces = np.unique(curves)
@@ -851,7 +938,11 @@ class PieceTable:
 
     @cached_property
     def _levels(self) -> list[Indices]:
-        """The pieces with one piece below them, with two, and so on; the empty curve counts."""
+        """Numbers of the pieces, grouped by how many pieces lie below each in its memory curve:
+        one, two, and so on.
+
+        Piece 0, the empty curve, counts as one below. Sums along curves are taken group by group.
+        """
         depth = [0]
         for below in self.parent[1:].tolist():
             depth.append(depth[below] + 1)
@@ -861,9 +952,10 @@ class PieceTable:
         return levels[1:]
 
     def sums(self, *terms: tuple[Array, Array]) -> Array:
-        """Integrals along each memory curve up to the top of each piece, (k, ...): the sum over
-        pieces of slope (k,) times the rise of `values` (k, ...), primitives at the tops; several
-        `terms` add.
+        """Integrals along the memory curves, from the middle up to the top of each piece, (k, ...).
+
+        A piece adds its slope (k,) times the rise of a primitive from the piece below it to its own
+        top. `terms` are pairs of slopes (k,) and primitives at the tops (k, ...); they add up.
         """
         parent = self.parent
         sums_at_tops = np.zeros_like(terms[0][1])
@@ -885,8 +977,11 @@ def follow(
     curvatures: Curvatures,
     half_planes: Followed | None = None,
 ) -> Followed:
-    """The memory curve along straight steps between the rows of a path from rest, P = Q = 0, with
-    the curvatures that the bodies add.
+    """Memory of friction along a load path of straight steps, from rest, with the curvatures that
+    finite bodies add to half-planes.
+
+    The memory curve is the locked-in tangential force over the half-width of the flat punches that
+    make up the contact. Stick leaves it, slip clips it at the Coulomb limit.
 
     Parameters
     ----------
@@ -895,11 +990,11 @@ def follow(
     friction
         f
     normal_load, tangential_load
-        (n,) P and Q at the rows
+        (n,) P and Q at the ends of the steps
     curvatures
         what a unit of P and of Q adds to gap and faces
     half_planes
-        the curve without curvatures along the path, where it was followed already
+        the path already followed without curvatures, if there is one
 
     Examples
     --------
@@ -910,7 +1005,7 @@ def follow(
     >>> table = PunchTable(contact, contact.modulus, largest_half_width=1.2)
     >>> rows = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.3], [1.0, -0.3], [1.0, 0.3]])
     >>> followed = follow(table, 0.5, *rows.T, Curvatures())
-    >>> table.half_width(followed.front[-2:]).round(9).tolist()  # c = a sqrt(1 - Q/(f P))
+    >>> table.half_width(followed.stick_edge[-2:]).round(9).tolist()  # c = a sqrt(1 - Q/(f P))
     [0.632455532, 0.632455532]
     """
     rows = _rows(table, normal_load, tangential_load, curvatures)
@@ -923,10 +1018,19 @@ def follow(
 
 
 def _shear_second(table: PunchTable, rows: Array, half_planes: Followed) -> Array:
-    """Second moment of the shear traction, q_2 = int x^2 q dx, at rows (10, n) of the path: (n,).
+    """Second moment of the shear traction, q_2 = int x^2 q dx, at each instant of the path, (n,),
+    estimated from half-planes.
 
-    It is that of half-planes times the ratio of the second moments of pressure, p_2 over theirs.
-    What this neglects of W is a hundredth of what the order after the next may leave.
+    It is their q_2 times the ratio of the second moments of pressure, with the curvatures of finite
+    bodies over without. What this neglects of the work W is a hundredth of what is left out anyway,
+    the curvatures of sixth order and beyond.
+
+    Parameters
+    ----------
+    rows
+        (10, n) loads, curvatures and edge of contact at the instants
+    half_planes
+        the path followed without curvatures
     """
     columns_by_name = dict(zip(Row._fields, rows, strict=True))
     bends = (columns_by_name["normal_curvature"], columns_by_name["normal_fourth"])
@@ -949,16 +1053,16 @@ def _pressure_moment(at_edge: PunchMoments, curvature: Array, fourth: Array) -> 
 def _rows(
     table: PunchTable, normal_load: Array, tangential_load: Array, curvatures: Curvatures
 ) -> Array:
-    """Loads, curvatures and edge of contact at each row of a path with loads P and Q (n,), as
+    """Loads, curvatures and edge of contact at each instant of a path with loads P and Q (n,), as
     columns (10, n).
 
     The columns are P, Q; kn and kt, the factors of x^2/2 that the bodies add to gap and faces; the
-    factors of x^4/24; the place s of the edge of contact in the `table`; and the loads eta, G and
-    G_4 of the punches up to it, of profile, x^2/2 and x^4/24.
+    factors of x^4/24; the coordinate s of the edge of contact in the `table`; and the loads eta, G
+    and G_4 of the punches up to it, of profile, x^2/2 and x^4/24.
 
-    `curvatures` are what P and Q add to gap and faces. kn follows from the second moment of
-    pressure, p_2, and p_2 from the edge: they are iterated. kt is without what the second moment of
-    shear, q_2, adds.
+    kn follows from the second moment of pressure, p_2, and p_2 from the edge: they are iterated. kt
+    is without what the second moment of shear adds. `curvatures` are what P and Q add to gap and
+    faces.
     """
     curvature_without_p2 = curvatures.of_gap(normal_load, tangential_load)
     tangential_curvature = curvatures.of_faces(normal_load, tangential_load)
@@ -1004,9 +1108,17 @@ def _follow(table: PunchTable, friction: float, columns: Array) -> Followed:
 
 
 def followed_of(memory: MemoryCurve, columns: Array, steps: Sequence[Step]) -> Followed:
-    """The path of some steps, with the memory curve at each, whose rows are `columns` (10, n): P,
-    Q, the curvatures of gap and faces, their next order, the edge of contact and the loads up to
-    it.
+    """The followed load path as arrays over its instants, from the list of its steps.
+
+    Parameters
+    ----------
+    memory
+        the memory curves of all steps, as a list of pieces
+    columns
+        (10, n) P, Q, curvatures of gap and faces, their factors of x^4/24, edge of contact and the
+        loads of the punches up to it
+    steps
+        n results of single steps: state, stick edge, slip zones
     """
     pieces = memory.pieces
     entries_of_pieces = np.fromiter(
@@ -1025,7 +1137,7 @@ def followed_of(memory: MemoryCurve, columns: Array, steps: Sequence[Step]) -> F
         normal_fourth=columns_by_name["normal_fourth"],
         tangential_fourth=columns_by_name["tangential_fourth"],
         edge=columns_by_name["edge"],
-        front=np.array([step.front for step in steps]),
+        stick_edge=np.array([step.stick_edge for step in steps]),
         direction=np.array([step.direction for step in steps], dtype=np.int64),
         ring=np.array([step.ring for step in steps]),
         ring_direction=np.array([step.ring_direction for step in steps], dtype=np.int64),
@@ -1071,7 +1183,7 @@ class Step(NamedTuple):
     """What is found at the end of a step: the state, and the slip zones as in `Followed`."""
 
     state: State
-    front: float
+    stick_edge: float
     direction: int = 0
     ring: tuple[float, float] = (0.0, 0.0)
     ring_direction: int = 0
@@ -1103,15 +1215,24 @@ class MemoryCurve:
         return normal_load <= _ROUNDING * self.largest_load
 
     def step(self, state: State, row: Row) -> Step:
-        """The state of the contact after a straight step of the loads from `state` to `row`, with
-        the edge of stick and the zones of slip.
+        """State of the contact after a straight step of the loads, with the stick edge and the slip
+        zones at its end.
 
-        The memory curve F is cut at the edge of contact or grows to it in stick. Where F is then
-        beyond the bound of slip it follows the bound, from the edge inwards; where the edge rests,
-        the slip of the stroke before may go on further in, in a ring.
+        The memory curve F, locked-in tangential force over punches, is cut at the edge of contact
+        or grows to it in stick. Where F is then beyond the Coulomb bound it follows the bound, from
+        the edge inwards. Where the edge rests, the slip of the stroke before may go on further in,
+        in a ring.
+
+        Parameters
+        ----------
+        state
+            number of the uppermost piece of the curve before the step, and the last direction of
+            slip
+        row
+            loads, curvatures and edge of contact at the end of the step
         """
         if self.is_unloaded(row.normal_load):
-            return Step(UNLOADED, front=row.edge)
+            return Step(UNLOADED, stick_edge=row.edge)
         pieces = self.pieces
         round_off = _ROUNDING * self.friction * self.largest_load
         outermost_piece, number_of_top = self._up_to_edge(state.curve, row)
@@ -1122,7 +1243,7 @@ class MemoryCurve:
         bound = None
         if direction:
             bound = _bound(direction, self.friction, row)
-            number_of_top = _front(
+            number_of_top = _stick_below_slip(
                 self.table, pieces, outermost_piece, number_of_top, bound, round_off
             )
             stick_edge = pieces[number_of_top].top
@@ -1150,8 +1271,18 @@ class MemoryCurve:
         )
 
     def _up_to_edge(self, curve: int, row: Row) -> tuple[Piece, int | None]:
-        """The outermost piece of a curve that is cut at the edge of contact, or grows to it in
-        stick, a chord; its number, None of one that is new.
+        """The memory curve fitted to the new edge of contact, before any slip: its outermost piece,
+        and that piece's number (None if it is new and not stored yet).
+
+        A contact that shrinks cuts the curve at its edge. One that grows in stick adds a straight
+        chord up to Q - kt G - t4 G_4 at the new edge, where all of Q is carried within.
+
+        Parameters
+        ----------
+        curve
+            number of the uppermost piece before the step
+        row
+            loads, curvatures and edge of contact at its end
         """
         pieces = self.pieces
         number = curve
@@ -1185,7 +1316,7 @@ class MemoryCurve:
         """
         bound = _bound(direction, self.friction, row)
         curve = self.pieces.add(0, row.edge, row.edge_loads, bound.slopes)
-        return Step(State(curve, direction), front=0.0, direction=direction)
+        return Step(State(curve, direction), stick_edge=0.0, direction=direction)
 
 
 def _bound(direction: int, friction: float, row: Row) -> _Bound:
@@ -1203,11 +1334,22 @@ def _bound(direction: int, friction: float, row: Row) -> _Bound:
 def _slipping(
     outermost_piece: Piece, piece_below: Piece, friction: float, row: Row, round_off: float
 ) -> int:
-    """Direction of slip at the edge of contact, +1 or -1, 0 in stick: |Q - kt G - t4 G_4 - F| > f
-    [load beyond] at one end of the outermost piece of the memory curve F, whose lower end is the
-    top of the piece below it.
+    """Direction of slip at the edge of contact, +1 or -1; 0 where the edge sticks.
 
-    `row` has P, Q and the curvatures; `round_off` is the excess that counts as none.
+    The edge slips if the tangential force beyond one end of the outermost piece of the memory curve
+    F exceeds f times the normal load beyond it: |Q - kt G - t4 G_4 - F| > f [P - eta - kn G - n4
+    G_4].
+
+    Parameters
+    ----------
+    outermost_piece, piece_below
+        last piece of the curve, and the one at whose top it starts
+    friction
+        f
+    row
+        P, Q and curvatures at the end of the step
+    round_off
+        excess force that counts as none
     """
     for piece_end in (outermost_piece, piece_below):
         force_excess = row.tangential_load - row.tangential_curvature * piece_end.parabola
@@ -1219,7 +1361,7 @@ def _slipping(
     return 0
 
 
-def _front(
+def _stick_below_slip(
     table: PunchTable,
     pieces: Pieces,
     piece: Piece,
@@ -1227,19 +1369,21 @@ def _front(
     bound: _Bound,
     round_off: float,
 ) -> int:
-    """Number of the uppermost piece of the memory curve that is left below the line of slip, which
-    goes from the edge of contact inwards to where F meets the `bound`.
+    """Cut the memory curve where slip from the edge of contact inwards ends: number of the
+    uppermost piece that still sticks.
+
+    Slip ends where the curve F meets the `bound`. A piece that is crossed there is cut in two.
 
     Parameters
     ----------
     table
-        loads of the punches by the place s of the edge
+        loads of the flat punches by their coordinate s
     pieces
-        pieces of the curve
+        all pieces of memory curves
     piece, number
         the outermost one, and its number, None where it is new
     bound
-        the Coulomb limit F of slip in one direction
+        the Coulomb limit that F follows during slip in one direction
     round_off
         excess of F that counts as round-off
     """
@@ -1264,18 +1408,20 @@ def _front(
 def _ring(
     table: PunchTable, pieces: Pieces, top: int, bound: _Bound, round_off: float
 ) -> tuple[int, float, float]:
-    """The memory curve with a line of slip inside it, where a stroke resumes while the edge of
-    contact rests: number of its uppermost piece, and the places s of both ends of the slip zone,
-    equal where there is none.
+    """Put a slip zone inside the contact into the memory curve: number of its uppermost piece after
+    that, and the punch coordinates s of the inner and outer end of the zone (equal if none).
+
+    Such a ring forms where the slip of a stroke goes on further in, while the edge of contact
+    sticks or slips the other way.
 
     Parameters
     ----------
     table
-        loads of the punches by the place s of the edge
+        loads of the flat punches by their coordinate s
     pieces, top
-        pieces of the curve, and the number of the uppermost one
+        all pieces of memory curves, and the number of the uppermost one of this curve
     bound
-        the Coulomb limit F of slip in the direction of that stroke
+        the Coulomb limit that F follows during slip in the direction of that stroke
     round_off
         excess of F that counts as round-off
     """
@@ -1293,7 +1439,9 @@ def _ring(
     piece_ends = (pieces[piece.parent], piece)
     excesses_at_ends = (bound.excess(piece_ends[0]), excess_at_top)
     outer_end, loads_at_outer_end = _crossing(table, piece_ends, excesses_at_ends, bound, round_off)
-    number_below = _front(table, pieces, pieces[piece.parent], piece.parent, bound, round_off)
+    number_below = _stick_below_slip(
+        table, pieces, pieces[piece.parent], piece.parent, bound, round_off
+    )
     curve = pieces.add(number_below, outer_end, loads_at_outer_end.loads, bound.slopes)
     for piece_above in (piece, *reversed(pieces_above)):
         curve = pieces.add(curve, piece_above.top, piece_above.loads, piece_above.slopes)
@@ -1307,12 +1455,12 @@ def _crossing(
     bound: _Bound,
     round_off: float,
 ) -> tuple[float, PunchLoads]:
-    """Coordinate s of the flat punch at which friction that was locked in meets a bound of slip,
+    """Coordinate s of the flat punch at which the memory curve crosses the Coulomb bound of slip,
     and the loads of the punches up to there.
 
-    The force F that a piece of the memory curve locked in grows with the loads of the punches of
-    the profile (P), of a parabola (G) and of x^4/24 (H), with a slope over each; so does the bound.
-    The excess of F over it is zero at s: Newton's rule between brackets.
+    On one piece of the curve the locked-in force F grows linearly with the loads of the punches of
+    the profile, of x^2/2 and of x^4/24; so does the bound. The zero of their difference is found by
+    Newton's rule between brackets.
 
     Parameters
     ----------
@@ -1321,7 +1469,7 @@ def _crossing(
     excesses
         of F over the bound at the tops of the two pieces, of opposite signs
     bound
-        direction of slip, and slopes of the bound over P, G and H
+        direction of slip, and slopes of the bound per unit of each load
     round_off
         excess that counts as 0
     """
@@ -1340,21 +1488,21 @@ def _crossing(
     )
     if not low_s < s < high_s:
         s = low_s + share_of_piece * (high_s - low_s)
-    loads = table.loads_at(s)
+    loads_at_s = table.loads_at(s)
     # Newton's rule, in the middle between two punches where it would leave them.
     for _ in range(_STEPS_OF_NEWTON):
-        excess = excess_below + slope * (loads.load - piece_below.load)
-        excess += parabola_slope * (loads.parabola - piece_below.parabola)
-        excess += fourth_slope * (loads.fourth - piece_below.fourth)
+        excess = excess_below + slope * (loads_at_s.load - piece_below.load)
+        excess += parabola_slope * (loads_at_s.parabola - piece_below.parabola)
+        excess += fourth_slope * (loads_at_s.fourth - piece_below.fourth)
         if abs(excess) <= round_off:
             break
         if excess * sign_of_rise > 0:
             high_s = s
         else:
             low_s = s
-        rate = slope * loads.load_rate + parabola_slope * loads.parabola_rate
-        rate += fourth_slope * loads.fourth_rate
+        rate = slope * loads_at_s.load_rate + parabola_slope * loads_at_s.parabola_rate
+        rate += fourth_slope * loads_at_s.fourth_rate
         newton_s = s - excess / rate if rate * sign_of_rise > 0 else math.nan
         s = newton_s if low_s < newton_s < high_s else (low_s + high_s) / 2
-        loads = table.loads_at(s)
-    return s, loads
+        loads_at_s = table.loads_at(s)
+    return s, loads_at_s

@@ -667,7 +667,7 @@ class _Stepper:
 
     def _rate(self, step: Step, load: float) -> float:
         """d(U + Q/k_s)/dQ at the end of a step."""
-        stick_edge = step.ring[0] if step.ring_direction else step.front
+        stick_edge = step.ring[0] if step.ring_direction else step.stick_edge
         half_width = float(self._table.half_width(stick_edge))
         least_half_width = 1e-9 * float(self._table.half_width(self._table.last))
         return float(self._compliance.rate(max(half_width, least_half_width), load))
