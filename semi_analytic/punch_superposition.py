@@ -215,7 +215,8 @@ class PunchSuperposition:
     # --- fields of the normal problem
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """p(x, P) >= 0 [stress], 0 outside the contact; infinite at the tip of a sharp wedge.
+        """Contact pressure p(x, P) >= 0 at a point under a load [stress]: 0 outside the contact,
+        infinite at the tip of a sharp wedge.
 
         >>> from semi_analytic.profiles import power_law
         >>> contact = PunchSuperposition(
@@ -242,10 +243,12 @@ class PunchSuperposition:
         return np.maximum(self._pressure(1, np.abs(as_is(x)), as_is(load))[0], 0.0)
 
     def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """S(x, P) = int arccosh(|x|/a(eta)) d eta over eta < min(P, P_x) [force per thickness].
+        """S(x, P) = int arccosh(|x|/a(eta)) d eta over eta < min(P, P_x) [force per thickness]:
+        what the flat punches that end inside of x add to the slip there.
 
-        The slip of x outside the stick zone is (f A/pi) [S(x, P) - S(x, P_c)] after first loading
-        by Q = f (P - P_c).
+        a(eta) is the contact half-width under the load eta, P_x the load at which the edge of
+        contact reaches x. First loading by Q = f (P - P_c) makes the slip (f A/pi) [S(x, P) - S(x,
+        P_c)] outside the stick zone.
 
         >>> from semi_analytic.profiles import power_law
         >>> contact = PunchSuperposition(
@@ -268,7 +271,8 @@ class PunchSuperposition:
 
     def log_distance(self, load: ArrayLike) -> Array:
         """int_0^P ln(2 L/a(eta)) d eta = P ln(2 L/a) + int_0^a P/alpha d alpha [force per
-        thickness].
+        thickness]: times A/pi the normal approach of two half-planes, against a datum at distance
+        L.
 
         >>> from semi_analytic.profiles import power_law
         >>> contact = PunchSuperposition(
@@ -297,10 +301,19 @@ class PunchSuperposition:
     # --- kernels between a load and a point, from differences of load that are free of cancellation
 
     def arccosh_ratio(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
-        """arccosh(|x|/a(eta)) = arsinh(sqrt(x^2 - a^2)/a) from P_x - eta >= 0 and the advance
-        d(eta).
+        """arccosh(|x|/a(eta)) of a point x outside a flat punch of half-width a(eta), with all its
+        digits close to the punch.
 
-        0 is returned for eta = 0 and a = 0, where it is multiplied by eta.
+        It is arsinh(sqrt(x^2 - a^2)/a); the difference of squares is taken from the difference of
+        loads. 0 is returned for a = 0, where the value is multiplied by eta = 0.
+
+        Parameters
+        ----------
+        excess
+            P_x - eta >= 0, P_x the load at which the edge of contact reaches x [force per
+            thickness]
+        advance
+            a(eta) - a(0) [length]
         """
         outer_advance, load_rise, inner_advance = np.broadcast_arrays(
             self._beyond(x), as_is(excess), as_is(advance)
@@ -312,8 +325,11 @@ class PunchSuperposition:
         return np.arcsinh(np.sqrt(square_difference) / np.where(half_width > 0, half_width, np.inf))
 
     def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
-        """1/sqrt(a(eta)^2 - x^2) from eta - P_x > 0 and the advance d(eta): pi times the pressure
-        of a flat punch of unit load.
+        """1/sqrt(a(eta)^2 - x^2) [1/length] of a point x inside a flat punch of half-width a(eta):
+        pi times the pressure of the punch per load.
+
+        `excess` is eta - P_x > 0, P_x the load at which the edge of contact reaches x; `advance` is
+        a(eta) - a(0) [length].
         """
         distance, load_rise, outer_advance = np.broadcast_arrays(
             np.abs(as_is(x)), as_is(excess), as_is(advance)
@@ -323,12 +339,17 @@ class PunchSuperposition:
         return 1 / np.sqrt(np.where(square_difference > 0, square_difference, np.inf))
 
     def _squares_apart(self, inner_advance: Array, outer_advance: Array, load_rise: Array) -> Array:
-        """Difference of the squares of two half-widths whose advances beyond the least one are
-        given, (n,) each, for close ones from `load_rise`, the rise of P between them, which has
-        more digits.
+        """Difference of the squares of two half-widths, outer minus inner, (n,) [length^2], without
+        loss of digits where they are close.
 
-        With more than one corner of the profile in between the difference itself has more digits,
-        but for corners next to each other.
+        Close half-widths are compared by `load_rise`, the load P between them, over the mean
+        dP/d(a^2). With corners of the profile in between the plain difference has more digits,
+        unless the corners are next to each other.
+
+        Parameters
+        ----------
+        inner_advance, outer_advance
+            a - a_0 of both, a_0 the half-width without load [length]
         """
         begins = self.law.begins
         square_difference = np.array(
@@ -347,8 +368,10 @@ class PunchSuperposition:
         return square_difference
 
     def _mean_rate(self, inner_advance: Array, outer_advance: Array) -> Array:
-        """Rise of P over rise of a^2 between two advances d = a - a_0 of the edge of contact, as
-        close as may be: in two parts if there is a corner of the profile in between.
+        """Mean of dP/d(a^2) between two contact half-widths that are close, (n,) [stress/length].
+
+        Both are given by their advance a - a_0 beyond the half-width a_0 without load. A corner of
+        the profile in between, where dP/da is not smooth, parts the mean in two.
         """
         end_advance = np.maximum(outer_advance, inner_advance * (1 + 4 * _EPS))
         begins = self.law.begins
@@ -370,8 +393,11 @@ class PunchSuperposition:
     def _rises(
         self, begin_advance: Array, end_advance: Array, corner: Array
     ) -> tuple[Array, Array]:
-        """Rises of P and of a^2 between two advances behind a corner, (n,) each, both times one
-        half: by Gauss' rule in the root of the distance from the corner.
+        """Half the rise of P and half the rise of a^2 between two advances of the contact edge,
+        (n,) each; their quotient is the mean of dP/d(a^2).
+
+        Gauss' rule in the root of the distance from `corner`, the last corner of the profile before
+        the first advance: P is smooth in that root.
         """
         nodes, weights_of_nodes = gauss(6)
         begin_root = np.sqrt(np.maximum(begin_advance - corner, 0.0))
@@ -386,11 +412,12 @@ class PunchSuperposition:
     # --- the slip area
 
     def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:
-        """Lam(P, P_c) = int_{P_c}^P ln(a(eta)/a(P_c)) d eta from P and P - P_c [force per
-        thickness].
+        """Integral over loads that gives the friction work of slip from the stick edge to the edge
+        of contact, Lam(P, P_c) = int_{P_c}^P ln(a(eta)/a(P_c)) d eta [force per thickness].
 
-        Far apart P ln(a/c) less the rise of int P/alpha; close together int (P - eta) d ln(a), by
-        Gauss' rule where that is smooth.
+        Slip by dF dissipates (A/pi) f Lam dF/f. `load` is P, `slipped` the load P - P_c beyond the
+        stick edge. Far apart Lam is P ln(a/c) minus the rise of int P/alpha; close together it is
+        int (P - eta) d ln(a), by Gauss' rule where that is smooth.
 
         >>> from semi_analytic.profiles import power_law
         >>> contact = PunchSuperposition(
@@ -410,8 +437,10 @@ class PunchSuperposition:
         return kernel
 
     def _is_far(self, load: Array, slipped: Array) -> NDArray[np.bool_]:
-        """Where the integral Lam(P, P_c) of ln(a(eta)/a(P_c)) is taken as a difference of larger
-        numbers, by P = `load` and P - P_c = `slipped`; elsewhere it is a sum of positive terms.
+        """Where Lam(P, P_c) = int ln(a(eta)/a(P_c)) d eta loses no digits as a difference of larger
+        numbers, a boolean for each pair of loads.
+
+        Elsewhere it is taken as a sum of positive terms. `load` is P, `slipped` is P - P_c.
         """
         edge_load = np.maximum(load - slipped, 0.0)
         corner_below = np.maximum(
@@ -426,11 +455,11 @@ class PunchSuperposition:
         return np.asarray(~is_smooth & (slipped > _APART * load))
 
     def _log_of_widths(self, load: Array, slipped: Array) -> tuple[Array, Array, Array]:
-        """ln(a/c) from P = `load` and P - P_c = `slipped`, and the advances of both half-widths: a
-        = a(P) of contact, c = a(P_c) of stick.
+        """ln(a/c) of contact half-width a(P) over stick half-width c(P_c), and the advance of each
+        edge beyond the half-width without load [length].
 
-        P - P_c has no more of P_c than its last digit: 0 would stand for any smaller P_c, and its
-        logarithm for 700.
+        `load` is P, `slipped` is P - P_c. Of P_c only the last digit of P is left in that
+        difference. P_c = 0 would then stand for any smaller number, and its logarithm be 700.
         """
         edge_load = np.maximum(load - slipped, _EPS / 4 * load)
         outer_advance, inner_advance = self.law.advance(np.stack([load, edge_load]))
@@ -449,10 +478,13 @@ class PunchSuperposition:
         return load * logarithm - (outer_integral - inner_integral)
 
     def _kernel_as_integral(self, load: Array, slipped: Array) -> Array:
-        """int (P - eta) d ln(a) from P_c on, between one corner and the next by Gauss' rule in
-        sqrt(P - P_b): a smooth function of that is a(P) there.
+        """Lam(P, P_c) as the integral of (P - eta) d ln(a(eta)) from P_c to P, a sum of positive
+        terms.
 
-        Close to no load it goes as any power of P: there by the rule for singular ends.
+        `load` is P, `slipped` is P - P_c, (n,) each. Each integral is cut where the edge passes a
+        corner of the profile, load P_b. In between a(P) is a smooth function of sqrt(P - P_b), and
+        Gauss' rule in that root holds. Close to no load a goes as any power of P: there a rule for
+        singular ends is used.
         """
         kernel = np.zeros(load.shape)
         edge_load = load - slipped
@@ -462,24 +494,29 @@ class PunchSuperposition:
         )
         counts_of_parts = last_corner - first_corner + 1  # of each integral, from corner to corner
         bounds = np.arange(_MEMBERS, len(load), _MEMBERS)
-        for members in np.split(np.arange(len(load)), bounds):
-            # each part belongs to one member, behind the corner number `corner_below`
-            member_of_part = np.repeat(members, counts_of_parts[members])
-            parts_before = np.cumsum(counts_of_parts[members]) - counts_of_parts[members]
-            number_of_part = np.arange(len(member_of_part)) - np.repeat(
-                parts_before, counts_of_parts[members]
+        for numbers_at_once in np.split(np.arange(len(load)), bounds):
+            # each part belongs to one integral, and lies behind the corner number `corner_below`
+            integral_of_part = np.repeat(numbers_at_once, counts_of_parts[numbers_at_once])
+            parts_before = (
+                np.cumsum(counts_of_parts[numbers_at_once]) - counts_of_parts[numbers_at_once]
             )
-            corner_below = number_of_part + first_corner[member_of_part] - 1
+            number_of_part = np.arange(len(integral_of_part)) - np.repeat(
+                parts_before, counts_of_parts[numbers_at_once]
+            )
+            corner_below = number_of_part + first_corner[integral_of_part] - 1
             integrals = self._integrals_of_parts(
-                load[member_of_part], slipped[member_of_part], corner_below
+                load[integral_of_part], slipped[integral_of_part], corner_below
             )
-            kernel += np.bincount(member_of_part, integrals, len(kernel))
+            kernel += np.bincount(integral_of_part, integrals, len(kernel))
         return kernel
 
     def _integrals_of_parts(self, load: Array, slipped: Array, corner_below: Indices) -> Array:
-        """Parts (n,) of the integral of (P - eta) d ln(a(eta)) over the load eta, each from P_c or
-        the load of a corner of the profile, number `corner_below`, to P = `load` or to the next
-        corner; P - P_c = `slipped`.
+        """Parts (n,) of integrals of (P - eta) d ln(a(eta)) over the load eta [force per
+        thickness], each between two corners of the profile.
+
+        A part begins at P_c, or at the load of corner number `corner_below`. It ends at P = `load`,
+        or at the load of the next corner. `slipped` is P - P_c, which has more digits than a
+        difference.
         """
         corners = np.append(self._begin_loads, np.inf)
         edge_load = load - slipped
@@ -491,34 +528,36 @@ class PunchSuperposition:
         load_spans = np.where(ends_at_load, slipped_left, end_load - begin_load)
         integrals = np.zeros(len(load))
         is_smooth = (corner_below > 0) | (load_spans < _NEARBY * begin_load)
-        for is_rooted in (True, False):
-            members = is_smooth == is_rooted
-            if not np.any(members):
+        for by_root in (True, False):
+            parts_of_rule = is_smooth == by_root
+            if not np.any(parts_of_rule):
                 continue
-            begin_column = begin_load[members, None]
-            span_column = load_spans[members, None]
-            if is_rooted:
+            begin_column = begin_load[parts_of_rule, None]
+            span_column = load_spans[parts_of_rule, None]
+            if by_root:
                 loads_from_begin, weights = _nodes_in_root(
-                    begin_column - corners[corner_below[members], None], span_column
+                    begin_column - corners[corner_below[parts_of_rule], None], span_column
                 )
             else:
                 loads_from_begin, weights = (values[:, 0] for values in graded(0.0, span_column))
             advance = self.law.advance(begin_column + loads_from_begin)
             rates = (self.least + advance) * self.law.stiffness(advance)
             # P - eta, with its own digits
-            load_above = slipped[members, None] - (
-                (begin_column - edge_load[members, None]) + loads_from_begin
+            load_above = slipped[parts_of_rule, None] - (
+                (begin_column - edge_load[parts_of_rule, None]) + loads_from_begin
             )
             integrand = load_above / np.where(rates > 0, rates, np.inf)
-            integrals[members] = np.sum(weights * integrand, axis=-1)
+            integrals[parts_of_rule] = np.sum(weights * integrand, axis=-1)
         return integrals
 
     # --- errors
 
     def quadrature_error(self, name: str, *arguments: ArrayLike) -> Array:
         """Estimated error of the values that the method `name` returns for these arguments; not
-        below the true one. It adds what series leave out, the last digits of half-widths, and the
-        error of P(a).
+        below the true one.
+
+        It adds what the Chebyshev series leave out, what the last digits of half-widths do to the
+        value, and the error of P(a) itself.
         """
         values = np.broadcast_arrays(*(as_is(argument) for argument in arguments))
         if name == "dissipation_kernel":
@@ -546,12 +585,12 @@ class PunchSuperposition:
         return error + (last_digit + self.noise + 50 * _EPS) * np.abs(value)
 
     def _kernel_error(self, load: Array, slipped: Array) -> Array:
-        """Estimated error, not below the true one, of the integral Lam(P, P_c) of
-        ln(a(eta)/a(P_c)), P - P_c = `slipped`.
+        """Estimated error, not below the true one, of Lam(P, P_c) = int ln(a(eta)/a(P_c)) d eta.
+        `load` is P, `slipped` is P - P_c.
 
-        Where Lam is an integral of positive terms, each with all its digits, it loses a share of
-        itself. P ln(a/c) - int P/alpha d alpha loses last digits of both, which are P times the
-        same logarithm or less, and what the series of the second leaves out.
+        Where Lam is a sum of positive terms it loses some last digits of itself. As the difference
+        P ln(a/c) - int P/alpha d alpha it loses last digits of both terms, and what the series of
+        the second leaves out.
         """
         kernel = self.dissipation_kernel(load, slipped)
         logarithm, outer_advance, _ = self._log_of_widths(load, slipped)
@@ -562,17 +601,22 @@ class PunchSuperposition:
         return error_of_difference + (_OF_AREA * _EPS + self.noise) * kernel
 
     def _last_digit_of_variable(self, order: int, distance: Array, advance: Array) -> Array:
-        """Change of the pressure at |x| = `distance` by the last digit of v, the variable of its
-        series; arrays of one shape.
+        """Change of the pressure at |x| = `distance` by the last digit of v, the variable in which
+        its integral is a series; arrays of one shape [stress].
 
-        The edge is |x - b| sinh^2 v ahead of x, so v (1 + eps) moves it by 2 v eps of that way, and
-        p by dp/da times as much. At x = 0 v reaches 28, and p of |x|^n goes as a^(n - 1): for
-        |x|^20 that is 2e-13 of p.
+        The edge of contact is |x - b| sinh^2 v beyond x, b the nearest corner of the profile. A
+        change of v by eps v moves it by 2 eps v of that distance, and p by dp/da times as much. At
+        x = 0 v reaches 28, and p of a profile |x|^n goes as a^(n - 1): for |x|^20 that is 2e-13 of
+        p.
+
+        `advance` is a - a_0 of the edge; with `order` 1 the load stands in front of the integrand.
         """
         half_width = self.least + advance
         distance_to_edge = half_width - distance
-        way_to_edge = np.maximum(distance_to_edge, 0.0)
-        root_ratio = np.sqrt(way_to_edge / np.where(half_width > 0, half_width + distance, np.inf))
+        distance_inside = np.maximum(distance_to_edge, 0.0)
+        root_ratio = np.sqrt(
+            distance_inside / np.where(half_width > 0, half_width + distance, np.inf)
+        )
         # Of dp/da = g/(pi sqrt(a^2 - x^2)), times the way ahead.
         pressure_change = self.law.stiffness(advance) * root_ratio / np.pi
         if order:
@@ -580,7 +624,7 @@ class PunchSuperposition:
         distance_to_corners = np.abs((distance - self.least)[..., None] - self.law.begins)
         distance_to_corner = np.maximum(np.min(distance_to_corners, axis=-1), _CLOSEST * advance)
         v = np.arcsinh(
-            np.sqrt(way_to_edge / np.where(distance_to_corner > 0, distance_to_corner, np.inf))
+            np.sqrt(distance_inside / np.where(distance_to_corner > 0, distance_to_corner, np.inf))
         )
         return 2 * _EPS * v * pressure_change
 
@@ -596,13 +640,13 @@ class PunchSuperposition:
         return {}
 
     def _primitive(self, kind: Kind, order: int, x: Array, advance: Array) -> tuple[Array, Array]:
-        """The integral of a kind at `x` from no load up to the `advance` of the edge beyond the
-        least half-width, arrays that broadcast, and its error; with order 1 the load stands in
-        front.
+        """An integral over flat punches at points `x`, from no load up to an `advance` a - a_0 of
+        the edge of contact, and its error; both arrays broadcast.
 
-        A primitive has all its digits down to half the octaves below its top. Advances that lie
-        further apart are taken in bands, so that none has fewer digits beside a large one than
-        alone.
+        `kind` names the integral: pressure, arccosh outside the punches, or logarithm. With `order`
+        1 the load eta stands in front of the integrand. A primitive, the integral as a function of
+        its upper end, keeps its digits over a limited ratio of advances; wider apart they are taken
+        in bands.
         """
         is_positive = advance > 0
         if not np.any(is_positive) or not np.size(x):
@@ -617,8 +661,8 @@ class PunchSuperposition:
         band[advances > 0] = np.log(largest_advance / advances[advances > 0]) / math.log(self._band)
         integral = np.zeros(advances.shape)
         error = np.zeros(advances.shape)
-        for number in range(int(band.max()) + 1):
-            is_in_band = band == number
+        for band_number in range(int(band.max()) + 1):
+            is_in_band = band == band_number
             if np.any(is_in_band):
                 integral[is_in_band], error[is_in_band] = self._primitive_of_band(
                     kind, order, points[is_in_band], advances[is_in_band]
@@ -635,9 +679,11 @@ class PunchSuperposition:
     def _primitive_of_band(
         self, kind: Kind, order: int, x: Array, advance: Array
     ) -> tuple[Array, Array]:
-        """The integral of a kind and order (1 has eta in front) at x up to each `advance` d = a -
-        a_0, and its error, arrays that broadcast; the advances lie in one band, within which one
-        primitive serves, or are 0.
+        """An integral over flat punches at points `x`, up to advances a - a_0 of the edge of
+        contact that lie close enough for one stored primitive; with its error.
+
+        `kind` names the integral; with `order` 1 the load eta stands in front of the integrand.
+        Advances may be 0 too. `x` and `advance` broadcast.
         """
         if np.ndim(x) and np.shape(x)[-1] > _POINTS:  # a primitive takes some kilobytes a point
             advance_of_points = np.broadcast_to(
@@ -654,16 +700,27 @@ class PunchSuperposition:
                 errors.append(error)
             return np.concatenate(integrals, axis=-1), np.concatenate(errors, axis=-1)
         points, number_in_points = np.unique(np.ravel(x), return_inverse=True)
-        primitive, number = self._cached_primitive(kind, order, points, float(np.max(advance)))
+        primitive, index_in_primitive = self._cached_primitive(
+            kind, order, points, float(np.max(advance))
+        )
         return primitive(
-            *np.broadcast_arrays(number[number_in_points].reshape(np.shape(x)), advance)
+            *np.broadcast_arrays(index_in_primitive[number_in_points].reshape(np.shape(x)), advance)
         )
 
     def _cached_primitive(
         self, kind: Kind, order: int, points: Array, largest_advance: float
     ) -> tuple[Primitive, Indices]:
-        """A primitive of this kind over the advance of the punches, from 0 to `largest_advance` at
-        least, at these points (k,), ascending; and their indices in it.
+        """A stored integral over flat punches as a function of its upper end, made anew where none
+        of the last eight serves; with the indices of the points in it.
+
+        Parameters
+        ----------
+        kind, order
+            which integral; with order 1 the load stands in front of the integrand
+        points
+            (k,) distances |x| [length], ascending
+        largest_advance
+            largest upper end, a - a_0 of the edge of contact [length]
         """
         cached_primitives = self._primitives.setdefault((kind, order), [])
         for primitive in cached_primitives:
@@ -676,9 +733,11 @@ class PunchSuperposition:
         return primitive, np.arange(len(points))
 
     def _pressure(self, order: int, distance: Array, load: Array) -> tuple[Array, Array]:
-        """Pressure int g/(pi sqrt(alpha^2 - x^2)) d alpha at |x| = `distance` under a load, and its
-        error; g = dP/d alpha, alpha the half-width of the punches. With order 1 the load eta stands
-        in front of g.
+        """Pressure at |x| = `distance` under a load, and its error [stress]: int g/(pi sqrt(alpha^2
+        - x^2)) d alpha over the flat punches that reach beyond x.
+
+        alpha is the half-width of a punch, g = dP/d alpha its load per half-width. With `order` 1
+        the load eta stands in front of g.
         """
         advance = self.law.advance(load)
         is_inside = distance < self.least + advance
@@ -697,10 +756,11 @@ class PunchSuperposition:
         return pressure, error
 
     def _outside(self, order: int, distance: Array, load: Array) -> tuple[Array, Array]:
-        """The integral of arccosh(|x|/alpha) dP over punches of half-width alpha < |x| =
-        `distance`, up to a load, and its error; with order 1 the load eta stands in front. By
-        parts: int W x/(alpha sqrt(x^2 - alpha^2)), W = P or P^2/2, and W arccosh at the upper
-        end.
+        """Integral of arccosh(|x|/alpha) dP over the flat punches of half-width alpha < |x| =
+        `distance` up to a load, and its error [force per thickness].
+
+        By parts it is int W x/(alpha sqrt(x^2 - alpha^2)) d alpha plus W arccosh(|x|/alpha) at the
+        upper end. W = P; with `order` 1, where the load stands in front, W = P^2/2.
         """
         advance = self.law.advance(load)
         outer_advance = self._beyond(distance)
@@ -752,7 +812,11 @@ class Panels:
         return Panels(*(values[numbers] for values in vars(self).values()))
 
     def cut_to(self, longest: float) -> Panels:
-        """Each panel in as few equal parts as are not longer than `longest` in v, side by side."""
+        """Each panel cut into as few equal parts as are not longer than `longest`, in order.
+
+        A panel is a range of the integration variable v that one Chebyshev series serves. The last
+        part of a panel ends exactly where the panel did.
+        """
         n_parts = np.maximum(np.ceil((self.end - self.begin) / longest), 1).astype(int)
         panel_of_part = np.repeat(np.arange(len(n_parts)), n_parts)
         first_part_of_panel = np.cumsum(n_parts) - n_parts
@@ -805,8 +869,11 @@ class Primitive:
     error: Array
 
     def __call__(self, point: Indices, advance: Array) -> tuple[Array, Array]:
-        """The integral up to `advance` at the points of these numbers, arrays of one shape, and its
-        error.
+        """The integral from no load up to `advance` of the edge of contact at the points numbered
+        `point`, arrays of one shape, and its error.
+
+        The panel that holds the advance is looked up: a range of the variable v with one Chebyshev
+        series of the integral. The series is then evaluated at v.
         """
         panels = self.panels
         rank_of_advance = np.searchsorted(self._firsts, advance, side="right")
@@ -822,9 +889,9 @@ class Primitive:
             panels.advance_at_v0[panel_number],
             panels.scale[panel_number],
         )
-        begin = panels.begin[panel_number]
-        end = panels.end[panel_number]
-        place_in_panel = np.clip((2 * v - begin - end) / (end - begin), -1.0, 1.0)
+        begin_v = panels.begin[panel_number]
+        end_v = panels.end[panel_number]
+        place_in_panel = np.clip((2 * v - begin_v - end_v) / (end_v - begin_v), -1.0, 1.0)
         return clenshaw(self.coefficients, panel_number, place_in_panel), self.error[panel_number]
 
     @cached_property
@@ -847,11 +914,15 @@ class Primitive:
 def _variable(
     kind: Kind, advance: Array, beyond_flat: Array, advance_at_v0: Array, scale: Array
 ) -> Array:
-    """The variable v of an advance d of the edge of contact, in which the integrand of a `kind` is
-    smooth: arrays of one shape.
+    """The integration variable v that makes an integrand over flat punches smooth, from the advance
+    d of their edge; arrays of one shape.
 
-    `beyond_flat` is x - a_0; the advance is d = `advance_at_v0` + `scale`^2 sinh^2 v in the
-    pressure, sin^2 v outside, v^2 in the logarithm.
+        pressure     d = d0 + scale^2 sinh^2 v
+        outside      d = d0 + scale^2 sin^2 v       scale^2 = beyond_flat - d0
+        logarithm    d = d0 + v^2
+
+    d0 = `advance_at_v0`; d = a - a_0 is counted from the half-width a_0 without load [length].
+    `beyond_flat` is x - a_0 of the point.
     """
     root = np.sqrt(np.maximum(advance - advance_at_v0, 0.0))
     if kind == "pressure":
@@ -862,13 +933,16 @@ def _variable(
 
 
 def _nodes_in_root(begin_distance: Array, length_of_span: Array) -> tuple[Array, Array]:
-    """Gauss' nodes and weights in the root of the distance from a corner, for spans from
-    `begin_distance` beyond it of given length, (n, 1) each: distances of the nodes from the begin
-    and their weights, (n, nodes) each.
+    """Gauss' nodes and weights for integrands that are smooth in the root of the distance from a
+    corner of the profile, for many spans of integration at once.
+
+    Returned are the distances of the nodes from the begin of each span and their weights, (n,
+    nodes) each. A span begins at `begin_distance` (n, 1) beyond its corner and has `length_of_span`
+    (n, 1).
     """
     nodes, weights_of_nodes = gauss(_BETWEEN)
     begin_root = np.sqrt(begin_distance)
-    # none of a span that rounding ends
+    # length 0 of a span that round-off has closed
     root_length = length_of_span / np.where(
         length_of_span > 0, begin_root + np.sqrt(begin_root * begin_root + length_of_span), 1.0
     )
@@ -895,50 +969,77 @@ class _Resolved(NamedTuple):
 
 
 def primitive_of(kind: Kind, order: int, x: Array, top: float, law: ContactLaw) -> Primitive:
-    """A primitive over the advance d = a - a_0 of the edge, at points `x` (k,), ascending, from 0
-    to `top`: of the integral of a `kind` and order (with order 1 the load eta stands in front).
+    """An integral over flat punches as a function of its upper end, the advance d = a - a_0 of the
+    edge of contact, from 0 to `top` [length].
 
-    The integrand is a Chebyshev series on each panel of a variable v; the integral is the sum of
-    the panels before, and the error the sum of their last coefficients.
+    The integrand is a Chebyshev series on each panel, a range of a variable v that makes it smooth.
+    The integral is the sum over the panels before. Its error is the sum of their last coefficients.
+
+    Parameters
+    ----------
+    kind, order
+        which integral; with order 1 the load eta stands in front of the integrand
+    x
+        (k,) distances of the points from the middle [length], ascending
+    law
+        P(d) of the profile
     """
-    begins = law.begins
     # Octaves, so that a small advance has digits of its own.
     octaves = top / law.octave ** np.arange(1, _OCTAVES)
-    ends_of_ranges = np.append(np.union1d(begins[begins < top], octaves), top)
-    whole_panels = _panels_of_points(kind, x, law.least, ends_of_ranges, begins)
-    panels_to_resolve = whole_panels.cut_to(_LONGEST[kind])
+    corners = law.begins[law.begins < top]
+    ends_of_ranges = np.append(np.union1d(corners, octaves), top)
+    panels_of_points = _panels_of_points(kind, x, law.least, ends_of_ranges, law.begins)
+    panels_to_resolve = panels_of_points.cut_to(_LONGEST[kind])
     resolved_panels = _with_empty_panels(_resolved(kind, order, panels_to_resolve, law), x)
     panels = resolved_panels.panels
-    resolved_panels = resolved_panels.take(
-        np.lexsort((panels.begin, panels.advance_at_v0, panels.point))
-    )
+    outwards_at_point = np.lexsort((panels.begin, panels.advance_at_v0, panels.point))
+    resolved_panels = resolved_panels.take(outwards_at_point)
     panels = resolved_panels.panels
-    tails = resolved_panels.tails
+
     coefficients = chebyshev.chebint(resolved_panels.coefficients.T, lbnd=-1)
     coefficients = _without_round_off(coefficients * ((panels.end - panels.begin) / 2))
-    # Sums run from panel to panel of a point: one sum through all points would leave the round-off
-    # of the largest in the smallest.
-    number_at_point = np.arange(len(tails)) - np.searchsorted(panels.point, panels.point)
-    # Rows: points; columns: what lies below the first panel, then the panels.
-    terms = np.zeros((len(x), int(np.max(number_at_point, initial=0)) + 2))
-    terms[panels.point, number_at_point + 1] = tails
-    error = np.cumsum(terms, axis=1)[panels.point, number_at_point + 1]
-    terms[panels.point, number_at_point + 1] = np.sum(coefficients, axis=0)
-    terms[:, 0] = _at_the_bottom(kind, order, x, float(ends_of_ranges[1]), law)
-    coefficients[0] += np.cumsum(terms, axis=1)[panels.point, number_at_point]
+    integrals_of_panels = np.sum(coefficients, axis=0)
+    below_first_panel = _at_the_bottom(kind, order, x, float(ends_of_ranges[1]), law)
+    coefficients[0] += _sums_before(panels.point, integrals_of_panels, below_first_panel)
+    tails = resolved_panels.tails
+    error = _sums_before(panels.point, tails, np.zeros(len(x))) + tails
     first_advances = panels.advance_at_v0 + panels.advance(kind, panels.begin)
     return Primitive(kind, x, x - law.least, top, panels, first_advances, coefficients, error)
 
 
-def _resolved(kind: Kind, order: int, panels: Panels, law: ContactLaw) -> _Resolved:
-    """Chebyshev series of the integrand on panels, ranges of the variable v, which are halved until
-    their last coefficients no longer count.
+def _sums_before(point: Indices, values: Array, below_first: Array) -> Array:
+    """For each panel, the sum of the values of the panels before it at its point, (n,), panels in
+    order of their points.
 
-    What halving does not make smaller is noise of P(d) and dP/da themselves: it stays, and counts
-    as error. `kind` and `order` name the integral, `law` is P(d) of the profile.
+    One sum through all points would leave the round-off of the largest in the smallest.
+
+    Parameters
+    ----------
+    point
+        (n,) number of the point that a panel belongs to
+    values
+        (n,) one for each panel
+    below_first
+        (k,) what lies below the first panel of each point
+    """
+    number_at_point = np.arange(len(point)) - np.searchsorted(point, point)
+    # Rows: points; columns: what lies below the first panel, then the panels.
+    terms = np.zeros((len(below_first), int(np.max(number_at_point, initial=0)) + 2))
+    terms[:, 0] = below_first
+    terms[point, number_at_point + 1] = values
+    return np.cumsum(terms, axis=1)[point, number_at_point]
+
+
+def _resolved(kind: Kind, order: int, panels: Panels, law: ContactLaw) -> _Resolved:
+    """Chebyshev series of an integrand on panels, ranges of the variable v, which are halved until
+    the last coefficients of each series no longer count.
+
+    What halving does not make smaller is noise of P(d) and dP/dd themselves: it stays, and counts
+    as error. `kind` and `order` name the integral, `law` is P(d) of the profile. Panels come back
+    in any order.
     """
     finished_panels: list[_Resolved] = []
-    tail_before = np.full(len(panels.point), np.inf)
+    last_terms_before = np.full(len(panels.point), np.inf)
     for halvings in range(_HALVINGS + 1):
         series_of_chunks = [np.empty((0, len(NODES)))]
         for k in range(0, len(panels.point), _AT_ONCE):
@@ -954,14 +1055,14 @@ def _resolved(kind: Kind, order: int, panels: Panels, law: ContactLaw) -> _Resol
             load_at_end = law.load(panels.advance_at_v0 + panels.advance(kind, panels.end))
             integral_size = np.maximum(integral_size, _weight_of_order(order, load_at_end))
         is_small = last_terms * half_length <= _RESOLVED * integral_size
-        is_noise = last_terms > _NOISE * tail_before
+        is_noise = last_terms > _NOISE * last_terms_before
         is_done = is_small | is_noise | (halvings == _HALVINGS)
         chebyshev_panels = _Resolved(panels, coefficients, last_terms * half_length)
         finished_panels.append(chebyshev_panels.take(np.flatnonzero(is_done)))
         if np.all(is_done):
             break
         panels = panels.take(np.flatnonzero(~is_done)).halved()
-        tail_before = np.tile(last_terms[~is_done], 2)
+        last_terms_before = np.tile(last_terms[~is_done], 2)
     return _Resolved(
         Panels.together([group.panels for group in finished_panels]),
         np.concatenate([group.coefficients for group in finished_panels]),
@@ -970,8 +1071,10 @@ def _resolved(kind: Kind, order: int, panels: Panels, law: ContactLaw) -> _Resol
 
 
 def _with_empty_panels(resolved_panels: _Resolved, x: Array) -> _Resolved:
-    """The panels with their series; a point of `x` without a panel gets one on which its integral
-    is 0.
+    """Panels with their Chebyshev series, such that every point of `x` (k,) has at least one.
+
+    A point without a panel, whose integral is 0 everywhere, gets one with zero coefficients:
+    look-ups by point then need no special case.
     """
     missing_points = np.setdiff1d(np.arange(len(x)), resolved_panels.panels.point)
     if not len(missing_points):
@@ -1008,11 +1111,22 @@ class _AdvanceRanges(NamedTuple):
 def _panels_of_points(
     kind: Kind, x: Array, least_half_width: float, ends_of_ranges: Array, begins: Array
 ) -> Panels:
-    """Panels of the variable v for each point of `x` (k,): one for each of the ranges between
-    `ends_of_ranges` (n + 1,), ascending advances of the edge, in which its integrand is not 0.
+    """Panels of the integration variable v for each point of `x` (k,), on which its integrand is
+    smooth and not 0.
 
-    v takes the roots of the integrand away, behind a corner of the profile, which the edge passes
-    at one of the advances `begins`, or at the point itself; `least_half_width` is that of no load.
+    v takes away the roots of the integrand, at the point itself and behind each corner of the
+    profile. A panel lies between two successive `ends_of_ranges`.
+
+    Parameters
+    ----------
+    kind
+        which integral
+    least_half_width
+        contact half-width without load [length]
+    ends_of_ranges
+        (n + 1,) ascending advances of the edge of contact [length]
+    begins
+        advances at which the edge passes a corner of the profile, from 0 up [length]
     """
     number_of_corner = np.searchsorted(begins, ends_of_ranges[:-1], side="right") - 1
     corner_advance = begins[np.clip(number_of_corner, 0, None)]
@@ -1032,20 +1146,23 @@ def _panels_of_points(
             end=np.minimum(ranges.end, advance_to_point),
             scale=np.sqrt(np.maximum(advance_to_point - corner_advance, 0.0)),
         )
-    is_nonempty = np.nonzero(ranges.end > ranges.begin)
-    point, _ = is_nonempty
-    at_v0 = ranges.at_v0[is_nonempty]
-    scale = ranges.scale[is_nonempty]
-    begin_v = _variable(kind, ranges.begin[is_nonempty], beyond_flat[point], at_v0, scale)
-    end_v = _variable(kind, ranges.end[is_nonempty], beyond_flat[point], at_v0, scale)
+    nonempty_places = np.nonzero(ranges.end > ranges.begin)
+    point, _ = nonempty_places
+    at_v0 = ranges.at_v0[nonempty_places]
+    scale = ranges.scale[nonempty_places]
+    begin_v = _variable(kind, ranges.begin[nonempty_places], beyond_flat[point], at_v0, scale)
+    end_v = _variable(kind, ranges.end[nonempty_places], beyond_flat[point], at_v0, scale)
     return Panels(point, x[point], at_v0, scale, begin_v, end_v)
 
 
 def _ranges_of_pressure(
     ranges: _AdvanceRanges, x: Array, least_half_width: float, ends_of_ranges: Array
 ) -> _AdvanceRanges:
-    """The ranges of the integral for the pressure at points x (k,): they begin where the edge of
-    contact passes the point, and v = 0 is there or at the corner before, whichever is farther out.
+    """Ranges of integration for the pressure at points x (k,): flat punches contribute only from
+    where the edge of contact passes the point.
+
+    v, the variable that takes away the root of the integrand, is 0 there, or at the last corner of
+    the profile before, whichever is farther out.
 
     Parameters
     ----------
@@ -1079,9 +1196,15 @@ def _ranges_of_pressure(
 
 
 def _integrand(kind: Kind, order: int, panels: Panels, v: Array, law: ContactLaw) -> Array:
-    """The integrand of a kind over v at nodes v (n, nodes) of panels, (n, nodes): dP/da in the
-    pressure, W = P or, with order 1, P^2/2 in the other kinds, times what the change of variable
-    brings.
+    """Integrand over the variable v, at nodes v (n, nodes) of panels, for an integral over flat
+    punches, (n, nodes).
+
+        pressure     g/(pi sqrt(a^2 - x^2)) da/dv        g = dP/da
+        outside      W x/(a sqrt(x^2 - a^2)) da/dv
+        logarithm    W/a da/dv
+
+    W = P, or P^2/2 with `order` 1. With order 1 of the pressure P stands in front of g. a is the
+    half-width of a punch, P = `law.load` of its advance a - a_0.
     """
     x = panels.x[:, None]
     advance_at_v0 = panels.advance_at_v0[:, None]
@@ -1109,9 +1232,11 @@ def _integrand(kind: Kind, order: int, panels: Panels, v: Array, law: ContactLaw
 
 
 def _at_the_bottom(kind: Kind, order: int, x: Array, advance: float, law: ContactLaw) -> Array:
-    """What the integral of a `kind` at points `x` (k,) gathers below the least octave of the
-    advance, (k,), none but of the pressure at x = 0: there P and int g/alpha, g = dP/d alpha, go as
-    powers of a. With `order` 1 the load stands in front.
+    """What the integral for the pressure gathers over the smallest punches, below `advance`, at
+    points x (k,); 0 of other integrals and at x > 0.
+
+    At x = 0 the integrand g/alpha, g = dP/d alpha, goes as a power of the half-width alpha. It is
+    integrated by that power. With `order` 1 the load stands in front.
     """
     if kind != "pressure" or law.least > 0:
         return np.zeros(len(x))
