@@ -2,8 +2,8 @@
 on any profile.
 
 # notation: P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase), r = Q1/f, A = 2/E*; u and v amplitudes of
-#           (Q -+ f P)/f; E largest Q - f P, G least Q + f P, I least Q - f P, J slip front passes
-#           G, M = E a turn later; P_T permanent stick load, P_c load at the slip front, c = a(P_c);
+#           (Q -+ f P)/f; E largest Q - f P, G least Q + f P, I least Q - f P, J stick edge passes
+#           G, M = E a turn later; P_T permanent stick load, P_c load at the stick edge, c = a(P_c);
 #           P_x load at which a = |x|; w = +-Q - f P, which grows in slip
 
 Every angle and load difference comes from r, P1 and the phase without cancellation, however small
@@ -144,11 +144,24 @@ class Ellipses:
 def ellipses_of(
     mean: Array, amplitude: Array, tangential_amplitude: Array, phase: Array, friction: Array
 ) -> Ellipses:
-    """Angles and loads of the loops P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase), the permanent
-    stick load P_T among them.
+    """Loads and angles of steady load loops that the slip of a contact needs, from P = P0 + P1 cos
+    t, Q = Q0 + Q1 cos(t - phase).
 
-    `mean`, `amplitude`, `tangential_amplitude`, `phase` and `friction` are arrays (m,) of P0, P1,
-    Q1, phase [rad] and f > 0, which are admissible.
+    Among them are the amplitudes u, v of (Q -+ f P)/f, the time t_E at which reverse slip begins,
+    its duration in angle, and the load P_T of the permanent stick zone. Q0 plays no part in the
+    steady state.
+
+    Parameters
+    ----------
+    mean, amplitude, tangential_amplitude
+        (m,) P0, P1 and Q1 [force per thickness]
+    phase
+        (m,) [rad]
+    friction
+        (m,) f > 0; the loops must not slide as a whole
+
+    Examples
+    --------
 
     >>> loop = ellipses_of(
     ...     *(np.array([value]) for value in (3.0, 1.0, 0.5, math.pi / 2, 0.5))
@@ -187,32 +200,34 @@ def ellipses_of(
 
 
 def phase_of(name: str, ellipses: Ellipses, s: Array) -> tuple[Array, Array, Array]:
-    """For each ellipse, at angles `s` from the begin of one phase of slip: growth rate of the slip
-    over f, P - P_c, the load that slips, and P. `name` is that of the phase, "E-G", "I-J" or "J-M".
+    """Slip of each ellipse at angles `s` after the begin of one phase of slip: growth rate of the
+    slip force over f, the load P - P_c of the slip zones, and P.
 
-    By tangents of half the angles, which numpy has in vector code.
+    Reverse slip is phase "E-G", forward slip "I-J" and then "J-M", the `name`. P_c is the load at
+    which the edge of contact would be at the stick edge. Angles are in rad. Tangents of half the
+    angles stand for sines: numpy has them in vector code.
     """
     if name == "I-J":
-        sine, _ = _sine_and_square(s)
-        _, square_of_half_time = _sine_and_square(ellipses.start + s)
+        sine_of_rate, _ = _sine_and_square(s)
+        _, squared_sine_of_half_time = _sine_and_square(ellipses.start + s)
         return (
-            ellipses.u * sine,
-            2 * ellipses.amplitude * ellipses.sine * sine,
-            ellipses.load(2 * square_of_half_time - 1),
+            ellipses.u * sine_of_rate,
+            2 * ellipses.amplitude * ellipses.sine * sine_of_rate,
+            ellipses.load(2 * squared_sine_of_half_time - 1),
         )
     if name == "E-G":
-        sine, _ = _sine_and_square(ellipses.turn - s)
-        _, square_of_slip = _sine_and_square(s)
-        _, square_of_half_time = _sine_and_square(ellipses.start + s)
-        rate = ellipses.v * sine
-        slipped = ellipses.u * square_of_slip
+        sine_of_rate, _ = _sine_and_square(ellipses.turn - s)
+        _, squared_sine_of_slip = _sine_and_square(s)
+        _, squared_sine_of_half_time = _sine_and_square(ellipses.start + s)
+        rate = ellipses.v * sine_of_rate
+        slipped = ellipses.u * squared_sine_of_slip
     else:
-        sine, _ = _sine_and_square(s)
-        _, square_of_slip = _sine_and_square(ellipses.turn + s)
-        _, square_of_half_time = _sine_and_square(ellipses.start - s)
-        rate = ellipses.u * sine
-        slipped = ellipses.v * square_of_slip
-    return rate, slipped, ellipses.load(1 - 2 * square_of_half_time)
+        sine_of_rate, _ = _sine_and_square(s)
+        _, squared_sine_of_slip = _sine_and_square(ellipses.turn + s)
+        _, squared_sine_of_half_time = _sine_and_square(ellipses.start - s)
+        rate = ellipses.u * sine_of_rate
+        slipped = ellipses.v * squared_sine_of_slip
+    return rate, slipped, ellipses.load(1 - 2 * squared_sine_of_half_time)
 
 
 def _sine_and_square(angle: Array) -> tuple[Array, Array]:
@@ -227,31 +242,38 @@ def half_angle(part: Array) -> Array:
     return 2 * np.arcsin(np.sqrt(np.clip(part, 0.0, 1.0)))
 
 
-def _front_angles(e: Ellipses, loads: Array) -> tuple[Array, Array]:
-    """2 arcsin of the roots of (P - P_T)/v and of (P - P_T)/u: angles at which the front passes."""
+def _stick_edge_angles(e: Ellipses, loads: Array) -> tuple[Array, Array]:
+    """Angles at which the stick edge is at given loads P: 2 arcsin of the roots of (P - P_T)/v and
+    of (P - P_T)/u, for the phases of slip E-G and J-M.
+    """
     load_above = np.maximum(loads - e.permanent_load, 0.0)
     by_v = half_angle(load_above / np.where(e.v > 0, e.v, np.inf))
     by_u = half_angle(load_above / np.where(e.u > 0, e.u, np.inf))
     return by_v, by_u
 
 
-def corner_angles(e: Ellipses, corners: Array) -> dict[str, Array]:
-    """Angles at which each phase of slip is cut, by its name: its ends and where P or P_c, the load
-    at the edge of stick, is that of a corner of the profile; ascending, (cuts, m), for loads of
-    corners (c, 1).
+def corner_angles(ellipses: Ellipses, corners: Array) -> dict[str, Array]:
+    """Angles at which each phase of slip is cut so that its integrands are smooth, by the name of
+    the phase, (cuts, m), ascending.
+
+    A phase ("E-G" reverse slip, "I-J" and "J-M" forward slip) is cut at its ends, and where the
+    edge of contact or of stick passes a corner of the profile. There P or P_c, the load at the
+    stick edge, equals one of the `corners` (c, 1).
     """
-    cosine_at_corner = (corners - e.mean) / np.where(e.load_moves, e.amplitude, np.inf)
+    cosine_at_corner = (corners - ellipses.mean) / np.where(
+        ellipses.load_moves, ellipses.amplitude, np.inf
+    )
     # Corners that are not met, but nearly: a cut at the greatest or least load.
     rising_angle = np.arccos(np.clip(cosine_at_corner, -1.0, 1.0))
     falling_angle = np.arccos(np.clip(-cosine_at_corner, -1.0, 1.0))
-    front_angle_by_v, front_angle_by_u = _front_angles(e, corners)
-    start_angle = e.start
+    stick_edge_angle_by_v, stick_edge_angle_by_u = _stick_edge_angles(ellipses, corners)
+    start_angle = ellipses.start
     full_turn = 2 * math.pi
     inner_cuts = {
         "E-G": (
             rising_angle - start_angle,
             full_turn - rising_angle - start_angle,
-            e.turn - front_angle_by_v,
+            ellipses.turn - stick_edge_angle_by_v,
         ),
         "I-J": (
             falling_angle - start_angle,
@@ -259,9 +281,9 @@ def corner_angles(e: Ellipses, corners: Array) -> dict[str, Array]:
             start_angle - falling_angle,
             start_angle + falling_angle,
         ),
-        "J-M": (start_angle - rising_angle, start_angle + rising_angle, front_angle_by_u),
+        "J-M": (start_angle - rising_angle, start_angle + rising_angle, stick_edge_angle_by_u),
     }
-    lengths = {"E-G": e.turn, "I-J": math.pi - e.turn, "J-M": e.turn}
+    lengths = {"E-G": ellipses.turn, "I-J": math.pi - ellipses.turn, "J-M": ellipses.turn}
     angles = {}
     for name, length in lengths.items():
         cuts = np.concatenate([np.zeros_like(start_angle)[None], *inner_cuts[name], length[None]])
@@ -270,28 +292,28 @@ def corner_angles(e: Ellipses, corners: Array) -> dict[str, Array]:
 
 
 def quadrature_error(values: Array, size: Array) -> Array:
-    """Error over `size`, from above, of the first of three values: by one rule, by every second of
-    its nodes, by every fourth.
+    """Error of an integral over `size`, from above, by three values of it: by all nodes of one
+    rule, by every second node, by every fourth.
 
-    It is what the first two differ by, or if that falls like an exponential as it does where all is
-    smooth, the power 1.5 of it (the power 2 would be just).
+    It is the difference of the first two. Where that falls like an exponential, as for smooth
+    integrands, it is the power 1.5 of it; the power 2 would be just.
     """
     positive_size = np.where(size > 0, size, 1.0)
     by_all, by_second, by_fourth = values
     # of slips of 1e-265 too
-    change = np.minimum(np.abs(by_all - by_second) / positive_size, 1e100)
-    change_before = np.minimum(np.abs(by_second - by_fourth) / positive_size, 1e100)
-    return np.where(change <= change_before**1.5, change**1.5, change)
+    difference = np.minimum(np.abs(by_all - by_second) / positive_size, 1e100)
+    coarser_difference = np.minimum(np.abs(by_second - by_fourth) / positive_size, 1e100)
+    return np.where(difference <= coarser_difference**1.5, difference**1.5, difference)
 
 
 def density_of(
     ellipses: Ellipses, contact: Contact, x: Array, node_stride: int = 1
 ) -> tuple[Array, Array]:
-    """Density of friction work W(x) pi E*/(2 f^2) of each ellipse at its own place |x| = x[k],
-    (m,): that of forward slip and that of reverse slip.
+    """Friction work per area W(x) of each ellipse at its own point |x| = x[k], times pi E*/(2 f^2):
+    that of forward slip and that of reverse slip, (m,) each.
 
-    `contact` is the normal contact of the profile; with `node_stride` = 2 every second node of the
-    rule is taken, to some 1e-6.
+    `contact` is the normal contact P(a) of the profile. With `node_stride` = 2 every second node of
+    the quadrature rule is taken, which is right to some 1e-6.
     """
     works = np.zeros((len(PHASES), len(x)))
     for first_point in range(0, len(x), _POINTS):
@@ -303,19 +325,55 @@ def density_of(
 
 
 def _densities(ellipses: Ellipses, contact: Contact, x: Array, node_stride: int) -> Array:
-    """Density of friction work W(x) pi E*/(2 f^2) of each phase of slip, (3, m): member k of the
-    ellipses, (m, 1) each, at |x| = x[k], by every node of the rule or every second one.
+    """Friction work per area W(x) pi E*/(2 f^2) of each phase of slip, (3, m), for ellipse k at |x|
+    = x[k]: the integral of p, slip rate and arccosh(|x|/c) over the time.
 
-    # notation: P1 amplitude of P; P_x load at which the edge of contact is at x, P_T least load at
-    #           the edge of stick, P_min least P; u, v amplitudes of (Q -+ f P)/f; D angle from E
-    #           to G, s angle from the begin of a phase, t_E time of E
-
-    The point is in contact for pi + h < t < 3 pi - h, h being half the angle about the least load
-    within which it is open, 2 P1 sin^2(h/2) = P_x - P_min. The front of slip passes it in E-G where
-    sin^2((D - s)/2) = (P_x - P_T)/v, in I-J at s = t_E - h, in J-M where sin^2(s/2) = (P_x -
-    P_T)/u.
+    The phases are E-G, reverse slip, and I-J, J-M, forward slip. `ellipses` and `x` are columns (m,
+    1); `node_stride` 2 takes every second node of the rule.
     """
     load_at_x = contact.load(x)
+    ranges_of_slip = _ranges_of_slip(ellipses, load_at_x)
+    cuts_of_phases = list(
+        corner_angles(ellipses.take((slice(None), 0)), contact.break_loads[:, None]).values()
+    )
+    density = np.zeros((len(PHASES), len(x)))
+    for phase_number, begin, end in ranges_of_slip:
+        inner_cuts = np.clip(cuts_of_phases[phase_number].T, begin, np.maximum(begin, end))
+        cuts = np.concatenate([begin, inner_cuts, end], axis=1)
+        ellipse_of_part, number_of_cut = np.nonzero(cuts[:, 1:] > cuts[:, :-1])
+        if not len(ellipse_of_part):
+            continue
+        angle_in_phase, weights = graded(
+            cuts[ellipse_of_part, number_of_cut],
+            cuts[ellipse_of_part, number_of_cut + 1],
+            node_stride,
+        )
+        rate, slipped, load = phase_of(
+            PHASES[phase_number], ellipses.take(ellipse_of_part), angle_in_phase
+        )
+        stick_edge_load = np.maximum(load - slipped, 0.0)
+        load_excess = np.maximum(load_at_x[ellipse_of_part] - stick_edge_load, 0.0)
+        arccosh_ratio = contact.arccosh_ratio(
+            x[ellipse_of_part], load_excess, contact.advance(stick_edge_load)
+        )
+        works_at_nodes = weights * rate * contact.pressure(x[ellipse_of_part], load) * arccosh_ratio
+        np.add.at(density[phase_number], ellipse_of_part, np.sum(works_at_nodes, axis=1))
+    return density
+
+
+def _ranges_of_slip(ellipses: Ellipses, load_at_x: Array) -> tuple[tuple[int, Array, Array], ...]:
+    """Angles between which a point slips in each phase of slip: number of the phase, first and last
+    angle from the begin of the phase, (m, 1) each.
+
+    # notation: P1 amplitude of P; P_x load at which the edge of contact is at x, P_T least load at
+    #           the edge of stick, P_min least P; u, v amplitudes of (Q -+ f P)/f; D angle from E to
+    #           G, s angle from the begin of a phase, t_E time of E
+
+    The phases are E-G, reverse slip, and I-J, J-M, forward slip. The point is in contact for
+    pi + h < t < 3 pi - h; 2 h is the angle about the least load within which it is open,
+    2 P1 sin^2(h/2) = P_x - P_min. The stick edge passes it in E-G where sin^2((D - s)/2) = (P_x -
+    P_T)/v, in I-J at s = t_E - h, in J-M where sin^2(s/2) = (P_x - P_T)/u.
+    """
     share_of_swing = (load_at_x - ellipses.mean + ellipses.amplitude) / np.where(
         ellipses.load_moves, 2 * ellipses.amplitude, 1.0
     )
@@ -323,10 +381,10 @@ def _densities(ellipses: Ellipses, contact: Contact, x: Array, node_stride: int)
     open_angle = half_angle(np.where(ellipses.load_moves, share_of_swing, share_at_rest))
     start_angle = ellipses.start
     phase_angle = ellipses.turn
-    front_angle_by_v, front_angle_by_u = _front_angles(ellipses, load_at_x)
-    passing_angle = np.maximum(phase_angle - front_angle_by_v, 0.0)
-    # (phase, begin, end): E-G before and after the least load, I-J, J-M
-    ranges_of_contact = (
+    stick_edge_angle_by_v, stick_edge_angle_by_u = _stick_edge_angles(ellipses, load_at_x)
+    passing_angle = np.maximum(phase_angle - stick_edge_angle_by_v, 0.0)
+    # E-G before and after the least load, I-J, J-M
+    return (
         (0, passing_angle, np.minimum(phase_angle, math.pi - open_angle - start_angle)),
         (0, np.maximum(passing_angle, math.pi + open_angle - start_angle), phase_angle),
         (
@@ -338,32 +396,10 @@ def _densities(ellipses: Ellipses, contact: Contact, x: Array, node_stride: int)
             2,
             np.maximum(0.0, start_angle - math.pi + open_angle),
             np.minimum(
-                np.minimum(phase_angle, front_angle_by_u), start_angle + math.pi - open_angle
+                np.minimum(phase_angle, stick_edge_angle_by_u), start_angle + math.pi - open_angle
             ),
         ),
     )
-    cuts_of_phases = list(
-        corner_angles(ellipses.take((slice(None), 0)), contact.break_loads[:, None]).values()
-    )
-    density = np.zeros((len(PHASES), len(x)))
-    for phase_number, begin, end in ranges_of_contact:
-        inner_cuts = np.clip(cuts_of_phases[phase_number].T, begin, np.maximum(begin, end))
-        cuts = np.concatenate([begin, inner_cuts, end], axis=1)
-        member, number_of_cut = np.nonzero(cuts[:, 1:] > cuts[:, :-1])
-        if not len(member):
-            continue
-        s, weights = graded(
-            cuts[member, number_of_cut], cuts[member, number_of_cut + 1], node_stride
-        )
-        rate, slipped, load = phase_of(PHASES[phase_number], ellipses.take(member), s)
-        stick_edge_load = np.maximum(load - slipped, 0.0)
-        load_excess = np.maximum(load_at_x[member] - stick_edge_load, 0.0)
-        arccosh_ratio = contact.arccosh_ratio(
-            x[member], load_excess, contact.advance(stick_edge_load)
-        )
-        works_at_nodes = weights * rate * contact.pressure(x[member], load) * arccosh_ratio
-        np.add.at(density[phase_number], member, np.sum(works_at_nodes, axis=1))
-    return density
 
 
 Area = Callable[[Array, Array, Array], Array]
@@ -376,6 +412,8 @@ _FLOOR = 1e-200
 
 
 # ------------------------------------------------- any profile: pieces of phases, and series of Lam
+
+
 class PieceRule(NamedTuple):
     """Nodes on [0, 1], (n, 1), by the way from an end, `lower` or not, to each; weights (n,) and
     checks (k, n).
@@ -400,9 +438,11 @@ def _halves() -> PieceRule:
 
 
 def _legendre(count: int, crowded_ends: int) -> PieceRule:
-    """Gauss' rule of `count` nodes on [0, 1] and its last three Legendre coefficients as checks;
-    the nodes are crowded by t^2 to the lower end, `crowded_ends` = 1, or by 3 t^2 - 2 t^3 to both
-    ends, 2: roots there become smooth.
+    """Gauss' rule of `count` nodes on [0, 1] for integrands with roots at the ends, with its last
+    three Legendre coefficients as checks of its error.
+
+    A change of variable makes roots smooth and crowds the nodes: t^2 to the lower end
+    (`crowded_ends` = 1), 3 t^2 - 2 t^3 to both (2), none (0).
     """
     node, weights = gauss(count)
     order = np.arange(count - 3, count)
@@ -416,9 +456,9 @@ def _legendre(count: int, crowded_ends: int) -> PieceRule:
     to_end = np.minimum(node, 1 - node)
     is_lower = node[:, None] < 0.5
     weights = weights * 6 * node * (1 - node)
-    way_to_end = (to_end * to_end * (3 - 2 * to_end))[:, None]
+    distance_to_end = (to_end * to_end * (3 - 2 * to_end))[:, None]
     return PieceRule(
-        np.where(is_lower, way_to_end, -way_to_end), is_lower, weights, weights * checks
+        np.where(is_lower, distance_to_end, -distance_to_end), is_lower, weights, weights * checks
     )
 
 
@@ -499,15 +539,17 @@ _OF_LOOP = 6.0
 _OF_RULES = 5e-11
 
 
-def roundoff_error(e: Ellipses, work: Array) -> Array:
-    """Error of W pi E*/(2 f^2) from above that the last digits of the loads and angles leave, (m,).
+def roundoff_error(ellipses: Ellipses, work: Array) -> Array:
+    """Error of the work W pi E*/(2 f^2) that the last digits of loads and angles leave, (m,), from
+    above.
 
-    u and v are differences of r and P1; where these, or the angles D and pi - D, are small so many
-    digits less are right.
+    u and v, the amplitudes of (Q -+ f P)/f, are differences of Q1/f and P1. Where these are small,
+    or the angles D and pi - D of the phases of slip, as many digits are lost. `work` (m,) is that
+    value.
     """
-    loop_size = e.amplitude + (e.u + e.v) / 2
-    least_swing = np.minimum(e.u, e.v)
-    least_angle = np.minimum(e.turn, math.pi - e.turn)
+    loop_size = ellipses.amplitude + (ellipses.u + ellipses.v) / 2
+    least_swing = np.minimum(ellipses.u, ellipses.v)
+    least_angle = np.minimum(ellipses.turn, math.pi - ellipses.turn)
     # Nothing slips where one of them is 0.
     lost_by_size = loop_size / np.where(least_swing > _TINY * loop_size, least_swing, np.inf)
     lost_by_angle = math.pi / np.where(least_angle > _TINY, least_angle, np.inf)
@@ -517,29 +559,31 @@ def roundoff_error(e: Ellipses, work: Array) -> Array:
     return relative_error * np.abs(work) + least_slip * least_slip
 
 
-def digits_of_loop(e: Ellipses) -> Array:
-    """Relative error of the friction work W, from above, that the last digits of the loads and
-    angles of the loops leave where all else is exact, (m,).
+def digits_of_loop(ellipses: Ellipses) -> Array:
+    """Relative error of the friction work W of each load loop, (m,), from above, that the last
+    digits of its loads and angles leave where all else is exact.
 
-    W goes as a power of the amplitudes u and v, three where slip is small, and u is a difference of
-    r and P1 along the phase; r sin(phase) has the digits of pi - phase where that is small.
+    W goes as a power of the amplitudes u and v of (Q -+ f P)/f, three where slip is small. u is the
+    difference of Q1/f and P1 where the loads are nearly in phase. Where the phase is near pi,
+    sin(phase) has only the digits of pi - phase.
     """
-    loop_size = e.amplitude + (e.u + e.v) / 2
-    least_swing = np.minimum(e.u, e.v)
-    across_axis = e.u * e.sine
-    along_axis = e.u * e.cosine + e.amplitude
+    loop_size = ellipses.amplitude + (ellipses.u + ellipses.v) / 2
+    least_swing = np.minimum(ellipses.u, ellipses.v)
+    across_axis = ellipses.u * ellipses.sine
+    along_axis = ellipses.u * ellipses.cosine + ellipses.amplitude
     axis_ratio = -along_axis / np.where(across_axis > _TINY * loop_size, across_axis, np.inf)
     lost_by_phase = np.where(along_axis < 0, axis_ratio, 0.0)
     lost_by_size = loop_size / np.where(least_swing > _TINY * loop_size, least_swing, np.inf)
     return _OF_LOOP * _DIGITS * (1 + lost_by_size + math.pi * lost_by_phase)
 
 
-def works_over_time(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
-    """Forward and reverse part of W pi E*/(2 f^2), (m,) each, with all digits even where next to
-    nothing slips: 1 ms and more each.
+def works_over_time(ellipses: Ellipses, contact: Contact) -> tuple[Array, Array]:
+    """Friction work of forward slip and of reverse slip in each steady ellipse, times pi E*/(2
+    f^2), (m,) each, with all digits even where next to nothing slips. Takes 1 ms and more each.
 
-    The phases are cut at the corners; next to singular ends the rule is graded; pieces that have
-    not converged are halved. NaN where that does not help.
+    Integrated over the time of slip, cut where an edge passes a corner of the profile. Next to
+    singular ends the rule is graded; parts that have not converged are halved. NaN where that does
+    not help.
 
     At constant P and Q between -k f P and k f P the sum is 2 P^2 [(1 - k) ln(1 - k) + k - k^2/2].
 
@@ -553,11 +597,13 @@ def works_over_time(e: Ellipses, contact: Contact) -> tuple[Array, Array]:
     >>> round(float(forward[0] + reverse[0]), 12), round(2 * (0.4 * math.log(0.4) + 0.6 - 0.18), 12)
     (0.106967414501, 0.106967414501)
     """
-    forward, reverse, _ = _over_phases(e, contact, contact.dissipation_kernel, _GRADED, _CONVERGED)
+    forward, reverse, _ = _over_phases(
+        ellipses, contact, contact.dissipation_kernel, _GRADED, _CONVERGED
+    )
     return forward, reverse
 
 
-# Share of the mean load below which a load at the slip front is taken for that share: W changes by
+# Share of the mean load below which a load at the stick edge is taken for that share: W changes by
 # 1e-13 of A f^2 P0^2. Octaves by which the tables of members differ, so that the next block or call
 # finds its own.
 LEAST_LOAD = 2.0**-48
@@ -566,29 +612,33 @@ _STEP_OF_TABLES = 8
 _MARGIN = 1e-12
 
 
-def by_largest_load(e: Ellipses) -> Iterator[tuple[Indices, int, int]]:
-    """Members whose largest loads are within eight octaves, and the octaves [2^first, 2^(last + 1))
-    in which all their loads lie.
+def by_largest_load(ellipses: Ellipses) -> Iterator[tuple[Indices, int, int]]:
+    """Groups of ellipses whose loads one table of ln a(P) can serve: indices of each group, and the
+    first and last octave of its loads, all within [2^first, 2^(last + 1)).
 
-    A member's table follows from its own loads alone, whoever else is in the batch. Loads below
-    2^-48 of the mean count as that.
+    Largest loads of a group lie within eight octaves. Which table an ellipse gets follows from its
+    own loads alone, whoever else is in the array. Loads below 2^-48 of the mean count as that.
     """
-    largest_load = (e.mean + e.amplitude) * (1 + _MARGIN)
-    least_load = np.maximum(e.permanent_load, LEAST_LOAD * e.mean) * (1 - _MARGIN)
+    largest_load = (ellipses.mean + ellipses.amplitude) * (1 + _MARGIN)
+    least_load = np.maximum(ellipses.permanent_load, LEAST_LOAD * ellipses.mean) * (1 - _MARGIN)
     group = (np.frexp(largest_load)[1] - 1) // _STEP_OF_TABLES
     first_table = (np.frexp(least_load)[1] - 1) // _STEP_OF_TABLES
-    for number in np.unique(group).tolist():
-        members = np.flatnonzero(group == number)
-        lowest_table = int(np.min(first_table[members]))
-        yield members, lowest_table * _STEP_OF_TABLES, (number + 1) * _STEP_OF_TABLES - 1
+    for group_number in np.unique(group).tolist():
+        ellipses_of_group = np.flatnonzero(group == group_number)
+        lowest_table = int(np.min(first_table[ellipses_of_group]))
+        yield (
+            ellipses_of_group,
+            lowest_table * _STEP_OF_TABLES,
+            (group_number + 1) * _STEP_OF_TABLES - 1,
+        )
 
 
 def dissipation_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
-    """Forward and reverse part of W pi E*/(2 f^2) of ellipses on any profile, (2, m); NaN where the
-    quadrature does not converge. `contact` is the normal contact of the profile.
+    """Friction work of forward and of reverse slip in each steady ellipse, for any profile, times
+    pi E*/(2 f^2), (2, m), to ten digits; NaN where the quadrature does not converge.
 
-    To ten digits: few nodes on each piece between corners of the profile, Lam, the integral of ln a
-    - ln a(P_c) over the loads, by series where P - P_c is no small share of P0.
+    `contact` is the normal contact P(a) of the profile. Few nodes are taken between corners of the
+    profile. Where slip is no small share of P0, ln a(P) is looked up in a series.
 
     >>> from semi_analytic.hertz import HertzContact
     >>> from semi_analytic.steady_ellipse import ellipses_of
@@ -618,77 +668,89 @@ def dissipation_and_error(e: Ellipses, contact: SymmetricContact) -> Array:
 
 
 def _dissipation_of_group(
-    e: Ellipses, contact: SymmetricContact, first_octave: int, last_octave: int
+    ellipses: Ellipses, contact: SymmetricContact, first_octave: int, last_octave: int
 ) -> Array:
-    """Forward and reverse part of W pi E*/(2 f^2) of ellipses all of whose loads are between
-    2^`first_octave` and 2^(`last_octave` + 1), and the error of their sum from above, (3, m).
+    """Friction work of forward and of reverse slip times pi E*/(2 f^2), and the error of their sum
+    from above, (3, m), of ellipses whose loads lie between 2^`first_octave` and 2^(`last_octave` +
+    1).
 
-    Three ways by the largest P - P_c over P0: deep slip by courses of loads, shallow slip by a
-    table of ln a, the least slip by the kernel Lam itself.
+    Three methods by the largest load P - P_c of the slip zones over P0. Deep slip: integrals over
+    the loads P and P_c. Shallow slip: a table of ln a. The least slip: the kernel Lam = int
+    ln(a(eta)/a(P_c)) d eta itself, slow but with all digits.
     """
-    works = np.empty((3, len(e.mean)))
-    deepest_share = e.deepest_slip / e.mean
+    works = np.empty((3, len(ellipses.mean)))
+    deepest_share = ellipses.deepest_slip / ellipses.mean
     kernel = contact.dissipation_kernel
     is_deep = deepest_share > _DEEP
     is_by_series = np.zeros(len(deepest_share), dtype=bool)
     edge_loads = contact.break_loads
     log_half_width = _log_of(contact)
     table = None
-    if len(e.mean) > _DIRECT and np.any(deepest_share > _SHALLOW):
+    if len(ellipses.mean) > _DIRECT and np.any(deepest_share > _SHALLOW):
         table = _log_half_width(contact, first_octave, last_octave + 1)
         edge_loads = table.edges
         log_half_width = table
         is_by_series = (deepest_share > _SHALLOW) & ~is_deep
     is_direct = ~is_deep & ~is_by_series
     if np.any(is_direct):
-        works[:, is_direct] = _over_phases(e.take(is_direct), contact, kernel, _QUICK, _SETTLED)
+        works[:, is_direct] = _over_phases(
+            ellipses.take(is_direct), contact, kernel, _QUICK, _SETTLED
+        )
     if table is not None and np.any(is_by_series):
         works_by_series = _over_phases(
-            e.take(is_by_series), contact, table.slip_area, _QUICK, _SETTLED
+            ellipses.take(is_by_series), contact, table.slip_area, _QUICK, _SETTLED
         )
         # Lam by series has the last digits of P - P_c times the slope of L, not of itself.
         forward, reverse, error = works_by_series
         error += _OF_SERIES / deepest_share[is_by_series] * np.abs(forward + reverse)
         works[:, is_by_series] = works_by_series
     if np.any(is_deep):
-        works[:, is_deep] = _over_loads(e.take(is_deep), edge_loads, log_half_width)
+        works[:, is_deep] = _over_loads(ellipses.take(is_deep), edge_loads, log_half_width)
     return works
 
 
 def _over_phases(
-    e: Ellipses, contact: Contact, kernel: Kernel, rules: tuple[PieceRule, ...], settled: float
+    ellipses: Ellipses,
+    contact: Contact,
+    kernel: Kernel,
+    rules: tuple[PieceRule, ...],
+    settled: float,
 ) -> Array:
-    """Forward and reverse part of W pi E*/(2 f^2) of each ellipse, and the error of their sum, (3,
-    m): the integral of rate times `kernel`(P, P - P_c) over the three phases of slip.
+    """Friction work of forward and of reverse slip times pi E*/(2 f^2), and the error of their sum,
+    (3, m), by integration over the time of each phase of slip.
 
-    The phases are cut at corners of the profile; pieces are integrated by one of the `rules` and
-    halved until their checks are `settled` shares of W.
+    The integrand is the rate of slip force times `kernel`(P, P - P_c) = int ln(a(eta)/a(P_c)) d eta
+    over P_c < eta < P, P_c the load at the stick edge. Phases are cut where an edge passes a corner
+    of the profile. Each part is integrated by one of the `rules` and halved until its error is
+    below `settled`, a share of W.
     """
     corners = contact.break_loads
     # A corner that is nearly met counts too.
-    is_above_least = corners > 0.99 * np.min(e.permanent_load, initial=math.inf)
-    is_below_most = corners < 1.01 * np.max(e.mean + e.amplitude, initial=0.0)
+    is_above_least = corners > 0.99 * np.min(ellipses.permanent_load, initial=math.inf)
+    is_below_most = corners < 1.01 * np.max(ellipses.mean + ellipses.amplitude, initial=0.0)
     met_corners = corners[is_above_least & is_below_most, None]
     pieces_of_phases = []
-    for number, cuts in enumerate(corner_angles(e, met_corners).values()):
+    for number, cuts in enumerate(corner_angles(ellipses, met_corners).values()):
         is_long = np.diff(cuts, axis=0) > 1e-14 * cuts[-1]
-        member, row = np.nonzero(is_long.T & (e.deepest_slip > 0)[:, None])
-        begin = cuts[row, member]
-        end = cuts[row + 1, member]
-        rule = np.minimum(end - begin < cuts[-1, member], len(rules) - 1)
-        pieces_of_phases.append(Pieces.of_group(number, member, begin, end, rule))
+        ellipse_of_part, number_of_cut = np.nonzero(
+            is_long.T & (ellipses.deepest_slip > 0)[:, None]
+        )
+        begin = cuts[number_of_cut, ellipse_of_part]
+        end = cuts[number_of_cut + 1, ellipse_of_part]
+        rule = np.minimum(end - begin < cuts[-1, ellipse_of_part], len(rules) - 1)
+        pieces_of_phases.append(Pieces.of_group(number, ellipse_of_part, begin, end, rule))
 
-    def work_rate(phase: Indices, member: Indices, s: Array) -> Array:
+    def work_rate(phase: Indices, ellipse_of_part: Indices, s: Array) -> Array:
         rate, slipped, load = np.empty((3, *s.shape))
         for number, name in enumerate(PHASES):
             columns = slice(*np.searchsorted(phase, [number, number + 1]))
             rate[:, columns], slipped[:, columns], load[:, columns] = phase_of(
-                name, e.take(member[columns]), s[:, columns]
+                name, ellipses.take(ellipse_of_part[columns]), s[:, columns]
             )
         return rate * kernel(load, np.minimum(slipped, load))
 
     pieces = Pieces.together(pieces_of_phases)
-    works_of_phases, error = _over_pieces(e, pieces, len(PHASES), work_rate, rules, settled)
+    works_of_phases, error = _over_pieces(ellipses, pieces, len(PHASES), work_rate, rules, settled)
     reverse, work_later, work_early = works_of_phases
     return np.stack([work_later + work_early, reverse, error])
 
@@ -699,12 +761,45 @@ _COURSES = ("P, E-G", "P, I-M", "P_c, E-G", "P_c, I-J", "P_c, J-M")
 def _over_loads(
     ellipses: Ellipses, edge_loads: Array, log_half_width: Callable[[Array], Array]
 ) -> Array:
-    """Forward and reverse part of W pi E*/(2 f^2) of each ellipse and the error of their sum, (3,
-    m), integrated by parts: L = ln a, `log_half_width` of loads, over the courses of P and of P_c,
-    the load at the edge of stick, cut at the `edge_loads` behind which L is smooth.
+    """Friction work of forward and of reverse slip times pi E*/(2 f^2), and the error of their sum,
+    (3, m), by integration over the loads P and P_c instead of kernels of both.
 
-    Angles are t along P, 2 t_I - t along P_c in I-J, where it is P at that time, D - s in E-G and s
-    in J-M, s the angle from the begin of a phase of slip and D the angle from E to G.
+    By parts W is a sum of integrals of `log_half_width` = ln a over P, and over the load P_c at the
+    stick edge, each through one phase of slip: a course. Courses are cut at the `edge_loads` behind
+    which ln a is smooth.
+
+    Angles are t along P; along P_c in phase I-J 2 t_I - t, where P_c is P at that time, D - s in
+    E-G and s in J-M. s is the angle from the begin of a phase, D the angle from E to G.
+    """
+    # L counts from that of P0: what is left of any constant is round-off.
+    log_at_mean = log_half_width(ellipses.mean[None])[0]
+
+    def weighted_log(course: Indices, ellipse_of_part: Indices, angle: Array) -> Array:
+        weight, load = np.empty((2, *angle.shape))
+        for number, name in enumerate(_COURSES):
+            columns = slice(*np.searchsorted(course, [number, number + 1]))
+            weight[:, columns], load[:, columns] = course_of(
+                name, ellipses.take(ellipse_of_part[columns]), angle[:, columns]
+            )
+        return weight * (log_half_width(load) - log_at_mean[ellipse_of_part])
+
+    pieces = _pieces_of_courses(ellipses, edge_loads)
+    works_of_courses, error = _over_pieces(
+        ellipses, pieces, len(_COURSES), weighted_log, _BEHIND, _SETTLED, _ENOUGH
+    )
+    load_in_reverse, load_in_forward, edge_in_reverse, edge_early, edge_later = works_of_courses
+    error += _DIGITS * np.square(ellipses.mean + ellipses.amplitude)
+    forward = load_in_forward + edge_early + edge_later
+    return np.stack([forward, load_in_reverse + edge_in_reverse, error])
+
+
+def _pieces_of_courses(ellipses: Ellipses, edge_loads: Array) -> Pieces:
+    """Ranges of angles along the courses of P and of P_c, the load at the stick edge, through the
+    phases of slip, cut where the load is one of the `edge_loads` (n,).
+
+    Five courses, in this order: P in E-G (reverse slip), P in I-M (forward slip), P_c in E-G, in
+    I-J and in J-M. A piece begins at its lower load, and is also cut at the largest and at the
+    least load.
     """
     is_met = (edge_loads > 0.99 * np.min(ellipses.permanent_load)) & (
         edge_loads < np.max(ellipses.mean + ellipses.amplitude)
@@ -716,9 +811,9 @@ def _over_loads(
         ellipses.load_moves, ellipses.amplitude, np.inf
     )
     angle_at_edge = np.arccos(np.clip(cosine_at_edge, -1.0, 1.0))
-    front_angle_by_v, front_angle_by_u = _front_angles(ellipses, edge_loads)
+    stick_edge_angle_by_v, stick_edge_angle_by_u = _stick_edge_angles(ellipses, edge_loads)
     # The greatest and the least load too: a piece has one end that is the lower load.
-    zeros = np.zeros(len(start))
+    zero_angles = np.zeros(len(start))
     least_angle = np.full((1, len(start)), math.pi)
     largest_angle = np.full((1, len(start)), full_turn)
     courses = (
@@ -732,17 +827,17 @@ def _over_loads(
             start + full_turn,
             (full_turn - angle_at_edge, largest_angle, full_turn + angle_at_edge),
         ),
-        (zeros, ellipses.turn, (front_angle_by_v,)),
+        (zero_angles, ellipses.turn, (stick_edge_angle_by_v,)),
         (start + ellipses.turn, start + math.pi, (full_turn - angle_at_edge,)),
-        (zeros, ellipses.turn, (front_angle_by_u,)),
+        (zero_angles, ellipses.turn, (stick_edge_angle_by_u,)),
     )
     pieces_of_courses = []
     for number, (begin, end, cuts) in enumerate(courses):
         unsorted_ends = np.concatenate([begin[None], *cuts, end[None]])
         ends = np.sort(np.clip(unsorted_ends, begin, np.maximum(begin, end)), axis=0)
-        member, row = np.nonzero((np.diff(ends, axis=0) > 1e-14).T)
-        begin_angle = ends[row, member]
-        end_angle = ends[row + 1, member]
+        ellipse_of_part, number_of_cut = np.nonzero((np.diff(ends, axis=0) > 1e-14).T)
+        begin_angle = ends[number_of_cut, ellipse_of_part]
+        end_angle = ends[number_of_cut + 1, ellipse_of_part]
         if number in (0, 1, 3):
             # P grows from pi to 2 pi
             grows = (begin_angle + end_angle) / full_turn % 2 > 1
@@ -750,35 +845,18 @@ def _over_loads(
                 grows, [begin_angle, end_angle], [end_angle, begin_angle]
             )
         rule = np.searchsorted(_SHORT, np.abs(end_angle - begin_angle))
-        pieces_of_courses.append(Pieces.of_group(number, member, begin_angle, end_angle, rule))
-    # L counts from that of P0: what is left of any constant is round-off.
-    log_at_mean = log_half_width(ellipses.mean[None])[0]
-
-    def weighted_log(course: Indices, member: Indices, angle: Array) -> Array:
-        weight, load = np.empty((2, *angle.shape))
-        for number, name in enumerate(_COURSES):
-            columns = slice(*np.searchsorted(course, [number, number + 1]))
-            weight[:, columns], load[:, columns] = course_of(
-                name, ellipses.take(member[columns]), angle[:, columns]
-            )
-        return weight * (log_half_width(load) - log_at_mean[member])
-
-    pieces = Pieces.together(pieces_of_courses)
-    works_of_courses, error = _over_pieces(
-        ellipses, pieces, len(_COURSES), weighted_log, _BEHIND, _SETTLED, _ENOUGH
-    )
-    load_in_reverse, load_in_forward, front_in_reverse, front_early, front_later = works_of_courses
-    error += _DIGITS * np.square(ellipses.mean + ellipses.amplitude)
-    forward = load_in_forward + front_early + front_later
-    return np.stack([forward, load_in_reverse + front_in_reverse, error])
+        pieces_of_courses.append(
+            Pieces.of_group(number, ellipse_of_part, begin_angle, end_angle, rule)
+        )
+    return Pieces.together(pieces_of_courses)
 
 
 def course_of(name: str, ellipses: Ellipses, angle: Array) -> tuple[Array, Array]:
-    """At angles of one course of a load, P or P_c, through a phase of slip: the weight that stands
-    before L = ln a in W pi E*/(2 f^2), and the load; one tangent of half the angle stands for sine
-    and cosine.
+    """Weight of ln a in the friction work W pi E*/(2 f^2) and the load, at angles along one course:
+    the way of P or of P_c, the load at the stick edge, through a phase of slip.
 
-    `name` is that of the load and of the phase, such as "P_c, E-G".
+    `name` is the load and the phase, such as "P_c, E-G". One tangent of half the angle stands for
+    sine and cosine, since numpy has it in vector code.
     """
     tangent = np.tan(angle / 2)
     squared_tangent = tangent * tangent
@@ -786,7 +864,7 @@ def course_of(name: str, ellipses: Ellipses, angle: Array) -> tuple[Array, Array
     cosine = (1 - squared_tangent) * squared_cosine
     sine = 2 * tangent * squared_cosine
     if name == "P_c, E-G":
-        return _course_of_front(
+        return _course_of_stick_edge(
             ellipses,
             ellipses.v,
             ellipses.u,
@@ -796,7 +874,7 @@ def course_of(name: str, ellipses: Ellipses, angle: Array) -> tuple[Array, Array
             sine,
         )
     if name == "P_c, J-M":
-        return _course_of_front(
+        return _course_of_stick_edge(
             ellipses,
             ellipses.u,
             ellipses.v,
@@ -817,8 +895,8 @@ def course_of(name: str, ellipses: Ellipses, angle: Array) -> tuple[Array, Array
     return swing * ellipses.amplitude * sine * (cosine_to_end - 1), load
 
 
-def _course_of_front(
-    e: Ellipses,
+def _course_of_stick_edge(
+    ellipses: Ellipses,
     amplitude: Array,
     other_amplitude: Array,
     turn: Array,
@@ -826,20 +904,22 @@ def _course_of_front(
     cosine: Array,
     sine: Array,
 ) -> tuple[Array, Array]:
-    """Weight before L = ln a in W pi E*/(2 f^2), and the load P_c at the edge of stick, where P_c =
-    P_T + `amplitude` `half_square`, half_square being sin^2 of half the angle.
+    """Weight of ln a in the friction work W pi E*/(2 f^2), and the load P_c at the stick edge,
+    while that edge moves through reverse slip or the second part of forward slip.
 
-    P - P_c is half of `other_amplitude` times 1 - cos(angle - `turn`); `cosine` and `sine` are of
-    the angle.
+        P_c = P_T + `amplitude` `half_square`,
+        P - P_c = `other_amplitude`/2 (1 - cos(angle - `turn`)),    `half_square` = sin^2(angle/2)
+
+    P_T is the load at the edge of the permanent stick zone; `cosine` and `sine` are of the angle.
     """
     load_above = amplitude * half_square
     cosine_to_turn = np.cos(turn) * cosine + np.sin(turn) * sine
     slipped = other_amplitude / 2 * (1 - cosine_to_turn)
-    return amplitude * sine * (load_above - slipped), e.permanent_load + load_above
+    return amplitude * sine * (load_above - slipped), ellipses.permanent_load + load_above
 
 
 def _over_pieces(
-    e: Ellipses,
+    ellipses: Ellipses,
     pieces: Pieces,
     n_groups: int,
     integrand: Callable[[Indices, Indices, Array], Array],
@@ -847,36 +927,48 @@ def _over_pieces(
     settled_share: float,
     least_share: float = 0.0,
 ) -> tuple[Array, Array]:
-    """Integrals of `integrand`(group, member, angle) over the pieces of each group for each
-    ellipse, (n_groups, m), and their errors, (m,); NaN where halving does not help.
+    """Integrals for the friction work of each ellipse, summed by group, (n_groups, m), and their
+    errors, (m,); NaN where no halving converges.
 
-    Pieces are halved until their checks are `settled_share` of W, or of `least_share` P0^2 where
-    that is more.
+    A group is a phase of slip or a course of a load; its range of angles is given cut into pieces.
+    Pieces whose checks are too large are halved and integrated again.
+
+    Parameters
+    ----------
+    integrand
+        of (group, ellipse, angle) arrays
+    rules
+        quadrature rules, of which each piece names one
+    settled_share, least_share
+        a piece has converged if its check is below `settled_share` W, or `least_share` P0^2 where
+        that is more
     """
-    n_members = len(e.mean)
-    if n_members < _SOME:  # every call counts, and not its length
+    n_ellipses = len(ellipses.mean)
+    if n_ellipses < _SOME:  # every call counts, and not its length
         pieces = pieces._replace(rule=np.full(len(pieces.rule), len(rules) - 1))
         least_share = 0.0
-    works_of_groups = np.zeros((n_groups, n_members))
-    error_of_member = np.zeros(n_members)
-    work_size = np.zeros(n_members)
+    works_of_groups = np.zeros((n_groups, n_ellipses))
+    error_of_ellipse = np.zeros(n_ellipses)
+    work_size = np.zeros(n_ellipses)
     for halvings in range(_HALVINGS + 1):
         integrals, checks = _integrals(pieces, integrand, rules)
-        member = pieces.member
+        ellipse_of_piece = pieces.member
         if not halvings:
-            work_of_member = np.bincount(member, integrals, n_members)
-            work_size = np.maximum(work_of_member, least_share * np.square(e.mean))
-        is_resolved = ~(checks > settled_share * work_size[member])
-        is_nothing = checks <= _NOTHING * np.square(e.mean[member])
+            work_of_ellipse = np.bincount(ellipse_of_piece, integrals, n_ellipses)
+            work_size = np.maximum(work_of_ellipse, least_share * np.square(ellipses.mean))
+        is_resolved = ~(checks > settled_share * work_size[ellipse_of_piece])
+        is_nothing = checks <= _NOTHING * np.square(ellipses.mean[ellipse_of_piece])
         is_done = is_resolved | ((halvings >= _FEW) & is_nothing)
-        np.add.at(works_of_groups, (pieces.group[is_done], member[is_done]), integrals[is_done])
+        np.add.at(
+            works_of_groups, (pieces.group[is_done], ellipse_of_piece[is_done]), integrals[is_done]
+        )
         errors = checks * np.where(is_resolved, _LEFT, _ROUGHLY_LEFT)
-        np.add.at(error_of_member, member[is_done], errors[is_done])
+        np.add.at(error_of_ellipse, ellipse_of_piece[is_done], errors[is_done])
         pieces = pieces.take(~is_done).halved()
         if not len(pieces.member):
             break
     works_of_groups[pieces.group, pieces.member] = np.nan
-    return works_of_groups, error_of_member
+    return works_of_groups, error_of_ellipse
 
 
 def _integrals(
@@ -884,7 +976,12 @@ def _integrals(
     integrand: Callable[[Indices, Indices, Array], Array],
     rules: tuple[PieceRule, ...],
 ) -> tuple[Array, Array]:
-    """Integrals over pieces, each by its rule, and the largest of its checks, (n,) each."""
+    """Integral over each piece, a range of angles, by the quadrature rule that it names, (n,), and
+    the largest of that rule's checks of its error, (n,).
+
+    `integrand` takes arrays of group, ellipse and angle. Pieces of one rule are taken together, as
+    many as fit the cache.
+    """
     integrals = np.empty(len(pieces.member))
     largest_checks = np.empty(len(pieces.member))
     for number, rule in enumerate(rules):
@@ -922,8 +1019,9 @@ class LogHalfWidth:
         """Series of L = ln(half-width) from the load 2^first_load to 2^last_load, or to where the
         profile ends; below, L is that of 2^first_load.
 
-        All corners share one axis of places: on it the root v = sqrt(P - P_b) of each corner P_b
-        begins where that of the corner before ends.
+        A place is a coordinate that strings the corners of the profile together. From the load P_b
+        of each corner on it grows by v = sqrt(P - P_b), in which L is smooth, up to the load of the
+        next corner.
         """
         corners = contact.break_loads
         largest_load = 2.0**last_load
@@ -964,9 +1062,11 @@ class LogHalfWidth:
         return self._at(piece, np.sqrt(np.maximum(load - self._begin[piece], 0.0)))
 
     def slip_area(self, load: Array, slipped: Array) -> Array:
-        """The integral Lam of [L - L(P_c)] d eta from P_c to P, L = ln a, from P = `load` and P -
-        P_c = `slipped`, to 1e-16 of P - P_c: from edge to edge of the series by Gauss' rule in v =
-        sqrt(P - P_b).
+        """Lam = int [L(eta) - L(P_c)] d eta from P_c to P, L = ln a, from P = `load` and P - P_c =
+        `slipped`, to 1e-16 of P - P_c: the kernel of the friction work.
+
+        L is a series in v = sqrt(P - P_b) behind each corner P_b of the profile. The integral goes
+        from series to series by Gauss' rule in v.
         """
         stick_edge_load = load - slipped
         nodes, weights = gauss(4)
@@ -975,11 +1075,11 @@ class LogHalfWidth:
         v = np.sqrt(np.maximum(stick_edge_load - self._begin[piece], 0.0))
         log_at_stick_edge = self._at(piece, v)
         integral = np.zeros(load.shape)
-        load_to_go = slipped
+        load_left = slipped
         for _ in range(int(np.max(last_piece - piece, initial=0)) + 1):
             to_end_of_piece = np.square(self._last_roots[piece]) - v * v
             load_rise = np.clip(
-                np.where(piece < last_piece, to_end_of_piece, np.inf), 0.0, load_to_go
+                np.where(piece < last_piece, to_end_of_piece, np.inf), 0.0, load_left
             )
             step_of_v = load_rise / np.maximum(v + np.sqrt(v * v + load_rise), 1e-300)
             v_at_nodes = v[..., None] + step_of_v[..., None] * nodes
@@ -987,9 +1087,9 @@ class LogHalfWidth:
                 self._at(piece[..., None], v_at_nodes) - log_at_stick_edge[..., None]
             )
             integral += step_of_v * np.sum(weights * 2 * v_at_nodes * log_excess_at_nodes, axis=-1)
-            load_to_go = load_to_go - load_rise
+            load_left = load_left - load_rise
             piece = np.minimum(piece + 1, last_piece)
-            v = np.where(load_to_go > 0, self._first_roots[piece], v)
+            v = np.where(load_left > 0, self._first_roots[piece], v)
         return integral
 
 
@@ -1008,85 +1108,113 @@ _LEAST_SUMS = np.cosh(30.0 / (2 * np.array(_COUNTS)))[:, None]
 
 
 def works_by_lam(
-    e: Ellipses,
+    ellipses: Ellipses,
     quick_area: Area,
     careful_area: Area,
     deep_share: float,
     least_share: float = _FLOOR,
 ) -> tuple[Array, Array]:
-    """Forward and reverse part of W pi E*/(2 f^2), (m,) each, for a kernel that is a multiple of
-    Lam = int [ln a - ln a(P_c)] d eta from P_c to P: each member by as many nodes as it needs.
+    """Friction work of forward and of reverse slip times pi E*/(2 f^2), (m,) each, for profiles
+    with a cheap kernel Lam = int [ln a - ln a(P_c)] d eta from P_c to P, or a multiple of it.
 
-    `quick_area` is right to rounding of P - P_c and serves where that reaches the share
-    `deep_share` of P0; `careful_area` to rounding of itself. The areas are asked for no load
-    below the share `least_share` of P0, and for none above P0 + P1 but for rounding.
+    Each ellipse gets as few nodes as it needs. Ellipses of one rule and one way to Lam are
+    integrated together.
+
+    Parameters
+    ----------
+    quick_area
+        Lam to round-off of P - P_c, for slip beyond the share `deep_share` of P0
+    careful_area
+        Lam to round-off of itself, for less slip
+    least_share
+        no load below this share of P0 is asked for
     """
     # Where u is next to nothing, as at tangency, a phase with no slip to speak of would add
     # rounding times v.
-    is_unlike = np.minimum(e.u, e.v) <= deep_share * np.maximum(e.u, e.v)
+    is_unlike = np.minimum(ellipses.u, ellipses.v) <= deep_share * np.maximum(
+        ellipses.u, ellipses.v
+    )
     # Members alike together: the same rule, and the same way to Lam.
-    kind_of_member = 2 * _rule_of(e) + ((e.deepest_slip <= deep_share * e.mean) | is_unlike)
+    kind_of_member = 2 * _rule_of(ellipses) + (
+        (ellipses.deepest_slip <= deep_share * ellipses.mean) | is_unlike
+    )
     order_by_kind = np.argsort(kind_of_member, kind="stable")
-    loops_by_kind = _rows(e, least_share).take(order_by_kind, axis=1)
+    loops_by_kind = _rows(ellipses, least_share).take(order_by_kind, axis=1)
     sums = np.empty((3, len(order_by_kind)))
     ends_of_kinds = np.cumsum(np.bincount(kind_of_member, minlength=2 * len(_RULES)))
     # Used again and again: what is allocated once stays in the cache.
     memory = np.empty(12 * max(_NODES, 64 * len(_RULES[-1][0])))
-    for number in np.flatnonzero(np.diff(ends_of_kinds, prepend=0)).tolist():
-        members_at_once = max(_NODES // len(_RULES[number // 2][0]), 64)
+    for kind_number in np.flatnonzero(np.diff(ends_of_kinds, prepend=0)).tolist():
+        members_at_once = max(_NODES // len(_RULES[kind_number // 2][0]), 64)
         for begin in range(
-            ends_of_kinds[number - 1] if number else 0, ends_of_kinds[number], members_at_once
+            ends_of_kinds[kind_number - 1] if kind_number else 0,
+            ends_of_kinds[kind_number],
+            members_at_once,
         ):
-            block = slice(begin, min(begin + members_at_once, ends_of_kinds[number]))
-            area = careful_area if number % 2 else quick_area
+            block = slice(begin, min(begin + members_at_once, ends_of_kinds[kind_number]))
+            area = careful_area if kind_number % 2 else quick_area
             sums[:, order_by_kind[block]] = phase_integrals(
-                loops_by_kind[:, block], _RULES[number // 2], area, memory
+                loops_by_kind[:, block], _RULES[kind_number // 2], area, memory
             )
     reverse_sum, sum_later, sum_early = 2 * sums
-    twice_largest_slip = 4 * e.amplitude * e.sine
+    twice_largest_slip = 4 * ellipses.amplitude * ellipses.sine
     sum_early *= (
-        (math.pi - e.turn)
-        * e.u
-        / np.where(twice_largest_slip > _FLOOR * e.mean, twice_largest_slip, np.inf)
+        (math.pi - ellipses.turn)
+        * ellipses.u
+        / np.where(twice_largest_slip > _FLOOR * ellipses.mean, twice_largest_slip, np.inf)
     )
-    return sum_later * e.turn * e.u + sum_early, reverse_sum * e.turn * e.v
+    return (
+        sum_later * ellipses.turn * ellipses.u + sum_early,
+        reverse_sum * ellipses.turn * ellipses.v,
+    )
 
 
-def lam_error(e: Ellipses, work: Array, deep_share: float, log_size: Array | float) -> Array:
-    """Error of W pi E*/(2 f^2) of m ellipses from above, (m,), where each takes Lam, the integral
-    of ln a - ln a(P_c) over the loads, by a quick or a careful way: the quick one has the last
-    digits of P L.
+def lam_error(ellipses: Ellipses, work: Array, deep_share: float, log_size: Array | float) -> Array:
+    """Error from above of the friction work W pi E*/(2 f^2), (m,), where its kernel Lam is taken by
+    a quick or by a careful formula.
+
+    Lam is the integral of ln a - ln a(P_c) over the loads from P_c to P. The quick formula loses
+    the last digits of P L, L = ln a, as a difference.
 
     Parameters
     ----------
     work
-        W pi E*/(2 f^2), forward and reverse slip together
+        (m,) W pi E*/(2 f^2), forward and reverse slip together
     deep_share
-        share of P0 that the largest P - P_c exceeds where Lam goes the quick way
+        share of P0 that the largest P - P_c exceeds where the quick formula is taken
     log_size
         size of L = ln a, (m,) or one for all
     """
-    is_unlike = np.minimum(e.u, e.v) <= deep_share * np.maximum(e.u, e.v)
-    is_quick = (e.deepest_slip > deep_share * e.mean) & ~is_unlike
-    last_digits = _DIGITS * (e.mean + e.amplitude) * (e.u + e.v) * log_size
-    return roundoff_error(e, work) + _OF_RULES * np.abs(work) + np.where(is_quick, last_digits, 0.0)
+    is_unlike = np.minimum(ellipses.u, ellipses.v) <= deep_share * np.maximum(
+        ellipses.u, ellipses.v
+    )
+    is_quick = (ellipses.deepest_slip > deep_share * ellipses.mean) & ~is_unlike
+    last_digits = (
+        _DIGITS * (ellipses.mean + ellipses.amplitude) * (ellipses.u + ellipses.v) * log_size
+    )
+    return (
+        roundoff_error(ellipses, work)
+        + _OF_RULES * np.abs(work)
+        + np.where(is_quick, last_digits, 0.0)
+    )
 
 
 def _rule_of(ellipses: Ellipses) -> NDArray[np.uint8]:
-    """Number in `_RULES` of the Gauss rule with the fewest nodes that leaves exp(-30) of the
-    integrals over the phases of slip, (m,), from the places in the complex plane where the
-    integrands stop being analytic.
+    """Number of the Gauss rule in `_RULES` with the fewest nodes that is good enough for the
+    friction work of each ellipse, (m,).
 
     # notation: P and P_c normal load and load at the edge of stick, P_T least P_c, P_min least P,
     #           P1 amplitude of P; u, v amplitudes of (Q -+ f P)/f; s angle from the begin of a
     #           phase, D length of E-G and of J-M, pi - D that of I-J; t_E time of E
 
-    In J-M and E-G the logarithm is singular where P_c = 0, at s = +-2 i arsinh(sqrt(P_T/u)) from M,
-    and with v from G. Where P = 0 it is so +-2 i arsinh(sqrt(P_min/(2 P1))) beside t = pi, at s =
-    pi - t_E in E-G and s = t_E in I-J; the mirror images in J-M and of I-J are farther away. Gauss'
-    rule of n nodes leaves about rho^(-2 n), rho + 1/rho being the sum of the distances of the
-    nearest singularity from the ends of the interval [-1, 1]. Twelve at least, since nearly without
-    slip the integrand is a cube of sines.
+    "Good enough" leaves exp(-30) of the integrals over the phases of slip (reverse E-G, forward I-J
+    and J-M). It follows from where the integrands stop being analytic in the complex plane. In J-M
+    and E-G the logarithm is singular where P_c = 0, at s = +-2 i arsinh(sqrt(P_T/u)) from M, and
+    with v from G. Where P = 0 it is so +-2 i arsinh(sqrt(P_min/(2 P1))) beside t = pi, at s = pi -
+    t_E in E-G and s = t_E in I-J; the mirror images in J-M and of I-J are farther away. Gauss' rule
+    of n nodes leaves about rho^(-2 n), rho + 1/rho being the sum of the distances of the nearest
+    singularity from the ends of the interval [-1, 1]. Twelve at least, since nearly without slip
+    the integrand is a cube of sines.
     """
     length_of_e_to_g = np.maximum(ellipses.turn, _TINY)
     length_of_i_to_j = np.maximum(math.pi - ellipses.turn, _TINY)
@@ -1122,14 +1250,15 @@ def _square_of_imaginary(least_load: Array, load_size: Array) -> Array:
 
 
 def _rows(ellipses: Ellipses, least_share: float) -> Array:
-    """Angles and loads of m ellipses from which the work of their phases of slip is integrated, as
-    rows (9, m): h, g, P_T, P_min, u, v, alpha, beta, k.
+    """Angles and loads of m ellipses from which their friction work is integrated, as rows (9, m):
+    h, g, P_T, P_min, u, v, alpha, beta, k.
 
     # notation: h half the angle from E to G, g half of that from I to J; P_T permanent stick load,
     #           P_min least load, P1 amplitude of P; u, v amplitudes of (Q -+ f P)/f; alpha =
     #           sqrt(2 P1) sin(t_E/2), beta = sqrt(2 P1) cos(t_E/2), t_E time of E; k = 4 alpha beta
 
-    No load counts as less than `least_share` of the mean load.
+    E-G is reverse slip, I-J the first part of forward slip. No load counts as less than
+    `least_share` of the mean load.
     """
     phase_rows = np.empty((9, len(ellipses.mean)))
     phase_rows[0] = ellipses.turn / 2
@@ -1190,8 +1319,8 @@ def phase_integrals(
     nodes, weights = rule
     h, g, permanent_load, least_load, u, v, alpha, beta, k = loops
     shape = (4, 3, len(nodes), len(h))
-    front_load, slipped, work_arrays, area_memory = memory[: math.prod(shape)].reshape(shape)
-    front_of_e_to_g, front_of_j_to_m, front_of_i_to_j = front_load
+    stick_edge_loads, slipped, work_arrays, area_memory = memory[: math.prod(shape)].reshape(shape)
+    stick_load_of_e_to_g, stick_load_of_j_to_m, stick_load_of_i_to_j = stick_edge_loads
     slipped_of_e_to_g, slipped_of_j_to_m, slipped_of_i_to_j = slipped
     tangent, sine_cosine, squared_secant = work_arrays
 
@@ -1200,12 +1329,12 @@ def phase_integrals(
     np.divide(tangent, squared_secant, out=sine_cosine)
     squared_sine = tangent  # in the same memory
     squared_sine *= sine_cosine
-    np.multiply(squared_sine, v, out=front_of_e_to_g)
-    np.multiply(squared_sine, u, out=front_of_j_to_m)
-    slipped_of_e_to_g[:] = front_of_j_to_m[::-1]
+    np.multiply(squared_sine, v, out=stick_load_of_e_to_g)
+    np.multiply(squared_sine, u, out=stick_load_of_j_to_m)
+    slipped_of_e_to_g[:] = stick_load_of_j_to_m[::-1]
     np.multiply(sine_cosine, k, out=slipped_of_j_to_m)
-    slipped_of_j_to_m += front_of_e_to_g[::-1]
-    front_load[:2] += permanent_load
+    slipped_of_j_to_m += stick_load_of_e_to_g[::-1]
+    stick_edge_loads[:2] += permanent_load
 
     # I-J: (alpha c - beta s)^2 is (alpha - beta tan)^2 c^2
     _fill_tangent(nodes, g, tangent, squared_secant)
@@ -1215,10 +1344,10 @@ def phase_integrals(
     squared_difference *= beta
     np.subtract(alpha, squared_difference, out=squared_difference)
     squared_difference *= squared_difference
-    np.divide(squared_difference, squared_secant, out=front_of_i_to_j)
-    front_of_i_to_j += least_load
+    np.divide(squared_difference, squared_secant, out=stick_load_of_i_to_j)
+    stick_load_of_i_to_j += least_load
 
-    integrand = area(front_load, slipped, area_memory)
+    integrand = area(stick_edge_loads, slipped, area_memory)
     integrand[:2] *= sine_cosine
     integrand[2] *= slipped_of_i_to_j
     return weights @ integrand[0], weights @ integrand[1], weights @ integrand[2]
@@ -1234,25 +1363,31 @@ def _fill_tangent(nodes: Array, angle: Array, tangent: Array, squared_secant: Ar
     squared_secant += 1
 
 
-def quick_bracket(front: Array, slipped: Array, free: Array) -> Array:
-    """P ln(P/P_c) - P + P_c from P_c = `front` and P - P_c = `slipped`, to rounding of P - P_c, in
-    the array `free`; `front` is overwritten. It is n Lam of the power law |x|^n, 2 Lam of Hertz.
+def quick_bracket(stick_edge_load: Array, slipped: Array, free: Array) -> Array:
+    """P ln(P/P_c) - P + P_c from P_c = `stick_edge_load` and P - P_c = `slipped`, to round-off of P
+    - P_c: the kernel n Lam of the friction work of a profile |x|^n, 2 Lam of Hertz.
+
+    Returned in the array `free`; `stick_edge_load` is overwritten.
     """
-    np.divide(slipped, front, out=free)
+    np.divide(slipped, stick_edge_load, out=free)
     np.log1p(free, out=free)
-    front += slipped
-    free *= front
+    load = stick_edge_load  # in the same memory
+    load += slipped
+    free *= load
     free -= slipped
     return free
 
 
-def careful_bracket(front: Array, slipped: Array, free: Array) -> Array:
-    """P ln(P/P_c) - P + P_c from P_c = `front` and P - P_c = `slipped`, to rounding of itself;
-    `free` memory is not used.
+def careful_bracket(stick_edge_load: Array, slipped: Array, free: Array) -> Array:
+    """P ln(P/P_c) - P + P_c from P_c = `stick_edge_load` and P - P_c = `slipped`, to round-off of
+    itself: the kernel n Lam of the friction work of a profile |x|^n, 2 Lam of Hertz.
+
+    `stick_edge_load` is overwritten; `free` memory is not used.
     """
     del free
-    front += slipped
-    return front * log_excess(slipped / front)
+    load = stick_edge_load  # in the same memory
+    load += slipped
+    return load * log_excess(slipped / load)
 
 
 _CELL_BITS = 4
@@ -1287,28 +1422,37 @@ class LamTable:
     """
 
     def __init__(self, contact: Contact, first_load: int, last_load: int) -> None:
-        """Polynomials of J and L = dJ/dP, and of L' for loads close together, on each cell of the
-        loads from 2^first_load to 2^(last_load + 1).
+        """Tabulate J = int_0^P ln a d eta, L = ln a and dL/dP of a contact as polynomials in P, on
+        equal cells of each octave of loads from 2^first_load to 2^(last_load + 1).
+
+        dL/dP serves two loads close together, where differences of J and L lose digits. `contact`
+        is that of a flat and rounded face.
         """
         self._first = (1023 + first_load) << _CELL_BITS
         octave, cell = (grid.ravel() for grid in np.mgrid[first_load : last_load + 1, :_CELLS])
         load = np.ldexp(1 + (cell[:, None] + (1 + _PLACES) / 2) / _CELLS, octave[:, None])
         # L = ln(a/b) keeps its digits beside the flat
         contact = replace(contact, datum_length=contact.least / 2)
-        area = -contact.log_distance(load)
-        log = -contact.log_ratio(load)
-        # Of a short way about the load Lam is half of its square times L', but for a share of
+        integral_of_log = -contact.log_distance(load)
+        log_half_width = -contact.log_ratio(load)
+        # Of a short load_step about the load Lam is half of its square times L', but for a share of
         # 3e-14.
-        way = 1e-6 * load
+        load_step = 1e-6 * load
         with np.errstate(all="ignore"):
-            rate = 2 * contact.dissipation_kernel(load + way * (2 / 3), way) / (way * way)
-        self.largest = float(np.max(log))
-        self._area = _TO_POWERS @ area.T
-        self._log = _TO_POWERS @ log.T
-        self._rate = _TO_POWERS @ rate.T
+            slope_of_log = (
+                2
+                * contact.dissipation_kernel(load + load_step * (2 / 3), load_step)
+                / (load_step * load_step)
+            )
+        self.largest = float(np.max(log_half_width))
+        self._area = _TO_POWERS @ integral_of_log.T
+        self._log = _TO_POWERS @ log_half_width.T
+        self._rate = _TO_POWERS @ slope_of_log.T
 
     def _place(self, load: Array) -> tuple[NDArray[np.int64], Array]:
-        """Cells of loads, and places in them from -1/2 to 1/2."""
+        """Number of the cell of the table in which each load lies, and its place in the cell, -1/2
+        to 1/2, from the bits of the floating-point number.
+        """
         bits = load.view(np.int64)
         fraction = bits & _REST
         fraction <<= _CELL_BITS
@@ -1319,26 +1463,35 @@ class LamTable:
             raise AssertionError("a load outside the table of Lam")
         return cell, fraction.view(np.float64) - 1.5
 
-    def quick(self, front: Array, slipped: Array, free: Array) -> Array:
-        """Lam from P_c and P - P_c, (phases, n, m), to some 1e-16 of P^2 over P - P_c."""
+    def quick(self, stick_edge_load: Array, slipped: Array, free: Array) -> Array:
+        """Lam = int ln(a(eta)/a(P_c)) d eta from P_c = `stick_edge_load` and P - P_c = `slipped`,
+        (phases, n, m), to some 1e-16 of P^2 over P - P_c; returned in the array `free`.
+        """
         # one phase after the other: it stays in the cache
-        for edge_load, way, area in zip(front, slipped, free, strict=True):
-            cell, fraction = self._place(np.stack([edge_load + way, edge_load]))
-            upper_area, lower_area = _series(self._area, cell, fraction)
-            upper_area -= lower_area
-            np.multiply(way, _series(self._log, cell[1], fraction[1]), out=area)
-            np.subtract(upper_area, area, out=area)
+        for edge_load, slipped_load, lam in zip(stick_edge_load, slipped, free, strict=True):
+            cell, fraction = self._place(np.stack([edge_load + slipped_load, edge_load]))
+            integral_to_load, integral_to_edge = _series(self._area, cell, fraction)
+            integral_to_load -= integral_to_edge
+            np.multiply(slipped_load, _series(self._log, cell[1], fraction[1]), out=lam)
+            np.subtract(integral_to_load, lam, out=lam)
         return free
 
-    def careful(self, front: Array, slipped: Array, free: Array) -> Array:
-        """Lam from P_c = `front` and P - P_c = `slipped`, (phases, n, m), to 1e-13 of itself."""
-        rate_integral = np.zeros(front.shape)
+    def careful(self, stick_edge_load: Array, slipped: Array, free: Array) -> Array:
+        """Lam = int ln(a(eta)/a(P_c)) d eta from P_c = `stick_edge_load` and P - P_c = `slipped`,
+        (phases, n, m), to 1e-13 of itself.
+
+        Close loads take the integral of the tabulated slope of ln a; others the difference by
+        `quick`.
+        """
+        integral_of_slope = np.zeros(stick_edge_load.shape)
         for node, weight in _NEAR_RULE:
-            rate_integral += weight * _series(self._rate, *self._place(front + node * slipped))
+            integral_of_slope += weight * _series(
+                self._rate, *self._place(stick_edge_load + node * slipped)
+            )
         return np.where(
-            0.7 * slipped < 0.3 * front,
-            rate_integral * slipped * slipped,
-            self.quick(front, slipped, free),
+            0.7 * slipped < 0.3 * stick_edge_load,
+            integral_of_slope * slipped * slipped,
+            self.quick(stick_edge_load, slipped, free),
         )
 
 
