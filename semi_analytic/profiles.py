@@ -62,13 +62,14 @@ Contact = SymmetricContact | TiltedProfile
 
 
 def contact_of(profile: Profile, materials: Materials) -> SymmetricContact:
-    """The normal contact of a scene's profile.
+    """Normal contact P(a) of a profile between half-planes of two materials, and all that follows
+    from it.
 
     Raises
     ------
     InputError
         For a kind of profile that this engine does not know, and for one under which the contact
-        would split.
+        would split into several.
     """
     if isinstance(profile, Tabulated) and not profile.symmetric:
         raise InputError(
@@ -145,8 +146,8 @@ def _convex_wedge(profile: Wedge) -> ConvexProfile:
 
 
 def _convex_table(profile: Tabulated) -> ConvexProfile:
-    """A tabulated profile under any tilt: parabolas between its rows, from the left end to the
-    right one; straight beyond. InputError where the table bends down somewhere.
+    """A profile given by a table of heights, as parabolas from row to row, so that it can be
+    tilted; straight beyond the ends. InputError where it bends down somewhere.
     """
     left_side, right_side = profile.sides()
     curvatures = np.concatenate([[0.0], left_side.curvature[::-1], right_side.curvature, [0.0]])
@@ -154,19 +155,21 @@ def _convex_table(profile: Tabulated) -> ConvexProfile:
         raise InputError(
             "profile: under a tilt, or with unequal sides, a table must not bend down anywhere"
         )
-    knots = np.concatenate([-left_side.x[::-1], right_side.x[1:]])
+    ends_of_parabolas = np.concatenate([-left_side.x[::-1], right_side.x[1:]])
     return PiecewiseParabola(
-        knots=knots,
+        knots=ends_of_parabolas,
         curvature=curvatures,
         slope=-float(left_side.slope[-1]),
         height=float(left_side.height[-1]),
-        extent=(float(knots[0]), float(knots[-1])),
+        extent=(float(ends_of_parabolas[0]), float(ends_of_parabolas[-1])),
     )
 
 
 def _convex_power(profile: PowerLaw) -> ConvexProfile:
-    """The profile h = rise (|x|/length)^n under any tilt; a parabola where n is 2. InputError for a
-    tip that is too sharp.
+    """The profile h = rise (|x|/length)^n as a convex curve that can be tilted; a parabola where n
+    is 2. InputError for a tip that is too sharp.
+
+    The curve has h', h'' and a quadrature rule that suits its exponent.
     """
     exponent = profile.exponent
     length = profile.length
@@ -191,43 +194,50 @@ def _convex_power(profile: PowerLaw) -> ConvexProfile:
 
     # A high power is a peak at the end: with the usual steps |x|^20 would lose 2e-10 of the load,
     # with these 1e-13.
-    rule = ROOTS if exponent <= 4 else logistic(-36.0, 36.0, 0.45 / exponent**0.2)
+    quadrature_rule = ROOTS if exponent <= 4 else logistic(-36.0, 36.0, 0.45 / exponent**0.2)
     return CurvedProfile(
         knots=np.zeros(1),
         size=length,
         height=profile.height,
         gradient=partial(derivative, 1),
         bend=partial(derivative, 2),
-        rule=rule,
+        rule=quadrature_rule,
         exponent=exponent,
     )
 
 
 def _convex_polynomial(profile: EvenPolynomial) -> ConvexProfile:
-    """The profile h = sum of c_k (x/length)^(2 k) under any tilt. InputError where it bends down
-    somewhere.
+    """The profile h = sum of c_k (x/length)^(2 k) as a convex curve that can be tilted. InputError
+    where it bends down somewhere.
+
+    The curve has h', h'' and a quadrature rule that is exact for its degree.
     """
     length = profile.length
     coefficients_of_squares = np.array(profile.rises)
     if not np.any(coefficients_of_squares[1:]):
         return _parabolas([0.0], [2 * float(coefficients_of_squares[0]) / length**2] * 2, 0.0)
     k = np.arange(1.0, len(coefficients_of_squares) + 1)
-    falling_place = first_fall(k * (2 * k - 1) * coefficients_of_squares)
-    if falling_place is not None:
-        raise _bends_down(length * math.sqrt(falling_place))
+    squared_ratio_at_fall = first_fall(k * (2 * k - 1) * coefficients_of_squares)
+    if squared_ratio_at_fall is not None:
+        raise _bends_down(length * math.sqrt(squared_ratio_at_fall))
     coefficients_of_powers = np.zeros(2 * len(coefficients_of_squares) + 1)
     coefficients_of_powers[2::2] = coefficients_of_squares
     height = Polynomial(coefficients_of_powers, domain=[-length, length])
     # Equal steps of theta are exact for polynomials of twice as many degrees.
     n_nodes = len(coefficients_of_squares) + 2
     nodes = (np.arange(n_nodes) + 0.5) / n_nodes
-    rule = LogisticRule(nodes, nodes[::-1], np.full(n_nodes, 1 / n_nodes))
-    return CurvedProfile(np.zeros(0), length, height, height.deriv(), height.deriv(2), rule)
+    quadrature_rule = LogisticRule(nodes, nodes[::-1], np.full(n_nodes, 1 / n_nodes))
+    return CurvedProfile(
+        np.zeros(0), length, height, height.deriv(), height.deriv(2), quadrature_rule
+    )
 
 
 def _convex_function(profile: CallableProfile) -> ConvexProfile:
-    """A profile that a Python function gives, under any tilt. InputError where it bends down
-    somewhere within its extent.
+    """A profile given by a Python function as a convex curve that can be tilted. InputError where
+    it bends down somewhere within its extent.
+
+    Bending is looked for at a thousand places, denser towards the middle. Corners of the slope
+    become knots of the curve.
     """
     least_distance = profile.extent * 1e-15
 
@@ -286,16 +296,23 @@ _STILL = 3e-9
 def inverse_of(
     load: Function, stiffness: Function, unit: float, corner: float = 0.0, extent: float = math.inf
 ) -> Function:
-    """The advance d(P) of a rising law P(d), to round-off: Newton's method between logarithms, from
-    a cubic through P and dP/da.
+    """The inverse d(P) of a rising contact law P(d), to round-off: advance d of the contact edge
+    from the load.
+
+    Newton's method between the logarithms of both, started from a tabulated cubic through P and
+    dP/dd.
 
     Parameters
     ----------
+    load, stiffness
+        P and dP/dd as functions of arrays d [length]
     unit
-        a length of the profile; from 1e-22 to 1e15 of it, `extent` at most, the cubic is
-        tabulated, beyond P is a power of d
+        a length of the profile; from 1e-22 to 1e15 of it, `extent` at most, the cubic is tabulated,
+        beyond P is a power of d
     corner
         an advance at which P is less smooth
+    extent
+        largest d
 
     Examples
     --------
@@ -308,9 +325,11 @@ def inverse_of(
         return _log_table(load, stiffness, unit, corner, extent)
 
     def advance(loads: Array) -> Array:
-        """Advance d of the edge at which the load is `loads`, 0 where they are not above 0:
-        Newton's rule in logarithms of both, bisected where it leaves the bracket [least_d,
-        largest_d].
+        """Advance d of the contact edge under each of the `loads` [length], 0 where a load is not
+        positive.
+
+        Newton's rule in logarithms of load and d. Where a step leaves the bracket [least_d,
+        largest_d] the bracket is halved instead.
         """
         positive_loads = np.where(loads > 0, loads, 1.0)
         d, least_d, largest_d = table().start(np.log(positive_loads))
@@ -339,17 +358,19 @@ class _LogTable(NamedTuple):
     slope: Array
 
     def start(self, log_load: Array) -> tuple[Array, Array, Array]:
-        """d at the logarithms of loads by the cubic, or beyond its ends by a power of the load, and
-        bounds of d from below and above.
+        """First guess of the inverse d(P) at the logarithms of loads, and bounds of d from below
+        and above.
+
+        By a cubic of ln d over ln P; beyond the ends of the table d is a power of the load.
         """
         log_below = np.minimum(log_load - self.log_load[0], 0.0)
         log_above = np.maximum(log_load - self.log_load[-1], 0.0)
         log_d = self.cubic(log_load - log_below - log_above)
         d = np.exp(log_d + self.slope[0] * log_below + self.slope[-1] * log_above)
-        number = np.searchsorted(self.log_load[1:-1], log_load)
+        row_below = np.searchsorted(self.log_load[1:-1], log_load)
         is_in_table = log_below == log_above
-        least_d = np.where(is_in_table, self.advance[number], d / 2)
-        largest_d = np.where(is_in_table, self.advance[number + 1], d * 2)
+        least_d = np.where(is_in_table, self.advance[row_below], d / 2)
+        largest_d = np.where(is_in_table, self.advance[row_below + 1], d * 2)
         return d, least_d, largest_d
 
 
@@ -358,6 +379,8 @@ def _log_table(
 ) -> _LogTable:
     """Table of the inverse d(P) of a rising law P = load(d), dP/dd = stiffness(d): a cubic of ln d
     over ln P.
+
+    The slopes of the cubic are limited so that it rises everywhere.
 
     Parameters
     ----------
@@ -390,15 +413,15 @@ def _log_table(
 
 
 def load_factor(exponent: float) -> float:
-    """int_0^(pi/2) sin(theta)^n d theta = (sqrt(pi)/2) Gamma((n+1)/2)/Gamma(n/2+1): the Abel
-    transform of x^n.
+    """The factor by which the Abel transform turns x^n into a load, n = `exponent`: int_0^(pi/2)
+    sin(theta)^n d theta = (sqrt(pi)/2) Gamma((n+1)/2)/Gamma(n/2+1).
 
     >>> round(load_factor(1.0), 15), round(load_factor(2.0), 15)  # 1 and pi/4
     (1.0, 0.785398163397448)
     """
     upper_argument = (exponent + 1) / 2
     lower_argument = exponent / 2 + 1
-    if exponent >= 300:  # their quotient is a number, they are not
+    if exponent >= 300:  # each Gamma overflows, their quotient does not
         return (
             math.sqrt(math.pi)
             / 2
@@ -425,8 +448,8 @@ def power_law(modulus: float, exponent: float, length: float, rise: float) -> Co
 
 
 def even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> ContactLaw:
-    """Contact law of h = sum c_k (x/length)^(2 k), c_k = `rises`: a sum of the loads of its powers.
-    `modulus` is E*.
+    """Contact law P(a) of the profile h = sum c_k (x/length)^(2 k), c_k = `rises` [length]: the sum
+    of the loads of its powers. `modulus` is E*.
 
     Raises
     ------
@@ -483,8 +506,10 @@ _F_SERIES = -((-1.0) ** _K) * 2 / (4 * _K**2 - 1)
 
 
 def load_function(tau: ArrayLike) -> Array:
-    """F(tau) = (1 + tau^2) arctan tau - tau = 2 tau^3/3 - 2 tau^5/15 + ... to full relative
-    accuracy.
+    """F(tau) = (1 + tau^2) arctan(tau) - tau to full relative accuracy: the load of a flat face
+    with rounded edges, tau = sqrt(a^2 - b^2)/b, divided by E* b^2/(2 R).
+
+    For small tau, where the closed form loses digits, by the series 2 tau^3/3 - 2 tau^5/15 + ...
 
     >>> round(float(load_function(1.0)), 12)  # pi/2 - 1
     0.570796326795
@@ -503,23 +528,25 @@ def load_function(tau: ArrayLike) -> Array:
 
 
 def flat_and_rounded(modulus: float, radius: float, flat_half_length: float) -> ContactLaw:
-    """Contact law of a flat face of half-length b with parabolic edges of radius R (Ciavarella,
-    Hills and Monno 1998; phi_0 is arccot tau); `modulus` is E*:
+    """Contact law P(a) of a flat face of half-length b with parabolic edges of radius R
+    (Ciavarella, Hills and Monno 1998). `modulus` is E*.
 
         P = (E* b^2/(2 R)) F(tau),  dP/da = (E*/R) a arctan(tau),  tau = sqrt(a^2 - b^2)/b
+
+    F is `load_function`; tau is tan(angle) where that paper has cos(angle) = b/a.
 
     >>> law = flat_and_rounded(modulus=2.0, radius=1.0, flat_half_length=1.0)
     >>> round(float(law.load(np.sqrt(2.0) - 1)), 12)  # tau = 1
     0.570796326795
     """
     b = flat_half_length
-    unit = modulus * b**2 / (2 * radius)
+    load_unit = modulus * b**2 / (2 * radius)
 
     def tau(d: Array) -> Array:
         return np.sqrt(d / b * (2 + d / b))
 
     def load(d: Array) -> Array:
-        return unit * load_function(tau(d))
+        return load_unit * load_function(tau(d))
 
     def stiffness(d: Array) -> Array:
         return modulus / radius * (b + d) * np.arctan(tau(d))
@@ -533,13 +560,15 @@ def flat_and_rounded(modulus: float, radius: float, flat_half_length: float) -> 
 def two_curvatures(
     modulus: float, inner_radius: float, outer_radius: float, inner_half_length: float
 ) -> ContactLaw:
-    """Contact law of a profile with h'' = 1/R1 up to x = b = `inner_half_length` and 1/R2 beyond;
-    R2 infinite makes a wedge with a rounded tip. `modulus` is E*. Hertz up to a = b, then
+    """Contact law P(a) of a profile with h'' = 1/R1 up to x = b = `inner_half_length` and 1/R2
+    beyond; R2 infinite makes a wedge with a rounded tip. `modulus` is E*.
 
-        P = (E*/(2 R1)) [b t + a^2 arcsin(b/a)] + (E* b^2/(2 R2)) F(t/b),  dP/da = E* a
-        [arcsin(b/a)/R1 + arccos(b/a)/R2]
+    Hertz up to a = b, then with t = sqrt(a^2 - b^2) and F of `load_function`
 
-    with t = sqrt(a^2 - b^2). Both terms grow: all digits are kept from R2/R1 = 0 to infinity.
+        P = (E*/(2 R1)) [b t + a^2 arcsin(b/a)] + (E* b^2/(2 R2)) F(t/b),
+        dP/da = E* a [arcsin(b/a)/R1 + arccos(b/a)/R2]
+
+    Both terms grow: all digits are kept from R2/R1 = 0 to infinity.
 
     >>> law = two_curvatures(
     ...     modulus=100.0, inner_radius=1.0, outer_radius=1.0, inner_half_length=0.3
@@ -601,8 +630,8 @@ class _Series:
 
 
 def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
-    """Contact law of a profile given by rows: its curvature kappa is constant between knots b_j, so
-    that P and dP/da are sums of flats with rounded edges. `modulus` is E*.
+    """Contact law P(a) of a profile given by rows of x and h: its curvature kappa is constant
+    between knots b_j, so that P and dP/da are sums of flats with rounded edges. `modulus` is E*.
 
         dP/da = E* a [kappa_0 pi/2 + sum over b_j < a of (kappa_j - kappa_(j-1)) arccos(b_j/a)]
 
@@ -635,37 +664,12 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
         if least_width > 0
         else power_law(curvature_stiffness[0], 2.0, 1.0, 0.5)
     )
-    row_series = _series_of_rows(knots, curvature_stiffness)
-
-    def series_or_first_piece(
-        d: Array, values: Powers, law_of_first_piece: Callable[[Array], Array]
-    ) -> Array:
-        """Values at advances d of the edge: by the series in the half-width, `values`, from the
-        first row that has one; before it by the closed law of the first piece.
-        """
-        if not len(row_series.begin):
-            return law_of_first_piece(d)
-        half_widths = d + least_width
-        piece_number = np.searchsorted(row_series.edges, half_widths, side="right") - 1
-        root_distances = np.sqrt(np.maximum(half_widths - row_series.begin[piece_number], 0.0))
-        values_at_widths = row_series.on(np.maximum(piece_number, 0), root_distances, values)
-        is_in_first_piece = piece_number < 0
-        if np.any(is_in_first_piece):
-            # of d itself, which keeps its digits beside a flat
-            values_at_widths[is_in_first_piece] = law_of_first_piece(d[is_in_first_piece])
-        return values_at_widths
-
-    def load(d: Array) -> Array:
-        return series_or_first_piece(d, row_series.load, first_piece.load)
-
-    def stiffness(d: Array) -> Array:
-        return series_or_first_piece(d, row_series.rate, first_piece.stiffness)
-
-    largest_load = float(load(np.array(extent - least_width)))
+    law = _LawOfRows(first_piece, _series_of_rows(knots, curvature_stiffness), least_width)
+    largest_load = float(law.load(np.array(extent - least_width)))
     inverse = first_piece.advance
-    if len(row_series.begin):
+    if law.has_series:
         corner = float(knots[1]) - least_width
-        inverse = inverse_of(load, stiffness, extent, corner, extent - least_width)
+        inverse = inverse_of(law.load, law.stiffness, extent, corner, extent - least_width)
 
     def advance(loads: Array) -> Array:
         needed_load = float(np.max(loads, initial=0.0))
@@ -676,16 +680,72 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
             )
         return np.asarray(inverse(loads))
 
-    if len(row_series.begin):
-        half_width = row_series.sample_half_widths()
-        rate = stiffness(half_width - least_width)
+    if law.has_series:
+        half_width = law.row_series.sample_half_widths()
+        rate = law.stiffness(half_width - least_width)
         # Round-off may leave that much below 0 where the profile is straight.
         falls = rate < -1e-12 * np.max(rate)
         if np.any(falls):
             raise _splits(profile, float(np.min(half_width[falls])))
-    return ContactLaw(
-        load, advance, stiffness, least_width, tuple(knots[1:-1].tolist()), extent=extent
-    )
+    inner_knots = tuple(knots[1:-1].tolist())
+    return ContactLaw(law.load, advance, law.stiffness, least_width, inner_knots, extent=extent)
+
+
+class _LawOfRows(NamedTuple):
+    """P and dP/da of a table of rows: by series in the half-width, but for the first piece, which
+    has a closed form.
+
+    Attributes
+    ----------
+    first_piece
+        law of the contact up to the second knot, Hertz or flat and rounded
+    row_series
+        Chebyshev series of P and dP/da behind every knot from the second on
+    least_width
+        contact half-width without load [length]
+    """
+
+    first_piece: ContactLaw
+    row_series: _Series
+    least_width: float
+
+    @property
+    def has_series(self) -> bool:
+        """Whether the table has more than two knots."""
+        return len(self.row_series.begin) > 0
+
+    def load(self, d: Array) -> Array:
+        """P at advances d of the edge [force per thickness]."""
+        return self._value(d, self.row_series.load, self.first_piece.load)
+
+    def stiffness(self, d: Array) -> Array:
+        """dP/da at advances d of the edge [stress]."""
+        return self._value(d, self.row_series.rate, self.first_piece.stiffness)
+
+    def _value(
+        self, d: Array, values: Powers, law_of_first_piece: Callable[[Array], Array]
+    ) -> Array:
+        """P or dP/da at advances d of the edge of contact beyond the half-width without load.
+
+        Parameters
+        ----------
+        values
+            the series of P or of dP/da, for half-widths behind the second knot
+        law_of_first_piece
+            closed form of it in d, for half-widths before that knot
+        """
+        row_series = self.row_series
+        if not self.has_series:
+            return law_of_first_piece(d)
+        half_widths = d + self.least_width
+        piece_number = np.searchsorted(row_series.edges, half_widths, side="right") - 1
+        root_distances = np.sqrt(np.maximum(half_widths - row_series.begin[piece_number], 0.0))
+        values_at_widths = row_series.on(np.maximum(piece_number, 0), root_distances, values)
+        is_in_first_piece = piece_number < 0
+        if np.any(is_in_first_piece):
+            # of d itself, which keeps its digits beside a flat
+            values_at_widths[is_in_first_piece] = law_of_first_piece(d[is_in_first_piece])
+        return values_at_widths
 
 
 class _Piece(NamedTuple):
@@ -710,9 +770,12 @@ class _Range(NamedTuple):
 
 
 def _pieces_of_rows(knots: Array) -> list[_Piece]:
-    """Pieces of half-widths behind every knot from the second on, in terms of u = sqrt(a - knot): a
-    short first one, then octaves, since what the knot before leaves is singular at a distance in
-    u^2 below 0.
+    """Ranges of the contact half-width a that one Chebyshev series each can serve, behind every
+    knot of a table from the second on.
+
+    A range is given in u = sqrt(a - knot), in which P is smooth there. A short first one is
+    followed by octaves: what the knot before leaves is singular at a distance in u^2 below 0.
+    `knots` (k,) are half- widths at which the curvature of the profile jumps.
     """
     pieces: list[_Piece] = []
     for knot_before, begin, end in zip(
@@ -730,91 +793,119 @@ def _pieces_of_rows(knots: Array) -> list[_Piece]:
     return pieces
 
 
-def _series_of_rows(knots: Array, curvature_stiffness: Array) -> _Series:
-    """Chebyshev series of P and dP/da behind every knot b of a table from the second on, none where
-    there are no more than two; between the knots E* h'' is `curvature_stiffness`.
+class _KnotSums(NamedTuple):
+    """P and dP/da of a table as sums over its knots, each a flat punch with rounded edges.
 
-    Sums over knots that are farther below a range of half-widths than that is long are smooth
-    there, and one series for all of the range; halves of it add those that are farther than they
-    are long themselves. So the time is about that of the rows, not of their square. What is left in
-    the end is summed knot by knot.
+    Attributes
+    ----------
+    knots
+        (k,) half-widths at which the curvature h'' of the profile jumps, ascending
+    jumps
+        (k,) jumps of E* h'' there
+    """
+
+    knots: Array
+    jumps: Array
+
+    def over_knots(
+        self, a: Array, begin_of_piece: Array, distances: Array, numbers: slice
+    ) -> Array:
+        """P and dP/da/a of the knots of these numbers at contact half-widths a, the last axis
+        being the two.
+
+            P = (1/2) sum over b < a of jump (a^2 arccos(b/a) - b sqrt(a^2 - b^2)),
+            dP/da = a sum of jump arccos(b/a)
+
+        a is `begin_of_piece` + `distances`, so that a - b is known without cancellation; all three
+        have a last axis of length 1.
+        """
+        b = self.knots[numbers]
+        distance_from_knots = np.maximum((begin_of_piece - b) + distances, 0.0)
+        tau = np.sqrt(distance_from_knots * (a + b))
+        angle = np.where(distance_from_knots > 0, np.arctan2(tau, b), 0.0)
+        twice_load = np.where(distance_from_knots > 0, a * a * angle - b * tau, 0.0)
+        load = twice_load @ self.jumps[numbers] / 2
+        rate_over_width = angle @ self.jumps[numbers]
+        return np.stack([load, rate_over_width], axis=-1)
+
+    def with_far_knots(self, range_before: _Range, range_ends: tuple[float, float]) -> _Range:
+        """A range of half-widths whose smooth part has taken in more knots: those farther below
+        the range than it is long.
+
+        Their sums are smooth on the range: one Chebyshev series holds them, with those of the
+        knots that the wider `range_before` had taken in. `range_ends` are the least and the
+        largest half-width of the range.
+        """
+        length = range_ends[1] - range_ends[0]
+        places = range_ends[0] + length * (1 + NODES) / 2
+        far_knots = int(np.searchsorted(self.knots, 2 * range_ends[0] - range_ends[1]))
+        known = max(far_knots, range_before.known)
+        place_in_series = (places - range_before.ends[0]) * (
+            2 / (range_before.ends[1] - range_before.ends[0])
+        ) - 1
+        sums_at_places = chebyshev.chebval(place_in_series, range_before.smooth).T
+        column_of_places = places[:, None]
+        sums_at_places = sums_at_places + self.over_knots(
+            column_of_places,
+            column_of_places,
+            np.zeros((1, 1)),
+            slice(range_before.known, known),
+        )
+        smooth = series(sums_at_places.T).T
+        return _Range(range_before.first, range_before.last, known, range_ends, smooth)
+
+
+def _series_of_rows(knots: Array, curvature_stiffness: Array) -> _Series:
+    """Chebyshev series of P(a) and dP/da behind every knot b of a table of heights, from the second
+    knot on; none where there are no more than two.
+
+    Both are sums over all knots below a. Sums over knots that are farther below a range of
+    half-widths than it is long are smooth there: one series serves for all of the range. Halves of
+    the range then add knots that are farther than they are long themselves. So the time grows as
+    the number of rows, not as its square. What is left in the end is summed knot by knot.
+
+    Parameters
+    ----------
+    knots
+        (k,) half-widths at which h'' jumps, ascending
+    curvature_stiffness
+        (k,) E* h'' behind each knot [stress/length]
     """
     pieces = _pieces_of_rows(knots)
     begin_of_pieces = np.array([piece.begin for piece in pieces])
     begin_root = np.array([piece.low for piece in pieces])
     end_root = np.array([piece.high for piece in pieces])
-    jumps = np.diff(curvature_stiffness, prepend=0.0)
     # The ends too: loads there are where pieces begin and end.
     node = np.concatenate([[-1.0], NODES, [1.0]])
     root_of_distance = begin_root[:, None] + (end_root - begin_root)[:, None] * (1 + node) / 2
     distances = np.square(root_of_distance)
     half_widths = begin_of_pieces[:, None] + np.square(root_of_distance)
     load_and_rate = np.zeros((*half_widths.shape, 2))
-
-    def sums_over_knots(
-        a: Array, begin_of_piece: Array, distances: Array, first_knot: int, knot_beyond: int
-    ) -> Array:
-        """P and dP/da/a by knots number `first_knot` to `knot_beyond`, at half-widths a, which
-        are `begin_of_piece` + `distances`: so a - b is known without cancellation.
-        """
-        b = knots[first_knot:knot_beyond]
-        distance_from_knots = np.maximum((begin_of_piece - b) + distances, 0.0)
-        tau = np.sqrt(distance_from_knots * (a + b))
-        angle = np.where(distance_from_knots > 0, np.arctan2(tau, b), 0.0)
-        # a^2 arccos(b/a) - b tau is twice the load of a flat with rounded edges; with b = 0 Hertz.
-        twice_load = np.where(distance_from_knots > 0, a * a * angle - b * tau, 0.0)
-        load = twice_load @ jumps[first_knot:knot_beyond] / 2
-        rate_over_width = angle @ jumps[first_knot:knot_beyond]
-        return np.stack([load, rate_over_width], axis=-1)
+    sums = _KnotSums(knots, np.diff(curvature_stiffness, prepend=0.0))
 
     ranges: list[_Range] = []
     if pieces:
         ranges.append(_Range(0, len(begin_of_pieces), 0, (0.0, 1.0), np.zeros((len(NODES), 2))))
     while ranges:
-        range_of_pieces = ranges.pop()
-        range_ends = (
-            half_widths[range_of_pieces.first, 0],
-            half_widths[range_of_pieces.last - 1, -1],
-        )
-        range_length = range_ends[1] - range_ends[0]
-        places = range_ends[0] + range_length * (1 + NODES) / 2
-        knots_far_below = max(
-            int(np.searchsorted(knots, 2 * range_ends[0] - range_ends[1])), range_of_pieces.known
-        )
-        place_in_series = (places - range_of_pieces.ends[0]) * (
-            2 / (range_of_pieces.ends[1] - range_of_pieces.ends[0])
-        ) - 1
-        sums_at_places = chebyshev.chebval(place_in_series, range_of_pieces.smooth).T
-        column_of_places = places[:, None]
-        sums_at_places = sums_at_places + sums_over_knots(
-            column_of_places,
-            column_of_places,
-            np.zeros((1, 1)),
-            range_of_pieces.known,
-            knots_far_below,
-        )
-        smooth_series = series(sums_at_places.T).T
-        if range_of_pieces.last - range_of_pieces.first > _TOGETHER:
-            middle = (range_of_pieces.first + range_of_pieces.last) // 2
-            ranges.append(
-                _Range(range_of_pieces.first, middle, knots_far_below, range_ends, smooth_series)
-            )
-            ranges.append(
-                _Range(middle, range_of_pieces.last, knots_far_below, range_ends, smooth_series)
-            )
+        range_before = ranges.pop()
+        range_ends = (half_widths[range_before.first, 0], half_widths[range_before.last - 1, -1])
+        part = sums.with_far_knots(range_before, range_ends)
+        if part.last - part.first > _TOGETHER:
+            middle = (part.first + part.last) // 2
+            ranges.append(part._replace(last=middle))
+            ranges.append(part._replace(first=middle))
             continue
-        numbers_in_range = slice(range_of_pieces.first, range_of_pieces.last)
+        numbers = slice(part.first, part.last)
         knots_reached = int(np.searchsorted(knots[:-1], range_ends[1]))
-        place_in_series = (half_widths[numbers_in_range] - range_ends[0]) * 2 / range_length - 1
-        load_and_rate[numbers_in_range] = np.moveaxis(
-            chebyshev.chebval(place_in_series, smooth_series), 0, -1
-        )
-        load_and_rate[numbers_in_range] += sums_over_knots(
-            half_widths[numbers_in_range, :, None],
-            begin_of_pieces[numbers_in_range, None, None],
-            distances[numbers_in_range, :, None],
-            knots_far_below,
-            knots_reached,
+        range_length = range_ends[1] - range_ends[0]
+        place_in_series = (half_widths[numbers] - range_ends[0]) * 2 / range_length - 1
+        far_sums = chebyshev.chebval(place_in_series, part.smooth)
+        load_and_rate[numbers] = np.moveaxis(far_sums, 0, -1)
+        load_and_rate[numbers] += sums.over_knots(
+            half_widths[numbers, :, None],
+            begin_of_pieces[numbers, None, None],
+            distances[numbers, :, None],
+            slice(part.known, knots_reached),
         )
     load = load_and_rate[..., 0]
     rate = load_and_rate[..., 1] * half_widths
@@ -829,8 +920,10 @@ def _series_of_rows(knots: Array, curvature_stiffness: Array) -> _Series:
 
 
 def _splits(profile: Tabulated, half_width: float) -> InputError:
-    """The refusal of a profile of rows under which the contact would split near a half-width: the
-    row and what to do; of stairs that rounding has made no engine has an answer.
+    """The error message for a table of heights under which the contact would split near a
+    `half_width`: the row, the cause and what to do.
+
+    Heights that are written with few digits rise by stairs; no engine has an answer for those.
     """
     row = profile.row_before(half_width)
     step = profile.step_of_heights()
@@ -897,8 +990,8 @@ class _Stretch:
 
 
 def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
-    """Contact law of a profile whose slope h'(x) is a Python function: P and dP/da by quadrature,
-    kept as piecewise Chebyshev series. `modulus` is E*.
+    """Contact law P(a) of a profile whose slope h'(x) is a Python function: P and dP/da by
+    quadrature, kept as piecewise Chebyshev series. `modulus` is E*.
 
     Raises
     ------
@@ -922,20 +1015,7 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     stretches = [_stretch(modulus, profile, begin, end, cuts_behind) for begin, end in ranges]
     largest_load = float(stretches[-1].loads(stretches[-1].loads.edges[-1]))
 
-    def value_at(d: Array, order: int) -> Array:
-        """P (order 0) or dP/da (1) where the half-width is d above the least one."""
-        half_width = least_width + d
-        values = np.zeros(d.shape)
-        begins = [stretch.begin for stretch in stretches]
-        stretch_number = np.maximum(np.searchsorted(begins, half_width, side="right") - 1, 0)
-        for k, stretch in enumerate(stretches):
-            in_stretch = stretch_number == k
-            if np.any(in_stretch):
-                distance = (d if k == 0 else half_width - stretch.begin)[in_stretch]
-                series_argument = np.sqrt(distance) if stretch.rooted else distance
-                values[in_stretch] = stretch.at(series_argument, order)
-        return values
-
+    value_at = partial(_value_on_stretches, stretches, least_width)
     inverse = inverse_of(
         partial(value_at, order=0),
         partial(value_at, order=1),
@@ -976,11 +1056,36 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     )
 
 
+def _value_on_stretches(
+    stretches: list[_Stretch], least_width: float, d: Array, order: int
+) -> Array:
+    """P (order 0) or dP/da (order 1) of a contact whose edge is d beyond the half-width without
+    load, `least_width`.
+
+    The stretches between the corners of the profile hold series of both, ascending.
+    """
+    half_width = least_width + d
+    values = np.zeros(d.shape)
+    begins = [stretch.begin for stretch in stretches]
+    stretch_number = np.maximum(np.searchsorted(begins, half_width, side="right") - 1, 0)
+    for k, stretch in enumerate(stretches):
+        in_stretch = stretch_number == k
+        if np.any(in_stretch):
+            # d itself has more digits beside a flat.
+            distance = (d if k == 0 else half_width - stretch.begin)[in_stretch]
+            series_argument = np.sqrt(distance) if stretch.rooted else distance
+            values[in_stretch] = stretch.at(series_argument, order)
+    return values
+
+
 def _stretch(
     modulus: float, profile: CallableProfile, begin: float, end: float, cuts: tuple[float, ...]
 ) -> _Stretch:
-    """Series of P and dP/da for half-widths begin < a < end, by quadrature of the slope and the
-    curvature of a profile.
+    """Chebyshev series of P and dP/da for contact half-widths between two corners of a profile,
+    begin < a < end, by quadrature of its slope.
+
+    The series run in u = a - begin, or in u = sqrt(a - begin) behind a corner, where P is smooth in
+    the root only. The first ranges of u are octaves.
 
     Parameters
     ----------
@@ -1002,29 +1107,9 @@ def _stretch(
     elif is_rooted:
         edges_of_pieces = edges_of_pieces[edges_of_pieces > 1e-5 * np.sqrt(begin)]
 
-    def integral(distance: Array, order: int) -> Array:
-        """Load (order 0: E* int of slope) or stiffness (order 1: its derivative by the half-width)
-        of the contact whose edge is at a `distance` behind the begin of the stretch, or at its
-        square: by quadrature over the angle of x = a cos(angle), split at the corners b < a of the
-        slope.
-        """
-        # x = a cos(angle); the angle at a corner from the distance to it, which is known.
-        distance_behind_begin = distance**2 if is_rooted else distance
-        half_width = begin + distance_behind_begin
-        distances_to_cuts = [np.maximum(distance_behind_begin + (begin - b), 0.0) for b in cuts]
-        angles = [
-            np.arctan2(np.sqrt(distance_to_cut * (half_width + b)), b)
-            for distance_to_cut, b in zip(distances_to_cuts, cuts, strict=True)
-        ]
-        nodes = panels(np.zeros(half_width.shape), np.pi / 2, angles)
-        cosine = np.sin(np.where(nodes.at < 0.7, np.pi / 2 - nodes.at, nodes.below))
-        x = half_width[..., None, None] * cosine
-        slopes = (
-            profile.slope(x) + profile.bend(x)
-            if order
-            else profile.slope(x) * half_width[..., None, None]
-        )
-        return np.asarray(modulus * np.sum(nodes.weight * cosine * slopes, axis=(-2, -1)))
+    def integral(u: Array, order: int) -> Array:
+        distance = u**2 if is_rooted else u
+        return _abel_integral(modulus, profile, begin, distance, cuts, order)
 
     # Beside a flat, or behind a corner, the slope is known to round-off of its largest value and
     # its bend jumps within round-off of the corner: 4e-15 of the scale can be had for the load,
@@ -1053,9 +1138,51 @@ def _stretch(
     return _Stretch(begin, is_rooted, loads, rates)
 
 
+def _abel_integral(
+    modulus: float,
+    profile: CallableProfile,
+    begin: float,
+    distance: Array,
+    cuts: tuple[float, ...],
+    order: int,
+) -> Array:
+    """Load P (order 0) or stiffness dP/da (order 1) of a contact of half-width a, by quadrature of
+    the profile's slope.
+
+        P     = E* a int cos(angle) h'(x) d angle,    x = a cos(angle), 0 < angle < pi/2
+        dP/da = E* int cos(angle) (x h')' d angle
+
+    Parameters
+    ----------
+    modulus
+        E* [stress]
+    begin, distance
+        a = begin + distance: the distance from a corner keeps its digits [length]
+    cuts
+        places b of corners of the slope, at which the integral is split [length]
+    """
+    half_width = begin + distance
+    distances_to_cuts = [np.maximum(distance + (begin - b), 0.0) for b in cuts]
+    angles = [
+        np.arctan2(np.sqrt(distance_to_cut * (half_width + b)), b)
+        for distance_to_cut, b in zip(distances_to_cuts, cuts, strict=True)
+    ]
+    nodes = panels(np.zeros(half_width.shape), np.pi / 2, angles)
+    cosine = np.sin(np.where(nodes.at < 0.7, np.pi / 2 - nodes.at, nodes.below))
+    x = half_width[..., None, None] * cosine
+    slopes = (
+        profile.slope(x) + profile.bend(x)
+        if order
+        else profile.slope(x) * half_width[..., None, None]
+    )
+    return np.asarray(modulus * np.sum(nodes.weight * cosine * slopes, axis=(-2, -1)))
+
+
 def _flat_half_length(profile: CallableProfile, corners: tuple[float, ...]) -> float:
     """Half-length of the flat in the middle of a profile given by a function; 0 if there is none.
-    `corners` are its places where the slope has corners, ascending.
+
+    A flat ends at one of the `corners` of the slope, ascending, within which the slope is 0. Slopes
+    that fall towards 0 without a corner are not flat.
     """
     sample_places = np.array([*profile.corners, profile.extent])
     is_flat_there = profile.slope(sample_places * 0.999) <= 1e-15 * float(
