@@ -163,8 +163,11 @@ class ConvexProfile(abc.ABC):
     def _in_parts(
         self, function: Callable[[Array, Array, Array], Array], *arguments: Array
     ) -> Array:
-        """Values of `function` of arrays that broadcast, evaluated a block of rows at a time, so
-        that the knots or nodes that it needs for each row fit into memory.
+        """Values of `function` of arrays that broadcast, computed for a block of rows of the first
+        axis at a time.
+
+        Each value needs a whole row of knots or quadrature nodes; all of them at once would not fit
+        into memory.
         """
         shape = np.broadcast_shapes(*(np.shape(argument) for argument in arguments))
         arrays = []
@@ -182,8 +185,12 @@ class ConvexProfile(abc.ABC):
         return values
 
     def contact(self, load_product: ArrayLike, tilt: ArrayLike) -> tuple[Array, Array]:
-        """m and c of the contact under A P and a tilt, arrays that broadcast: least int h d theta +
-        pi alpha m - A P ln(c).
+        """Centre m and half-length c of the contact under a load and a tilt, arrays that broadcast
+        [length].
+
+        They minimise int h d theta + pi alpha m - A P ln(c), with x = m + c cos(theta); alpha is
+        the tilt, A = 2/E*. `load_product` is A P. Where P = 0, m is where the profile touches
+        first, and c is 0.
 
         Raises
         ------
@@ -193,34 +200,44 @@ class ConvexProfile(abc.ABC):
         load_product, tilt = np.broadcast_arrays(
             np.asarray(load_product, dtype=float), np.asarray(tilt, dtype=float)
         )
-        middle = np.array(self.touch(tilt))
+        centre = np.array(self.touch(tilt))
         half_width = np.zeros(load_product.shape)
-        if not np.all(np.isfinite(middle)):
+        if not np.all(np.isfinite(centre)):
             raise InputError(
                 "load: the tilt is steeper than the sides of the profile: it touches nowhere along"
                 " its sides"
             )
         is_pressed = load_product > 0
-        middle[is_pressed], half_width[is_pressed] = self._pressed(
-            load_product[is_pressed], tilt[is_pressed], middle[is_pressed]
+        centre[is_pressed], half_width[is_pressed] = self._pressed(
+            load_product[is_pressed], tilt[is_pressed], centre[is_pressed]
         )
-        left_edge = float(np.min(middle - half_width, initial=0.0))
-        right_edge = float(np.max(middle + half_width, initial=0.0))
+        left_edge = float(np.min(centre - half_width, initial=0.0))
+        right_edge = float(np.max(centre + half_width, initial=0.0))
         left_end, right_end = self.extent
         if left_edge < left_end * (1 + _NOISE) or right_edge > right_end * (1 + _NOISE):
             raise ProfileDataError(
                 f"profile: the load needs a contact from {left_edge:.6g} to {right_edge:.6g}, the"
                 f" profile goes from {left_end:.6g} to {right_end:.6g}"
             )
-        return middle, half_width
+        return centre, half_width
 
     def _pressed(self, load_product: Array, tilt: Array, first_touch: Array) -> tuple[Array, Array]:
-        """Centre m and half-length c of the contacts under A P = `load_product` > 0 and a `tilt`,
-        (n,) each, of a profile that touches at `first_touch` without load.
+        """Centre m and half-length c of the contacts under positive loads and tilts, (n,) each, by
+        Newton's method.
 
-        Newton's method for what both ends carry, held back by the slope of the sum that is least,
-        which is convex. m and c are those of the last step that was accepted; the next step tries
-        another centre, moved by a shift, and another half-length, by a widening.
+        Two equations hold: the mean slope balances the tilt, and the curvature carries the load.
+        They are the slopes of a convex sum; a step is halved where it would overshoot the minimum
+        of that sum. m and c are those of the last step accepted. The next trial moves the centre by
+        `shift` and the half-length by `widening`.
+
+        Parameters
+        ----------
+        load_product
+            (n,) A P, A = 2/E* [length]
+        tilt
+            (n,) [rad]
+        first_touch
+            (n,) where the profile touches without load [length]
         """
         # From a wider contact: what either end carries is nearly a convex function of it, and
         # hardly one of the other.
@@ -240,7 +257,7 @@ class ConvexProfile(abc.ABC):
             balance = self.balance(trial_m, trial_c)
             slope_residual = np.pi * (balance.mean_slope + tilt)
             load_residual = (load_product - balance.load) / trial_c
-            # Half of a step beyond which the sum would rise as steeply as half of its fall before.
+            # A step beyond which the sum would rise half as steeply as it fell before is halved.
             is_accepted = slope_residual * shift - load_residual * widening <= predicted_fall / 2
             m = np.where(is_accepted, trial_m, m)
             c = np.where(is_accepted, trial_c, c)
@@ -275,16 +292,18 @@ def _newton_step(
     half_width: Array,
     fallback_widening: Array,
 ) -> tuple[Array, Array]:
-    """Newton's steps of the centre and the half-length (n,) of contacts, from what is left of the
-    balance of slope and of load; where the sum that is least at the solution is not convex, no
-    shift of the centre, and wider by `fallback_widening`.
+    """Newton steps of the centre and of the half-length of contacts, (n,) each [length], from the
+    residuals of the balance of slope and of load.
+
+    Where the sum that is least at the solution is not convex, the centre stays and the contact
+    widens by `fallback_widening`.
 
     Parameters
     ----------
     balance
-        sums over the curvature of the profile that the Jacobian is made of
+        integrals of h'' over each contact, of which the Jacobian is made
     slope_residual, load_residual
-        (n,) what the mean slope and the load are off
+        (n,) error of the mean slope times pi, and of the load over the half-length
     half_width
         (n,) half-lengths before the step
     """
@@ -292,8 +311,8 @@ def _newton_step(
     bend_cosine_sum = balance.bend_cosine_sum
     off_diagonal_with_residual = bend_cosine_sum + slope_residual / half_width
     # The full matrix only where its determinant is positive, with a margin.
-    has_margin = bend_sum * bend_sum > 1.1 * off_diagonal_with_residual * bend_cosine_sum
-    off_diagonal = np.where(has_margin, off_diagonal_with_residual, bend_cosine_sum)
+    is_safely_convex = bend_sum * bend_sum > 1.1 * off_diagonal_with_residual * bend_cosine_sum
+    off_diagonal = np.where(is_safely_convex, off_diagonal_with_residual, bend_cosine_sum)
     determinant = bend_sum * bend_sum - off_diagonal * bend_cosine_sum
     is_convex = determinant > 0
     determinant = np.where(is_convex, determinant, 1.0)
@@ -365,8 +384,11 @@ class PiecewiseParabola(ConvexProfile):
         return np.concatenate([[self.slope], self.slope + rises])
 
     def touch(self, tilt: ArrayLike) -> Array:
-        """Where the profile touches under a tilt alpha without load, h' + alpha = 0: the middle of
-        that place [length], infinite where there is none.
+        """Where the tilted profile touches without load, h' + alpha = 0: the middle of that place
+        [length], infinite where there is none.
+
+        h' is linear between knots, so that the place is found between the two knots around it; a
+        straight part of that slope touches all along.
         """
         slope = -np.asarray(tilt, dtype=float)
         last_knot = len(self.knots) - 1
@@ -380,15 +402,23 @@ class PiecewiseParabola(ConvexProfile):
                 curvature > 0, slope_rise / curvature, np.copysign(np.inf, slope_rise)
             )
             between_knots = self.knots[knot_before] + distance
-        left_place = self.knots[np.minimum(first_knot_at_slope, last_knot)]
-        right_place = self.knots[np.maximum(first_knot_beyond - 1, 0)]
+        left_end_of_touch = self.knots[np.minimum(first_knot_at_slope, last_knot)]
+        right_end_of_touch = self.knots[np.maximum(first_knot_beyond - 1, 0)]
         return np.where(
-            first_knot_beyond > first_knot_at_slope, (left_place + right_place) / 2, between_knots
+            first_knot_beyond > first_knot_at_slope,
+            (left_end_of_touch + right_end_of_touch) / 2,
+            between_knots,
         )
 
     def balance(self, m: Array, c: Array) -> Balance:
-        """What a contact carries. Knots left of m count by (b - x)_+, so that ends next to a knot
-        keep their digits.
+        """Mean slope, load and curvature integrals of contacts of centre m and half-length c, in
+        closed form: sums over the knots of the jumps J of h''.
+
+            mean slope = h'(m) + (c/pi) sum J (sin(theta) - theta cos(theta))
+            A P        = (c^2/2) [pi h''(m) + sum +-J (theta - sin(theta) cos(theta))]
+
+        theta is the angle of a knot at m +- c cos(theta). Knots are counted from m outwards, so
+        that an end next to a knot keeps its digits.
         """
         piece_at_middle = np.searchsorted(self.knots, m)
         knot_before = np.maximum(piece_at_middle - 1, 0)
@@ -426,9 +456,14 @@ class PiecewiseParabola(ConvexProfile):
         return len(self.knots)
 
     def _pressure(self, x: Array, m: Array, c: Array) -> Array:
-        """pi A p at x over a contact of centre m and half-length c, arrays that broadcast: the sum
-        over the knots of the jump of h'' times an integral in closed form, and that of a parabola;
-        0 outside.
+        """Contact pressure times pi A at x, A = 2/E*, for contacts of centre m and half-length c,
+        arrays that broadcast [1]; 0 outside.
+
+            pi A p = pi h''_0 r + sum over knots of J [r theta_b - (b - x) ln|...|],
+            r = sqrt(c^2 - (x - m)^2)
+
+        h''_0 is the curvature left of all knots, J its jump at a knot b = m + c cos(theta_b). The
+        logarithm is of sin((theta_x + theta_b)/2)/sin((theta_x - theta_b)/2).
         """
         t = x - m
         if self.is_parabola:
@@ -452,20 +487,26 @@ class PiecewiseParabola(ConvexProfile):
         return np.where(root[..., 0] > 0, pressure, 0.0)
 
     def _gap(self, x: Array, m: Array, c: Array) -> Array:
-        """Gap at x outside a contact of centre m and half-length c, arrays that broadcast: the sum
-        over the knots of the jump of h'' times an integral in closed form, and that of a parabola;
+        """Gap at x outside contacts of centre m and half-length c, arrays that broadcast [length];
         0 inside.
+
+        A sum of closed forms: for each knot the jump of h'' there times an integral over the way
+        from the contact to x, plus that of one parabola.
+
+        # notation: t = x - m, theta angle of a knot at m + c cos(theta), u = arccosh(|t|/c)
         """
         t = x - m
         theta, sine, cosine = self.angles(m, c)
         distance = np.maximum(np.abs(t), c)
-        root = np.sqrt((distance - c) * (distance + c))
-        u = np.where(c > 0, np.arcsinh(root / np.where(c > 0, c, 1.0)), 0.0)
-        area_of_parabola = distance * root - c * c * u
+        root_outside = np.sqrt((distance - c) * (distance + c))
+        u = np.where(c > 0, np.arcsinh(root_outside / np.where(c > 0, c, 1.0)), 0.0)
+        area_of_parabola = distance * root_outside - c * c * u
         side = np.sign(t)[..., None]
-        # 2 arctan of the tangent of half an angle, from its two legs
+        # Twice the arctan of the half angle's tangent, which is opposite over adjacent leg.
         zeros = np.zeros(t.shape)
-        leg_ratio = np.divide(root, distance + c, out=zeros, where=distance + c > 0)[..., None]
+        leg_ratio = np.divide(root_outside, distance + c, out=zeros, where=distance + c > 0)[
+            ..., None
+        ]
         opposite_leg = np.where(side > 0, sine, leg_ratio * sine)
         adjacent_leg = np.where(side > 0, leg_ratio, 1.0) * (1 + cosine)
         angle_from_knot = 2 * np.arctan2(opposite_leg, adjacent_leg)
@@ -476,7 +517,7 @@ class PiecewiseParabola(ConvexProfile):
         knot_distance = c[..., None] * cosine
         terms_of_knots = np.square(np.maximum(from_knot, 0.0)) / 2
         terms_of_knots = terms_of_knots - from_knot * from_knot * angle_from_knot / (2 * np.pi)
-        lever = root[..., None] - side * knot_distance * u[..., None]
+        lever = root_outside[..., None] - side * knot_distance * u[..., None]
         terms_of_knots += (theta * area_of_parabola[..., None] - side * knot_height * lever) / (
             2 * np.pi
         )
@@ -484,8 +525,10 @@ class PiecewiseParabola(ConvexProfile):
         return np.where(np.abs(t) > c, gap, 0.0)
 
     def approach(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
-        """Normal approach at x = 0, without the term (A P/pi) ln(2 L/c), of contacts of centre m
-        and half-length c under a tilt.
+        """Normal approach of the point x = 0 of contacts of centre m and half-length c under a
+        tilt, without its term (A P/pi) ln(2 L/c) [length]; A = 2/E*, L the distance of the datum.
+
+        It is the mean of h + alpha x over the contact by angle, x = m + c cos(theta).
         """
         theta, sine, cosine = self.angles(m, c)
         from_first_knot = m - self.knots[0]
@@ -501,8 +544,11 @@ class PiecewiseParabola(ConvexProfile):
         return np.asarray(part_of_parabola + np.asarray(tilt) * m + sum_over_knots / (2 * np.pi))
 
     def moment(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
-        """A times the moment, the integral of x p, of contacts of centre m and half-length c under
-        a tilt.
+        """Moment of the pressure, A int x p dx, of contacts of centre m and half-length c under a
+        tilt; A = 2/E* [length^2].
+
+        It is m times A P, plus what the tilt and the jumps of h'' at the knots make about the
+        centre.
         """
         theta, sine, cosine = self.angles(m, c)
         half_width = c[..., None]
@@ -516,7 +562,11 @@ class PiecewiseParabola(ConvexProfile):
 
 
 def _angle_functions(theta: Array, sine: Array, cosine: Array) -> tuple[Array, Array]:
-    """sin - theta cos and theta - sin cos, both by their series where they would cancel."""
+    """sin(theta) - theta cos(theta) and theta - sin(theta) cos(theta): what a jump of curvature at
+    angle theta adds to the mean slope and to the load of a contact.
+
+    Small angles take series, since the differences would lose digits.
+    """
     mean_function = sine - theta * cosine
     load_function = theta - sine * cosine
     is_small = theta < _SMALL
@@ -577,27 +627,30 @@ class CurvedProfile(ConvexProfile):
         return self.knots
 
     def touch(self, tilt: ArrayLike) -> Array:
-        """Where the profile touches under a tilt alpha without load, h' + alpha = 0: the middle of
-        that place [length], infinite where there is none.
+        """Where the tilted profile touches without load, h' + alpha = 0: the middle of that place
+        [length], infinite where there is none.
+
+        h' rises everywhere. The first and the last place of that slope are found by halving an
+        interval about the origin, doubled until it holds them.
         """
         target_slope = -np.asarray(tilt, dtype=float)
-        reach = self.size
+        half_interval = self.size
         steepest = np.max(np.abs(target_slope))
-        while self.gradient(np.array(reach)) < steepest and reach < 1e9 * self.size:
-            reach = 2 * reach
-        left_bound, _ = self._halved(target_slope, reach, np.greater_equal)
-        _, right_bound = self._halved(target_slope, reach, np.greater)
-        is_reached = np.abs(target_slope) <= self.gradient(np.array(reach))
+        while self.gradient(np.array(half_interval)) < steepest and half_interval < 1e9 * self.size:
+            half_interval = 2 * half_interval
+        left_bound, _ = self._halved(target_slope, half_interval, np.greater_equal)
+        _, right_bound = self._halved(target_slope, half_interval, np.greater)
+        is_reached = np.abs(target_slope) <= self.gradient(np.array(half_interval))
         return np.where(is_reached, (left_bound + right_bound) / 2, np.inf)
 
     def _halved(
         self, target_slope: Array, reach: float, is_above: Callable[[Array, Array], Array]
     ) -> tuple[Array, Array]:
-        """Bounds from left and right of the place from which on the slope h' of the profile is
-        above a target, within +- `reach` of the origin, by halvings; arrays of the shape of
-        `target_slope`.
+        """Bounds from left and right of the place where the slope h' of the profile passes a
+        target, by 64 halvings of the interval +- `reach` [length].
 
-        `is_above` compares slopes of the profile with the targets.
+        `is_above` compares slopes of the profile with the targets; the arrays have the shape of
+        `target_slope`.
         """
         left_bound = np.full(target_slope.shape, -reach)
         right_bound = np.full(target_slope.shape, reach)
@@ -609,9 +662,12 @@ class CurvedProfile(ConvexProfile):
         return left_bound, right_bound
 
     def _nodes(self, m: Array, c: Array) -> tuple[Array, Array, Array]:
-        """Nodes xi, their distances xi - m and weights of averages over contacts of centre m and
-        half-length c, with a new last axis: over equal angles theta, xi = m + c cos(theta), cut at
-        the knots of the profile.
+        """Quadrature nodes over contacts of centre m and half-length c: their places xi, distances
+        xi - m, and weights of an average, with a new last axis.
+
+        Averages are over equal angles theta, xi = m + c cos(theta). The range of angles is cut at
+        the knots of the profile, where h'' is not smooth. A node is placed from the nearer end of
+        its part, so that its distance from a knot keeps its digits.
         """
         m, c = np.broadcast_arrays(m, c)
         m = m[..., None]
@@ -665,9 +721,13 @@ class CurvedProfile(ConvexProfile):
         return (len(self.knots) + 1) * len(self.rule.up)
 
     def _pressure(self, x: Array, m: Array, c: Array) -> Array:
-        """pi A p at x over a contact of centre m and half-length c, arrays that broadcast; 0
-        outside. The average of (h'(xi) - h'(x))/(xi - x) over the contact, h'' where xi is next to
-        x.
+        """Contact pressure times pi A at x, A = 2/E*, for contacts of centre m and half-length c,
+        arrays that broadcast [1]; 0 outside.
+
+            pi A p = pi sqrt(c^2 - (x - m)^2) mean of (h'(xi) - h'(x))/(xi - x)
+
+        The mean is over the angle theta of xi = m + c cos(theta). Where xi is close to x the
+        quotient is h'' between them.
         """
         xi, _, weights = self._nodes(m, c)
         place = np.asarray(x)[..., None]
@@ -690,13 +750,17 @@ class CurvedProfile(ConvexProfile):
         return np.asarray(np.pi * root * np.sum(weights * quotient, axis=-1))
 
     def _gap(self, x: Array, m: Array, c: Array) -> Array:
-        """Gap [length] at x outside a contact of centre m and half-length c, arrays that broadcast;
+        """Gap at x outside contacts of centre m and half-length c, arrays that broadcast [length];
         0 inside.
+
+            gap = mean of +-c sinh(u) [(h(x) - h(xi))/(x - xi) - h'(xi)] - u (xi - m) h'(xi)
+
+        The mean is over the angle theta of xi = m + c cos(theta); x = m +- c cosh(u).
         """
         nodes, distance_from_middle, weights = self._nodes(m, c)
         distance = np.maximum(np.abs(x - m), c)
         root = np.sqrt((distance - c) * (distance + c))
-        arcosh = np.where(c > 0, np.arcsinh(root / np.where(c > 0, c, 1.0)), 0.0)
+        u = np.where(c > 0, np.arcsinh(root / np.where(c > 0, c, 1.0)), 0.0)
         places = np.asarray(x)[..., None]
         distance_to_node = places - nodes
         slope = self.gradient(nodes)
@@ -709,7 +773,7 @@ class CurvedProfile(ConvexProfile):
         )
         signed_root = (np.sign(x - m) * root)[..., None]
         values_at_nodes = (
-            signed_root * (chord - slope) - arcosh[..., None] * distance_from_middle * slope
+            signed_root * (chord - slope) - u[..., None] * distance_from_middle * slope
         )
         return np.asarray(np.sum(weights * values_at_nodes, axis=-1))
 
@@ -779,28 +843,35 @@ class NestedIntervals:
 
     @cached_property
     def _series(self) -> _IntervalSeries:
-        """Chebyshev series of the middle m and the half-length c of the contact intervals over the
-        load, from 0 to the largest, cut at the loads at which an end meets a knot of the profile.
+        """Chebyshev series of centre and half-length of the contact over the load, from 0 to the
+        largest.
+
+        The load is cut where an end of the contact meets a knot of the profile. Behind each cut
+        both are smooth in the root of the load since then; these roots are laid side by side on one
+        axis.
         """
         breaks = self.break_loads[self.break_loads < self.most * (1 - 1e-9)]
         loads_of_cuts = np.concatenate([[0.0], breaks, [self.most]])
-        places = np.concatenate([[0.0], np.cumsum(np.sqrt(np.diff(loads_of_cuts)))])
+        ends_on_axis = np.concatenate([[0.0], np.cumsum(np.sqrt(np.diff(loads_of_cuts)))])
         middle_series = []
         half_width_series = []
         for begin_load, end_load in pairwise(loads_of_cuts.tolist()):
-            middle, half_width = self._series_between(begin_load, end_load)
-            middle_series.append(middle)
-            half_width_series.append(half_width)
+            middle_between_cuts, half_width_between_cuts = self._series_between(
+                begin_load, end_load
+            )
+            middle_series.append(middle_between_cuts)
+            half_width_series.append(half_width_between_cuts)
         return _IntervalSeries(
             loads_of_cuts[:-1],
-            places,
-            _side_by_side(middle_series, places),
-            _side_by_side(half_width_series, places),
+            ends_on_axis,
+            _side_by_side(middle_series, ends_on_axis),
+            _side_by_side(half_width_series, ends_on_axis),
         )
 
     def _series_between(self, lower_load: float, upper_load: float) -> tuple[Pieces, Pieces]:
-        """Series of the middle m and the half-width c of the contact over v = sqrt(eta -
-        lower_load), between two loads eta next to each other.
+        """Chebyshev series of centre and half-length of the contact over v = sqrt(eta -
+        lower_load), for loads eta between two at which an end of the contact meets a knot of the
+        profile.
 
         Raises
         ------
@@ -834,47 +905,51 @@ class NestedIntervals:
         return series.middle(place), np.where(eta > 0, half_width, 0.0)
 
     def growth(self, side: Array, load: Array, load_rise: Array) -> Array:
-        """How far the end of I(eta) on a side, +1 or -1, has moved outwards while eta rose by
-        `load_rise` to `load` [length], (n,) each.
+        """How far one end of the contact has moved outwards while the load rose by `load_rise` to
+        `load`, (n,) [length].
 
-        From the rate: the difference of two ends that are next to each other would be what their
-        series leave out.
+        It is the integral of the end's rate over the load. The difference of two ends next to each
+        other would be mere error of their series. `side` is +1 for the right end, -1 for the left
+        one.
         """
         radius = self.shape.radius
-        if radius is not None:
+        if radius is not None:  # of a parabola in closed form
             _, half_after = self.exactly(load)
             _, half_before = self.exactly(load - load_rise)
             widening = 2 * self.product * radius / np.pi / (half_after + half_before)
             return load_rise * (widening - side * radius * self.slope)
         series = self._series
-        number_of_stretch = np.searchsorted(series.begin_loads, load, side="right") - 1
+        series_number = np.searchsorted(series.begin_loads, load, side="right") - 1
         outward_growth = np.zeros(load.shape)
         nodes, weights_of_nodes = gauss(8)
-        rise_to_go = load_rise
-        outer_root = np.sqrt(load - series.begin_loads[number_of_stretch])
-        while np.any(number_of_stretch >= 0):
-            rise_on_stretch = np.minimum(rise_to_go, outer_root * outer_root)
-            inner_root = np.sqrt(outer_root * outer_root - rise_on_stretch)
-            root_step = rise_on_stretch / np.maximum(outer_root + inner_root, 1e-300)
-            begin_place = series.places[number_of_stretch][:, None]
-            end_place = np.nextafter(series.places[number_of_stretch + 1], 0.0)[:, None]
-            v = np.clip(
+        rise_left = load_rise
+        outer_root = np.sqrt(load - series.begin_loads[series_number])
+        while np.any(series_number >= 0):
+            rise_on_series = np.minimum(rise_left, outer_root * outer_root)
+            inner_root = np.sqrt(outer_root * outer_root - rise_on_series)
+            root_step = rise_on_series / np.maximum(outer_root + inner_root, 1e-300)
+            begin_place = series.places[series_number][:, None]
+            end_place = np.nextafter(series.places[series_number + 1], 0.0)[:, None]
+            place_on_axis = np.clip(
                 begin_place + (outer_root[:, None] - root_step[:, None] * nodes),
                 begin_place,
                 end_place,
             )
-            rate = series.half.derivative(v) + side[:, None] * series.middle.derivative(v)
+            rate = series.half.derivative(place_on_axis) + side[:, None] * series.middle.derivative(
+                place_on_axis
+            )
             outward_growth += root_step * np.sum(weights_of_nodes * rate, axis=1)
-            number_of_stretch = np.where(rise_to_go > rise_on_stretch, number_of_stretch - 1, -1)
-            rise_to_go = rise_to_go - rise_on_stretch
-            outer_root = series.places[number_of_stretch + 1] - series.places[number_of_stretch]
+            series_number = np.where(rise_left > rise_on_series, series_number - 1, -1)
+            rise_left = rise_left - rise_on_series
+            outer_root = series.places[series_number + 1] - series.places[series_number]
         return outward_growth
 
     def load(self, x: Array) -> Array:
-        """P_x: the load at which x is an end of I(eta) [force per thickness]; infinite where none
-        up to the largest is.
+        """The load at which the contact first reaches x as one of its ends [force per thickness];
+        infinite where none up to the largest does.
 
-        With x as an end the mean slope falls with c: Newton's method, kept in a bracket.
+        With x fixed as an end, the mean slope falls as the half-length c grows. Newton's method
+        finds the c at which it balances the tilt, kept in a bracket.
         """
         middle, half_width = self.exactly(self.most)
         is_reached = np.abs(x - middle) <= half_width * (1 + 1e-8)
@@ -1039,8 +1114,11 @@ class TiltedProfile:
         return self.shape.moment(m, c, tilt) / self._product
 
     def tilt_under(self, load: Array, moment: Array) -> Array:
-        """The tilt at which contacts under the loads (n,) carry a `moment` (n,), the integral of x
-        p, by Newton's method; 0 where there is no load.
+        """The tilt at which contacts under loads (n,) carry given moments (n,), moment = int x p
+        dx, by Newton's method; 0 where there is no load.
+
+        A larger tilt moves the contact to the left and the moment falls. Steps are kept in a
+        bracket.
 
         Raises
         ------
@@ -1134,12 +1212,21 @@ class TiltedProfile:
         return self.share * arccosh - self.lean * np.sign(t) * root
 
     def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
-        """Traction at points x by a unit of load at the contact interval of a load, times pi:
-        (share - lean t)/sqrt((c - t)(c + t)), t the distance from the middle of the interval and c
-        its half-length; 0 outside.
+        """Traction at points x by a unit of load on one contact interval, times pi [1/length]:
+        (share - lean t)/sqrt((c - t)(c + t)), 0 outside.
 
-        `advance` is that load, `excess` what it is above the load P_x at which the edge of contact
-        is at x.
+        t is the distance from the middle of the interval, c its half-length. `share` is the part
+        that is symmetric, `lean` the rate at which tilt leans it.
+
+        Parameters
+        ----------
+        x
+            points, which carry their sign [length]
+        excess
+            load of the interval minus that at which the edge of contact reaches x [force per
+            thickness]
+        advance
+            load of the interval [force per thickness]
         """
         m, c = self.at(advance)
         face_middle, face_half = self.intervals.face
@@ -1150,6 +1237,7 @@ class TiltedProfile:
         is_beside_face = np.abs(place - face_middle) >= face_half
         is_near = (difference_of_squares < _NEXT * c * c) & (load_above > 0) & is_beside_face
         if np.any(is_near):
+            # Next to the edge c - t is how far the edge has moved beyond x.
             edge_side, upper_load, load_rise, upper_half_width = (
                 np.broadcast_to(values, is_near.shape)[is_near]
                 for values in (np.sign(t), advance, load_above, c)
@@ -1176,12 +1264,14 @@ class TiltedProfile:
         return displacement_rate
 
     def log_distance(self, load: ArrayLike) -> Array:
-        """Integral over loads from 0 to `load` of what a unit of load at each interval of contact
-        contributes to the movement that the field `rigid` names, in closed form.
+        """Integral from no load up to `load` of a rigid movement per load, in closed form; which
+        movement, `rigid` says [force per thickness].
 
-        It is the moment, or the approach since the first contact plus load times logarithm of the
-        half-width, or ("loop") that and the field `lean` times the moment. m and c are the centre
-        and the half-length of the contact under `load` [length].
+        It is the moment of the pressure ("moment"); or pi/A times the approach, without the part of
+        the datum ("displacement"); or that plus `lean` times the moment ("loop"), whose loop
+        encloses W.
+
+        # notation: m and c are the centre and the half-length of the contact under `load` [length]
         """
         load = np.asarray(load, dtype=float)
         m, c = self.intervals.at(load)
@@ -1191,10 +1281,10 @@ class TiltedProfile:
             return moment
         approach_of_start = self.shape.approach(*self.intervals.start, self.intervals.tilt)
         approach = self.shape.approach(m, c, tilt) - approach_of_start
-        shift = np.pi / self._product * approach + load * self.logarithm(c)
+        approach_over_unit = np.pi / self._product * approach + load * self.logarithm(c)
         if self.rigid == "loop":
-            return shift + self.lean * moment
-        return shift
+            return approach_over_unit + self.lean * moment
+        return approach_over_unit
 
     def log_moment(self, load: ArrayLike) -> Array:
         """int_0^P of eta times `log_ratio`."""
@@ -1202,8 +1292,12 @@ class TiltedProfile:
         return np.asarray(np.sum(weight * eta * self.log_ratio(eta), axis=-1))
 
     def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:
-        """Lam(P, P_c) >= 0 [force per thickness], from P = `load` and P - P_c = `slipped`: the
-        integral over eta, from P_c to P, of the rate of U + kappa m_q at P_c minus that at eta.
+        """Lam(P, P_c) >= 0 [force per thickness], which the friction work of slip zones gathers;
+        from P = `load` and P - P_c = `slipped`.
+
+        It is the integral over loads eta from P_c to P of r(P_c) - r(eta). r is the rate per load
+        of U + kappa m_q, U the tangential displacement, m_q the moment of the shear, kappa the tilt
+        per load.
         """
         load, slipped = np.broadcast_arrays(
             np.asarray(load, dtype=float), np.asarray(slipped, dtype=float)
