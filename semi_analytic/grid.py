@@ -231,10 +231,20 @@ class Grid:
         modulus: float = 1.0,
         dundurs: float = 0.0,
     ) -> None:
-        """Grids of `cells` cells that nothing touches yet, on the initial gap `height(x)`.
+        """Grids of `cells` equal cells each on two half-planes, which nothing touches yet.
 
-        `extent` is (2,) the ends of one grid, or (g, 2) those of grids of one length; `modulus` is
-        E*, `dundurs` the second constant of Dundurs, by which pressure shears the faces apart.
+        Several grids of equal cells, moved by parts of a cell, share their matrices.
+
+        Parameters
+        ----------
+        height
+            initial gap h(x) between the unloaded faces [length]
+        extent
+            (2,) ends of one grid, or (g, 2) those of grids of one length [length]
+        friction, modulus
+            f and E* [stress]
+        dundurs
+            Dundurs' beta of unlike materials, by which pressure shears the faces apart
         """
         ends_of_grids = np.atleast_2d(np.asarray(extent, dtype=float))
         self.alone = np.ndim(extent) == 1
@@ -270,18 +280,21 @@ class Grid:
         self._last: dict[str, Any] | None = None
 
     def compliance_at(self, x: Array, number: int) -> Array:
-        """Displacement at points (m,) by a unit traction on each cell of a grid, (m, k); the grid's
-        length is the datum length.
+        """Surface displacement at points x (m,) by a unit traction on each cell of grid `number`,
+        (m, k) [length/stress], against a datum at the distance of the grid's length.
+
+        It is the integral of -(2/(pi E*)) ln(|x - xi|/L) over the cell, the half-plane's Green's
+        function.
         """
         distance = (x[:, None] - self.x[number])[..., None]
         distances_of_ends = (distance + self.step * np.array([-0.5, 0.5])) / self._length
         with np.errstate(divide="ignore", invalid="ignore"):
-            primitives = np.where(
+            integrals_to_ends = np.where(
                 distances_of_ends == 0,
                 0.0,
                 distances_of_ends * (np.log(np.abs(distances_of_ends)) - 1),
             )
-        integral = np.diff(primitives, axis=-1)[..., 0]
+        integral = np.diff(integrals_to_ends, axis=-1)[..., 0]
         return np.asarray(-2 * self._length / (math.pi * self.modulus) * integral)
 
     def _zone(self, count: int) -> Zone:
@@ -304,8 +317,16 @@ class Grid:
 
     def _press(self, load: float, tilt: float, gap_without_tilt: Array) -> Pressed:
         """Pressure, cells in contact and normal approach of each grid under a load and a tilt: p >
-        0 where the gap is 0. An active set of cells side by side; `gap_without_tilt` (g, k) is the
-        height of the profile with what the shear adds.
+        0 where the gap is 0, and p = 0 where it is open.
+
+        An active set: cells with tension are opened and cells that overlap are closed, until none
+        changes. The contact is one run of cells. `gap_without_tilt` (g, k) is the height of the
+        profile with what the shear adds.
+
+        Raises
+        ------
+        ArithmeticError
+            Where the set does not settle, or the contact meets the end of the grid.
         """
         height = gap_without_tilt + tilt * self.x
         contact = self._contact
@@ -340,12 +361,21 @@ class Grid:
     def _drag(
         self, force: float, displacement: Array, friction_limit: Array, cells_before: ContactCells
     ) -> Dragged:
-        """Shear q, slip, directions of slip and U after an increment to the force Q: no slip where
-        |q| < f p = `friction_limit`, once a cell is touched; `cells_before` were in contact before.
+        """Shear, slip, its direction and U of all grids after an increment to the tangential force
+        Q = `force`, with the slip of newly touched cells before they were touched.
 
-        Ahead of an edge that comes slip goes on as the root of the distance: a cell that is touched
-        after a share t of the increment has then made 2/3 t of the way that it would have made, 1/3
-        in the mean over all t.
+        Ahead of an edge that advances slip grows as the root of the distance. A cell that is
+        touched after a share t of the increment has then made 2/3 t of the slip that it would have
+        made without contact: 1/3 in the mean over all t.
+
+        Parameters
+        ----------
+        displacement
+            (g, k) tangential displacement of the faces without shear [length]
+        friction_limit
+            (g, k) f p [stress]
+        cells_before
+            cells in contact before the increment
         """
         contact = self._contact
         cells_in_both = contact.common_with(cells_before)
@@ -360,7 +390,7 @@ class Grid:
                     force, displacement, friction_limit, cells_in_both, slip_at_begin, group
                 ).slip
             except ArithmeticError:
-                # more than the earlier ones can carry: the new ones start from where they were
+                # The force is more than the earlier cells can carry: new ones start without slip.
                 if len(group) > 1:
                     groups_to_solve += np.split(group, len(group))
                 else:
@@ -383,12 +413,12 @@ class Grid:
         slip_at_begin: Array,
         grids: NDArray[np.intp],
     ) -> Dragged:
-        """Shear q, slip, directions of slip and U of some grids under a tangential force, by an
-        active set of the cells that slide.
+        """Shear q, slip, directions of slip and U of some grids under a tangential force: which
+        cells slide is found by an active set.
 
-        q = q_0 - G v with q_0 of full stick and the slip v of the increment, that of few cells.
-        Where grids have fewer cells in contact than others, open ones beside them slip without
-        friction.
+        q = q_0 - G v, with q_0 of full stick and the slip v of the increment; G is the stiffness of
+        the cells in contact. Where grids have fewer cells in contact than others, open ones beside
+        them slip without friction.
 
         Parameters
         ----------
@@ -423,31 +453,9 @@ class Grid:
         # stick.
         direction = np.where(is_touching, self._directions[cell_numbers], 0)
         direction[np.all((direction != 0) | ~is_touching, axis=1)] = 0
-        for _ in range(_TURNS):
-            is_sliding = (direction != 0) | ~is_touching
-            if np.any(np.all(is_sliding, axis=1)):
-                raise ArithmeticError("all cells slip")
-            shear_of_sliding = direction * limit_of_cells
-            slip_of_cells = _slip_of_sliding(
-                zone, is_sliding, shear_in_full_stick - shear_of_sliding
-            )
-            shear_of_cells = shear_in_full_stick
-            if np.any(is_sliding):
-                shear_of_cells = np.where(
-                    is_sliding,
-                    shear_of_sliding,
-                    shear_in_full_stick - slip_of_cells @ zone.stiffness,
-                )
-            is_beyond_limit = ~is_sliding & (np.abs(shear_of_cells) > limit_of_cells + tolerance)
-            kept_direction = np.where(direction * slip_of_cells > 0, direction, 0)
-            new_direction = np.where(
-                is_beyond_limit, np.sign(shear_of_cells), kept_direction
-            ).astype(int)
-            if np.array_equal(new_direction, direction):
-                break
-            direction = new_direction
-        else:
-            raise ArithmeticError("the slip zones do not converge")
+        direction, shear_of_cells, slip_of_cells = _sliding_cells(
+            zone, shear_in_full_stick, limit_of_cells, is_touching, direction, tolerance
+        )
         all_shear = np.zeros(is_inside.shape)
         all_directions = np.zeros(is_inside.shape, dtype=int)
         all_shear[rows, columns] = shear_of_cells
@@ -459,8 +467,11 @@ class Grid:
         return Dragged(all_shear, all_slip, all_directions, shift)
 
     def _increment(self, load: float, force: float, strain: float, tilt: float) -> dict[str, Any]:
-        """One increment of all grids to the loads P, Q, the bulk strain eps and the tilt alpha: the
-        row of `Fields` at its end. The grids stand there afterwards.
+        """Bring all grids by one implicit increment to the loads P and Q, the bulk strain eps and
+        the tilt alpha; the fields at its end, by name.
+
+        Tractions and slip are (g, k) for g grids of k cells; approach, U, moments and friction work
+        (g,). Work counts by the trapezoidal rule. The grids stand in the new state afterwards.
         """
         displacement_by_strain: Array = -strain * self.x
         if load <= 0:
@@ -494,6 +505,7 @@ class Grid:
             "density": density,
             "work": self.step * np.sum(density, axis=1),
         }
+        # Work of the loads in the increment, to compare the friction work with.
         row["loop"] = _loop_between(self._last or row, row)
         self._shear = shear
         self.slip = slip
@@ -518,7 +530,9 @@ class Grid:
     ) -> tuple[Pressed, Dragged]:
         """Pressure and shear of all grids after an increment between unlike bodies, by turns:
         pressure with the gap that the shear adds, shear with the displacement that the pressure
-        adds, until the shear changes no more.
+        adds.
+
+        The turns end where the shear changes no more.
 
         Parameters
         ----------
@@ -548,16 +562,20 @@ class Grid:
         raise ArithmeticError("pressure and shear by turns do not converge")
 
     def slip_field(self) -> Callable[[Array], Array]:
-        """Mean slip of the grids as they stand, as a function of points (m,), in contact and
-        outside.
+        """The slip at any points, in contact and outside, as a function of x (m,) [length]: the
+        mean over the grids in their present state.
+
+            s = U - eps x - sum over cells of compliance times q
         """
         shear = self._shear
         mean_shift = float(np.mean(self._shift))
         strain = self._strain
 
         def slip(x: Array) -> Array:
-            by_shear = [self.compliance_at(x, number) @ row for number, row in enumerate(shear)]
-            return np.asarray(mean_shift - strain * x - np.mean(by_shear, axis=0))
+            displacements_by_shear = [
+                self.compliance_at(x, number) @ row for number, row in enumerate(shear)
+            ]
+            return np.asarray(mean_shift - strain * x - np.mean(displacements_by_shear, axis=0))
 
         return slip
 
@@ -571,10 +589,14 @@ class Grid:
         self._increment(load, force, strain, tilt)
 
     def follow(self, loads: Array) -> Fields:
-        """Increments to rows of P, Q, eps and alpha, (n, 4).
+        """Follow rows of P, Q, bulk strain eps and tilt alpha, (n, 4), one increment each; the
+        fields at the end of each.
 
-        Raises ArithmeticError where active sets do not converge, all cells slip, or the contact
-        meets the end of the grid.
+        Raises
+        ------
+        ArithmeticError
+            Where active sets do not converge, all cells slip, or the contact meets the end of the
+            grid.
         """
         rows = []
         for load, force, strain, tilt in loads.tolist():
@@ -592,31 +614,86 @@ class Grid:
         return Fields(self.x[0], self.step, **fields)
 
 
+def _sliding_cells(
+    zone: Zone,
+    shear_in_full_stick: Array,
+    limit_of_cells: Array,
+    is_touching: NDArray[np.bool_],
+    direction: NDArray[np.intp],
+    tolerance: float,
+) -> tuple[NDArray[np.intp], Array, Array]:
+    """Which cells slide in an increment, by an active set: their directions (0 in stick), the shear
+    and the slip of the increment of all cells, (g, k) each.
+
+    A cell slides where |q| would be above f p; it stops where its slip would go against friction.
+    Solved again and again until no cell changes.
+
+    Parameters
+    ----------
+    zone
+        stiffness of the cells in contact
+    shear_in_full_stick
+        (g, k) q if no cell slid [stress]
+    limit_of_cells
+        (g, k) f p [stress]
+    is_touching
+        (g, k) which cells are in contact; open ones slide without friction
+    direction
+        (g, k) first guess, +1, -1 or 0
+    tolerance
+        excess of |q| over f p that is round-off [stress]
+
+    Raises
+    ------
+    ArithmeticError
+        Where all cells slide, or the set does not settle.
+    """
+    for _ in range(_TURNS):
+        is_sliding = (direction != 0) | ~is_touching
+        if np.any(np.all(is_sliding, axis=1)):
+            raise ArithmeticError("all cells slip")
+        shear_of_sliding = direction * limit_of_cells
+        slip = _slip_of_sliding(zone, is_sliding, shear_in_full_stick - shear_of_sliding)
+        shear = shear_in_full_stick
+        if np.any(is_sliding):
+            shear_of_sticking = shear_in_full_stick - slip @ zone.stiffness
+            shear = np.where(is_sliding, shear_of_sliding, shear_of_sticking)
+        is_beyond_limit = ~is_sliding & (np.abs(shear) > limit_of_cells + tolerance)
+        direction_along_slip = np.where(direction * slip > 0, direction, 0)
+        new_direction = np.where(is_beyond_limit, np.sign(shear), direction_along_slip).astype(int)
+        if np.array_equal(new_direction, direction):
+            return direction, shear, slip
+        direction = new_direction
+    raise ArithmeticError("the slip zones do not converge")
+
+
 def _slip_of_sliding(zone: Zone, is_sliding: NDArray[np.bool_], shear_excess: Array) -> Array:
-    """Slip v in an increment of the cells that slide, (g, k), 0 of the others: the solution of G v
-    = q_0 - q = `shear_excess` over the sliding cells, G the stiffness of the zone.
+    """Slip v of the sliding cells in an increment, (g, k), 0 of the others: the solution of G v =
+    q_0 - q over those cells, `shear_excess` the right side.
+
+    G is the stiffness of the cells in contact, q_0 the shear if none slid, q = +-f p. Grids have
+    different numbers of sliding cells: their systems are filled up to one size with unit rows.
     """
     slip = np.zeros(shear_excess.shape)
     most_sliding = int(np.max(np.sum(is_sliding, axis=1)))
     if not most_sliding:
         return slip
-    # The cells that slip first, as many as of the grid with most of them: what is too much has the
-    # matrix 1.
+    # As many rows as the grid with most sliding cells has, those cells before the others.
     n_cells = is_sliding.shape[1]
-    sliding_first = np.argsort(~is_sliding, axis=1, kind="stable")[:, :most_sliding]
-    is_chosen_sliding = np.take_along_axis(is_sliding, sliding_first, axis=1)
+    columns_sliding_first = np.argsort(~is_sliding, axis=1, kind="stable")[:, :most_sliding]
+    is_real_row = np.take_along_axis(is_sliding, columns_sliding_first, axis=1)
     stiffness = zone.stiffness.ravel().take(
-        sliding_first[:, :, None] * n_cells + sliding_first[:, None, :]
+        columns_sliding_first[:, :, None] * n_cells + columns_sliding_first[:, None, :]
     )
-    if not is_chosen_sliding.all():
-        stiffness *= is_chosen_sliding[:, :, None] & is_chosen_sliding[:, None, :]
+    if not is_real_row.all():
+        stiffness *= is_real_row[:, :, None] & is_real_row[:, None, :]
         diagonal = np.arange(most_sliding)
-        stiffness[:, diagonal, diagonal] += ~is_chosen_sliding
+        stiffness[:, diagonal, diagonal] += ~is_real_row
     right_side = np.where(
-        is_chosen_sliding, np.take_along_axis(shear_excess, sliding_first, axis=1), 0.0
+        is_real_row, np.take_along_axis(shear_excess, columns_sliding_first, axis=1), 0.0
     )
     solved_slip = np.linalg.solve(stiffness, right_side[..., None])[..., 0]
-    np.put_along_axis(slip, sliding_first, solved_slip, axis=1)
+    np.put_along_axis(slip, columns_sliding_first, solved_slip, axis=1)
     return slip
 
 
@@ -644,8 +721,8 @@ def follow_instants(
     modulus: float = 1.0,
     dundurs: float = 0.0,
 ) -> Fields:
-    """Follow instants (n,) of P, Q, bulk strain and tilt on one grid, from bodies that have never
-    touched.
+    """Follow instants (n,) of P, Q, bulk strain and tilt on one grid of two half-planes, from
+    bodies that have never touched: fields at each instant.
 
     The first instant is one increment from nothing; where P = 0 there, its bulk strain is in place
     at first touch.
@@ -666,8 +743,8 @@ def follow_instants(
     Raises
     ------
     ArithmeticError
-        Where the active sets do not converge, all cells slip, or the contact meets the end of
-        the grid.
+        Where the active sets do not converge, all cells slip, or the contact meets the end of the
+        grid.
 
     Examples
     --------
@@ -702,25 +779,28 @@ class _Path:
     _known: dict[bytes, Array] = field(default_factory=dict)
 
     def rows(self, cycle_number: int, time: Array) -> _Rows:
-        """Loads at the increments of a cycle, -1 for the initial loading, and the rows at which
-        those of the instants `time` (k,) lie that fall into this cycle.
+        """Loads at the increments of one cycle, and which increments are instants that were asked
+        for.
+
+        Cycle -1 is the initial loading. Of the instants `time` (k,) those that fall into this cycle
+        are taken. Loads of a segment of the path are computed once and stored by its times.
         """
         path = self.loads.path
         time_in_cycle = time - max(cycle_number, 0) * (path.period or 0.0)
-        legs = path.initial_loading if cycle_number < 0 else path.cycle
-        times_of_legs = [
-            self._times_of_leg(leg, k, cycle_number < 0, time_in_cycle)
-            for k, leg in enumerate(legs)
+        segments = path.initial_loading if cycle_number < 0 else path.cycle
+        times_of_segments = [
+            self._times_of_leg(segment, k, cycle_number < 0, time_in_cycle)
+            for k, segment in enumerate(segments)
         ]
         loads = []
-        for times_of_leg in times_of_legs:
-            key_of_times = times_of_leg.tobytes()
+        for times_of_segment in times_of_segments:
+            key_of_times = times_of_segment.tobytes()
             if key_of_times not in self._known:
-                self._known[key_of_times] = self.loads.values(times_of_leg).T
+                self._known[key_of_times] = self.loads.values(times_of_segment).T
             loads.append(self._known[key_of_times])
-        all_times = np.concatenate(times_of_legs)
-        is_behind_start = (time_in_cycle > legs[0].start) | (cycle_number < 0)
-        instants_in_cycle = np.flatnonzero((time_in_cycle <= legs[-1].end) & is_behind_start)
+        all_times = np.concatenate(times_of_segments)
+        is_behind_start = (time_in_cycle > segments[0].start) | (cycle_number < 0)
+        instants_in_cycle = np.flatnonzero((time_in_cycle <= segments[-1].end) & is_behind_start)
         rows_of_instants = [
             np.argmin(np.abs(all_times - max(t, path.start)))
             for t in time_in_cycle[instants_in_cycle]
@@ -732,12 +812,20 @@ class _Path:
     def _times_of_leg(
         self, leg: LoadSegment, leg_number: int, is_initial: bool, time_in_cycle: Array
     ) -> Array:
-        """Times of the increments of a leg of the load path, the `leg_number` of the initial
-        loading or of the cycle: evenly spread, turning points of the loads, and instants that are
-        asked for.
+        """Times of the increments of one segment of the load path: evenly spread ones, turning
+        points of the loads, and instants that were asked for.
 
-        Evenly spread times next to an instant that is asked for are left out; so is the instant
-        itself next to a turning point.
+        An even time next to an instant asked for is left out, as is that instant next to a turning
+        point. From first touch the times are such that the contact grows in equal steps.
+
+        Parameters
+        ----------
+        leg, leg_number
+            the segment, and its number in the initial loading or in the cycle
+        is_initial
+            whether it belongs to the initial loading
+        time_in_cycle
+            instants asked for, as times of the first cycle
         """
         path = self.loads.path
         is_first_touch = leg is path.initial_loading[0]
@@ -819,8 +907,10 @@ class _Answers:
 
     @classmethod
     def empty(cls, grids: int, instants: int, points: int, stride: int) -> _Answers:
-        """Answers before anything is followed: arrays of zeros for numbers of `grids`, `instants`
-        and `points`, stick edges NaN; each grid by itself has room at every `stride`-th instant.
+        """Storage for the answers of `grids` grids at instants and points, before anything is
+        followed: zeros, and NaN for edges.
+
+        Each grid by itself is stored at every `stride`-th instant only.
         """
         shape_of_each = (grids, -(-instants // stride), points)
         return cls(
@@ -833,6 +923,42 @@ class _Answers:
             displacement=np.zeros(instants),
             shear_moment=np.zeros(instants),
         )
+
+    def take_up(
+        self, grid: Grid, fields: Fields, rows: _Rows, x: Array, kernels: Array, stride: int
+    ) -> None:
+        """Store what the grids found in one cycle, at those instants asked for that lie in it.
+
+        Parameters
+        ----------
+        fields
+            tractions and slip of the cells at each increment of the cycle
+        rows
+            the increments, and which of them are instants that were asked for
+        x, kernels
+            (m,) points; (g, m, k) displacements there by unit tractions on the cells
+        stride
+            each grid by itself is stored at every so many instants
+        """
+        self.increments += len(rows.loads)
+        self.loads[:, rows.instants] = fields.loads[rows.rows_of_instants].T
+        self.displacement[rows.instants] = np.mean(
+            fields.displacement[rows.rows_of_instants], axis=1
+        )
+        self.shear_moment[rows.instants] = np.mean(
+            fields.shear_moment[rows.rows_of_instants], axis=1
+        )
+        for instant_number, row_number in zip(
+            rows.instants.tolist(), rows.rows_of_instants.tolist(), strict=True
+        ):
+            state = _state_at(grid, fields, row_number, x, kernels)
+            self.limit_share[instant_number] = np.mean(state.limit_share, axis=0)
+            self.slip[instant_number] = np.mean(state.slip, axis=0)
+            self.stick_edges[instant_number] = np.mean(state.stick_edges, axis=0)
+            self.stick_zones = max(self.stick_zones, state.stick_zones)
+            if instant_number % stride == 0:
+                self.limit_share_by_grid[:, instant_number // stride] = state.limit_share
+                self.slip_by_grid[:, instant_number // stride] = state.slip
 
 
 class _State(NamedTuple):
@@ -847,17 +973,26 @@ class _State(NamedTuple):
 
 
 def _state_at(grid: Grid, fields: Fields, instant: int, x: Array, kernels: Array) -> _State:
-    """The grids at the instant of a number: q over f p and slip at points x (m,), by interpolation
-    between cells, and the edges of stick.
+    """State of g grids at one instant: q over f p and slip at points x (m,), the edges of stick,
+    and how many zones stick.
 
-    `fields` are the answer of the grids by cells, `kernels` (g, m, k) displacements at the points
-    by unit tractions on the cells.
+    q over f p is interpolated between cells; slip follows from all tractions. A cell that sticks at
+    the edge of contact sticks up to that edge, wherever it lies in the cell: edge +-inf.
+
+    Parameters
+    ----------
+    fields
+        answer of the grids, by cells, at all increments
+    instant
+        number of the increment
+    kernels
+        (g, m, k) displacements at the points by unit tractions on the cells
     """
     grids = len(grid.x)
     _, force, strain, _ = fields.loads[instant]
     mean_shift = fields.displacement[instant] + grid.datum * force
-    by_shear = np.matmul(kernels, fields.shear[instant][..., None])[..., 0]
-    slip = mean_shift[:, None] - strain * x - by_shear
+    displacement_by_shear = np.matmul(kernels, fields.shear[instant][..., None])[..., 0]
+    slip = mean_shift[:, None] - strain * x - displacement_by_shear
     limit_share = np.zeros((grids, len(x)))
     stick_edges = np.full((grids, 2), np.nan)
     stick_zones = 1
@@ -899,11 +1034,24 @@ def _run(
     least_cycles: int,
     stride: int = 1,
 ) -> _Answers:
-    """Answers of the grids along cycles of the path, -1 for the initial loading, until the work of
-    one repeats that of the one before, `least_cycles` at any rate.
+    """Follow cycles of the load path on the grids, until the friction work of one repeats that of
+    the one before; what was found at points and instants.
 
-    x (m,) are points, `time` (n,) instants at which means over the grids are wanted; each grid by
-    itself is stored at every `stride`-th of them. InputError where an increment does not converge.
+    Parameters
+    ----------
+    x, time
+        (m,) points and (n,) instants at which means over the grids are wanted
+    cycle_numbers
+        cycles to follow at most, -1 for the initial loading
+    least_cycles
+        cycles to follow in any case
+    stride
+        each grid by itself is stored at every so many instants
+
+    Raises
+    ------
+    InputError
+        Where an increment does not converge.
     """
     grids = len(grid.x)
     answers = _Answers.empty(grids, len(time), len(x), stride)
@@ -923,25 +1071,7 @@ def _run(
                 f"load: half-plane theory takes grids for such bulk stress or tilt, and {fault} of"
                 f" cycle {number + 1}; finite elements may take the scene"
             ) from fault
-        answers.increments += len(rows.loads)
-        answers.loads[:, rows.instants] = fields.loads[rows.rows_of_instants].T
-        answers.displacement[rows.instants] = np.mean(
-            fields.displacement[rows.rows_of_instants], axis=1
-        )
-        answers.shear_moment[rows.instants] = np.mean(
-            fields.shear_moment[rows.rows_of_instants], axis=1
-        )
-        for instant_number, row_number in zip(
-            rows.instants.tolist(), rows.rows_of_instants.tolist(), strict=True
-        ):
-            state = _state_at(grid, fields, row_number, x, kernels)
-            answers.limit_share[instant_number] = np.mean(state.limit_share, axis=0)
-            answers.slip[instant_number] = np.mean(state.slip, axis=0)
-            answers.stick_edges[instant_number] = np.mean(state.stick_edges, axis=0)
-            answers.stick_zones = max(answers.stick_zones, state.stick_zones)
-            if instant_number % stride == 0:
-                answers.limit_share_by_grid[:, instant_number // stride] = state.limit_share
-                answers.slip_by_grid[:, instant_number // stride] = state.slip
+        answers.take_up(grid, fields, rows, x, kernels, stride)
         if number >= 0 or not path.loads.path.cycle:
             works.append(np.sum(fields.work, axis=0))
         if len(works) >= max(least_cycles, 2):
@@ -957,15 +1087,18 @@ def _run(
 
 
 def _permanent_edges(grid: Grid, fields: Fields, slip_before: Array) -> Array:
-    """Mean edges (2,) of the cells that stick all along the fields of a cycle; NaN where in some
-    grid none do.
+    """Outer edges (2,) of the cells that stick all through a cycle, mean over the grids [length];
+    NaN if in some grid no cell does.
+
+    A cell sticks if the sum of its |slip| increments is a tiny share of the longest. `slip_before`
+    is the slip at the begin of the cycle.
     """
     slips_in_increments = np.abs(np.diff(fields.slip, axis=0, prepend=slip_before[None]))
     # What opens does not stick: it counts as slip without end.
-    path_of_cell = np.sum(np.where(fields.state == OPEN, np.inf, slips_in_increments), axis=0)
-    is_finite = np.isfinite(path_of_cell)
-    longest_path = np.max(path_of_cell, axis=1, where=is_finite, initial=0.0)
-    is_stuck = path_of_cell <= _STAYS * longest_path[:, None]
+    slip_path_of_cell = np.sum(np.where(fields.state == OPEN, np.inf, slips_in_increments), axis=0)
+    is_finite = np.isfinite(slip_path_of_cell)
+    longest_slip_path = np.max(slip_path_of_cell, axis=1, where=is_finite, initial=0.0)
+    is_stuck = slip_path_of_cell <= _STAYS * longest_slip_path[:, None]
     edges_of_grids = np.full((len(grid.x), 2), np.nan)
     for number, middles in enumerate(grid.x):
         stuck_middles = middles[is_stuck[number]]
@@ -1061,11 +1194,12 @@ def first_repeat(works: Sequence[float] | Array, share: float) -> int | None:
 
 
 def remainder_of(works: Sequence[float]) -> float:
-    """How far the work of the last cycle may be from that of the steady one, from the trend of the
-    changes.
+    """How far the friction work of the last cycle may be from that of the steady cycle, estimated
+    from the changes from cycle to cycle.
 
-    Geometric where the last two ratios of changes are below a half, alike and not rising. Else they
-    may fall as slowly as k^-4, however fast the first ones were: k/3 times the last.
+    The rest of a geometric series, where the last two ratios of changes are below a half, alike and
+    not rising. Else the changes may fall as slowly as k^-4, however fast the first ones were: then
+    it is k/3 times the last change.
 
     >>> round(remainder_of([1.5, 1.05, 1.005, 1.0005]), 12)  # W falls to 1
     0.0005
@@ -1121,17 +1255,17 @@ def follow_on_grid(
     time: Array | None = None,
     request: GridRequest = GridRequest(),
 ) -> Followed:
-    """Follow a load path with bulk stress and tilt from first touch, cycle by cycle until it is
-    steady to 1e-6 of its work.
+    """Follow a load path with bulk stress and tilt from first touch on grids, cycle by cycle until
+    the friction work is steady to 1e-6: fields, work and their errors.
 
     One coarse grid goes first and finds how many cycles that takes. Where only the last is asked
     for, all coarse ones do, and the fine ones take up their mean slip where the last but one
-    begins: what that leaves locked in is not what the path leaves, and changes W and the zones by
-    less than the fine ones differ from the coarse ones, which the stated error holds.
+    begins. What that leaves locked in is not what the path leaves. It changes W and the zones by
+    less than the fine grids differ from the coarse ones, which the stated error holds.
 
     Pressure and contact edges are those of `contact`, exact. All else is the mean over 16 grids
     that are moved by shares of a cell. Errors are twice the standard error of that mean and what is
-    left of the change from half as many cells and increments, which falls by the power 1.5 in W, by
+    left of the change from half as many cells and increments. That falls by the power 1.5 in W, by
     the first in q and W(x), by 0.95 in s (root mean squares: at an edge of stick q errs by the root
     of a cell).
 
@@ -1296,11 +1430,12 @@ class _Runs:
 def _run_coarse_and_fine(
     setup: _GridSetup, loads: PathLoads, x: Array, time: Array | None, request: GridRequest
 ) -> _Runs:
-    """Follow a load path on a coarse grid, which finds how many cycles there are, then on 16 fine
-    and, where there are none yet, on 16 coarse grids.
+    """Answers of 16 fine and of coarse grids along one load path; half as many cells and increments
+    make a grid coarse, and the difference gives the error.
 
-    Where the last cycle alone is wanted, all 16 coarse grids go first, and the fine ones take up
-    their mean slip where the last but one begins.
+    A coarse grid goes first and finds how many cycles there are until the work is steady. Where the
+    last cycle alone is wanted, all 16 coarse grids go first. The fine ones then take up their mean
+    slip where the last but one begins.
 
     Parameters
     ----------
@@ -1422,9 +1557,11 @@ def _errors_of_fields(runs: _Runs, friction_limit: Array) -> dict[str, float]:
 
 
 def _counts_of(runs: _Runs, cells: int) -> dict[str, int]:
-    """What was done: numbers of grids, of cells across the largest contact, of increments and of
-    zones that stick; cycles on coarse grids alone, and increments whose new cells did not slip
-    before they were touched, where there are any.
+    """Numbers that describe the effort of a solution on grids, by name: grids, cells across the
+    largest contact, increments, and zones that stick ("pieces").
+
+    Where there are any, also cycles that coarse grids alone followed, and increments whose newly
+    touched cells were given no slip before the touch.
     """
     counts = {
         "grids": 2 * len(_SHIFTS),
@@ -1458,8 +1595,10 @@ def cycle_works(
     modulus: float,
     request: GridRequest,
 ) -> Array:
-    """Friction work of each cycle (c,) on 16 grids that are moved by shares of a cell, (16, c),
-    until one repeats the one before; of the whole path where none repeats, (16, 1).
+    """Friction work of each cycle of a load path on 16 grids that are moved by parts of a cell,
+    (16, c), until one cycle repeats the one before.
+
+    Of a path without cycles it is the work of all of it, (16, 1).
 
     Parameters
     ----------
@@ -1486,9 +1625,10 @@ def cycle_works(
 
 
 def _default_times(path: LoadPath, cycles: int, increments: int, last_alone: bool) -> Array:
-    """Times at which an answer on grids is given where none are asked for: every second increment
-    of the last of `cycles` cycles (`last_alone`), or of all of them; fewer of the initial
-    loading.
+    """Times at which a solution on grids is given where the caller asks for none.
+
+    They are every second increment of all `cycles`, or of the last one only (`last_alone`), and
+    fewer of the initial loading. `increments` are those of a cycle.
     """
     if last_alone and path.period is not None:
         begin_of_last = path.cycle_start + (cycles - 1) * path.period
@@ -1510,17 +1650,17 @@ def _density_at(grid: Grid, answers: _Answers, x: Array) -> Array:
 
 
 def _error(fine_values: Array, coarse_values: Array, order: float) -> float:
-    """Relative error of the mean over the fine grids, root mean squares over its largest value,
-    from the values of fine and of coarse grids, grids along the first axis.
+    """Relative error of the mean over the fine grids, as a root mean square over its largest value.
 
-    What the mean changes from coarse grids over 2^order - 1, and twice the standard error by the
-    means over every fourth grid, which are evenly moved themselves.
+    It is the change of the mean from coarse grids, over 2^order - 1 (Richardson), plus twice the
+    standard error of the mean. The latter comes from the means over every fourth grid. Arrays have
+    the grids along their first axis.
     """
     largest_value = float(np.max(np.abs(fine_values), initial=0.0))
     if largest_value <= 0:
         return 0.0
-    change = np.mean(fine_values, axis=0) - np.mean(coarse_values, axis=0)
+    change_from_coarse = np.mean(fine_values, axis=0) - np.mean(coarse_values, axis=0)
     means_of_groups = np.array([np.mean(fine_values[k::_GROUPS], axis=0) for k in range(_GROUPS)])
     variance = np.var(means_of_groups, axis=0) / (_GROUPS - 1)
-    error_by_change = np.sqrt(np.mean(change**2)) / (2**order - 1)
+    error_by_change = np.sqrt(np.mean(change_from_coarse**2)) / (2**order - 1)
     return float(2 * np.sqrt(np.mean(variance)) + error_by_change) / largest_value
