@@ -710,7 +710,7 @@ class PunchSuperposition:
     def _cached_primitive(
         self, kind: Kind, order: int, points: Array, largest_advance: float
     ) -> tuple[Primitive, Indices]:
-        """A stored integral over flat punches as a function of its upper end, made anew where none
+        """A stored integral over flat punches as a function of its upper end, made where none
         of the last eight serves; with the indices of the points in it.
 
         Parameters
