@@ -279,11 +279,21 @@ class ContactProblem:
     def at_rest(
         self, time: float = 0.0, loads: tuple[float, ...] = (0.0, 0.0), line: float = 0.0
     ) -> InterfaceState:
-        """The bodies before they carry anything, touching where the gap is least, with the bulk
-        stresses that there are, and at the place of the tangential actuator.
+        """State of the contact before it carries any load: the faces just touch where the gap is
+        least.
 
-        Of a given moment the tilt is that at which the faces touch on both sides of x = `line`, the
-        first place of the resultant.
+        Bulk stresses and tilt act already, and a tangential actuator is at its first place. Where
+        the moment is given, not the tilt, the faces touch on both sides of x = `line`.
+
+        Parameters
+        ----------
+        time
+            of the state
+        loads
+            P and Q (0 here, or first positions of actuators in their place); with bulk stress or
+            tilt also the bulk stresses of lower and upper body, and tilt or moment. Scaled
+        line
+            x at which the resultant of the normal load first acts, scaled
         """
         imposed_values = np.zeros(3)
         if len(loads) > 2:
@@ -324,14 +334,26 @@ class ContactProblem:
         loads: tuple[float, ...],
         expected: States | None = None,
     ) -> tuple[InterfaceState, int]:
-        """The state at `loads` that follows the state `start` in one increment, and its iterations
-        (sets of states, or Newton steps).
+        """Equilibrium of the contact under new loads, one increment after a known state: every node
+        is open, sticks, or slips by Coulomb's law.
+
+        Methods are tried in turn: active set (semismooth Newton) from the expected states of the
+        nodes, then from those of `start`, then pressure and shear alternately.
 
         Parameters
         ----------
+        start
+            the state before the increment
+        time, loads
+            at the end of the increment; P and Q (or movements of actuators), with bulk stress or
+            tilt all five loads, scaled
         expected
-            (n,) states of the nodes that the active set tries first; by default, and where it does
-            not converge from there, those of `start`
+            (n,) open, stick or slip of the nodes that are tried first; those of `start` by default
+
+        Returns
+        -------
+        state, iterations
+            The new state, and the number of sets of node states, or Newton steps, that were tried.
 
         Raises
         ------
@@ -384,8 +406,11 @@ class ContactProblem:
     def _mapped_equilibrium(
         self, start: InterfaceState, time: float, loads: tuple[float, ...]
     ) -> tuple[InterfaceState, int]:
-        """State of the interface under the loads P, Q and perhaps tilt or moment at a time, and the
-        number of Newton steps, by return mapping of the tractions from the state `start`.
+        """Equilibrium of the contact one increment after the state `start`, and its Newton steps,
+        by return mapping: trial tractions are mapped back into the Coulomb limit.
+
+        It serves the penalty method and the augmented Lagrangian. `time` and `loads` (P and Q, or
+        all five) are those at the end of the increment, scaled.
 
         Raises
         ------
@@ -411,16 +436,20 @@ class ContactProblem:
     def following(
         self, start: InterfaceState, time: float, loads: tuple[float, ...], states: States
     ) -> InterfaceState:
-        """The state at `loads` that follows the state `start` if its nodes have these states (the
-        linear step of the active set).
+        """State of the contact one increment after `start`, for given states (n,) of its nodes:
+        open, stick, slip forward or reverse. It is the linear step of the active-set method.
+
+        Gap of closed nodes, force of open ones, slip increment of sticking ones, and |q| - f p of
+        slipping ones are zero to the last digit. Whether the result obeys the law of contact is not
+        checked here. `time` and `loads` are those at the end of the increment, scaled.
 
         Raises
         ------
         SingularSet
-            If the states leave the bodies free to move.
+            If so few nodes hold that the bodies are free to move.
         """
         values = self.values_following(start, loads, states)
-        # What the states set is met to the last digit.
+        # The solution of the linear system leaves round-off in these: set them exactly.
         slip, pressure, shear, gap = nodal(values)
         sticks = (states == STICK) & self.tangential
         is_open = states == OPEN
@@ -439,27 +468,32 @@ class ContactProblem:
     def values_following(
         self, start: InterfaceState, loads: tuple[float, ...], states: States
     ) -> Array:
-        """Values (3 + 4 n,) of the state that follows `start` under the `loads` where the nodes
-        have given `states`; what the states set has its rounding: a gap of a closed node, a force
-        of an open one.
+        """Approach, shift, tilt, then slip, p, q and gap of the n nodes, (3 + 4 n,), one increment
+        after `start`, for given states (n,) of the nodes.
+
+            values = start values + changes of state at constant loads + rates x load increment
+
+        Gaps of closed nodes and forces of open ones are zero but for round-off. All is scaled.
 
         Raises
         ------
         SingularSet
-            If the states leave the bodies free to move.
+            If so few nodes hold that the bodies are free to move.
         """
         by_changes = self._by_changes(start, states)
         rates = self.rates(states, len(loads))
         values: Array = start.values + by_changes + np.subtract(loads, start.loads) @ rates
-        # what nodes that change sides add to the moment: turning the upper body takes it away
+        # Nodes that change their state at constant tilt change the moment: a tilt restores it.
         if self.moment_given and len(loads) > 2:
             missing_moment = loads[_TILT_OR_MOMENT] - self._moments(values)
             values += missing_moment * rates[_TILT_OR_MOMENT]
         return values
 
     def rates(self, states: States, n_loads: int) -> Array:
-        """(n_loads, 3 + 4 n) derivatives of the values by the loads while the nodes keep their
-        states: cached, if there is room.
+        """Derivatives (n_loads, 3 + 4 n) of the contact's values by its loads while the n nodes
+        keep their `states` (open, stick or slip); taken from a cache where they are known.
+
+        The values are approach, shift and tilt, then slip, p, q and gap of the nodes.
         """
         rates = self._rates.get(states.tobytes())
         if rates is None:
@@ -467,33 +501,47 @@ class ContactProblem:
         return rates
 
     def _cached_rates(self, states: States, rates_by_load: Array) -> Array:
-        """Store, for a set of node states, the derivatives (n_loads, 3 + 4 n) of the contact's
-        values by its loads: of approach, shift and tilt, then of slip, p, q and gap of the n nodes.
+        """Store the derivatives (n_loads, 3 + 4 n) of the contact's values by its loads in a cache,
+        under the states of its n nodes, and return them.
 
-        `rates_by_load` are the derivatives by P, Q, bulk stresses and tilt. Where the moment M is
-        given, not the tilt, they become those at constant M, d - d_tilt (dM/d)/(dM/dtilt), and the
-        last one d_tilt/(dM/dtilt). The oldest sets leave beyond a number of bytes.
+        The values are approach, shift and tilt, then slip, p, q and gap of the nodes. Where the
+        moment M is given, not the tilt t, derivatives at constant t become those at constant M:
+
+            dv/dF - dv/dt (dM/dF) / (dM/dt)   of the loads F = P, Q, bulk stresses
+            dv/dt / (dM/dt)                   of the moment
+
+        Parameters
+        ----------
+        states
+            (n,) open, stick or slip of the nodes
+        rates_by_load
+            (n_loads, 3 + 4 n) derivatives by P, Q, bulk stresses and tilt
         """
         self.work["rates"] += 1
         if self.moment_given and len(rates_by_load) > 2:
-            *moments, moment_by_tilt = self._moments(rates_by_load)
+            *moments_by_load, moment_by_tilt = self._moments(rates_by_load)
             if not moment_by_tilt < -_LEAST_STIFFNESS:
                 raise SingularSet("one node alone holds no moment")
-            # by P, Q and bulk stresses at constant moment; by the moment
-            load_factors = [*moments, moment_by_tilt - 1]
+            # The last factor turns the row of the tilt into that of the moment.
+            load_factors = [*moments_by_load, moment_by_tilt - 1]
             rates_by_load = (
                 rates_by_load
                 - np.outer(load_factors, rates_by_load[_TILT_OR_MOMENT]) / moment_by_tilt
             )
+        # The oldest sets leave beyond a number of bytes.
         n_sets = len(self._rates)
         if n_sets > _LEAST_RATES and n_sets * rates_by_load.nbytes > _RATE_BYTES:
             self._rates.pop(next(iter(self._rates)))
         return self._rates.setdefault(states.tobytes(), rates_by_load)
 
     def _by_changes(self, start: InterfaceState, states: States) -> Array | float:
-        """Changes (3 + 4 n,) of the values at constant loads that meet the equalities of these node
-        states, of nodes that change sides, or did so in an event; 0 where nothing changes.
+        """Change (3 + 4 n,) of the contact's values, at constant loads, as nodes go from their
+        states in `start` to new `states` (n,); 0 where none of them has to change its values.
+
+        A node that opens loses its pressure; one that closes loses its gap; one that slips gets
+        q = +-f p. The values are approach, shift and tilt, then slip, p, q and gap of the nodes.
         """
+        # Increments from one start are tried with several loads: the latest answer is kept.
         latest_changes = self._latest_changes
         states_key = states.tobytes()
         if (
@@ -525,13 +573,22 @@ class ContactProblem:
     def _active_set(
         self, start: InterfaceState, time: float, loads: tuple[float, ...], states: States
     ) -> _Solved:
-        """Semismooth Newton: states -> forces that meet them -> states that these ask for, until
-        they agree.
+        """One increment by the active-set method (semismooth Newton): solve for the values with
+        given node states, let the law of contact choose new states, until these agree.
 
-        The first step is by the rates of the states that are given. With those of `start`, an
-        answer under load, it is the answer where none of them changes.
+        It ends without a solution if a set of states comes back (a cycle), if the bodies are free
+        to move, or at the largest number of iterations.
+
+        Parameters
+        ----------
+        start
+            the state before the increment
+        time, loads
+            at the end of the increment, scaled
+        states
+            (n,) open, stick or slip of the nodes, to begin with
         """
-        sets_met: set[bytes] = set()
+        sets_met: set[bytes] = set()  # all sets of states that the law has chosen so far
         n_changing = 0
         try:
             for iteration in range(self.max_iterations + 1):
@@ -553,12 +610,13 @@ class ContactProblem:
         return _Solved(None, self.max_iterations, n_changing)
 
     def _alternating(self, start: InterfaceState, time: float, loads: tuple[float, ...]) -> _Solved:
-        """The state after an increment from `start` to `time` and `loads`, where Newton's sets
-        chase each other: pressure at known shear, then shear at known pressure, by turns.
+        """One increment from `start` to `time` and `loads`, by turns: pressure at known shear, then
+        shear at known pressure. It serves where the active-set method goes round in circles.
 
-        Both halves are convex, and coupling times friction is small, so the turns converge; as soon
-        as their states agree with themselves in the full system, that system's answer is taken.
-        Like bodies need one turn. Loads that follow from movements are those of the turn before.
+        Both problems are convex, and coupling times friction is small, so that the turns converge.
+        As soon as the node states that they give obey the law in the full system too, its solution
+        is taken. Like materials need one turn. P and Q of actuators, which follow from movements,
+        are those of the turn before.
         """
         self.work["alternating solves"] += 1
         systems = self._systems
@@ -601,6 +659,7 @@ class ContactProblem:
                 shear, shift, states = shear_at_known_pressure(
                     systems, np.maximum(pressure, 0.0), known_slip, free_load, ROUNDING
                 )
+            # Without a sticking node the full system is singular, unless an actuator holds it.
             if not np.any(states == STICK) and self.actuators.tangential is None:
                 continue
             state = self.following(start, time, loads, states)
@@ -611,10 +670,21 @@ class ContactProblem:
         return _Solved(None, self.max_iterations, n_changing)
 
     def _states_by_law(self, answer: InterfaceState, start: InterfaceState) -> States:
-        """(n,) states that the law of contact and friction gives the nodes of an answer to an
-        increment from `start`: open, stick, or one of the two directions of slip (above `STICK`),
-        by the trial forces. Within rounding of touching or of the Coulomb limit a node keeps the
-        state it has.
+        """States (n,) that the laws of contact and friction give the nodes by trial forces: open,
+        stick, slip forward or reverse.
+
+        With gap g and increment s of the slip since `start`, the trial pressure is p - r_n g, the
+        trial shear q + r_t s. A node is closed if the former is positive, and slips if the latter
+        is beyond f times it. Within rounding of either limit a node keeps the state it has.
+
+        # notation: r_n, r_t weights of gap and slip, f coefficient of friction
+
+        Parameters
+        ----------
+        answer
+            solution of an increment for the node states in it
+        start
+            the state before the increment
         """
         states = answer.state
         # What the equations of these states set to zero is zero (`following`): weighted, its
@@ -656,26 +726,40 @@ class ContactProblem:
     def _tilt_at_known_shear(
         self, height: Array, shear: Array, is_closed: Mask, imposed: Array, loads: tuple[float, ...]
     ) -> float:
-        """The tilt at which the pressure that solves the gap `height` (n,), and the known shear,
-        have the moment that is given among the `loads`, by bracketing: the larger the tilt, the
-        less is the moment.
+        """Tilt of the upper body at which pressure and known shear together have the given moment,
+        by bracketing and Brent's method: the larger the tilt, the smaller the moment.
 
-        `is_closed` (n,) are closed nodes to start from; `imposed` are bulk stresses and the tilt
-        before. ConvergenceError where no tilt has the moment.
+        Parameters
+        ----------
+        height
+            (n,) initial gap with what the shear adds to it, scaled
+        shear
+            (n,) known nodal forces along x
+        is_closed
+            (n,) nodes that are assumed to touch first
+        imposed
+            bulk stresses of both bodies and the latest tilt, about which the search begins
+        loads
+            P, Q, both bulk stresses and the moment
+
+        Raises
+        ------
+        ConvergenceError
+            Where no tilt has the moment.
         """
-        load = loads[0] - float(self.interface.normals[0] @ shear)
+        normal_load = loads[0] - float(self.interface.normals[0] @ shear)
         moment = loads[_TILT_OR_MOMENT]
 
         def excess_moment(tilt: float) -> float:
             gap_by_imposed, _ = self.offsets(np.array([*imposed[:2], tilt]))
             pressure, _, _ = pressure_at_known_shear(
-                self._systems, height + gap_by_imposed, load, is_closed, ROUNDING
+                self._systems, height + gap_by_imposed, normal_load, is_closed, ROUNDING
             )
             return -float(self.interface.work_of_imposed(pressure, shear)[2]) - moment
 
         latest_tilt = float(imposed[2])
         slope_of_gap = float(np.ptp(self.height)) / float(np.ptp(self.interface.x))
-        # from a thousandth of the gap's slope on, doubled until the tilt is between both ends
+        # The range is a thousandth of the gap's slope at first, doubled until it holds the tilt.
         for half_range in slope_of_gap * 2.0 ** np.arange(-10, 30):
             least_tilt = latest_tilt - half_range
             largest_tilt = latest_tilt + half_range
@@ -695,8 +779,16 @@ class ContactProblem:
         )
 
     def _resting_tilt(self, line: float) -> float:
-        """The tilt of a plane laid onto the gap that touches on both sides of x = `line`: its lower
-        convex hull there, turned.
+        """Tilt at which the upper body rests on the lower one, without load, if it is pressed at
+        x = `line`: the faces touch on both sides of that line.
+
+        It is minus the slope of the lower convex hull of the gap there. Of all chords between a
+        node before the line and one beyond it, the hull follows the one that is lowest there.
+
+        Raises
+        ------
+        BesideTheFaces
+            Where no node lies on one side of the line.
         """
         n_y = self.interface.normals[1]
         gap_by_unit_tilt, _ = self.offsets(np.array([0.0, 0.0, 1.0]))

@@ -17,14 +17,16 @@ class Dundurs(NamedTuple):
 
 
 def dundurs(material: Materials) -> Dundurs:
-    """Dundurs' parameters in plane strain, the upper body being the first.
+    """Dundurs' parameters alpha and beta, which measure how unlike the two materials of a plane
+    contact are; plane strain, body 1 is the upper one.
 
         alpha = [(1 - nu1)/G1 - (1 - nu2)/G2] / s,   s = (1 - nu1)/G1 + (1 - nu2)/G2
         beta  = [(1 - 2 nu1)/G1 - (1 - 2 nu2)/G2] / (2 s)
 
-    beta couples normal and shear tractions of half-planes; half-plane theory as the semi-analytic
-    engine has it needs beta = 0. alpha matters only where a body has a size. Like bodies have 0 and
-    0.
+    beta couples normal and shear tractions of half-planes; the half-plane theory of this project
+    needs beta = 0. alpha matters only where a body has a finite size. Both are 0 of like materials.
+
+    # notation: nu Poisson's ratio, G shear modulus, s sum of the compliances
 
     Source: J. Dundurs, J. Appl. Mech. 36 (1969) 650; K. L. Johnson, Contact Mechanics (1985),
     equations (5.3).
@@ -39,14 +41,11 @@ def dundurs(material: Materials) -> Dundurs:
     ... ]  # (1 - 2 nu)/(2 (1 - nu)) = 1/3
     [1.0, 0.333333]
     """
-    # notation: G, shear modulus; 1 the upper body, 2 the lower one
     nu1 = material.upper.poisson_ratio
     nu2 = material.lower.poisson_ratio
-    shear1, shear2 = (
-        body.young_modulus / (2 * (1 + body.poisson_ratio))
-        for body in (material.upper, material.lower)
-    )
-    compliance = (1 - nu1) / shear1 + (1 - nu2) / shear2
-    alpha = ((1 - nu1) / shear1 - (1 - nu2) / shear2) / compliance
-    beta = ((1 - 2 * nu1) / shear1 - (1 - 2 * nu2) / shear2) / (2 * compliance)
+    G1 = material.upper.young_modulus / (2 * (1 + nu1))
+    G2 = material.lower.young_modulus / (2 * (1 + nu2))
+    s = (1 - nu1) / G1 + (1 - nu2) / G2
+    alpha = ((1 - nu1) / G1 - (1 - nu2) / G2) / s
+    beta = ((1 - 2 * nu1) / G1 - (1 - 2 * nu2) / G2) / (2 * s)
     return Dundurs(alpha, beta)

@@ -137,8 +137,13 @@ def _boundary_dofs(mesh: skfem.Mesh, order: int, name: str) -> Indices:
 
 
 def assemble(body: BodyMesh, material: Elastic) -> System:
-    """The body on its supports; InputError for linear elements of a nearly incompressible body,
-    since they lock.
+    """Finite-element system of a meshed body on its supports: which degrees of freedom lie on the
+    contact and on a half-disc's arc, which are held, and the forces of tension on its ends.
+
+    Raises
+    ------
+    InputError
+        For linear elements of a nearly incompressible body, since they lock.
     """
     mesh = body.mesh
     order = order_of(mesh)
@@ -188,8 +193,8 @@ def assemble(body: BodyMesh, material: Elastic) -> System:
 
 
 def _pull(system: System, facets: list[int]) -> Array:
-    """(n_dofs,) nodal forces of a unit of tension along x on the facets, whose outward normals are
-    along x.
+    """Nodal forces (n_dofs,) by a unit of tension along x on the ends of a body [length]; `facets`
+    are the numbers of the element sides there, whose outward normals are along x.
     """
     forces = np.zeros(len(system.node))
     if facets:
@@ -218,14 +223,20 @@ def split_lame(material: Elastic, order: int) -> SplitLame:
 
 
 def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
-    """Stiffness of some elements of a system, of u alone or of (u, r/G) in the symmetric form [[K,
-    G B^T], [G B, -G^2 M/lambda_1]]: quasi-definite.
+    """Assemble the plane-strain stiffness matrix of some elements of a body, (n_dofs, n_dofs)
+    [stress]: of displacement u, and of a pressure r where a material is nearly incompressible.
 
-    Element by element, and all of them at once: from the integrals D_iajb of d_a phi_i d_b phi_j
-    the stiffness of u is K_iajb = lambda D_iajb + G (D_ibja + delta_ab sum_c D_icjc). xx, xy, yx
-    and yy are entries of the Jacobian.
+    With D_iajb the integral of d_a phi_i d_b phi_j over an element,
+
+        K_iajb = lambda D_iajb + G (D_ibja + delta_ab sum_c D_icjc).
+
+    With the pressure the matrix is [[K, G B^T], [G B, -G^2 M/lambda_1]] in (u, r/G): symmetric,
+    quasi-definite. `elements` are the numbers of the elements.
+
+    # notation: phi_i shape functions; a, b, c directions x, y; lambda, G Lame's constants, lambda_1
+    # the part of lambda that enters through r; B divergence, M mass matrix of r; in subscripts of
+    # einsum e elements, n their nodes, q quadrature points; xx, xy, yx, yy entries of the Jacobian
     """
-    # notation: G is the shear modulus; e elements, n their nodes, q quadrature points
     lam, lambda_1, G = split_lame(system.material, system.order)
     mesh = system.mesh
     cells = system.cells[elements]
@@ -346,12 +357,17 @@ class _Mode(NamedTuple):
 
 
 def _modes(system: System) -> tuple[Indices, tuple[_Mode, ...]]:
-    """Elements of the part x >= 0 and the modes of a body that is its own mirror image to the last
-    bit; else all, and one mode.
+    """Split the motions of a mirror-symmetric body into symmetric and antisymmetric ones, which
+    have no elastic energy in common, so that each set can be condensed by itself on one half.
 
     In the symmetric mode u_x is odd in x, u_y and the pressure even; in the antisymmetric one the
-    other way round. The two have no energy in common, so that each has a stiffness of its own:
-    twice that of the part x >= 0 in the mode's motions.
+    other way round. The stiffness in each is twice that of the half x >= 0.
+
+    Returns
+    -------
+    elements, modes
+        Numbers of the elements at x >= 0, and the two modes; all elements and one mode of a body
+        that is not its own mirror image to the last bit.
     """
     mesh = system.mesh
     all_dofs = np.arange(len(system.node))
@@ -366,17 +382,17 @@ def _modes(system: System) -> tuple[Indices, tuple[_Mode, ...]]:
     for image_sign in (parity, -parity):
         pair_factor = np.sqrt(0.5) * np.where(on_right, 1.0, image_sign)
         factors = np.where(mirror_images == all_dofs, (1 + image_sign) / 2, pair_factor)
-        own_dofs = np.flatnonzero(on_right & (factors != 0))
+        leading_dofs = np.flatnonzero(on_right & (factors != 0))  # those of x < 0 follow them
         columns = np.zeros_like(all_dofs)
-        columns[own_dofs] = np.arange(len(own_dofs))
-        columns[mirror_images[own_dofs]] = np.arange(len(own_dofs))
-        modes.append(_Mode(own_dofs, columns, factors))
+        columns[leading_dofs] = np.arange(len(leading_dofs))
+        columns[mirror_images[leading_dofs]] = np.arange(len(leading_dofs))
+        modes.append(_Mode(leading_dofs, columns, factors))
     return right_elements, tuple(modes)
 
 
 def _mirror_images(system: System) -> Indices | None:
-    """(n_dofs,) of each degree of freedom that at (-x, y); None where nodes, elements or supports
-    are not mirror images.
+    """For each degree of freedom at (x, y) the number of the one at (-x, y), (n_dofs,); None where
+    nodes, elements or supports of the mesh are not mirror images to the last bit.
     """
     places = system.mesh.p
     nodes_from_left = np.lexsort((places[1], places[0]))
@@ -396,23 +412,25 @@ def _mirror_images(system: System) -> Indices | None:
         rows = np.sort(numbers, axis=0)
         return rows[:, np.lexsort(rows)]
 
-    for numbers in (2 * system.cells.T, system.contact, system.arc, system.held[None]):
-        if not np.array_equal(sorted_columns(numbers), sorted_columns(images[numbers])):
+    for dofs in (2 * system.cells.T, system.contact, system.arc, system.held[None]):
+        if not np.array_equal(sorted_columns(dofs), sorted_columns(images[dofs])):
             return None
     return images
 
 
 def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
-    """(n_dofs,) rank of each degree of freedom in an order of elimination that leaves the factors
-    sparse: node by node.
+    """Rank (n_dofs,) of each degree of freedom in an order of elimination that leaves the factors
+    of a stiffness sparse; those of one node have one rank.
 
-    That of the stiffness of the inner nodes along x alone: a quarter of the work of ordering all
-    degrees of freedom.
+    The order is the minimum-degree one of the stiffness of the inner nodes along x alone, which is
+    a quarter of the work of ordering all degrees of freedom.
     """
     n_nodes = system.mesh.p.shape[1]
-    present = np.flatnonzero(stiffness.diagonal()[: 2 * n_nodes : 2])
-    inner_nodes = present[~np.isin(2 * present, np.concatenate([system.contact[0], system.arc[0]]))]
-    # r of the contact comes last: first of all, it would fill the factors
+    # Half of a mirror-symmetric body has no stiffness at the nodes of the other half.
+    stiff_nodes = np.flatnonzero(stiffness.diagonal()[: 2 * n_nodes : 2])
+    outer_dofs = np.concatenate([system.contact[0], system.arc[0]])
+    inner_nodes = stiff_nodes[~np.isin(2 * stiff_nodes, outer_dofs)]
+    # The pressure r of contact nodes comes last: first of all, it would fill the factors.
     ranks = np.full(n_nodes, n_nodes)
     if len(inner_nodes):
         ranks[inner_nodes] = factorise(
@@ -422,16 +440,17 @@ def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
 
 
 class _CondensedMode(NamedTuple):
-    """What the k degrees of freedom of a mode at the contact nodes do.
+    """A body's response to unit forces at its contact nodes, in motions of one symmetry alone.
 
     Attributes
     ----------
     motions
-        (2 n, k) displacement of the contact nodes by each of them
+        (2 n, k) displacement of the n contact nodes (along x, then outward) in each of the mode's k
+        degrees of freedom there
     compliance
-        (k, k)
+        (k, k) displacement in each of them by a unit force on each [1 / stress]
     by_stress
-        (k,) their displacement under a unit of tension on the ends
+        (k,) displacement in each of them by a unit of tension on the ends [length / stress]
     error
         how far both are from the solution of the mesh under a random load, relative
     """
@@ -442,6 +461,70 @@ class _CondensedMode(NamedTuple):
     error: float
 
 
+class _Elimination(NamedTuple):
+    """A stiffness whose n_inner first degrees of freedom, the inner ones, are eliminated.
+
+    Attributes
+    ----------
+    stiffness
+        (n, n) symmetric, the inner degrees of freedom first
+    n_inner
+        number of the inner ones
+    factors
+        sparse factors of [K_ii 0; K_ti 1], i the inner ones, t the others
+    root_of_schur
+        (t, t) lower Cholesky factor of the Schur complement K_tt - K_ti K_ii^-1 K_it
+    """
+
+    stiffness: sparse.csc_matrix
+    n_inner: int
+    factors: SuperLU
+    root_of_schur: Array
+
+    @classmethod
+    def of(cls, stiffness: sparse.csc_matrix, n_inner: int) -> _Elimination:
+        """Eliminate the first n_inner degrees of freedom of a stiffness.
+
+        SuperLU eliminates the inner ones alone, of
+
+            [K_ii 0; K_ti 1] = L U,   L_ti = K_ti U_ii^-1,   S = K_tt - L_ti D L_ti^T,
+
+        D being the diagonal of U. Dense algebra goes on with the Schur complement S, which is
+        several times faster.
+        """
+        n_rows = stiffness.shape[0]
+        remaining = slice(n_inner, None)
+        unit_columns = sparse.eye_array(n_rows, n_rows - n_inner, k=-n_inner, format="csc")
+        factors = factorise(
+            sparse.hstack([stiffness[:, :n_inner], unit_columns], format="csc"), "NATURAL"
+        )
+        eliminated_stiffness = _outer_product(
+            factors.L[remaining, :n_inner], factors.U.diagonal()[:n_inner]
+        )
+        root_of_schur = cholesky(
+            stiffness[remaining, remaining].toarray() - eliminated_stiffness, lower=True
+        )
+        return cls(stiffness, n_inner, factors, root_of_schur)
+
+    @property
+    def inverse_of_schur(self) -> Array:
+        """(t, t) displacement of the degrees of freedom that remain by unit forces on them."""
+        lower_triangle = np.tril(dpotri(self.root_of_schur, lower=1)[0])
+        return lower_triangle + np.tril(lower_triangle, -1).T
+
+    def displacements(self, loads: Array) -> Array:
+        """(n, k) displacement of all degrees of freedom under k loads, (n, k)."""
+        n_inner = self.n_inner
+        remaining = slice(n_inner, None)
+        # Of the degrees of freedom that remain this gives the load that is left to them.
+        displacements = self.factors.solve(loads)
+        displacements[remaining] = cho_solve((self.root_of_schur, True), displacements[remaining])
+        displacements[:n_inner] -= self.factors.solve(
+            self.stiffness[:, remaining] @ displacements[remaining]
+        )[:n_inner]
+        return displacements
+
+
 def _condensed_mode(
     system: System,
     mode: _Mode,
@@ -449,27 +532,27 @@ def _condensed_mode(
     ranks: Indices,
     half_plane_loads: ArcLoads,
 ) -> _CondensedMode:
-    """Compliance of the contact nodes in a symmetric or antisymmetric mode of a body, with all its
-    other nodes eliminated; and the errors of that.
+    """Compliance of the contact nodes of a body in motions of one symmetry, all its other nodes
+    eliminated, with an error estimate.
 
-    The nodes of arc and contact stand last in the order of elimination. SuperLU eliminates the
-    inner ones alone, of
-
-        [K_ii 0; K_ti 1] = L U,   L_ti = K_ti U_ii^-1,   S = K_tt - L_ti D L_ti^T,
-
-    D being the diagonal of U. Dense algebra goes on with the stiffness S, several times faster
-    there: columns of L_ti that hold little are multiplied as sparse ones, the others as dense ones.
-    With B the loads on the arc the compliance is [B; 1]^T S^-1 [B; 1], and that of the half-plane
-    around it is taken off.
+    The nodes of the arc of a half-disc stay with those of the contact, since the half-plane around
+    it loads them. With B the forces on the arc by unit forces on the contact, and S the Schur
+    complement of both, the compliance is [B; 1]^T S^-1 [B; 1]; the work of the tractions on the arc
+    in the half-plane's own displacement is subtracted.
 
     Parameters
     ----------
+    system
+        the body's mesh, supports and degrees of freedom
+    mode
+        its symmetric or antisymmetric motions, or all
     stiffness
         of the whole system
     ranks
-        place of each node in the order of elimination
+        (n_dofs,) place of each degree of freedom in an order of elimination that keeps factors
+        sparse
     half_plane_loads
-        what the half-plane around a half-disc does to its arc by forces on the contact nodes
+        tractions of the half-plane around a half-disc on its arc, by unit forces on the contact
     """
     contact_dofs = np.flatnonzero(np.isin(mode.dofs, system.contact))
     arc_dofs = np.flatnonzero(np.isin(mode.dofs, system.arc))
@@ -483,53 +566,78 @@ def _condensed_mode(
     )
     inner_dofs = inner_dofs[np.argsort(ranks[mode.dofs[inner_dofs]], kind="stable")]
     elimination_order = np.concatenate([inner_dofs, arc_dofs, contact_dofs])
-    n_inner = len(inner_dofs)
     n_arc = len(arc_dofs)
-    last_rows = slice(n_inner, None)
     all_motions = mode.motions(np.arange(len(mode.column)), elimination_order)
     ordered_stiffness = (all_motions.T @ stiffness @ all_motions).tocsc()
-    unit_columns = sparse.eye_array(
-        len(elimination_order), len(elimination_order) - n_inner, k=-n_inner, format="csc"
-    )
-    factorisation = factorise(
-        sparse.hstack([ordered_stiffness[:, :n_inner], unit_columns], format="csc"), "NATURAL"
-    )
-    eliminated_stiffness = _outer_product(
-        factorisation.L[last_rows, :n_inner], factorisation.U.diagonal()[:n_inner]
-    )
-    root_of_schur = cholesky(
-        ordered_stiffness[last_rows, last_rows].toarray() - eliminated_stiffness, lower=True
-    )
-    lower_triangle = np.tril(dpotri(root_of_schur, lower=1)[0])
-    inverse_of_schur = lower_triangle + np.tril(lower_triangle, -1).T
+    elimination = _Elimination.of(ordered_stiffness, len(inner_dofs))
     motions = mode.motions(system.contact.ravel(), contact_dofs)
-    arc_loads = mode.motions(system.arc.ravel(), arc_dofs).T @ (half_plane_loads.by_nodes @ motions)
-    displacement_by_forces = inverse_of_schur[:, :n_arc] @ arc_loads + inverse_of_schur[:, n_arc:]
-    tractions_on_arc = (half_plane_loads.tractions @ motions).T
-    displacements_on_arc = half_plane_loads.displacements @ motions
-    compliance = (
-        arc_loads.T @ displacement_by_forces[:n_arc]
-        + displacement_by_forces[n_arc:]
-        - tractions_on_arc @ displacements_on_arc
+    loads = _ModeLoads(
+        arc_loads=mode.motions(system.arc.ravel(), arc_dofs).T
+        @ (half_plane_loads.by_nodes @ motions),
+        tractions_on_arc=(half_plane_loads.tractions @ motions).T,
+        displacements_on_arc=half_plane_loads.displacements @ motions,
+        tension_on_ends=all_motions.T @ system.pull,
     )
-    # The solution of the mesh under a random load, and under tension on the ends.
-    random_forces = np.random.default_rng(0).standard_normal(len(contact_dofs))
-    test_loads = np.zeros((len(elimination_order), 2))
-    test_loads[last_rows, 0] = np.concatenate([arc_loads @ random_forces, random_forces])
-    test_loads[:, 1] = all_motions.T @ system.pull
-    test_solutions = factorisation.solve(
-        test_loads
-    )  # of the last ones the load that is left to them
-    test_solutions[last_rows] = cho_solve((root_of_schur, True), test_solutions[last_rows])
-    test_solutions[:n_inner] -= factorisation.solve(
-        ordered_stiffness[:, last_rows] @ test_solutions[last_rows]
-    )[:n_inner]
+    inverse_of_schur = elimination.inverse_of_schur
+    displacement_by_forces = (
+        inverse_of_schur[:, :n_arc] @ loads.arc_loads + inverse_of_schur[:, n_arc:]
+    )
+    compliance = (
+        loads.arc_loads.T @ displacement_by_forces[:n_arc]
+        + displacement_by_forces[n_arc:]
+        - loads.tractions_on_arc @ loads.displacements_on_arc
+    )
+    by_stress, error = _tested_mode(elimination, loads, compliance)
+    return _CondensedMode(motions, compliance, by_stress, error)
+
+
+class _ModeLoads(NamedTuple):
+    """Loads that a mode of a body carries: by unit forces on its k contact degrees of freedom, and
+    by tension on its ends.
+
+    Attributes
+    ----------
+    arc_loads
+        (m, k) forces on the degrees of freedom of the arc by each unit force
+    tractions_on_arc, displacements_on_arc
+        (k, q) and (q, k), of the half-plane at points of the arc by each unit force; their product
+        is work
+    tension_on_ends
+        (n_dofs,) forces by a unit of tension along x, in the order of elimination
+    """
+
+    arc_loads: Array
+    tractions_on_arc: Array
+    displacements_on_arc: Array
+    tension_on_ends: Array
+
+
+def _tested_mode(
+    elimination: _Elimination, loads: _ModeLoads, compliance: Array
+) -> tuple[Array, float]:
+    """Displacement (k,) of the contact by a unit of tension on the ends, and the relative error of
+    the `compliance` (k, k): the largest of four tests by a random load.
+
+    They are residuals of the mesh's equations under the random load and under tension, displacement
+    by the compliance against that of the mesh, and reciprocity of the two loads (Betti).
+    """
+    n_inner = elimination.n_inner
+    n_arc, n_contact = loads.arc_loads.shape
+    random_forces = np.random.default_rng(0).standard_normal(n_contact)
+    test_loads = np.zeros((elimination.stiffness.shape[0], 2))
+    test_loads[n_inner:, 0] = np.concatenate([loads.arc_loads @ random_forces, random_forces])
+    test_loads[:, 1] = loads.tension_on_ends
+    test_solutions = elimination.displacements(test_loads)
     displacement, displacement_by_stress = (
-        arc_loads.T @ test_solutions[n_inner : n_inner + n_arc] + test_solutions[n_inner + n_arc :]
+        loads.arc_loads.T @ test_solutions[n_inner : n_inner + n_arc]
+        + test_solutions[n_inner + n_arc :]
     ).T
-    displacement = displacement - tractions_on_arc @ (displacements_on_arc @ random_forces)
+    displacement = displacement - loads.tractions_on_arc @ (
+        loads.displacements_on_arc @ random_forces
+    )
     largest_loads = np.maximum(np.abs(test_loads).max(axis=0), 1e-300)
-    residuals = np.abs(ordered_stiffness @ test_solutions - test_loads).max(axis=0) / largest_loads
+    residual_forces = elimination.stiffness @ test_solutions - test_loads
+    residuals = np.abs(residual_forces).max(axis=0) / largest_loads
     error_of_compliance = np.abs(compliance @ random_forces - displacement).max()
     # Betti's theorem: the load does the work in the displacement by tension that the tension does
     # in its own.
@@ -544,12 +652,15 @@ def _condensed_mode(
         error_of_compliance / np.abs(displacement).max(),
         error_of_work / largest_work,
     ]
-    return _CondensedMode(motions, compliance, displacement_by_stress, float(np.max(errors)))
+    return displacement_by_stress, float(np.max(errors))
 
 
 def _held_on_arc(system: System, mode: _Mode, arc_dofs: Indices) -> tuple[Indices, Indices]:
-    """Degrees of freedom of a mode on the arc of a half-disc, in two sets: as many as the mode has
-    rigid motions, which are held, and the others, ascending.
+    """Split the degrees of freedom on the arc of a half-disc into a few that are held against rigid
+    motion, one for each rigid motion of the mode, and the others, ascending.
+
+    Pivoted QR of the rigid motions picks those that hold best. `arc_dofs` are numbers within the
+    mode (the body's symmetric or antisymmetric motions).
     """
     all_arc_dofs = system.arc.ravel()
     rigid_of_mode = (
@@ -568,8 +679,10 @@ _DENSE = 1 / 12
 
 
 def _outer_product(columns: sparse.csc_matrix, factor: Array) -> Array:
-    """columns @ diag(factor) @ columns.T, (k, k), of sparse columns (k, n) and a factor (n,):
-    columns with many entries are multiplied as dense ones, the others as sparse ones.
+    """The product columns @ diag(factor) @ columns.T, (k, k), of sparse `columns` (k, n) and a
+    diagonal `factor` (n,) of either sign.
+
+    For speed, columns with many entries are multiplied as dense ones, the others as sparse ones.
     """
     n_rows = columns.shape[0]
     product = np.zeros((n_rows, n_rows))
@@ -606,11 +719,12 @@ class ArcLoads(NamedTuple):
 
 
 def arc_loads(system: System, datum_length: float) -> ArcLoads:
-    """Tractions of the half-plane on the outer arc of its mesh by unit forces on the contact nodes;
-    for a body without an arc no tractions, and half of each force along x on each of its ends.
+    """Far-field loads that balance unit forces on the contact nodes: on the arc of a half-disc the
+    tractions of the half-plane around it.
 
-    `datum_length` is the distance from a force at which the half-plane's surface counts as unmoved
-    [length].
+    On a body that rolls on its base and is held at its ends, each end takes its part of a force
+    along x. Other bodies have no such loads. `datum_length` is the distance from a force at which
+    the half-plane's surface counts as unmoved [length].
     """
     contact_places = system.mesh.p[0, system.node[system.contact[0]]]
     arc_places = system.mesh.p[:, system.node[system.arc[0]]]
@@ -619,7 +733,7 @@ def arc_loads(system: System, datum_length: float) -> ArcLoads:
             *arc_work(arc_places, system.order, contact_places, system.material, datum_length)
         )
     loads_by_nodes = np.zeros((system.arc.size, system.contact.size))
-    if system.arc.size:  # each end holds half of a force along x
+    if system.arc.size:  # in proportion to the nodal forces of tension: half on either end
         end_shares = np.abs(system.pull[system.arc.ravel()])
         loads_by_nodes[:, : len(contact_places)] = -(end_shares / end_shares.sum())[:, None]
     no_points = np.zeros((0, system.contact.size))
@@ -627,7 +741,9 @@ def arc_loads(system: System, datum_length: float) -> ArcLoads:
 
 
 def rigid_motions(mesh: skfem.Mesh) -> Array:
-    """(2 n_nodes, 3): two translations and the rotation, over the largest distance."""
+    """Displacement of all nodes, (2 n_nodes, 3), in two translations and a rotation of the mesh,
+    the latter over the largest |x|; rows are u_x, u_y of each node in turn.
+    """
     x, y = mesh.p
     unit = np.ones_like(x)
     zero = np.zeros_like(x)
@@ -638,19 +754,20 @@ def rigid_motions(mesh: skfem.Mesh) -> Array:
 
 
 def condense(body: BodyMesh, material: Elastic, datum_length: float) -> CondensedBody:
-    """Static condensation of a body to its contact nodes; the arc of a half-disc carries the
-    half-plane's tractions.
+    """Compliance matrix of a body's contact nodes, from its finite-element mesh by static
+    condensation: all other nodes are eliminated.
 
     With i the inner and c the contact nodes: stiffness S = K_cc - K_ci K_ii^-1 K_ic (Schur
-    complement), compliance S^-1. A body that is its own mirror image is condensed on one half, in a
-    symmetric and an antisymmetric mode (`_modes`).
+    complement), compliance S^-1. A half-disc stands for a half-plane: its arc carries the tractions
+    that the half-plane has there. A body that is its own mirror image is condensed on one half, for
+    symmetric and for antisymmetric motions.
 
     Parameters
     ----------
     body
         mesh with the boundary "contact" and at least one that is supported
     material
-        of the body
+        Young's modulus and Poisson's ratio of the body
     datum_length
         distance from a force at which a half-plane's surface counts as unmoved [length]
 
@@ -744,13 +861,16 @@ def uniform_stretch(material: Elastic, x: Array, y: Array) -> Array:
 def displacement_fields(
     condensed: CondensedBody, forces: Array, datum_length: float, stresses: Array | None = None
 ) -> tuple[skfem.Basis, Array, Array]:
-    """Displacement of all nodes of the body under nodal contact forces, and the part of the mean
-    stress that goes with r.
+    """Displacement of all nodes of a body under given forces on its contact nodes, by a solution of
+    its full finite-element system.
+
+    Mixed elements of nearly incompressible materials have a mean stress r as a further unknown,
+    which is returned too.
 
     Parameters
     ----------
     condensed
-        the body, condensed to its contact nodes
+        the body: its mesh, material and contact nodes
     forces
         (2, n, k) along x and outward on the contact nodes, k load cases [force per thickness]
     datum_length
@@ -762,9 +882,9 @@ def displacement_fields(
     Returns
     -------
     basis
-        of the body
+        finite-element basis of the displacement
     displacements
-        (basis.N, k) [length]
+        (basis.N, k) values in this basis [length]
     tension
         (n_corners, k) r at the corners of the elements, added to every normal stress; zero for
         plain elements [stress]
@@ -780,7 +900,7 @@ def displacement_fields(
     held = system.held
     if system.around:
         # The ends of the arc hold a half-disc without a force, since the loads balance.
-        ends_of_arc = [system.arc[0, 0], system.arc[1, 0], system.arc[1, -1]]
+        ends_of_arc = [system.arc[0, 0], system.arc[1, 0], system.arc[1, -1]]  # u_x, u_y; u_y
         held = np.concatenate([held, ends_of_arc])
     free_dofs = np.setdiff1d(np.arange(len(nodal_loads)), held)
     displacements = np.zeros_like(nodal_loads)
@@ -788,7 +908,9 @@ def displacement_fields(
         nodal_loads[free_dofs]
     )
     n_displacements = system.basis.N
-    if system.arc.size:  # the rigid motion that the contact nodes lack
+    if system.arc.size:
+        # By Betti's theorem the contact nodes move further, by the work of the arc's loads minus
+        # that in the half-plane: a rigid motion, which the held nodes took away.
         motions = rigid_motions(system.mesh)
         work_in_half_plane = arc.tractions.T @ (arc.displacements @ loads_on_contact)
         missing_displacement = (
