@@ -172,33 +172,35 @@ class Tractions:
         )
 
     def moments(self) -> Array:
-        """Moments int p t^k dt and int q t^k dt for k = 0, 1, 2 over the contact, t from the
-        origin, (6,).
+        """Resultants, first and second moments of pressure and of shear about the origin, (6,):
+        int p t^k dt for k = 0, 1, 2, then int q t^k dt.
 
-        By the first three coefficients of the sine series of p and q, about the middle m, moved to
-        the origin.
+        The first three coefficients of a sine series give the moments about the middle of the
+        contact, which are then moved to the origin.
         """
         middle = self.middle
         half_width = self.half_width
         moments_of_both: list[float] = []
         for series in (self.pressure, self.shear):
-            # about the middle
-            total = math.pi / 2 * half_width * series[0]
-            first_moment = -math.pi / 4 * half_width**2 * series[1]
-            second_moment = math.pi / 8 * half_width**3 * (series[0] + series[2])
+            resultant = math.pi / 2 * half_width * series[0]
+            first_about_middle = -math.pi / 4 * half_width**2 * series[1]
+            second_about_middle = math.pi / 8 * half_width**3 * (series[0] + series[2])
             moments_of_both += [
-                total,
-                middle * total + first_moment,
-                middle**2 * total + 2 * middle * first_moment + second_moment,
+                resultant,
+                middle * resultant + first_about_middle,
+                middle**2 * resultant + 2 * middle * first_about_middle + second_about_middle,
             ]
         return np.array(moments_of_both)
 
     def stress(self, x: Array, y: Array) -> Array:
-        """(n, 3) s_xx, s_yy, s_xy [stress] of the half-plane y <= 0 at (n,) places x, y under these
-        p and q.
+        """Stress s_xx, s_yy, s_xy (n, 3) at n points of the half-plane y <= 0 by the pressure p and
+        the shear q on its face, by Muskhelishvili's potentials.
 
-        By complex potentials A of the pressure and B of the shear, series in w = v - sqrt(v^2 - 1)
-        with v = (m - x + i |y|)/h, m the middle and h the half-width of the contact.
+            s_xx = Im A + 2 Re B + D,   s_yy = Im A - D,   D = Re(y A') - Im(y B')
+            s_xy = -Im B - Im(y A') - Re(y B')
+
+        # notation: A = sum A_k w^k of the pressure, B = sum B_k w^k of the shear; A', B' slopes in
+        # z; w = v - sqrt(v^2 - 1), v = (m - x + i |y|)/h, m middle, h half-width of the contact
         """
         v = (self.middle - x + 0j) / self.half_width
         v.imag = np.abs(y) / self.half_width
@@ -207,38 +209,45 @@ class Tractions:
         w = v - root
         A, B, *slope_sums = _sums(np.stack([self.pressure, self.shear]), w)
         with np.errstate(divide="ignore", invalid="ignore"):
-            # y A', y B'; dw/dz = w/(h root)
-            slope_A, slope_B = np.where(
+            # dw/dz = w/(h root)
+            y_slope_A, y_slope_B = np.where(
                 y == 0, 0.0, y * np.array(slope_sums) / (self.half_width * root)
             )
-        with_depth = slope_A.real - slope_B.imag
-        s_xx = A.imag + 2 * B.real + with_depth
-        s_yy = A.imag - with_depth
-        s_xy = -B.imag - slope_A.imag - slope_B.real
+        D = y_slope_A.real - y_slope_B.imag
+        s_xx = A.imag + 2 * B.real + D
+        s_yy = A.imag - D
+        s_xy = -B.imag - y_slope_A.imag - y_slope_B.real
         return np.stack([s_xx, s_yy, s_xy], axis=-1)
 
 
 def _sums(series: Array, w: Complex) -> Complex:
-    """The sums of A_k w^k, B_k w^k, k A_k w^k and k B_k w^k over k = 1, 2, ... at points w (n,),
-    |w| <= 1: (4, n) from `series` (2, k) of A_k and B_k.
+    """Sum two power series and their slopes at n complex points: sum A_k w^k, sum B_k w^k,
+    sum k A_k w^k and sum k B_k w^k over k = 1, 2, ..., (4, n).
 
-    By Horner's rule from the last term that counts at a point. Points are sorted by their number of
-    terms, longest first, so that those which have term k are the first ones.
+    Horner's rule, at each point from the last term that is not negligible there. Points are sorted
+    by their number of terms, longest first, so that the points with a term k are the first ones.
+
+    Parameters
+    ----------
+    series
+        (2, n_terms) coefficients A_k and B_k from k = 1 on
+    w
+        (n,) points, |w| <= 1
     """
-    series_length = series.shape[1]
-    number = np.arange(1, series_length + 1)
+    n_terms = series.shape[1]
+    exponents = np.arange(1, n_terms + 1)
     with np.errstate(divide="ignore"):
         terms_to_negligible = math.log(_NEGLIGIBLE) / np.log(np.minimum(np.abs(w), 1 - 1e-12))
-        terms_needed = np.minimum(np.ceil(terms_to_negligible), series_length).astype(int)
+        terms_needed = np.minimum(np.ceil(terms_to_negligible), n_terms).astype(int)
     longest_first = np.argsort(-terms_needed, kind="stable")
     terms_needed = np.maximum(terms_needed[longest_first], 1)
     w_longest_first = w[longest_first]
-    weights = np.concatenate([series, number * series])
+    coefficients = np.concatenate([series, exponents * series])
     partial_sums = np.zeros((4, len(w)), dtype=complex)
-    points_with_term = np.searchsorted(-terms_needed, -number, side="right")
+    points_with_term = np.searchsorted(-terms_needed, -exponents, side="right")
     for k in range(int(terms_needed.max(initial=0)), 0, -1):
         n_points = points_with_term[k - 1]
-        partial_sums[:, :n_points] += weights[:, k - 1, None]
+        partial_sums[:, :n_points] += coefficients[:, k - 1, None]
         partial_sums[:, :n_points] *= w_longest_first[:n_points]
     sums = np.empty_like(partial_sums)
     sums[:, longest_first] = partial_sums
@@ -327,9 +336,12 @@ class SampledTractions:
         return float(np.abs(self._tension(self.missing_shear)).max())
 
     def _tension(self, shear: Array) -> Array:
-        """2 sum B_k and 2 sum (-1)^k B_k of the series of `shear` as one weighted sum over angles.
+        """Stress s_xx at the left and right edge of contact by a shear traction q at n angles
+        theta_j across it, (2,) [stress].
 
-        With B_k = (2/n) sum_j q_j sin(k theta_j), the highest once, and cos(n theta_j) = 0,
+        It is 2 sum_k B_k and 2 sum_k (-1)^k B_k of the sine series of q, each as one weighted sum
+        over angles. With B_k = (2/n) sum_j q_j sin(k theta_j), the highest once, and
+        cos(n theta_j) = 0,
 
             2 sum_k B_k = (2/n) sum_j q_j cot(theta_j/2),
             2 sum_k (-1)^k B_k = -(2/n) sum_j q_j tan(theta_j/2)
@@ -349,23 +361,36 @@ class SampledTractions:
 
 
 def tractions(nodal: Nodal, fit: RootFit = _USUAL_FIT, level: bool = False) -> Tractions:
-    """The series of nodal tractions; parameters as `sampled_tractions`."""
+    """Sine series of pressure and shear across the contact, from their values at the nodes that
+    touch.
+
+    `fit` is how p^2 is fitted behind the edges to find them. `level`: whether q/p, where the whole
+    contact sticks or slips, stays constant from the outermost node to the edge.
+    """
     return sampled_tractions(nodal, fit, level).series()
 
 
 def sampled_tractions(
     nodal: Nodal, fit: RootFit = _USUAL_FIT, level: bool = False
 ) -> SampledTractions:
-    """Smoothed p and q at equal angles across the contact, by the nodal tractions and the edges of
-    contact that a fit of p^2 finds; those of `nodal.contact` where there are too few nodes.
+    """Smooth pressure and shear at equal angles across the contact, from their values at the nodes
+    that touch, whose outermost ones the mesh distorts.
+
+    With x = m - h cos(theta), n angles theta lie between the edges. These are where p^2, fitted
+    behind the outermost nodes, is zero; with too few nodes those that the solution states. What the
+    smooth shear lacks of the load Q is placed at the stick edges.
+
+    # notation: m middle, h half-width of the contact
 
     Parameters
     ----------
+    nodal
+        pressure and shear at the nodes, edges, friction, and jumps of the profile's curvature
     fit
         how p^2 is fitted behind the edges
     level
-        whether q/p stays what it is at the outermost node from there to the edge, instead of
-        following its slope, in full stick and in full slip
+        whether q/p stays constant from the outermost node to the edge, instead of following its
+        slope, where the whole contact sticks or slips
     """
     x = nodal.x
     form = _form(nodal)
@@ -389,10 +414,11 @@ def sampled_tractions(
     inner_p = p_over_form[behind_rims]
     is_in_contact = np.abs(inner_x - middle) < half_width
     angle = np.arccos((middle - inner_x[is_in_contact]) / half_width)
-    smooth_pressure = np.interp(theta, angle, inner_p[is_in_contact] / np.sin(angle)) * np.sin(
-        theta
-    )
+    # p/sin(theta) is finite at the edges of a smooth profile.
+    p_over_sine = np.interp(theta, angle, inner_p[is_in_contact] / np.sin(angle))
+    smooth_pressure = p_over_sine * np.sin(theta)
     if fit_at_left is not None and fit_at_right is not None:
+        # Beyond the outermost nodes that count, p is the root of the fitted p^2.
         for side, fit_at_edge in ((1.0, fit_at_left), (-1.0, fit_at_right)):
             is_beyond_start = side * places < fit_at_edge.start
             squared_p = np.polyval(
@@ -401,18 +427,21 @@ def sampled_tractions(
             smooth_pressure[is_beyond_start] = np.sqrt(np.maximum(squared_p, 0.0))
     smooth_pressure = smooth_pressure * form(places)
     shear = _shear(places, smooth_pressure, nodal, 0 if rough else fit.rim, level)
-    lengths = np.sin(theta) * half_width * math.pi / n_angles
+    lengths = np.sin(theta) * half_width * math.pi / n_angles  # of the face, for each angle
     missing_load = nodal.tangential_load - float(lengths @ shear)
     missing_shear = _unit_missing_shear(places, smooth_pressure, lengths, nodal) * missing_load
     return SampledTractions(edges, theta, smooth_pressure, shear, missing_shear, rough)
 
 
 def tension_of_nodes(nodal: Nodal) -> float:
-    """The larger |s_xx| of the lower body at an edge of contact, by the shear at the nodes and the
-    edges that the solution states: quick, to a tenth of itself [stress].
+    """Quick estimate, to a tenth, of the larger tension |s_xx| at the two edges of contact, by the
+    shear q at the nodes [stress].
 
-    (2/pi) int q cot(theta/2) d theta at the left edge, and with tan(theta/2) at the right one, what
-    is integrated being constant between an edge and its outermost node.
+    It is (2/pi) int q cot(theta/2) d theta at the left edge and (2/pi) int q tan(theta/2) d theta
+    at the right one, with theta from x = m - h cos(theta). The integrand is taken as constant
+    between an edge and its outermost node.
+
+    # notation: m middle, h half-width of the contact that the solution states
     """
     left, right = nodal.contact
     middle = (left + right) / 2
@@ -451,19 +480,29 @@ class TractionsAndUncertainty(NamedTuple):
 
 
 def tractions_with_uncertainty(nodal: Nodal) -> TractionsAndUncertainty:
-    """Sine series of p and q across the contact, and the uncertainty of the tension s_xx at both
-    its edges.
+    """Sine series of pressure and shear across the contact, from their values at the nodes, and the
+    uncertainty of the tension s_xx at both edges.
 
-    The uncertainty is the largest of what three changes make, what was put at the stick edges, and
-    what the meshes of coupled bodies leave. The changes: a multiple of what other rims, fewer nodes
-    or a higher degree change; all nodes, where fewer were fitted because p^2 is rough; q/p that
-    stays as it is at the outermost node. Beside it stands, where the load has turned but no node
-    shows it yet, what slip as narrow as the rim changes: it changes q by 2 f p with p = K sqrt(d),
-    hence s_xx by (8/pi) f K sqrt(width).
+    None and zeros where fewer than three nodes touch.
     """
     if len(nodal.x) < FEWEST:
         return TractionsAndUncertainty(None, np.zeros(2), np.zeros(2))
     series = tractions(nodal)
+    uncertainty = _tension_uncertainty(nodal, series)
+    return TractionsAndUncertainty(series, uncertainty, _tension_of_unseen_slip(nodal, series))
+
+
+def _tension_uncertainty(nodal: Nodal, series: Tractions) -> Array:
+    """Uncertainty of the tension s_xx at both edges of contact, (2,) [stress], by how much other
+    fits of the same nodal values change it.
+
+    The largest of these counts: a least value, by the spacing of the nodes; a multiple of what
+    other numbers of nodes or a higher degree of the polynomial change; what a fit through rough
+    values changes; a q/p that stays constant near the edges. Added are the tension by what q lacked
+    of the load, and the error by the meshes of coupled bodies.
+
+    `series` are the tractions by the usual fit.
+    """
     tension = series.edge_tension()
     spacing = float(np.median(np.diff(nodal.x)))
     spacing_ratio = spacing / series.half_width
@@ -485,25 +524,36 @@ def tractions_with_uncertainty(nodal: Nodal) -> TractionsAndUncertainty:
     uncertainty = np.maximum(uncertainty, difference)
     if nodal.coupled:
         uncertainty += _BY_COUPLING * spacing_ratio**1.5 * float(np.max(np.abs(tension)))
-    of_unseen_slip = np.zeros(2)
-    if not (nodal.growing or nodal.slips(RIM + 1)) and math.isfinite(nodal.stick[0]):
-        # p at a depth d into the contact is sum k A_k sqrt(2 d/h) there: p^2/d at the nodes of the
-        # rim.
-        rim_nodes = min(RIM, len(nodal.x) // 2)
-        depths = np.array(
-            [nodal.x[rim_nodes] - series.edges[0], series.edges[1] - nodal.x[-1 - rim_nodes]]
-        )
-        rim_pressures = np.array([nodal.pressure[rim_nodes], nodal.pressure[-1 - rim_nodes]])
-        of_unseen_slip = _UNSEEN * 8 / math.pi * nodal.friction * rim_pressures * (depths > 0)
-    return TractionsAndUncertainty(series, uncertainty + series.placed, of_unseen_slip)
+    return uncertainty + series.placed
+
+
+def _tension_of_unseen_slip(nodal: Nodal, series: Tractions) -> Array:
+    """Change of the tension s_xx at both edges, (2,) [stress], by a slip zone so narrow that no
+    node lies in it, as there is one just after a load has turned.
+
+    Such slip changes q by 2 f p with p = K sqrt(d), so s_xx by (8/pi) f K sqrt(w); K sqrt(w) is the
+    pressure at the first node behind the outermost ones (the rim). Zero where nodes show the slip
+    zone, where P grows in full stick, and in full slip.
+
+    # notation: d distance from the edge, K constant of the pressure there, w width of the rim
+    """
+    if nodal.growing or nodal.slips(RIM + 1) or not math.isfinite(nodal.stick[0]):
+        return np.zeros(2)
+    rim_nodes = min(RIM, len(nodal.x) // 2)
+    depths = np.array(
+        [nodal.x[rim_nodes] - series.edges[0], series.edges[1] - nodal.x[-1 - rim_nodes]]
+    )
+    rim_pressures = np.array([nodal.pressure[rim_nodes], nodal.pressure[-1 - rim_nodes]])
+    return np.asarray(_UNSEEN * 8 / math.pi * nodal.friction * rim_pressures * (depths > 0))
 
 
 def _series(values: Array) -> Array:
-    """Coefficients of the sine series of values at the middles of n equal angles between 0 and pi,
-    (n,); the highest is counted once, not twice.
+    """Coefficients (n,) of the sine series through n values at the middles of n equal angles
+    between 0 and pi: the discrete sine transform of type II.
 
-    The discrete sine transform of type II, by that of Fourier of the values continued as an odd
-    function: numpy has it, and the import of scipy's takes .06 s.
+    The values are continued as an odd function and transformed by numpy's real Fourier transform,
+    since the import of scipy's sine transform takes 0.06 s. The highest coefficient is halved, as
+    its sine is sampled at its extremes.
 
     >>> _series(np.sin(2 * np.pi * (np.arange(4) + 0.5) / 4)).round(12).tolist()  # the second sine
     [0.0, 1.0, 0.0, 0.0]
@@ -517,19 +567,20 @@ def _series(values: Array) -> Array:
 
 
 def _form(nodal: Nodal) -> Callable[[Array], Array]:
-    """A function of x with the shape of p over a smooth function, by the jumps of the profile's
-    curvature; 1 everywhere where there are none.
+    """A function of x that bends as the pressure p does at jumps of the profile's curvature, so
+    that p over it is smooth enough to fit; 1 everywhere where there are no jumps.
 
-    With x between the edges l and r of contact, phi the angle whose cosine is (b - m)/h, and a jump
-    k of h'' at b,
+    With a jump k of h'' at x = b, the slope of p is infinite there:
 
-        p = E* k/(2 pi) [phi sqrt((x - l) (r - x)) + (x - b) ln |...|]
-            + sqrt((x - l) (r - x)) times what is smooth:
+        p = E* k/(2 pi) [phi R + (x - b) ln |...|] + R (smooth part),   R = sqrt((x - l) (r - x))
 
-    the slope of p is infinite at b. What is smooth is taken as constant; where that does not leave
-    a pressure, the form is 1.
+    The smooth part is taken as constant, the mean over the nodes. Where that makes p negative
+    somewhere, the function is 1.
 
-    Source: Muskhelishvili's integral of h' = k max(x - b, 0) over sqrt((x - l) (r - x)).
+    # notation: h profile, l, r edges of contact, m its middle, a its half-width,
+    # cos(phi) = (b - m)/a
+
+    Source: Muskhelishvili's integral of h' = k max(x - b, 0) over R.
     """
     left, right = nodal.contact
     middle = (left + right) / 2
@@ -537,13 +588,12 @@ def _form(nodal: Nodal) -> Callable[[Array], Array]:
     kinks = nodal.kinks[np.abs(nodal.kinks[:, 0] - middle) < half_width]
 
     def of_kinks(x: Array) -> Array:
-        """Pressure over the root sqrt(1 - u^2) by jumps of the curvature of the initial gap inside
-        the contact.
+        """Pressure by the jumps of curvature inside the contact, over the root sqrt(1 - u^2), at
+        places x (n,): (n,) [stress].
 
-        x: places (n,), (n,) returned; `kinks` are rows of place and jump of curvature; u is the
-        distance from the middle in half-widths.
+        # notation: u, t, b distances from the middle over the half-width: of a place, of its mirror
+        # image if the jump lies on the left, and of the jump (b > 0)
         """
-        # notation: u, t, b places over the half-width from the middle; b > 0
         u = ((x - middle) / half_width).clip(-1 + _AT_EDGE, 1 - _AT_EDGE)
         root = np.sqrt(1 - u**2)
         over_root = np.zeros_like(u)
@@ -591,14 +641,21 @@ class _FittedEdge(NamedTuple):
 
 
 def _fitted_edge(x: Array, p: Array, fit: RootFit) -> _FittedEdge | None:
-    """The left edge of contact, where p^2, fitted by a polynomial of the distance from the
-    outermost nodes that count, is zero; None where no smooth edge is seen.
+    """Left edge of contact by extrapolation of the pressure: p^2 near a smooth edge is linear in
+    the distance, so a polynomial fitted to p^2 is zero there. None where no smooth edge is seen.
 
-    x and p are those of the nodes (n,), ascending in x. Half as many nodes are fitted, down to
-    `_FEWEST`, while the fit is rough.
+    The outermost nodes, which the mesh distorts, are left out. While the fit is rough (a corner of
+    the profile may be near), half as many nodes are fitted, down to six.
+
+    Parameters
+    ----------
+    x, p
+        (n,) places of the touching nodes, ascending, and the pressure there
+    fit
+        how many nodes are left out, how many fitted, the degree, and what counts as rough
     """
     width = x[-1] - x[0]
-    # a node at its end, but for round-off, counts
+    # Fitted nodes lie on a span of a share of the half-width; one at its very end counts.
     span_end = x[min(fit.rim, len(x) - 1)] + (_SPAN / 2 + _ROUND_OFF) * width
     nodes_in_span = int(np.searchsorted(x, span_end)) - fit.rim
     n_nodes = round(fit.share * np.clip(nodes_in_span, _USUAL, _MANY_FITTED))
@@ -612,9 +669,9 @@ def _fitted_edge(x: Array, p: Array, fit: RootFit) -> _FittedEdge | None:
         node_number = np.arange(n_nodes)
         powers = distance[-1] ** exponents
         polynomial = (distance[:, None] ** exponents / powers).T / squared_p
-        # what the mesh adds: alternating between corners and mid-side nodes, and dying out
-        alternating_signs = (-1.0) ** node_number / (node_number + 4)
-        matrix = np.stack([*polynomial, alternating_signs], axis=1) * squared_p[-1]
+        # What the mesh adds alternates between corners and mid-side nodes, and dies out.
+        mesh_error = (-1.0) ** node_number / (node_number + 4)
+        matrix = np.stack([*polynomial, mesh_error], axis=1) * squared_p[-1]
         fitted_factors = np.linalg.lstsq(matrix, np.ones(n_nodes), rcond=None)[0]
         coefficients = fitted_factors[: degree + 1] * squared_p[-1] / powers
         relative_residual = np.polyval(coefficients, distance) / squared_p - 1
@@ -631,19 +688,28 @@ def _fitted_edge(x: Array, p: Array, fit: RootFit) -> _FittedEdge | None:
 
 
 def _shear(places: Array, pressure: Array, nodal: Nodal, rim: int, level: bool) -> Array:
-    """Shear traction q at places (n,) of smoothed `pressure`: +-f p where it slips, elsewhere
-    linear in the angle across the stick zone between the nodes that stick, `rim` nodes at either
-    end left out.
+    """Smooth shear traction q across the contact, (n,), from its values at the nodes: +-f p in the
+    slip zones, interpolated over the angle across the stick zone.
 
-    Without a slip zone that nodes show, q/p is linear between nodes and on to the edge, or constant
-    from the outermost node to the edge where `level`.
+    Where no node shows a slip zone, q/p is interpolated instead and continued to the edges.
+
+    Parameters
+    ----------
+    places, pressure
+        (n,) x across the contact, and the smooth pressure there
+    nodal
+        pressure and shear at the nodes, stick edges, friction
+    rim
+        number of outermost nodes on either side whose q is left out, as the mesh distorts it
+    level
+        whether q/p is continued to the edges as constant, not by its slope
     """
     x = nodal.x
     q = nodal.shear
     friction = nodal.friction
     if not nodal.slips(1):
-        # q/p has no root at the edge, in full stick and in full slip: linear from node to node, and
-        # on to the edge.
+        # In full stick and in full slip q/p is finite at the edge: linear from node to node, and on
+        # to the edge.
         nodal_ratio = q / nodal.pressure
         ratio = np.interp(places, x, nodal_ratio)
         if not level:
@@ -664,9 +730,9 @@ def _shear(places: Array, pressure: Array, nodal: Nodal, rim: int, level: bool) 
     is_stick_node[-rim or len(x) :] = False
 
     def angle(x: Array) -> Array:
-        return np.arccos(
-            np.clip((left_stick + right_stick - 2 * x) / (right_stick - left_stick), -1, 1)
-        )
+        """0 at the left stick edge, pi at the right one."""
+        cosine = (left_stick + right_stick - 2 * x) / (right_stick - left_stick)
+        return np.arccos(np.clip(cosine, -1, 1))
 
     shear_at_left, shear_at_right = np.interp([left_stick, right_stick], places, pressure) * [
         limit_left,
@@ -681,11 +747,20 @@ def _shear(places: Array, pressure: Array, nodal: Nodal, rim: int, level: bool) 
 
 
 def _unit_missing_shear(places: Array, pressure: Array, lengths: Array, nodal: Nodal) -> Array:
-    """A shear traction of unit resultant at places (n,), which stand for `lengths` of the face:
-    what the smoothed q lacks of the load is put there.
+    """Shear traction (n,) of unit resultant, concentrated at the stick edges: there a smooth fit of
+    q lacks a part of the load Q.
 
-    Smooth humps within three nodes of the stick edges, since a step of q would stretch the face
-    without limit; where nothing slips, of the shape of `pressure`.
+    It has two smooth humps within three nodes of the stick edges, since a jump of q would make the
+    tension infinite. Where nothing slips, it has the shape of the pressure.
+
+    Parameters
+    ----------
+    places, lengths
+        (n,) x across the contact, and the length of face that each stands for
+    pressure
+        (n,) smooth pressure there
+    nodal
+        x of the nodes and stick edges
     """
     if nodal.slips(1):
         left_stick, right_stick = nodal.stick
@@ -727,11 +802,13 @@ class SizeEffect:
 
 
 def size_effect_basis(z: Complex, length: float) -> Array:
-    """(n, 3, k): stress by the terms of a potential sum c_j (z/length)^j that leaves the face free,
-    real and imaginary parts.
+    """Stress s_xx, s_yy, s_xy at n points of a half-plane with a free face, (n, 3, k), by each of
+    the k terms of a power-series potential f = sum_j c_j (z/length)^j.
 
-    s_xx + s_yy = 4 Re f, s_yy - i s_xy = f(z) - f(conj z) + 2 i y conj f'(z); the imaginary c_0 is
-    a rotation without stress.
+        s_xx + s_yy = 4 Re f,   s_yy - i s_xy = f(z) - f(conj z) + 2 i y conj f'(z)
+
+    Each c_j counts twice, with factor 1 and i; the imaginary c_0 is a rotation without stress. `z`
+    is x + i y, y <= 0.
     """
     u = z / length
     columns = []
@@ -753,18 +830,19 @@ def size_effect_basis(z: Complex, length: float) -> Array:
 def fitted_size_effect(
     x: Array, y: Array, stress: Array, weights: Array, length: float, edge: float
 ) -> SizeEffect:
-    """The size effect from what elements have beyond the half-plane's stress at their nodes.
+    """Least-squares fit, by a power-series potential, of the stress that a body of finite size has
+    beyond that of a half-plane, with the standard error of s_xx at the edges of contact.
 
     Parameters
     ----------
     x, y, weights
-        (n,) nodes, y <= 0 from the face, and the area that each stands for
+        (n,) nodes, y <= 0 counted from the face, and the area that each stands for
     stress
-        (n, 3, cases)
+        (n, 3, cases) stress of the elements minus that of the half-plane: s_xx, s_yy, s_xy
     length
-        unit of z [length]
+        unit of the potential's argument, and the distance up to which the fit holds [length]
     edge
-        half-width of the contact [length]
+        x of the right edge of contact, whose left edge is at -x [length]
     """
     root_of_weights = np.sqrt(weights / weights.mean())[:, None, None]
     matrix = (size_effect_basis(x + 1j * y, length) * root_of_weights).reshape(3 * len(x), -1)

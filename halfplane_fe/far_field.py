@@ -35,7 +35,8 @@ def surface_force_displacement(
     poisson_ratio: float,
     datum_length: float,
 ) -> Array:
-    r"""Displacements of the half-plane y <= 0 by unit forces on its surface.
+    r"""Displacement at points of the half-plane y <= 0 by unit forces on its surface (Flamant), in
+    plane strain.
 
     With r the distance, z = -y, theta = atan2(x, z), G the shear modulus and c = 1/(2 pi G):
 
@@ -54,6 +55,10 @@ def surface_force_displacement(
         (n,) points, y <= 0, none at a force [length]
     force_at
         (m,) places of the forces on the surface [length]
+    young_modulus, poisson_ratio
+        E [stress] and nu of the half-plane
+    datum_length
+        L, distance from a force at which the surface counts as unmoved [length]
 
     Returns
     -------
@@ -94,8 +99,10 @@ def surface_force_displacement(
 
 
 def surface_force_traction(x: Array, y: Array, normal: Array, force_at: Array) -> Array:
-    r"""Tractions on cuts through the half-plane y <= 0 under unit forces F on its surface: -(2/pi)
-    (F . e_r)/r along e_r, radially.
+    r"""Tractions on a cut through the half-plane y <= 0 by unit forces on its surface (Flamant).
+
+    A force F causes a radial stress alone, -(2/pi) (F . e_r)/r, with e_r the unit vector from the
+    force to the point and r its distance.
 
     Parameters
     ----------
@@ -121,7 +128,7 @@ def surface_force_traction(x: Array, y: Array, normal: Array, force_at: Array) -
     """
     x_from_force = x[:, None] - force_at
     y_from_force = np.broadcast_to(y[:, None], x_from_force.shape)
-    radius_vector = np.stack([x_from_force, y_from_force])
+    radius_vector = np.stack([x_from_force, y_from_force])  # (2, n, m)
     radius_along_normal = x_from_force * normal[0][:, None] + y_from_force * normal[1][:, None]
     factor = -2 / np.pi * radius_along_normal / (x_from_force**2 + y_from_force**2) ** 2
     return np.einsum("inm,jnm,nm->injm", radius_vector, radius_vector, factor)
@@ -157,8 +164,17 @@ def line_elements(line: Array, order: int, count: int) -> LineElements:
 
 
 def curve_elements(points: Array, nodes: Indices, count: int) -> LineElements:
-    """Line elements with the nodes (e, k), k = 2 or 3, among points (2, n), with `count` Gauss
-    points on each: shape functions, places and tangents times weight at the Gauss points.
+    """Line elements of order 1 or 2 along a curve: shape functions, places, and tangents times
+    weight, at Gauss points.
+
+    Parameters
+    ----------
+    points
+        (2, n) x and y of all nodes [length]
+    nodes
+        (e, k) numbers of the nodes of each of e elements, k = 2 or 3, in order along the curve
+    count
+        number of Gauss points on each element
     """
     gauss_points, weights = np.polynomial.legendre.leggauss(count)
     if nodes.shape[1] == 2:
@@ -185,25 +201,29 @@ def curve_elements(points: Array, nodes: Indices, count: int) -> LineElements:
 def arc_work(
     arc: Array, order: int, force_at: Array, material: Elastic, datum_length: float
 ) -> tuple[Array, Array, Array]:
-    """Work of the half-plane's tractions on the arc by unit forces on the contact nodes.
+    """Nodal forces on the arc of a half-disc by the half-plane around it, under unit forces on the
+    contact nodes: the work of the tractions there in the shape functions of the arc.
 
     Parameters
     ----------
     arc
-        (2, k) its nodes by ascending x [length]
+        (2, k) nodes of the arc by ascending x [length]
     order
-        of its elements
+        1 or 2, of the elements of the arc
     force_at
-        (m,) contact nodes [length]
+        (m,) x of the contact nodes [length]
+    material, datum_length
+        of the half-plane; distance from a force at which its surface counts as unmoved [length]
 
     Returns
     -------
     by_nodes
-        (2 k, 2 m) per unit displacement of each node along x, then along y
+        (2 k, 2 m) forces on the nodes of the arc, along x, then along y, by forces on the contact
+        nodes along x, then along y
     tractions, displacements
-        (l, 2 m) of the half-plane along x and y at the points of the arc, tractions times their
-        share of its length; the product of the one, transposed, and the other is the work in
-        the half-plane's own displacement
+        (l, 2 m) of the half-plane along x and y at Gauss points of the arc, tractions times their
+        part of its length; the former, transposed, times the latter is the work in the
+        half-plane's own displacement
     """
     elements = line_elements(arc, order, _POINTS)
     x, y = elements.places.reshape(2, -1)

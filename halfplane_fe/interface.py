@@ -87,8 +87,8 @@ class Interface:
         return not self.normals[0].any()
 
     def scaled(self, length: float, compliance: float) -> Interface:
-        """The interface in other units: lengths over `length`, compliances over `compliance`,
-        imposed displacements over both.
+        """The same pair of bodies in other units: places and gap over `length`, compliances over
+        `compliance`, gap and slip by bulk stress over both, by tilt over `length`.
         """
         coupling = self.coupling
         if coupling is not None:
@@ -134,11 +134,12 @@ class Interface:
 
 
 def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
-    """Couple two bodies: node by node where flat faces have nodes opposite each other, by mortar on
-    their middle line elsewhere.
+    """Compliance of a pair of bodies facing each other, from the condensed compliance of each: what
+    contact forces do to gap and slip.
 
-    The upper body is condensed in its own frame, as if it were a lower one, and reflected in y = 0
-    here.
+    Bodies are coupled node by node where flat faces have nodes opposite each other, by mortar on
+    their middle line elsewhere. The upper body is condensed in its own frame, as if it were a lower
+    one; here it is reflected in y = 0.
     """
     if _opposite(lower, upper):
         return _coupled_node_by_node(lower, upper)
@@ -146,15 +147,17 @@ def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
 
 
 def _coupled_node_by_node(lower: CondensedBody, upper: CondensedBody) -> Interface:
-    """The interface of a lower and an upper body whose flat faces have nodes opposite each other:
-    compliances add, since equal forces act on both, along x in opposite directions.
+    """Compliance of two bodies whose flat faces have nodes opposite each other: normal and
+    tangential compliances add, since equal and opposite forces act on both.
+
+    The coupling of pressure and slip is the difference of both bodies', zero for like ones.
     """
     # compliance[i, :, j, :]: displacement i (0 along x, 1 outward) by force j; the upper body feels
     # -q along x and -p outward.
     lower_compliance = lower.compliance
     upper_compliance = upper.compliance
     stretch_of_lower, stretch_of_upper, tilt_of_upper = _imposed_displacements(lower, upper)
-    # gap by the displacement outward, slip by that along x: the order of `Interface.imposed`
+    # Reversed, as the gap comes first: it changes by displacement outward, slip by that along x.
     imposed_displacement = np.stack([-stretch_of_lower, stretch_of_upper, tilt_of_upper], axis=-1)[
         ::-1
     ]
@@ -172,11 +175,15 @@ def _coupled_node_by_node(lower: CondensedBody, upper: CondensedBody) -> Interfa
 
 
 def _coupled_by_mortar(lower: CondensedBody, upper: CondensedBody) -> Interface:
-    """The interface of a lower and an upper body whose nodes are not opposite each other: their
-    compliances are carried to the nodes of the lower face by mortar operators on the middle line.
+    """Compliance of two bodies with curved faces, or with nodes that are not opposite each other,
+    at the nodes of the lower face.
+
+    With mortar operators B, which average displacement over the shape functions of these nodes, the
+    compliance is the sum of B C B^T over both bodies, C being that of each. Its blocks are those of
+    gap by p, of slip by q, and of slip by p.
     """
     mortar_sides = _mortar(lower, upper)
-    # next to nothing but zeros
+    # Sparse: these operators hold little but zeros.
     operator_of_lower = csr_array(_flattened(mortar_sides.lower))
     operator_of_upper = csr_array(_flattened(mortar_sides.upper))
     compliance_of_both = (
@@ -238,56 +245,25 @@ _LEAST_NODES = 21
 
 
 def without_local_difference(faces: Interface, scene: Scene) -> Interface | None:
-    """The interface without the parts of N - T and of K that only the mesh makes, N, T and K the
-    normal, tangential and coupling compliance; None where these can't be told from the bodies' own.
+    """Contact compliance without what only the mesh adds to N - T and to K over nearby nodes; None
+    where that cannot be told from what a near base or end of a face adds.
 
-    On the smooth surface of an isotropic body a force displaces its surroundings by -(2/pi E') ln|x
-    - x'| along itself, whether it presses or shears: N and T have one singular part, N - T is
-    smooth, and K jumps at x = x', smooth on either side. On a mesh of quadratic elements they have
-    parts of their own over the next nodes, the same for every size of element. N finds the nodes
-    that touch, T the compliance of those that stick: the same set is longer for the one than for
-    the other by a share of an element, and wherever edges move W has an error of first order. Here
-    these parts go, T being what is changed:
+    On a smooth isotropic body a unit force displaces its surroundings by -(2/pi E') ln|x - x'|
+    along itself, whether it presses or shears. So N - T is smooth, and K smooth on either side of
+    its jump at x = x'. A mesh of quadratic elements adds parts over the next ten nodes, whatever
+    the element size. They make the zone that touches (by N) longer or shorter than the zone that
+    sticks (by T) by a part of an element. Wherever edges move, W then has an error of first order.
 
-        D = N - T = S + R,   R_ij = (m_i + m_j)/2 where |x_i - x_j| <= 8.5 h_ij
+    Here N - T is replaced by a smooth fit near the diagonal, T being what changes; K likewise on
+    each side. That the singular parts of N and T are equal is imposed thereby, not tested.
 
-    S is a polynomial in x_i and x_j through D beyond that distance: what is smooth, of bodies of
-    any shape; m_i is the mean of R_ij over 8.5 to 10.5 h_ij, and h_ij the larger size at i and at
-    j; of small elements next to large ones that of the large. Elements are right about a uniform
-    traction, so that the mesh's part has no sum; its tail beyond 8.5 h_ij, which stays in T, has
-    one, and gets the opposite within 17 h_ij: else W of Cattaneo-Mindlin's cycle stays 6e-5 too
-    small however small the elements. K goes likewise on each side of its diagonal, which is the
-    mean of both. All that it takes from elasticity is that the singular parts are equal: that is
-    imposed thereby, and not tested any more. Where ten nodes next to each other see the end of a
-    face, or a base, N - T has parts that are not the mesh's.
+    # notation: N normal, T tangential compliance, K coupling, E' = E/(1 - nu^2)
     """
-    spacing = np.diff(faces.x)
-    n_nodes = int(_PLATEAU)
-    room_beside = face_room(scene) - float(np.abs(faces.x).max())
-    if (
-        len(faces.x) < _LEAST_NODES
-        or room_beside < n_nodes * max(spacing[0], spacing[-1])
-        or least_depth(scene) < 2 * n_nodes * float(spacing.max())
-    ):
+    if not _has_room_for_plateau(faces, scene):
         return None
     sizes_ahead = _sizes_ahead(faces.x)
     is_in_band = np.abs(sizes_ahead) <= _LOCAL
-    smooth_difference = _smooth(faces.normal - faces.tangential, faces.x, np.abs(sizes_ahead))
-    symmetric_difference = (smooth_difference + smooth_difference.T) / 2
-    tangential_compliance = np.where(
-        is_in_band, faces.normal - symmetric_difference, faces.tangential
-    )
-    # What a uniform traction does stays: the correction, with its rows' sums spread over twice the
-    # band, has none.
-    is_in_double_band = np.abs(sizes_ahead) <= 2 * _LOCAL
-    weights = faces.weights
-    sums_of_rows = (tangential_compliance - faces.tangential) @ weights
-    spread_of_sums = solve(
-        np.diag(is_in_double_band @ weights) + is_in_double_band * weights, sums_of_rows
-    )
-    tangential_compliance -= np.where(
-        is_in_double_band, np.add.outer(spread_of_sums, spread_of_sums), 0.0
-    )
+    tangential_compliance = _tangential_without_mesh_part(faces, sizes_ahead)
     coupling = faces.coupling
     if coupling is not None:
         smooth_on_left = _smooth(coupling, faces.x, sizes_ahead)
@@ -299,18 +275,62 @@ def without_local_difference(faces: Interface, scene: Scene) -> Interface | None
     return replace(faces, tangential=freeze(tangential_compliance), coupling=coupling)
 
 
+def _has_room_for_plateau(faces: Interface, scene: Scene) -> bool:
+    """Whether the ends of the faces and the bases of the bodies are further away than the ten nodes
+    over which the mesh distorts a compliance, and the contact has enough nodes to fit its rest.
+    """
+    spacing = np.diff(faces.x)
+    n_nodes = int(_PLATEAU)
+    room_beside = face_room(scene) - float(np.abs(faces.x).max())
+    return (
+        len(faces.x) >= _LEAST_NODES
+        and room_beside >= n_nodes * max(spacing[0], spacing[-1])
+        and least_depth(scene) >= 2 * n_nodes * float(spacing.max())
+    )
+
+
+def _tangential_without_mesh_part(faces: Interface, sizes_ahead: Array) -> Array:
+    """Tangential compliance T (n, n) whose difference from the normal one, N, is smooth between
+    nearby nodes.
+
+    Within 8.5 element sizes of the diagonal N - T is replaced by a smooth fit of it beyond; further
+    away T stays. Elements are right about a uniform traction, so that what the mesh adds has no sum
+    along a row. Its tail beyond 8.5 sizes, which stays in T, has one: the opposite is spread over
+    17 sizes. Without this, W of Cattaneo-Mindlin's cycle stays 6e-5 too small on any mesh.
+
+    `sizes_ahead` (n, n) is the distance of two nodes over the size of the elements there.
+    """
+    is_in_band = np.abs(sizes_ahead) <= _LOCAL
+    smooth_difference = _smooth(faces.normal - faces.tangential, faces.x, np.abs(sizes_ahead))
+    symmetric_difference = (smooth_difference + smooth_difference.T) / 2
+    tangential_compliance = np.where(
+        is_in_band, faces.normal - symmetric_difference, faces.tangential
+    )
+    is_in_double_band = np.abs(sizes_ahead) <= 2 * _LOCAL
+    weights = faces.weights
+    sums_of_rows = (tangential_compliance - faces.tangential) @ weights
+    # A symmetric matrix v_i + v_j on the double band has these sums.
+    spread_of_sums = solve(
+        np.diag(is_in_double_band @ weights) + is_in_double_band * weights, sums_of_rows
+    )
+    tangential_compliance -= np.where(
+        is_in_double_band, np.add.outer(spread_of_sums, spread_of_sums), 0.0
+    )
+    return np.asarray(tangential_compliance)
+
+
 def least_depth(scene: Scene) -> float:
     """Least depth of material below either face; infinite of half-planes [length]."""
     return min(scene.bodies.lower.least_depth, scene.bodies.upper.least_depth)
 
 
 def _sizes_ahead(x: Array) -> Array:
-    """(n, n) distance x_i - x_j over the larger element size at i and at j: between equal elements,
-    a number of nodes.
+    """Distance x_i - x_j of the contact nodes over the larger element size at i and at j, (n, n):
+    between equal elements, a number of nodes with a sign.
 
-    What large elements make reaches into small ones beside them, as far as 8 of the large ones:
-    they count as larger there. Between equal elements many nodes are 17 sizes apart, which is a
-    limit of `without_local_difference`: the last digits of x must not choose the side.
+    Large elements disturb the compliance as far as 8.5 of their sizes away, so that small elements
+    beside them count as larger. Distances are rounded to nine digits behind the point: they are
+    compared with a number of nodes, and round-off of x must not decide on which side they lie.
     """
     spacing = np.diff(x)
     size_on_right = np.append(spacing, spacing[-1])
@@ -323,14 +343,26 @@ def _sizes_ahead(x: Array) -> Array:
 
 
 def _smooth(matrix: Array, x: Array, sizes_ahead: Array) -> Array:
-    """(n, n) the smooth part of a matrix over pairs of nodes: a polynomial in both places, fitted
-    where `sizes_ahead`, the distance of the nodes in element sizes, is beyond the band, plus the
-    mean of what it leaves just beyond the band.
+    """Smooth part of a compliance over pairs of nodes, (n, n), which elements distort between nodes
+    that are near each other.
+
+    A polynomial in both places is fitted to pairs further apart than 8.5 element sizes. The mean of
+    what it leaves at 8.5 to 10.5 sizes is added.
+
+    Parameters
+    ----------
+    matrix
+        (n, n) compliance between the nodes
+    x
+        (n,) their places
+    sizes_ahead
+        (n, n) distance of two nodes over the element size; with a sign, if only pairs on one side
+        are to count
     """
     unit_x = 2 * (x - x[0]) / (x[-1] - x[0]) - 1
     chebyshev_places = np.cos(np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES)
     sample_nodes = np.searchsorted(unit_x, chebyshev_places).clip(0, len(x) - 1)
-    # with their images: faces that are their own mirror image stay so
+    # Together with their mirror images, so that a symmetric compliance stays symmetric.
     sample_nodes = np.union1d(sample_nodes, len(x) - 1 - sample_nodes)
     row_samples, column_samples = np.nonzero(
         sizes_ahead[np.ix_(sample_nodes, sample_nodes)] > _LOCAL
@@ -351,17 +383,18 @@ def _smooth(matrix: Array, x: Array, sizes_ahead: Array) -> Array:
 
 
 def _plateau(matrix: Array, sizes_ahead: Array) -> Array:
-    """Mean of a matrix (n, n) about each entry: the mean of its row and its column over the entries
-    8.5 to 10.5 elements ahead; that of one where the other has none there.
+    """Mean, for each pair of nodes, of a matrix (n, n) over entries 8.5 to 10.5 element sizes from
+    its diagonal: half from the row of the pair, half from its column.
 
-    `sizes_ahead` (n, n) is the distance of the entries' nodes over the size of the elements.
+    Where the row or the column has no such entries, the other counts alone. `sizes_ahead` (n, n) is
+    the distance of two nodes over the size of the elements.
     """
     is_on_plateau = (sizes_ahead > _LOCAL) & (sizes_ahead <= _PLATEAU)
     row_means, column_means = (
         (matrix * is_on_plateau).sum(axis=axis) / np.maximum(is_on_plateau.sum(axis=axis), 1)
         for axis in (1, 0)
     )
-    # the sums are 0 where there is none
+    # A row or column without such entries has the mean 0 here, which is not counted.
     n_means = np.add.outer(
         np.any(is_on_plateau, axis=1).astype(float), np.any(is_on_plateau, axis=0).astype(float)
     )
@@ -371,18 +404,21 @@ def _plateau(matrix: Array, sizes_ahead: Array) -> Array:
 def body_forces(
     lower: CondensedBody, upper: CondensedBody, pressure: Array, shear: Array
 ) -> dict[str, Array]:
-    """Nodal forces (along x, outward) on each body in its own frame, "lower" and "upper", from
-    nodal p and q.
+    """Forces on the contact nodes of each body, in its own frame, by the nodal pressure and shear
+    of the contact.
 
     Parameters
     ----------
+    lower, upper
+        the condensed bodies
     pressure, shear
-        (n,) or (n, k) for k load cases [force per thickness]
+        (n,) or (n, k) for k load cases, p pressing and q along x on the lower body [force per
+        thickness]
 
     Returns
     -------
     dict
-        (2, n) or (2, n, k), n nodes of the body.
+        "lower" and "upper" -> (2, n) or (2, n, k) forces along x and outward.
     """
     if _opposite(lower, upper):
         return {"lower": np.stack([shear, -pressure]), "upper": np.stack([-shear, -pressure])}
@@ -434,15 +470,18 @@ _ROUNDING = 1e-9
 def meshed_pair(
     scene: Scene, mesh: MeshSettings, grading: Callable[[float], SurfaceGrading]
 ) -> tuple[BodyMesh, BodyMesh]:
-    """Meshes of the lower and of the upper body; one mesh for both where they have one shape and
-    one element size.
+    """Mesh the lower and the upper body of a scene by gmsh; where they have one shape and one
+    element size, one mesh serves for both.
 
     Parameters
     ----------
+    scene
+        shapes of the bodies, profile of their faces, and whether a bulk stress pulls at their ends
     mesh
         settings of the meshes
     grading
-        sizes of the surface elements, from the factor by which they are enlarged
+        function from a factor on the element sizes (that of the upper over the lower body) to the
+        sizes of the elements along the face
     """
     shapes = scene.bodies
     lower = build("lower", shapes.lower, scene.profile, grading(1.0), mesh)
@@ -465,8 +504,11 @@ def _with_ends(body: BodyMesh, shape: Shape, scene: Scene) -> BodyMesh:
 def condensed_pair(
     scene: Scene, bodies: tuple[BodyMesh, BodyMesh], datum_length: float, work: Counter[str]
 ) -> tuple[CondensedBody, CondensedBody]:
-    """Both bodies condensed, or from the cache where this process condensed them before; `work`
-    counts.
+    """Both bodies condensed to their contact nodes; bodies that this process condensed before come
+    from a cache.
+
+    `bodies` are the meshes of the lower and the upper one, `datum_length` is the distance from a
+    force at which a half-plane's surface counts as unmoved [length]. Counters in `work` are raised.
     """
     lower = BODIES.condensed(bodies[0], scene.material.lower, datum_length, work)
     if scene.material.alike and bodies[1] is bodies[0]:
@@ -475,17 +517,17 @@ def condensed_pair(
 
 
 def initial_gap(scene: Scene, interface: Interface) -> Array:
-    """(n,) initial gap in the units of the scene's lengths: that of the faces as made, or the
-    profile between two flat ones.
+    """Initial gap (n,) at the contact nodes [length]: the distance of curved faces as they are
+    meshed; where both faces are meshed flat, the height of the profile.
 
     Raises
     ------
     InputError
-        If the faces overlap before any load.
+        If the faces overlap before any load, by more than curved elements sag.
     """
     if not scene.bodies.faces_are_true:
         return np.asarray(scene.profile.height(interface.x))
-    x, distance = interface.nearest
+    x, distance = interface.nearest  # where the faces are nearest to each other
     by_meshing = _OVERLAP * float(interface.gap.max())
     rounding = _ROUNDING * float(np.ptp(interface.x))
     if -distance > max(by_meshing, rounding):
@@ -498,11 +540,13 @@ def initial_gap(scene: Scene, interface: Interface) -> Array:
 def bulk_stress_notes(
     scene: Scene, condensed: tuple[CondensedBody, CondensedBody], tangential_load: float
 ) -> Iterator[str]:
-    """Notes on where the stated bulk stress of a block acts, from the largest |Q| of the path.
+    """Sentences for the reader on where the stated bulk stress of a block with pulled ends acts.
 
-    With ends on rollers the ends carry Q, and the stress jumps by Q/H across the contact (H:
-    height); with a fixed base, the share that reaches the middle of the face, by the condensed
-    body.
+    Where the base is on rollers the ends carry Q, so that the stress jumps by Q/H across the
+    contact (H: height). A fixed base holds the block back: the sentence states which part of the
+    stress arrives at the middle of the face, by the slope of its displacement.
+
+    `condensed` are the lower and the upper body, `tangential_load` is the largest |Q| of the path.
     """
     if not has_bulk_stress(path_of(scene)):
         return

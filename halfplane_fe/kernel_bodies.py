@@ -114,7 +114,11 @@ class PartOfFace:
     material: Elastic
 
     def kernels(self, x: Array, s: Array) -> KernelSums:
-        """Between places x (n,) and forces at s (m,)."""
+        """Displacements at places x (n,) by unit forces at s (m,) that no polynomial follows, since
+        the curvature of the face jumps where the flat ends, (n, m) each [1 / stress].
+
+        They are Flamant's field along chords of the face, and the first order of the depth.
+        """
         depth = arc_depth(x, self.radius, self.flat_half_length)
         depth_at_force = arc_depth(s, self.radius, self.flat_half_length)
         slope_at_force = slope_of_arc(s, self.radius, self.flat_half_length)
@@ -127,7 +131,9 @@ class PartOfFace:
         return KernelSums(slope_kernels.normal, tangential, slope_kernels.along_by_pressure)
 
     def _phi(self, x: Array) -> Array:
-        """Phi [length]."""
+        """Phi = [(x + b)^2 ln|x + b| - (x - b)^2 ln|x - b|] / (2 R) at places x [length]; b is the
+        half-length of the flat, R the radius of the arcs beside it.
+        """
         xlogy = scipy.special.xlogy
         distance_from_left = x + self.flat_half_length
         distance_from_right = x - self.flat_half_length
@@ -137,7 +143,9 @@ class PartOfFace:
         return np.asarray(logarithmic_sum / (2 * self.radius))
 
     def _phi_rate(self, x: Array) -> Array:
-        """d Phi/dx."""
+        """Derivative of Phi = [(x + b)^2 ln|x + b| - (x - b)^2 ln|x - b|] / (2 R) along x; b is the
+        half-length of the flat, R the radius of the arcs beside it.
+        """
         xlogy = scipy.special.xlogy
         distance_from_left = x + self.flat_half_length
         distance_from_right = x - self.flat_half_length
@@ -187,7 +195,12 @@ class FaceKernels:
     part_of_face: PartOfFace | None = None
 
     def at(self, x: Array, s: Array) -> KernelSums:
-        """k_nn, k_tt, k_tn at places x (n,) by forces at s (m,): (n, m) each."""
+        """Displacement of the face at places x (n,) by unit forces at s (m,), minus that of a
+        half-plane: (n, m) each [1 / stress].
+
+        They are inwards by a pressing force, along x by a pull along x, and along x by a pressing
+        force (k_nn, k_tt, k_tn).
+        """
         degree = len(self.normal) - 1
         polynomials_of_x = np.polynomial.chebyshev.chebvander(x / self.reach, degree)
         polynomials_of_s = np.polynomial.chebyshev.chebvander(s / self.reach, degree)
@@ -207,7 +220,10 @@ class FaceKernels:
         )
 
     def strain(self, x: Array, s: Array, pressing: Array, along: Array) -> Array:
-        """Strain along a flat face at places x (n,), by forces at s (m,) on the body.
+        """Strain along a flat face at places x (n,) that the finite size of the body adds to that
+        of a half-plane, by forces at s (m,).
+
+        It is the derivative along x of the displacement along x.
 
         Parameters
         ----------
@@ -226,11 +242,22 @@ class FaceKernels:
 def fitted_kernels(
     kernels: RemainderKernels, part_of_face: PartOfFace | None = None, degree: int = _DEGREE
 ) -> FaceKernels:
-    """Least-squares fit of polynomials T_i(x) T_j(s) of a `degree` to the kernels of a body whose
-    mirror line is x = 0: displacements by a force along the normal or along the face are even
-    functions of x and s together, those across are odd, and kernels are symmetric by reciprocity.
+    """Least-squares fit of Chebyshev polynomials T_i(x/r) T_j(s/r) to the displacement at x by a
+    unit force at s on the face of a body that is its own mirror image in x = 0.
 
-    `part_of_face` is a part that is no polynomial, which is taken out before; None for flat faces.
+    Displacements in the direction of the force, k_nn and k_tt, have even i + j; those across it,
+    k_tn, have odd i + j. By reciprocity k_nn and k_tt are symmetric in x and s.
+
+    # notation: n inwards, t along x; first index displacement, second force; r largest |x|
+
+    Parameters
+    ----------
+    kernels
+        displacements of the face by unit forces, minus those of a half-plane
+    part_of_face
+        a part that is no polynomial, subtracted before the fit; None for a flat face or a pure arc
+    degree
+        largest i + j
     """
     if part_of_face is not None:
         face_kernels = part_of_face.kernels(kernels.x, kernels.forces_at)
@@ -238,7 +265,7 @@ def fitted_kernels(
             normal=kernels.normal - face_kernels.normal,
             tangential=kernels.tangential - face_kernels.tangential,
             along_by_pressure=kernels.along_by_pressure - face_kernels.along_by_pressure,
-            # by reciprocity, and places and forces have one slope between them
+            # By reciprocity k_nt(x, s) = -k_tn(s, x); this part of k_tn is symmetric.
             outward_by_shear=kernels.outward_by_shear + face_kernels.along_by_pressure,
         )
     reach = float(np.abs(kernels.x).max())
@@ -289,7 +316,11 @@ class BodyKernels:
     coarse: FaceKernels
 
     def strain(self, x: Array, s: Array, pressing: Array, along: Array) -> tuple[Array, Array]:
-        """`FaceKernels.strain` by the fine mesh, and its difference from the coarse one."""
+        """Strain (n,) along a flat face at places x that the size of the body adds to that of a
+        half-plane, and its difference between the fine and the coarse mesh.
+
+        `pressing` and `along` (m,) are forces at s (m,) into the body and along +x [force/length].
+        """
         strain = self.fine.strain(x, s, pressing, along)
         return strain, np.abs(strain - self.coarse.strain(x, s, pressing, along))
 
@@ -308,8 +339,11 @@ class KernelPair:
     faces: tuple[Face, Face] = (_FLAT, _FLAT)
 
     def added_to(self, faces: Interface) -> Interface:
-        """The interface of half-planes with the compliance that the finite bodies add to it; the
-        nodes lie on the line midway between the faces where one of them is curved.
+        """Contact compliance of the finite bodies: that of two half-planes (`faces`) plus what the
+        size of each body adds.
+
+        Where a face is curved, forces and displacements are then turned into the normal and tangent
+        of the line midway between the faces.
         """
         added_normal, added_tangential, coupling = self.sums(faces.x, "fine")
         if faces.coupling is not None:
@@ -325,19 +359,24 @@ class KernelPair:
         return _on_middle_line(with_bodies, *self.faces)
 
     def share_of_work(self, x: Array, modulus: float) -> float:
-        """About what share of the dissipation the difference of both meshes may be; constants move
-        no dissipation.
+        """Estimate of the relative error of the friction work W by the meshes that the kernels come
+        from, by their difference on a fine and a coarse mesh.
+
+        A compliance that is constant over the contact does not change W: half the range of the
+        difference counts. `x` are the contact nodes, `modulus` is E* [stress].
         """
         difference = 0.0
         for fine, coarse in zip(self.sums(x, "fine"), self.sums(x, "coarse"), strict=True):
-            change = fine - coarse
-            difference += float(np.ptp(change)) / 2
+            change_of_compliance = fine - coarse
+            difference += float(np.ptp(change_of_compliance)) / 2
         return _WORK_BY_KERNELS * difference * modulus
 
     def sums(self, x: Array, mesh: Literal["fine", "coarse"]) -> tuple[Array, Array, Array]:
-        """What the kernels of both bodies add to the normal, tangential and coupling compliance N,
-        T and K of half-planes at nodes `x` (n,), (n, n) each, by the "fine" or the "coarse" `mesh`;
-        K is exactly 0 of like bodies.
+        """What the finite size of both bodies adds to the normal, tangential and coupling
+        compliance of two half-planes at nodes `x` (n,): three matrices (n, n) [1 / stress].
+
+        Normal and tangential compliances of the bodies add up; of the coupling, that of the lower
+        body is subtracted, so that it is exactly 0 of like bodies. `mesh` is that of the kernels.
         """
         zeros = np.zeros((len(x), len(x)))
         normal = zeros
@@ -363,12 +402,23 @@ def _slope_of(face: Face, x: Array) -> Array:
 
 
 def _on_middle_line(pair: Interface, lower: Face, upper: Face) -> Interface:
-    """The interface of curved faces with forces and displacements along normal and tangent of the
-    middle line between them, from the `pair` with compliances along x and y.
+    """Turn the contact compliance of two curved faces from the axes x and y into the normal and
+    tangent of the line midway between the faces, and set the gap along that normal.
 
-    The middle line has half the difference of the slopes of the `lower` and the `upper` face. n_x
-    and n_y are the components of its normal, and the weights their products at two nodes, by which
-    a compliance along x and y counts in one along normal and tangent.
+    With its normal n = (n_x, n_y), and the place of the displacement left, that of the force right:
+
+        N' = n_y N n_y + n_x T n_x + n_x K n_y + n_y K^T n_x
+        T' = n_y T n_y + n_x N n_x - n_y K n_x - n_x K^T n_y
+        K' = n_y K n_y - n_x K^T n_x + n_y T n_x - n_x N n_y
+
+    # notation: N compliance along y, T along x, K along x by forces along y
+
+    Parameters
+    ----------
+    pair
+        compliances of both bodies along x and y, at nodes on flat faces
+    lower, upper
+        depth of each face below its highest point, as a function of x
     """
     x = pair.x
     depth_of_lower = lower.depth(x)
@@ -413,13 +463,14 @@ def _on_middle_line(pair: Interface, lower: Face, upper: Face) -> Interface:
 
 
 def check_kernels(scene: Scene) -> None:
-    """Refuse what the kernels do not cover.
+    """Refuse scenes that cannot be solved by kernels, the compliance that a body's finite size adds
+    to that of a half-plane.
 
     Raises
     ------
     InputError
-        For bodies and loads that `body_effects` refuses, but for pads and cylinders whose faces are
-        arcs, or a flat between two.
+        For faces that are neither flat, nor an arc, nor a flat between two arcs; for bodies on
+        rollers with free sides; for bulk stress, and on curved faces also tilt or moment.
     """
     for name in ("lower", "upper"):
         shape = getattr(scene.bodies, name)
@@ -447,7 +498,12 @@ def is_arc(shape: Shape, profile: Profile) -> bool:
 
 
 def kernel_pair(scene: Scene, reach: float, datum_length: float, work: Counter[str]) -> KernelPair:
-    """The kernels of both bodies of a scene over |x| <= `reach`; `work` counts."""
+    """For both bodies of a scene, what their finite size adds to the displacement of the face by
+    unit forces, as polynomials over |x| <= `reach` [length].
+
+    Bodies alike are computed once. `datum_length` is the distance from a force at which a
+    half-plane's surface counts as unmoved [length]; `work` counts linear systems and unknowns.
+    """
     bodies: dict[str, BodyKernels | None] = {}
     for name in ("lower", "upper"):
         if name == "upper" and shapes_alike(scene):
@@ -463,8 +519,19 @@ def kernel_pair(scene: Scene, reach: float, datum_length: float, work: Counter[s
 def _kernels_in(
     scene: Scene, name: str, reach: float, datum_length: float, work: Counter[str]
 ) -> BodyKernels | None:
-    """The kernels of one body of a scene, "lower" or "upper", over |x| <= `reach`, by a fine and a
-    coarse mesh; None of a half-plane. `work` counts the linear systems.
+    """What the finite size of one body adds to the displacement of its face by unit forces, as
+    polynomials over |x| <= `reach`, from a fine and from a coarse mesh; None of a half-plane.
+
+    Parameters
+    ----------
+    name
+        "lower" or "upper"
+    reach
+        half-width of the part of the face that may touch [length]
+    datum_length
+        distance from a force at which a half-plane's surface counts as unmoved [length]
+    work
+        counters of linear systems and of their unknowns, raised here
     """
     shape = getattr(scene.bodies, name)
     if isinstance(shape, HalfPlane):
@@ -478,10 +545,9 @@ def _kernels_in(
     n_elements = _ELEMENTS_OF_JUMP if has_jump else _ELEMENTS
     kernels_of_meshes = []
     for size_factor in (1.0, _COARSER):
-        elements_of_body = nearest_end(shape) / n_elements
-        element_size = size_factor * min(
-            elements_of_body, reach * _ELEMENTS / _LEAST_ELEMENTS / n_elements
-        )
+        size_by_body = nearest_end(shape) / n_elements
+        size_by_reach = reach * _ELEMENTS / _LEAST_ELEMENTS / n_elements
+        element_size = size_factor * min(size_by_body, size_by_reach)
         grading = SurfaceGrading(inner=0.0, outer=reach, size=element_size, edge_size=element_size)
         body = build(
             name, shape, scene.profile, grading, MeshSettings(growth=size_factor * _GROWTH)

@@ -30,21 +30,22 @@ _OPEN, _STICK, *_SLIPS = np.array([OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE], dty
 def project(
     trial_pressure: ArrayLike, trial_shear: ArrayLike, friction: float
 ) -> tuple[Array, Array, States]:
-    """Return mapping onto the cone |q| <= f p, p >= 0.
+    """Return mapping of contact and friction: trial pressure and shear are moved to the nearest
+    admissible ones, p >= 0 and |q| <= f p (the Coulomb cone).
 
     Parameters
     ----------
     trial_pressure, trial_shear
-        any shape, same for both [stress, or force on a node]
+        any shape, one for both [stress, or force on a node]
     friction
         coefficient f >= 0
 
     Returns
     -------
     pressure, shear
-        on or inside the cone
+        p and q, inside the cone or on it
     state
-        SurfaceState as int8; on the cone the sign of the shear tells the sense of slip
+        0 open, 1 stick, 2 slip forward (q > 0), 3 slip reverse (q < 0), int8
 
     Examples
     --------
@@ -82,15 +83,22 @@ def slip_sign(state: States) -> NDArray[np.int64]:
 def violations(
     gap: Array, pressure: Array, shear: Array, slip_increment: Array, friction: float
 ) -> dict[str, Array]:
-    """How far answers (..., n) are from the law: (...) of each, in the units of its arguments, 0
-    where the law is met.
+    """How far a solution is from the laws of unilateral contact and Coulomb friction: the largest
+    violation of each law over n nodes, 0 where it is met.
+
+    Parameters
+    ----------
+    gap, pressure, shear, slip_increment
+        (..., n) g, p, q and the increment ds of slip at the nodes
+    friction
+        coefficient f
 
     Returns
     -------
     dict
-        tension (largest -p), penetration (largest -g), gap_pressure (largest |g p|), cone (largest
-        |q| - f p), slip_sign (largest -q ds, work done by friction), creep (largest |ds| strictly
-        inside the cone).
+        Name of a law -> (...) violation, in the units of the arguments: tension (-p), penetration
+        (-g), gap_pressure (|g p|), cone (|q| - f p), slip_sign (-q ds, as if friction did work),
+        creep (|ds| strictly inside the cone).
     """
     limit = friction * pressure
     is_inside = np.abs(shear) < limit * (1 - 1e-9)

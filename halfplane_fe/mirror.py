@@ -29,10 +29,12 @@ _ALIKE = 1e-9
 
 
 def mirrored(faces: Interface, sheared: bool) -> bool:
-    """Whether a node lies on x = 0, and the answer on these faces is its own mirror image in it.
+    """Whether the solution of a contact problem is its own mirror image in x = 0, so that one half
+    of the nodes is enough.
 
-    `sheared`: there is a tangential load. Coupled faces under shear have no mirror image; uncoupled
-    ones need flat faces.
+    A node has to lie on x = 0, and places, gap and compliances have to be mirror images. Where
+    pressure and shear are coupled (unlike bodies), there must be no tangential load (`sheared`);
+    where they are not, the faces must be flat.
     """
     if len(faces.x) % 2 == 0:
         return False
@@ -58,9 +60,11 @@ def mirrored(faces: Interface, sheared: bool) -> bool:
 
 
 def half(faces: Interface) -> Interface:
-    """The interface on x >= 0 of faces whose answer is its own mirror image: nodal forces are those
-    of a node and its image together. Where normal and tangential forces are coupled, q is odd, so U
-    and Q are zero.
+    """Contact compliance of mirror-symmetric bodies reduced to the nodes at x >= 0, for a solution
+    that is its own mirror image in x = 0.
+
+    A nodal force then is that of a node and its image together. Where pressure and shear are
+    coupled (unlike bodies), q is odd in x, so that Q and U are zero; elsewhere q is even.
     """
     right_half = slice(len(faces.x) // 2, None)
     is_coupled = faces.coupling is not None
@@ -111,27 +115,31 @@ def _images(faces: Interface) -> _Images:
 
 
 def _folded(matrix: Array, parity_of_rows: float, parity_of_columns: float) -> Array:
-    """S^T M S, (m, m), of a matrix M (n, n) over nodes and their mirror images, with functions of
-    rows and of columns that are even, 1, or odd, -1, on the right half.
+    """Reduce a matrix over n nodes, symmetric about x = 0, to the m nodes at x >= 0: (m, m).
+
+    It is S^T M S, where S continues values on the right half to the left one, as an even function
+    (parity 1) or an odd one (parity -1), halved. Rows and columns each have their parity.
     """
-    middle = len(matrix) // 2
-    folded_rows = (
-        matrix[middle:] + parity_of_rows * matrix[middle::-1]
-    ) / 2  # the middle is its own image
+    middle = len(matrix) // 2  # of the node at x = 0, which is its own image
+    folded_rows = (matrix[middle:] + parity_of_rows * matrix[middle::-1]) / 2
     return np.asarray(
         (folded_rows[:, middle:] + parity_of_columns * folded_rows[:, middle::-1]) / 2
     )
 
 
 def unfolded(run: PathRun, faces: Interface) -> PathRun:
-    """A run that was solved on the right half of mirrored faces, as a run on all their nodes:
-    values and states of the left half are the mirror images.
+    """Continue a run that was solved on the nodes at x >= 0 alone to all nodes: the states of the
+    left half are the mirror images.
+
+    A state's values are approach, shift and tilt, then slip, p, q and gap of the nodes. Left of
+    x = 0 each is that of its image times a factor: p and q are forces of a node and its image
+    together, so 1/2; slip and q change sign where they are odd.
     """
     images = _images(faces)
     n_half = len(faces.x) - len(faces.x) // 2
-    # Of each value of a state its place in that of the half, and what it is there times.
-    numbers_in_half = [3 + images.place + number * n_half for number in range(4)]
-    number_in_half = np.concatenate([np.arange(3), *numbers_in_half])
+    # Index of each value among those of the half, and the factor on it.
+    nodal_indices = [3 + images.place + quantity * n_half for quantity in range(4)]
+    index_in_half = np.concatenate([np.arange(3), *nodal_indices])
     sign_of_slip = images.sign
     factor_of_shear = images.share * images.sign
     factors = np.concatenate(
@@ -140,8 +148,9 @@ def unfolded(run: PathRun, faces: Interface) -> PathRun:
     states_of_image = np.array([OPEN, STICK, SLIP_REVERSE, SLIP_FORWARD], dtype=np.int8)
 
     def unfolded_state(state: InterfaceState) -> InterfaceState:
-        n_values = len(number_in_half) if state.is_complete else 3 + len(images.place)
-        values = state.values[number_in_half[:n_values]] * factors[:n_values]
+        # Of states that a long run has thinned out, forces and gap are no longer there.
+        n_values = len(index_in_half) if state.is_complete else 3 + len(images.place)
+        values = state.values[index_in_half[:n_values]] * factors[:n_values]
         values.flags.writeable = False
         states = state.state[images.place]
         states = np.where(images.sign < 0, states_of_image[states], states)

@@ -78,13 +78,27 @@ class Mortar:
 
 
 def mortar(lower: Side, upper: Side) -> Mortar:
-    """Gap, normals and mean displacements of two sides that end above each other, weighted by the
-    dual functions of the lower one.
+    """Dual mortar coupling of two contact faces: operators that give gap and slip at the lower
+    face's nodes as weighted means of the displacements of both faces.
+
+    Points above each other are compared along normal n and tangent t of the line half-way between
+    the faces. With psi_j the dual function of node j of the lower face and w_j = int psi_j:
+
+        gap_j = int psi_j n (X_u + u_u - X_l - u_l) / w_j,   slip_j = int psi_j t (u_u - u_l) / w_j
+
+    # notation: X places, u displacements, subscripts u, l of the upper and the lower face; in
+    # subscripts of einsum s segments of the common refinement, m Gauss points of each, k, l nodes
+    # of an element
+
+    Parameters
+    ----------
+    lower, upper
+        nodes of the two faces in the common frame
 
     Raises
     ------
     ValueError
-        If they do not begin and end together.
+        If the faces do not begin and end at the same x.
 
     Examples
     --------
@@ -94,8 +108,6 @@ def mortar(lower: Side, upper: Side) -> Mortar:
     >>> (coupled.upper[0, :, 1] @ linear).round(12).tolist()
     [0.0, 0.5, 1.0]
     """
-    # notation: k nodes of an element, s segments of the common refinement, m points of each,
-    # psi_j dual function of node j of the lower side
     side_length = lower.x[-1] - lower.x[0]
     if max(abs(lower.x[0] - upper.x[0]), abs(lower.x[-1] - upper.x[-1])) > 1e-9 * side_length:
         raise ValueError("the two contact sides do not begin and end together")
@@ -108,8 +120,7 @@ def mortar(lower: Side, upper: Side) -> Mortar:
     x = middle + half_length * _POINTS
     lower_at_points = _at_points(lower, x)
     upper_at_points = _at_points(upper, x)
-    # along the line half-way between the sides
-    slope = (lower_at_points.slope + upper_at_points.slope) / 2
+    slope = (lower_at_points.slope + upper_at_points.slope) / 2  # of the line half-way between
     length_factor = np.sqrt(1 + slope**2)
     lengths = half_length * _WEIGHTS * length_factor
     unit_normal = np.stack([-slope, np.ones_like(x)]) / length_factor
@@ -156,9 +167,19 @@ def mortar(lower: Side, upper: Side) -> Mortar:
 
 
 def _dual_lengths(side: Side, side_at_points: _SideAtPoints, lengths: Array) -> Array:
-    """(s, k, m) dual functions psi = diag(int phi) (int phi phi^T)^-1 phi of the k nodes of the
-    lower side's elements at m points of s segments, times the lengths (s, m) that the points stand
-    for.
+    """Dual shape functions of the elements of a contact face at Gauss points, times the length that
+    each point stands for: (s, k, m) at m points of s segments, of the k nodes of an element.
+
+        psi = diag(int phi) (int phi phi^T)^-1 phi,   so that int psi_j phi_k = 0 for j not k
+
+    # notation: phi shape functions of an element, psi their dual functions
+
+    Parameters
+    ----------
+    side, side_at_points
+        the face, and its shape functions at the points
+    lengths
+        (s, m) length of the line half-way between the faces for each point
     """
     phi = side_at_points.shapes
     element = side_at_points.nodes[:, 0] // side.order
@@ -189,8 +210,8 @@ class _SideAtPoints(NamedTuple):
 
 
 def _at_points(side: Side, x: Array) -> _SideAtPoints:
-    """One side at the points `x` (s, m) of the segments: the nodes of the element that holds each
-    segment, its shape functions, y and dy/dx.
+    """Shape functions, height y and slope dy/dx of a contact face at abscissae `x` (s, m): m points
+    of each of s segments, each segment within one element of the face.
     """
     element_ends = side.x[:: side.order]
     element = np.clip(np.searchsorted(element_ends, x.mean(axis=1)) - 1, 0, len(element_ends) - 2)
@@ -205,8 +226,6 @@ def _at_points(side: Side, x: Array) -> _SideAtPoints:
             distance = x_of_nodes[:, j] - x_of_nodes[:, k]
             slopes[:, j] = (slopes[:, j] * (x - x_of_nodes[:, k]) + shapes[:, j]) / distance
             shapes[:, j] *= (x - x_of_nodes[:, k]) / distance
-    y, slope = (
-        np.einsum("sk,skm->sm", side.y[nodes], values_or_slopes)
-        for values_or_slopes in (shapes, slopes)
-    )
+    y = np.einsum("sk,skm->sm", side.y[nodes], shapes)
+    slope = np.einsum("sk,skm->sm", side.y[nodes], slopes)
     return _SideAtPoints(nodes, shapes, y, slope)

@@ -118,14 +118,25 @@ def scaled_loads(leg: LoadSegment, time: float, units: tuple[float, ...]) -> tup
 
 
 def turns(leg: LoadSegment, normal_weight: float, tangential_weight: float) -> set[float]:
-    """Instants inside a leg at which the combination of loads, normal_weight P + tangential_weight
-    Q, turns round: by signs of its rate at samples, refined by bracketing.
+    """Turning points of the combination w_P P + w_Q Q of the loads inside one segment of a load
+    path: instants at which its rate of change is zero and changes sign.
+
+    Changes of sign between samples are refined by bracketing. A span of time over which the
+    combination rests counts with its begin and end.
+
+    Parameters
+    ----------
+    leg
+        segment of the load path
+    normal_weight, tangential_weight
+        w_P and w_Q
     """
     times = sampled(leg, _SAMPLES)
 
     def rate(t: Array | float) -> Array:
-        p, q = leg.rates(t)
-        return np.asarray(normal_weight * p + tangential_weight * q)
+        """w_P dP/dt + w_Q dQ/dt."""
+        rate_of_p, rate_of_q = leg.rates(t)
+        return np.asarray(normal_weight * rate_of_p + tangential_weight * rate_of_q)
 
     rates = rate(times)
     rounding = 1e-12 * np.abs(rates).max(initial=0.0)
@@ -140,8 +151,11 @@ def turns(leg: LoadSegment, normal_weight: float, tangential_weight: float) -> s
 
 
 def turning_points(leg: LoadSegment, friction: float) -> list[float]:
-    """Instants inside a leg at which P, Q - f P, Q + f P, a bulk stress, tilt or moment turn round,
-    ascending.
+    """Instants inside one segment of a load path at which P, Q - f P, Q + f P, a bulk stress, tilt
+    or moment turns round, ascending: there increments end, since slip starts or ends.
+
+    `friction` is f. Instants closer than round-off to one another, or to an end of the segment,
+    count once.
     """
     all_times = turns(leg, 1.0, 0.0) | turns(leg, -friction, 1.0) | turns(leg, friction, 1.0)
     if leg.bulk is not None or leg.turning is not None:
@@ -158,16 +172,26 @@ def turning_points(leg: LoadSegment, friction: float) -> list[float]:
 
 
 def stretches(leg: LoadSegment, friction: float, increments: float) -> list[Stretch]:
-    """A leg cut at its turning points, each piece into equal increments, `increments` of them in
-    all (rounded up).
+    """Cut one segment of a load path at its turning points, and each part into increments of equal
+    duration.
+
+    Parameters
+    ----------
+    leg
+        segment of the load path
+    friction
+        coefficient f: Q - f P and Q + f P have turning points too
+    increments
+        number of increments of the whole segment; each part gets its share, rounded up, and two at
+        least
     """
-    pieces = []
+    parts = []
     cuts = [leg.start, *turning_points(leg, friction), leg.end]
     for start, end in itertools.pairwise(cuts):
-        share_of_increments = increments * (end - start) / (leg.end - leg.start)
-        n_increments = max(2, int(np.ceil(share_of_increments)))
-        pieces.append(Stretch(leg, start, tuple(np.linspace(start, end, n_increments + 1)[1:])))
-    return pieces
+        increments_of_part = increments * (end - start) / (leg.end - leg.start)
+        n_increments = max(2, int(np.ceil(increments_of_part)))
+        parts.append(Stretch(leg, start, tuple(np.linspace(start, end, n_increments + 1)[1:])))
+    return parts
 
 
 # Gauss points and weights on an increment: the rest of an ellipse's area is below round-off from 24
@@ -176,11 +200,21 @@ _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
 def enclosed(leg: LoadSegment, times: Array) -> Array | None:
-    """Areas that a curved leg encloses with its chords between m + 1 times, by pairs of its k
-    loads, (k, k, m): the integral of load i d load j along the leg minus that along the chords;
-    None of a straight leg.
+    """Areas between a curved load path and its chords, in the plane of each pair of loads, for each
+    of m increments: (k, k, m), k loads; None of a straight path.
 
-    It is skew: the integral of d(i j) is equal along both.
+    An area is the integral of F_i dF_j along the path minus that along the chord. It changes sign
+    when i and j are exchanged, since the integral of d(F_i F_j) is equal along both. Gauss
+    integration over time.
+
+    # notation: F_i the i-th load (P, Q; with bulk stress or tilt also these)
+
+    Parameters
+    ----------
+    leg
+        segment of the load path
+    times
+        (m + 1,) ends of the increments
     """
     if straight(leg):
         return None
@@ -195,8 +229,9 @@ def enclosed(leg: LoadSegment, times: Array) -> Array | None:
         if load.segment is None:
             continue
         change_since_start = load.segment.change_of(load.combination, instants, start)
-        whole_change = load.segment.change_of(load.combination, end, start)
-        change_from_middle = change_since_start - whole_change / 2
+        change_over_increment = load.segment.change_of(load.combination, end, start)
+        # Counted from the mean of both ends, the chord's integral is zero.
+        change_from_middle = change_since_start - change_over_increment / 2
         for j, earlier_load in enumerate(loads[:i]):
             if earlier_load.segment is None:
                 continue
@@ -207,67 +242,73 @@ def enclosed(leg: LoadSegment, times: Array) -> Array | None:
 
 
 def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False) -> None:
-    """Refuse a path with separation or gross sliding (|Q| >= f P, with Q = 0 allowed), f =
-    `friction`.
+    """Refuse a load path on which the bodies separate or slide as a whole, which the finite
+    elements do not follow.
 
-    Where the path `is_driven`, movements of actuators stand in the place of the loads: separation
-    alone is seen beforehand, and gross sliding is allowed.
+    Separation is P <= 0 after the start, or so little load that it cannot be told from none. Gross
+    sliding is |Q| >= f P, but for Q = 0. Both are worst at turning points of P, Q - f P or Q + f P,
+    so that looking there is exact, to 1e-14 of f times the largest load.
 
-    Separation is P <= 0 after the start, or so little load that it can't be told from none. Both
-    extremes are met at turning points, so looking there is exact: to 1e-14 of f times the largest
-    load, in any unit and for any f. The half-plane engine admits |Q| = f P itself; here nothing
-    sticks then, and the tangential displacement has no value.
+    Parameters
+    ----------
+    path
+        loads over time
+    friction
+        coefficient f
+    is_driven
+        whether movements of actuators stand in the place of the loads: then gross sliding is
+        allowed, and separation is looked for in the approach
 
     Raises
     ------
     InadmissibleLoadError
-        At the worst instant of the first leg at fault.
+        At the worst instant of the first segment at fault.
     InputError
         For separation of a driven path.
     """
     for leg in path.legs(1):
         times = np.array([leg.start, *turning_points(leg, friction), leg.end])
         normal_load, tangential_load = leg.loads(times)
-        is_on_path = times > path.start
+        is_after_start = times > path.start
         largest_load = float(np.abs(normal_load).max())
-        is_separated = is_on_path & (normal_load <= _LEAST_LOAD * largest_load)
+        is_separated = is_after_start & (normal_load <= _LEAST_LOAD * largest_load)
         if is_separated.any():
-            worst_instant = int(np.argmin(np.where(is_separated, normal_load, np.inf)))
-            if is_driven:
-                raise InputError(
-                    f"load: the bodies part at time {times[worst_instant]:.6g}, where P or the"
-                    f" approach is {normal_load[worst_instant]:.6g}; finite elements follow bodies"
-                    " that touch: keep it above 0, or take half-plane theory"
-                )
-            advice = _LITTLE_LOAD if normal_load[worst_instant] > 0 else ""
-            if (
-                max(abs(normal_load[worst_instant]), abs(tangential_load[worst_instant]))
-                <= _ROUNDING_OF_LIMIT * largest_load
-            ):
-                advice = _UNLOADED
-            raise InadmissibleLoadError(
-                "separation",
-                LoadedInstant(
-                    times[worst_instant], normal_load[worst_instant], tangential_load[worst_instant]
-                ),
-                friction=friction,
-                rule=advice,
-            )
+            k = int(np.argmin(np.where(is_separated, normal_load, np.inf)))
+            worst_instant = LoadedInstant(times[k], normal_load[k], tangential_load[k])
+            raise _separation(worst_instant, largest_load, friction, is_driven)
         if is_driven:
             continue
-        excess_force = np.abs(tangential_load) - friction * normal_load
+        force_beyond_limit = np.abs(tangential_load) - friction * normal_load
         is_sliding = (
-            is_on_path
-            & (excess_force >= -_ROUNDING_OF_LIMIT * friction * largest_load)
+            is_after_start
+            & (force_beyond_limit >= -_ROUNDING_OF_LIMIT * friction * largest_load)
             & (tangential_load != 0)
         )
         if is_sliding.any():
-            worst_instant = int(np.argmax(np.where(is_sliding, excess_force, -np.inf)))
+            k = int(np.argmax(np.where(is_sliding, force_beyond_limit, -np.inf)))
+            worst_instant = LoadedInstant(times[k], normal_load[k], tangential_load[k])
             raise InadmissibleLoadError(
-                "gross sliding",
-                LoadedInstant(
-                    times[worst_instant], normal_load[worst_instant], tangential_load[worst_instant]
-                ),
-                friction=friction,
-                rule=_SLIDING,
+                "gross sliding", worst_instant, friction=friction, rule=_SLIDING
             )
+
+
+def _separation(
+    worst_instant: LoadedInstant, largest_load: float, friction: float, is_driven: bool
+) -> InadmissibleLoadError | InputError:
+    """The error for a load path on which the bodies separate, with its time, loads and advice.
+
+    `worst_instant` has the least normal load (or approach, where actuators drive the path);
+    `largest_load` is the largest |P| of that segment.
+    """
+    normal_load = worst_instant.normal_load
+    if is_driven:
+        return InputError(
+            f"load: the bodies part at time {worst_instant.time:.6g}, where P or the approach is"
+            f" {normal_load:.6g}; finite elements follow bodies that touch: keep it above 0, or"
+            " take half-plane theory"
+        )
+    advice = _LITTLE_LOAD if normal_load > 0 else ""
+    largest_force = max(abs(normal_load), abs(worst_instant.tangential_load))
+    if largest_force <= _ROUNDING_OF_LIMIT * largest_load:
+        advice = _UNLOADED
+    return InadmissibleLoadError("separation", worst_instant, friction=friction, rule=advice)

@@ -135,8 +135,12 @@ class RemainderKernels(NamedTuple):
 def remainder_kernels(
     body: BodyMesh, material: Elastic, forces_at: Array, datum_length: float
 ) -> RemainderKernels:
-    """The kernels of a body, by one factorisation of its stiffness: displacements of its face by
-    unit forces on the face, minus those of a half-plane.
+    """Displacement of a body's face by unit forces on it, minus that of a half-plane, by one linear
+    solution on a coarse mesh without contact.
+
+    The remainder is smooth: on supports it is minus the half-plane's displacement, and on the rest
+    of the outline its tractions are minus the half-plane's. So no mesh refinement is needed at the
+    force.
 
     Parameters
     ----------
@@ -144,17 +148,12 @@ def remainder_kernels(
         a mesh of quadratic elements, with supports that hold it; "contact" is the part of the
         face that is read
     material
-        of the body
+        Young's modulus and Poisson's ratio of the body; mixed elements above 1/3 do not lock
     forces_at
         (m,) places of the forces on the face [length]; on a curved one the nodes of "contact"
         next to them
     datum_length
         L, distance from a force at which a half-plane's surface counts as unmoved [length]
-
-    Notes
-    -----
-    Above nu = 1/3 the elements are those of Taylor and Hood, see `elasticity`: the kernels do not
-    lock.
     """
     system = assemble(body, material)
     n_dofs = len(system.node)
@@ -166,13 +165,14 @@ def remainder_kernels(
         force_nodes = np.abs(x[:, None] - forces_at).argmin(axis=0)
         forces = _SurfaceForces(x[force_nodes], y[force_nodes])
     n_forces = len(forces_at)
-    forced_loads = np.zeros((n_dofs, 2 * n_forces))
-    forced_loads[: 2 * body.mesh.p.shape[1]] = -_tractions(system, forces)
-    displacements = np.zeros_like(forced_loads)
+    # Columns: unit forces along x at all places, then along y.
+    nodal_loads = np.zeros((n_dofs, 2 * n_forces))
+    nodal_loads[: 2 * body.mesh.p.shape[1]] = -_tractions(system, forces)
+    displacements = np.zeros_like(nodal_loads)
     displacements[held_dofs] = -_support_displacements(system, forces, datum_length)
-    forced_loads -= system.stiffness[:, held_dofs] @ displacements[held_dofs]
+    nodal_loads -= system.stiffness[:, held_dofs] @ displacements[held_dofs]
     factorisation = factorise(system.stiffness[free_dofs][:, free_dofs].tocsc())
-    displacements[free_dofs] = factorisation.solve(forced_loads[free_dofs])
+    displacements[free_dofs] = factorisation.solve(nodal_loads[free_dofs])
     displacement_along, displacement_out = displacements[system.contact].reshape(2, -1, 2, n_forces)
     kernels = RemainderKernels(
         x=x,
@@ -196,7 +196,12 @@ class _SurfaceForces(NamedTuple):
 def _of_forces(
     field: Callable[[Array, Array, Array], Array], x: Array, y: Array, forces: _SurfaceForces
 ) -> Array:
-    """(2, n, 2, m) a field of half-planes, each below its force, at points (n,)."""
+    """Displacement or traction of half-planes at n points by m unit forces, each on a half-plane
+    whose surface goes through the place of its force: (2, n, 2, m), component, point, component of
+    the force, force.
+
+    `field` gives it, from x, y of the points and x of the forces, for a surface at y = 0.
+    """
     if not forces.y.any():
         return field(x, y, forces.x)
     of_each = [
@@ -209,12 +214,17 @@ def _of_forces(
 def _with_slopes(
     kernels: RemainderKernels, y: Array, heights: Array, material: Elastic
 ) -> RemainderKernels:
-    """The kernels with Flamant's field on the curved face minus that on the flat one.
+    """Displacements of a curved face by unit forces, minus those of a half-plane with a flat face:
+    adds what the slope of the chord from force to place makes of the half-plane's field.
 
     Parameters
     ----------
+    kernels
+        displacements minus those of a half-plane at the true places on the curved face
     y, heights
-        (n,), (m,) of the face at the places and at the forces [length]
+        (n,), (m,) y of the face at the places and at the forces, 0 or below [length]
+    material
+        of the body
     """
     distance_to_force = kernels.x[:, None] - kernels.forces_at
     is_at_force = distance_to_force == 0
@@ -231,7 +241,10 @@ def _with_slopes(
 
 
 class KernelsOfSlope(NamedTuple):
-    """What the slope of chords makes of Flamant's field, of its shape: k_nn, k_tt, k_tn, k_nt."""
+    """Change of displacements of a half-plane at the end of a sloping chord, in any shape: inwards
+    and along x in the direction of the force; along x by a pressing force; outwards by a pull
+    [1 / stress].
+    """
 
     normal: Array
     tangential: Array
@@ -240,8 +253,16 @@ class KernelsOfSlope(NamedTuple):
 
 
 def kernels_of_slope(slope: Array, material: Elastic) -> KernelsOfSlope:
-    """Flamant's field at the end of a chord of a slope minus that on the flat face."""
-    # notation: c = 1/(2 pi G), k = 1 - 2 nu, as in `far_field`
+    """Displacement of a half-plane (Flamant) at the end of a chord of slope m = dy/dx from the
+    force, minus that at the same x on the flat surface.
+
+    The terms of Flamant's displacement change along the chord, by r and theta of its end:
+
+        ln r   by ln(1 + m^2)/2        x z/r^2  by -m/(1 + m^2)
+        z^2/r^2 by m^2/(1 + m^2)       theta    by arctan m
+
+    # notation: c = 1/(2 pi G), G shear modulus, k = 1 - 2 nu, z = -y depth, theta = atan2(x, z)
+    """
     c = (1 + material.poisson_ratio) / (np.pi * material.young_modulus)
     k = 1 - 2 * material.poisson_ratio
     logarithmic_part = (1 + k) * np.log1p(slope**2) / 2
@@ -257,16 +278,18 @@ def kernels_of_slope(slope: Array, material: Elastic) -> KernelsOfSlope:
 
 
 def _tractions(system: System, forces: _SurfaceForces) -> Array:
-    """(n_dofs of displacement, 2 m) nodal forces of a half-plane's tractions by m unit forces on
-    the face (Flamant's solution) on the outline of the body, columns: m forces along x, then m
-    along y. On a flat face there are none; what supports hold takes no part.
+    """Nodal forces on the outline of a body by the tractions that a half-plane has there under m
+    unit forces on its surface (Flamant): (n_dofs of displacement, 2 m).
+
+    Columns are the m forces along x, then along y. On a flat face these tractions are zero.
     """
     mesh = system.mesh
     free_of_traction = () if forces.y.any() else ("contact", "free")
     loaded_facets = np.concatenate(
         [of_side for name, of_side in mesh.boundaries.items() if name not in free_of_traction]
     )
-    # an even number: of an odd one the middle point is the node in the middle, where a force may be
+    # On a curved face an even number of Gauss points: the middle one of an odd number is a node,
+    # where a force may stand.
     n_points = _POINTS + 1 if forces.y.any() else _POINTS
     elements = curve_elements(mesh.p, _outline_nodes(mesh, loaded_facets), n_points)
     along_x, along_y = elements.tangents
@@ -284,7 +307,9 @@ def _tractions(system: System, forces: _SurfaceForces) -> Array:
 
 
 def _outline_nodes(mesh: skfem.Mesh, facets: Indices) -> Indices:
-    """(e, 3) nodes of facets of the outline of a quadratic mesh, with the body on their left."""
+    """Nodes of e element sides on the outline of a quadratic mesh, (e, 3): begin, mid-side node,
+    end, ordered so that the body lies on the left.
+    """
     start_vertices, end_vertices = mesh.facets[:, facets]
     inner_points = mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]].mean(axis=1)
     edge_vectors = mesh.p[:, end_vertices] - mesh.p[:, start_vertices]
@@ -296,12 +321,11 @@ def _outline_nodes(mesh: skfem.Mesh, facets: Indices) -> Indices:
 
 
 def _support_displacements(system: System, forces: _SurfaceForces, datum_length: float) -> Array:
-    """Displacements of the supports by unit forces on the surface of a half-plane (Flamant),
-    (n_held, 2 m) [1 / stress]: of each held degree of freedom, by the m forces along x and the m
-    forces along y.
+    """Displacement of a half-plane at the places of a body's supports by m unit forces on its
+    surface (Flamant): (n_held, 2 m) [1 / stress].
 
-    `datum_length` is the distance from a force at which the half-plane's surface counts as unmoved
-    [length].
+    Rows are held degrees of freedom, columns the m forces along x, then along y. `datum_length` is
+    the distance from a force at which the half-plane's surface counts as unmoved [length].
     """
     material = system.material
 
@@ -376,18 +400,25 @@ OF_HALF_PLANE = BodyNumbers(
 
 
 def face_series(kernels: RemainderKernels, degree: int = _DEGREE) -> FaceSeries:
-    """Least-squares fit of polynomials in x and s to the kernels of a body whose mirror line is x =
-    0.
+    """First coefficients of a power series in x and s for the displacement at x by a unit force at
+    s, minus that of a half-plane, of a body that is its own mirror image in x = 0.
 
-    k_nn and k_tt consist of x^i s^j + x^j s^i with even i + j: they are symmetric in x and s, and
-    in the mirror line. k_tn and -k_nt, places exchanged, are one polynomial with odd i + j.
+    Least squares with polynomials up to a `degree` in x and s together:
+
+    - displacements in the direction of the force, k_nn and k_tt, have terms x^i s^j + x^j s^i with
+      even i + j, being symmetric in x and s and in the mirror line;
+    - k_tn(x, s) and -k_nt(s, x), which are equal by reciprocity, have odd i + j.
+
+    # notation: n normal, t tangential; first index displacement, second force
     """
     reach = float(np.abs(kernels.x).max())
     x, s = np.meshgrid(kernels.x / reach, kernels.forces_at / reach, indexing="ij")
     even_powers = [(i, j) for i, j in even_exponents(degree) if i <= j]
     even_terms = np.stack([(x**i * s**j + x**j * s**i).ravel() for i, j in even_powers], axis=1)
-    kernels_of_one_load = np.stack([kernels.normal.ravel(), kernels.tangential.ravel()], axis=1)
-    coefficients = np.linalg.lstsq(even_terms, kernels_of_one_load, rcond=None)[0]
+    direct_kernels = np.stack([kernels.normal.ravel(), kernels.tangential.ravel()], axis=1)
+    coefficients = np.linalg.lstsq(even_terms, direct_kernels, rcond=None)[0]
+    # k_nn = c_n + N (x^2 + s^2)/2 + N_4 (x^4 + s^4)/24 + N_22 x^2 s^2 + ...; equal powers of x and
+    # s stand twice in a term.
     compliance = 2 * coefficients[even_powers.index((0, 0))]
     curvature = 2 * coefficients[even_powers.index((0, 2))] / reach**2
     fourth_order = 24 * coefficients[even_powers.index((0, 4))] / reach**4
@@ -443,8 +474,8 @@ def face_kernels(
     datum_length: float,
     coarser: float = 1.0,
 ) -> RemainderKernels:
-    """The kernels of a body of a scene on the part of its face that is fitted: displacements by
-    unit forces on the face, minus those of a half-plane.
+    """Mesh a body and compute the displacement of the middle of its face by unit forces there,
+    minus that of a half-plane.
 
     Parameters
     ----------
@@ -455,8 +486,8 @@ def face_kernels(
     datum_length
         distance from a force at which a half-plane's surface counts as unmoved [length]
     coarser
-        how many times as large the elements are as those of the numbers; the part of the face
-        is wider too
+        factor on the element size; above 1, for an estimate of the error, the part of the face is
+        wider too
     """
     reach = _REACH * nearest_end(shape)
     if coarser > 1:
@@ -470,13 +501,21 @@ def face_kernels(
 def body_numbers(
     name: str, shape: Solid, profile: Profile, material: Elastic, datum_length: float
 ) -> BodyNumbers:
-    """What a body of a scene adds to a half-plane: compliances, curvatures, slope and strain, each
-    with the difference from a coarser mesh as its uncertainty.
+    """Numbers by which the finite size of a body changes a contact: added compliances, curvatures
+    of its face under load, strain by P and slope by Q, each with an uncertainty.
 
-    e and a, the strain by P and the slope by Q, are one kernel read by two solutions, of which the
-    larger |k_tn(x, s) + k_nt(s, x)| over the fitted half-length is added to theirs. `name` is lower
-    or upper; `datum_length` the distance at which a half-plane's surface counts as unmoved
-    [length].
+    The uncertainty is the difference from a coarser mesh. Strain by P and slope by Q are related by
+    reciprocity, which the mesh meets but for an error: that error over the fitted half-length is
+    added to theirs.
+
+    Parameters
+    ----------
+    name
+        "lower" or "upper"
+    shape, profile, material
+        the body, the profile of its face, its elastic constants
+    datum_length
+        distance from a force at which a half-plane's surface counts as unmoved [length]
     """
     kernels = face_kernels(name, shape, profile, material, datum_length)
     coarse_kernels = face_kernels(name, shape, profile, material, datum_length, _COARSER)
@@ -502,16 +541,23 @@ def nearest_end(shape: Solid) -> float:
 
 # ----------------------------------------------------------------------------- both bodies together
 def body_effects(scene: Scene | str | Path) -> BodyEffects:
-    """What the finite bodies of a scene add to half-plane theory, by linear solves without contact.
+    """Numbers by which bodies of finite size differ from half-planes in contact: added compliances,
+    curvatures, strain by P and tilt by Q, by linear finite elements without contact.
 
-    Of each body but half-planes: two linear systems, about a second. Loads, friction and profile of
-    the scene don't matter, but for the datum length.
+    Each body that is not a half-plane takes two linear systems, about a second. Loads and friction
+    do not matter. Of the profile only the datum length counts, the distance from a force at which a
+    half-plane's surface counts as unmoved.
+
+    Parameters
+    ----------
+    scene
+        a scene, the name of one of the library, or the path of a scene file
 
     Returns
     -------
     BodyEffects
-        Sums and differences over both bodies, with the signs that are stated there; zero for
-        half-planes. Each uncertainty is that of the meshes.
+        Compliances and curvatures summed over both bodies, strain and slope as differences; zero
+        for half-planes. Each uncertainty is that of the meshes.
 
     Raises
     ------
@@ -543,11 +589,22 @@ def _numbers_in(scene: Scene, name: Literal["lower", "upper"]) -> BodyNumbers:
 
 
 def require_flat(name: str, shape: Shape, scene: Scene) -> None:
-    """InputError for a body, or loads on it, for which the effects of finite bodies are not
-    derived.
+    """Refuse a body, or loads on it, for which the effects of a finite size are not derived: these
+    need a flat face, supports that hold a tangential load, and no bulk stress.
 
-    They are for flat faces that hold a tangential load, without bulk stress. `name` is lower or
-    upper.
+    Parameters
+    ----------
+    name
+        "lower" or "upper", the body's name in the message
+    shape
+        of the body
+    scene
+        whose loads may have a bulk stress
+
+    Raises
+    ------
+    InputError
+        With what to take instead.
     """
     if not isinstance(shape, Block | TShape):
         raise InputError(
@@ -569,15 +626,23 @@ def require_flat(name: str, shape: Shape, scene: Scene) -> None:
 
 
 def combined(lower: BodyNumbers, upper: BodyNumbers, scene: Scene) -> BodyEffects:
-    """Numbers of both bodies in the relative problem: compliances and curvatures add up; of the
-    strains e and the slopes a the differences count, e_P = e_l - e_u of the `lower` less the
-    `upper` body and alpha_Q = a_u - a_l.
+    """Effect of the finite size of both bodies on their contact, from the numbers of each: sums of
+    compliances and curvatures, differences of strains and slopes.
 
-    P presses both bodies alike; Q pulls the lower one along +x and the upper one along -x, and the
-    upper body's y axis points the other way. So the two strains along x by P have one sign in the
-    common frame and their difference is a slip, and so it is with the slopes by Q. Where `upper` is
-    `lower` itself one body stands for both, and these differences are 0. Of the `scene` datum
-    length and elastic constants count.
+        strain by P:  e_P = e_lower - e_upper        tilt by Q:  alpha_Q = a_upper - a_lower
+
+    P presses both bodies alike, and both stretch along x with one sign, so that only the difference
+    is slip. Q pulls the lower body along +x, the upper one along -x, so that both faces tilt with
+    one sign.
+
+    # notation: e strain of a face along x by P = 1, a slope of its outward displacement by Q = 1
+
+    Parameters
+    ----------
+    lower, upper
+        numbers of each body in its own frame; where they are one object, both differences are 0
+    scene
+        its datum length and elastic constants
     """
     effects = BodyEffects(
         datum_length=scene.profile.datum_length,

@@ -60,18 +60,19 @@ _ENOUGH_IN_SLIP = 4.0
 
 
 def tip_power(profile: Profile, distance: float) -> float:
-    """Power of |x| that the gap follows from `distance` to twice that, of the sharper side.
+    """Exponent n of the power |x|^n by which the initial gap rises near x = 0, from its values at
+    `distance` and at twice that [length].
 
-    Infinite where it is flat.
+    Of the two sides the smaller exponent counts, the sharper tip. Infinite where the gap is flat.
 
     >>> from scenes import PowerLaw
     >>> tip_power(PowerLaw(exponent=1.5, length=1.0, rise=1e-3), 0.1)
     1.5
     """
-    powers = []
-    for side in (-1.0, 1.0):
+    exponents = []
+    for sign_of_x in (-1.0, 1.0):
         height_at_tip, height_at_distance, height_at_twice = profile.height(
-            side * distance * np.arange(3)
+            sign_of_x * distance * np.arange(3)
         ).tolist()
         is_rising = height_at_distance > height_at_tip and height_at_twice > height_at_distance
         height_ratio = (
@@ -79,17 +80,17 @@ def tip_power(profile: Profile, distance: float) -> float:
             if is_rising
             else math.inf
         )
-        powers.append(math.log2(height_ratio))
-    return round(min(powers), _DIGITS_OF_POWER)
+        exponents.append(math.log2(height_ratio))
+    return round(min(exponents), _DIGITS_OF_POWER)
 
 
 def tip_halvings(profile: Profile, size: float) -> int:
-    """How often elements of that size [length] are halved towards x = 0, where the profile has a
-    tip.
+    """Number of times that the surface element at x = 0, of a given `size` [length], is halved
+    because the profile has a tip there; 0 of a smooth profile.
 
     Where the gap rises as |x|^n with n < 2 the pressure is p(0) - c |x|^(n - 1), and its error at
-    the tip goes with the element to the power n - 1. Elements are halved until a share
-    `_LEFT_AT_TIP` of it is left, or until there are some within a rounded tip.
+    the tip goes with the element size to the power n - 1. Elements are halved until 1/64 of that
+    error is left, or until two halvings within a rounded tip.
 
     >>> from scenes import PowerLaw
     >>> [
@@ -161,10 +162,11 @@ class Flank(NamedTuple):
 
 
 def flanks(profile: Profile, half_width: float, element: float) -> Iterator[Flank]:
-    """Flanks of a contact: each part of it beyond a kink of the profile, or which ends less than an
-    element before the kink.
+    """Flanks of a contact, the parts of it beyond a kink of the profile, where the pressure falls
+    steeply: place and width of each, and the number of elements that would resolve it.
 
-    `half_width` is that of the contact, `element` the size of the mesh at its edge [length].
+    A contact that ends less than an element before a kink counts too. `half_width` is that of the
+    contact, `element` the size of surface elements at its edge [length].
 
     >>> from scenes import FlatRounded
     >>> punch = FlatRounded(radius=1000.0, flat_half_length=0.8)
@@ -182,20 +184,23 @@ def flanks(profile: Profile, half_width: float, element: float) -> Iterator[Flan
 def resolution_notes(
     profile: Profile, revolution: Revolution, element: float, mesh: MeshSettings
 ) -> Iterator[str]:
-    """One sentence for whatever in a revolution, the last cycle, is too narrow for the surface
-    elements.
+    """Sentences for the reader on what the mesh is too coarse for in the last cycle, each with the
+    element size that would do.
 
-    Contacts, or their flanks beyond a kink of the profile, and slip zones of few elements;
-    dissipation not far above what the mesh alone makes.
+    They are on contacts of few elements, a profile near a wedge, steep parts of the pressure beyond
+    a kink of the profile, narrow slip zones, and friction work near what the mesh alone makes.
 
     Parameters
     ----------
+    profile
+        initial gap, with its kinks
     revolution
-        loads, half-widths of contact and stick, and work of the cycle
+        loads, half-widths of contact and stick, and friction work of the last cycle
     element
-        size at the edges of contact and stick, of the body with the larger ones [length]
+        size of surface elements at the edges of contact and stick, of the body with the larger
+        ones [length]
     mesh
-        its settings: what a note asks for is a finer one
+        settings of the mesh, from which the advice starts
     """
     expected_errors = _ExpectedErrors(_LINEAR if mesh.order == 1 else 1.0, revolution.sheared)
     elements_enough = expected_errors.enough_elements()
@@ -270,14 +275,14 @@ class _ExpectedErrors:
         return f"expect an error {of_shear}of {pressure:.0%} in the pressure (L2)"
 
 
-def _finer(mesh: MeshSettings, share: float) -> str:
-    """What to do: the setting that makes the elements a share of what they are, rounded down to two
-    digits.
+def _finer(mesh: MeshSettings, factor: float) -> str:
+    """Advice on a finer mesh: the setting that multiplies the size of edge elements by a `factor`
+    below 1, rounded down to two digits.
 
     >>> _finer(MeshSettings(edge_element_size=0.01), 0.2469), _finer(MeshSettings(), 1e-9)
     ('use edge_element_size = 0.0024', 'no edge_element_size resolves it')
     """
-    element_size = mesh.edge_element_size * share
+    element_size = mesh.edge_element_size * factor
     second_digit = 10.0 ** (math.floor(math.log10(element_size)) - 1) if element_size > 0 else 1.0
     element_size = math.floor(element_size / second_digit) * second_digit
     if element_size < MeshSettings.LEAST_SIZE:
@@ -286,8 +291,12 @@ def _finer(mesh: MeshSettings, share: float) -> str:
 
 
 def _slip_notes(revolution: Revolution, element: float, mesh: MeshSettings) -> Iterator[str]:
-    """Slip zones of few elements, and dissipation that the mesh alone may have made."""
-    dissipation = revolution.dissipation
+    """A sentence where slip is not resolved: no node slips, slip zones are few elements wide, or
+    the mesh alone may have made a part of the friction work.
+
+    `revolution` is the last cycle, `element` the size of surface elements at its edges [length].
+    """
+    dissipation = revolution.dissipation  # over A f^2 P^2, A = 2/E*, P the largest load
     elements_in_slip = revolution.widest_slip_zone() / element
     largest_contact = float(np.max(revolution.contact, initial=element))
     dissipation_by_mesh = _FLOOR * (element / largest_contact) ** 2
