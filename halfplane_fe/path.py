@@ -8,6 +8,7 @@ sigma_upper, and tilt or moment.
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -35,6 +36,11 @@ _SAMPLES = 721
 _LEAST_LOAD = 1e-12
 # Share of f times the largest load within which |Q| is f P.
 _ROUNDING_OF_LIMIT = 1e-14
+# Secants before a zero is bracketed instead, some more than are taken; and what is left of a gap,
+# force, load or rate, scaled, that is the last digit of it: there secants find nothing but
+# rounding.
+_MOST_SECANTS = 16
+_LAST_DIGIT = 1e-15
 _LITTLE_LOAD = (
     "so little load, 1e-12 of the largest or less, finite elements can't tell from separation; the"
     " half-plane engine can"
@@ -121,7 +127,7 @@ def turns(leg: LoadSegment, normal_weight: float, tangential_weight: float) -> s
     """Turning points of the combination w_P P + w_Q Q of the loads inside one segment of a load
     path: instants at which its rate of change is zero and changes sign.
 
-    Changes of sign between samples are refined by bracketing. A span of time over which the
+    Changes of sign between samples are refined by secants. A span of time over which the
     combination rests counts with its begin and end.
 
     Parameters
@@ -139,15 +145,60 @@ def turns(leg: LoadSegment, normal_weight: float, tangential_weight: float) -> s
         return np.asarray(normal_weight * rate_of_p + tangential_weight * rate_of_q)
 
     rates = rate(times)
-    rounding = 1e-12 * np.abs(rates).max(initial=0.0)
-    rates[np.abs(rates) < rounding] = 0.0
+    largest_rate = np.abs(rates).max(initial=0.0)
+    rates[np.abs(rates) < 1e-12 * largest_rate] = 0.0
     sign_changes = np.flatnonzero(rates[:-1] * rates[1:] < 0)
-    instants = {
-        float(scipy.optimize.brentq(lambda t: float(rate(t)), times[k], times[k + 1], xtol=1e-14))
-        for k in sign_changes
-    }
+
+    def scaled_rate(time: float) -> float:
+        """The same over its largest value along the segment."""
+        return float(rate(time) / largest_rate)
+
+    instants = set()
+    for k in sign_changes.tolist():
+        share = float(rates[k] / (rates[k] - rates[k + 1]))
+        begin, end = times[k : k + 2].tolist()
+        instants.add(zero_between(scaled_rate, begin, end, share, rates[k] / largest_rate))
     is_end_of_rest = (rates[1:-1] == 0) & ((rates[:-2] != 0) | (rates[2:] != 0))
     return instants | {float(times[k]) for k in 1 + np.flatnonzero(is_end_of_rest)}
+
+
+def zero_between(
+    function: Callable[[float], float],
+    begin: float,
+    end: float,
+    share: float,
+    value_at_begin: float,
+) -> float:
+    """Instant between two others, `begin` and `end`, at which a function of time that is nearly
+    linear is zero: a gap, a force, a load or a rate, scaled; `end` where it does not change sign.
+
+    By secants, and by a bracket where these leave the range or do not end.
+
+    Parameters
+    ----------
+    share
+        of the way from begin to end at which the zero is looked for first
+    """
+    time_before = begin
+    value_before = value_at_begin
+    time = begin + share * (end - begin)
+    value = function(time)
+    for _ in range(_MOST_SECANTS):
+        if abs(value) <= _LAST_DIGIT or value == value_before:
+            return time
+        step = -value * (time - time_before) / (value - value_before)
+        if abs(step) <= 4e-16 * abs(time):  # twice the spacing of floating-point numbers
+            return time
+        time_before = time
+        value_before = value
+        time += step
+        if not begin <= time <= end:
+            break
+        value = function(time)
+    if not value_at_begin * function(end) < 0:
+        return end
+    # scipy.optimize is loaded here: a tenth of a second, which few solves need
+    return float(scipy.optimize.brentq(function, begin, end, xtol=1e-15, rtol=8.9e-16))
 
 
 def turning_points(leg: LoadSegment, friction: float) -> list[float]:

@@ -22,7 +22,7 @@ import scipy
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal
 from halfplane_fe.energy import bent_work, step_errors
 from halfplane_fe.law import slip_sign
-from halfplane_fe.path import Stretch, scaled_loads, straight
+from halfplane_fe.path import Stretch, scaled_loads, straight, zero_between
 from halfplane_fe.systems import SingularSet
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ConvergenceError, freeze
 from scenes.array_types import Array, Mask, States
@@ -54,10 +54,6 @@ _JUMPY = (
 # Predictions of an event of unlike bodies, each with the sliding nodes that the one before has led
 # to: the second one meets it, but where it meets another node first.
 _MOST_PREDICTIONS = 5
-# Secants before an event is bracketed instead, and what is left of a gap, force or load, scaled,
-# that is the last digit of it: there secants find nothing but rounding.
-_MOST_SECANTS = 8
-_LAST_DIGIT = 1e-15
 # Instants of an increment at which the end of a stroke is looked for, and the share of it to which
 # that is found: slip rests there, so that its square counts.
 _LOOKED_AT = 9
@@ -494,7 +490,7 @@ def next_event(
                 np.subtract(loads_at(time), start.loads) @ rates_of_node
             )
 
-    time = _zero(distance_to_event, start.time, end, share_of_increment, distance_at_start)
+    time = zero_between(distance_to_event, start.time, end, share_of_increment, distance_at_start)
     return (event, time) if start.time < time < end else ("regular", end)
 
 
@@ -557,40 +553,8 @@ def _exact_time(
 
     duration = solved.time - start.time
     share_of_increment = duration / (end - start.time)
-    time = _zero(distance_at, start.time, end, share_of_increment, distance_at(start.time))
+    time = zero_between(distance_at, start.time, end, share_of_increment, distance_at(start.time))
     return time if abs(time - solved.time) < _LARGEST_MOVE * duration else solved.time
-
-
-def _zero(
-    function: Callable[[float], float],
-    begin: float,
-    end: float,
-    share: float,
-    value_at_begin: float,
-) -> float:
-    """Where a gap, force or load that is nearly linear in time is zero between `begin` and `end`,
-    near a `share` of the way; by secants, and by a bracket where these miss.
-    """
-    time_before = begin
-    value_before = value_at_begin
-    time = begin + share * (end - begin)
-    value = function(time)
-    for _ in range(_MOST_SECANTS):
-        if abs(value) <= _LAST_DIGIT or value == value_before:
-            return time
-        step = -value * (time - time_before) / (value - value_before)
-        if abs(step) <= 4e-16 * abs(time):  # twice the spacing of floating-point numbers
-            return time
-        time_before = time
-        value_before = value
-        time += step
-        if not begin <= time <= end:
-            break
-        value = function(time)
-    if not value_at_begin * function(end) < 0:
-        return end
-    # an attribute of scipy is loaded where it is first used
-    return float(scipy.optimize.brentq(function, begin, end, xtol=1e-15, rtol=8.9e-16))
 
 
 def _first_crossing(values_before: Array, values_after: Array, nodes: Mask) -> tuple[float, int]:

@@ -248,7 +248,7 @@ import halfplane_fe, scenes
 print_loaded({NOT_FOR_BOTH_ENGINES!r})
 semi_analytic.solve("hertz-paper", x=[0.0], time=[2.0], fields="pressure").save("a.nc")
 scenes.ContactSolution.load("a.nc")
-print_loaded({{"xarray", "pandas", "dask"}})
+print_loaded({{"xarray", "pandas", "dask", "scipy.optimize"}})
 """
 HELP_OF_ALL = f"""
 import sys

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 import halfplane_fe
 from halfplane_fe import check_admissible, scales
-from halfplane_fe.path import stretches, turning_points
+from halfplane_fe.path import stretches, turning_points, zero_between
 from halfplane_fe.scales import largest_load
 from meshes import MeshSettings, solids
 from refusals import require_facts
@@ -46,6 +46,26 @@ def looped(phase=90.0, **changed):
 
 
 # ----------------------------------------------------------------------------------- turning points
+
+
+@pytest.mark.parametrize("steepness", [0.0, 2.0, 3.0])
+def test_secants_find_a_zero_without_scipy_optimize(steepness, monkeypatch):
+    """To import it takes a tenth of a second; bent functions took more secants than were allowed,
+    in `hertz-paper` twice.
+    """
+    monkeypatch.setattr("scipy.optimize.brentq", None)
+
+    def bent(time):
+        return math.expm1(steepness * (time - 0.5)) if steepness else time - 0.5
+
+    assert zero_between(bent, 0.0, 1.0, 0.1, bent(0.0)) == pytest.approx(0.5, abs=1e-15)
+
+
+def test_where_secants_leave_the_range_a_bracket_finds_the_zero():
+    def steep(time):
+        return math.atan(20 * (time - 0.9))
+
+    assert zero_between(steep, 0.0, 1.0, 0.1, steep(0.0)) == pytest.approx(0.9, abs=1e-15)
 
 
 @given(phase=st.floats(10, 170), friction=st.floats(0.3, 2), start=st.floats(0, TURN))
