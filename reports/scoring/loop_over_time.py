@@ -12,7 +12,8 @@ of squares, and its interval is where that sum exceeds the least one by what cha
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -38,8 +39,8 @@ _CHI = 3.841
 
 
 def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None) -> FittedLoop:
-    """f of a measured loop whose Q has more than two turning points a cycle, with its 95 %
-    interval.
+    """Fit the friction coefficient f to a measured loop whose Q has more than two turning points a
+    cycle; with its 95 % interval.
 
     Each row is placed on the scene's cycle by its time. Then theory's U(tau; f) is compared with U
     of the rows: f is where the sum of squares is least.
@@ -49,72 +50,53 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
     rig_compliance
         C of the rig between the places where U is measured [1/stress]; None fits it too
     """
-    from scipy.optimize import brentq, minimize_scalar
-
     place = _on_the_cycle(loop, scene)
-    share = place.share
     scale = place.scale
     load_of_cycle = cycle_loads(scene)[1]
-    rig_is_fitted = rig_compliance is None
+    search = _Search(loop, scene, load_of_cycle, rig_compliance)
     least_f = least_friction(scene)
 
-    def sum_of_squares(log_friction: float, share: Array = share, scale: float = scale) -> float:
-        shift = theory_shift(scene, math.exp(log_friction))
-        return against_rows(loop, shift, share, scale * load_of_cycle, scale, rig_compliance)[0]
-
     trials = np.log(least_f) + np.linspace(1e-6, math.log(_WIDEST), _SCANNED)
-    sums = np.array([sum_of_squares(trial) for trial in trials.tolist()])
+    sums = np.array([search.sum_of_squares(trial, place.share, scale) for trial in trials.tolist()])
     best_trial = int(np.argmin(sums))
-    search_range = trials[max(best_trial - 1, 0)], trials[min(best_trial + 1, _SCANNED - 1)]
-
-    def best_of(*share_and_scale: Any) -> float:
-        return float(
-            minimize_scalar(
-                sum_of_squares,
-                bounds=search_range,
-                args=share_and_scale,
-                method="bounded",
-                options={"xatol": 1e-7},
-            ).x
-        )
-
-    log_friction_best = min(best_of(), float(trials[best_trial]), key=sum_of_squares)
-    best_shift = theory_shift(scene, math.exp(log_friction_best))
-    least_sum, compliance, _ = against_rows(
-        loop, best_shift, share, scale * load_of_cycle, scale, rig_compliance
+    between = (
+        float(trials[max(best_trial - 1, 0)]),
+        float(trials[min(best_trial + 1, _SCANNED - 1)]),
     )
-    degrees_of_freedom = len(share) - 3 - rig_is_fitted
+    log_friction = min(
+        search.best(between, place.share, scale),
+        float(trials[best_trial]),
+        key=lambda trial: search.sum_of_squares(trial, place.share, scale),
+    )
+    least_sum, compliance, _ = search.against_theory(log_friction, place.share, scale)
+    degrees_of_freedom = len(place.share) - 3 - (rig_compliance is None)
     # The scatter is at least what the digits of the rows leave.
     noise = max(math.sqrt(least_sum / degrees_of_freedom), loop.resolution[0] / math.sqrt(12))
+    friction = scale * math.exp(log_friction)
+
     limit = least_sum + _CHI * noise**2
-    friction = scale * math.exp(log_friction_best)
-
-    def distance_to_limit(trials_beyond: Array) -> float:
-        """Distance from the best f to the f at which the sum of squares passes the limit, on the
-        way to the nearest of `trials_beyond` it (ln f); infinite without any.
-        """
-        if not len(trials_beyond):
-            return math.inf
-        nearest_beyond = trials_beyond[np.argmin(np.abs(trials_beyond - log_friction_best))]
-        log_at_limit = brentq(
-            lambda trial: sum_of_squares(trial) - limit,
-            log_friction_best,
-            nearest_beyond,
-            xtol=1e-7,
-        )
-        return abs(scale * math.exp(log_at_limit) - friction)
-
     exceeds_limit = sums > limit
-    distance_down = distance_to_limit(trials[exceeds_limit & (trials < log_friction_best)])
-    distance_up = distance_to_limit(trials[exceeds_limit & (trials > log_friction_best)])
+    distances = []  # from the best f down and up to the f at which the sum passes the limit
+    for trials_beyond in (
+        trials[exceeds_limit & (trials < log_friction)],
+        trials[exceeds_limit & (trials > log_friction)],
+    ):
+        log_at_limit = search.where_it_passes(limit, log_friction, trials_beyond, place)
+        distances.append(abs(scale * math.exp(log_at_limit) - friction))
+    distance_down, distance_up = distances
+
     # Noise of Q leaves place and size of the load open. A loop that is shifted in time opens: f is
     # found again with each.
-    noise_of_load, place_error, scale_error = _noise_of_load(loop, share, scale, load_of_cycle)
-    late_share = np.mod(share + 1.96 * place_error, 1.0)
+    noise_of_load, place_error, scale_error = _noise_of_load(
+        loop, place.share, scale, load_of_cycle
+    )
+    late_share = np.mod(place.share + 1.96 * place_error, 1.0)
     large_scale = scale * (1 + 1.96 * scale_error)
-    change_if_late = scale * math.exp(best_of(late_share, scale)) - friction
-    change_if_large = large_scale * math.exp(best_of(share, large_scale)) - friction
-    sampling_error = friction * _OF_THEORY
+    change_if_late = scale * math.exp(search.best(between, late_share, scale)) - friction
+    change_if_large = (
+        large_scale * math.exp(search.best(between, place.share, large_scale)) - friction
+    )
+    other_errors = (friction * _OF_THEORY, change_if_late, change_if_large)
     cycles = float(loop.time[-1] / place.period)
     sentences = [
         (
@@ -126,15 +108,10 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
     return FittedLoop(
         scene=scene,
         friction=friction,
-        low=max(
-            friction - math.hypot(distance_down, sampling_error, change_if_late, change_if_large),
-            scale * least_f,
-        ),
-        high=None
-        if math.isinf(distance_up)
-        else friction + math.hypot(distance_up, sampling_error, change_if_late, change_if_large),
+        low=max(friction - math.hypot(distance_down, *other_errors), scale * least_f),
+        high=None if math.isinf(distance_up) else friction + math.hypot(distance_up, *other_errors),
         compliance=compliance,
-        share=share,
+        share=place.share,
         phase=loop.time / place.period,
         cycles=cycles,
         scale=scale,
@@ -143,6 +120,80 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
         load_noise=max(noise_of_load, loop.resolution[1] / math.sqrt(12)),
         said=tuple(sentences),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """How far U of the rows is from theory's U(tau; f), as a function of f.
+
+    Attributes
+    ----------
+    load_of_cycle
+        Q of the scene at the instants `SHARES` of its cycle
+    rig_compliance
+        C [1/stress]; None fits it for each f
+    """
+
+    loop: MeasuredLoop
+    scene: Scene
+    load_of_cycle: Array
+    rig_compliance: float | None
+
+    def against_theory(
+        self, log_friction: float, share: Array, scale: float
+    ) -> tuple[float, float, float]:
+        """Sum of squares of U of the rows minus that of theory with a rig, and the C and U0 of this
+        rig.
+
+        Parameters
+        ----------
+        log_friction
+            ln f of the scene
+        share
+            (n,) place of the rows on the cycle
+        scale
+            r, the file's Q over the scene's
+        """
+        displacement = theory_shift(self.scene, math.exp(log_friction))
+        load = scale * self.load_of_cycle
+        return against_rows(self.loop, displacement, share, load, scale, self.rig_compliance)
+
+    def sum_of_squares(self, log_friction: float, share: Array, scale: float) -> float:
+        """The sum of squares alone."""
+        return self.against_theory(log_friction, share, scale)[0]
+
+    def best(self, between: tuple[float, float], share: Array, scale: float) -> float:
+        """The ln f between two others at which the sum of squares is least."""
+        from scipy.optimize import minimize_scalar
+
+        minimum = minimize_scalar(
+            self.sum_of_squares,
+            bounds=between,
+            args=(share, scale),
+            method="bounded",
+            options={"xatol": 1e-7},
+        )
+        return float(minimum.x)
+
+    def where_it_passes(
+        self, limit: float, log_friction: float, trials_beyond: Array, place: _Place
+    ) -> float:
+        """The ln f at which the sum of squares passes `limit`, on the way from the best one,
+        `log_friction`, to the nearest of the trials at which it lies beyond. Infinite without any.
+        """
+        from scipy.optimize import brentq
+
+        if not len(trials_beyond):
+            return math.inf
+        nearest_beyond = trials_beyond[np.argmin(np.abs(trials_beyond - log_friction))]
+        return float(
+            brentq(
+                lambda trial: self.sum_of_squares(trial, place.share, place.scale) - limit,
+                log_friction,
+                nearest_beyond,
+                xtol=1e-7,
+            )
+        )
 
 
 class _Place(NamedTuple):
@@ -168,8 +219,8 @@ class _Place(NamedTuple):
 
 
 def _on_the_cycle(loop: MeasuredLoop, scene: Scene) -> _Place:
-    """The fit of the scene's Q to Q of the rows, by their times: where on the cycle each row lies,
-    with the file's period, scale and offset of Q.
+    """Where on the scene's cycle each row of a measured loop lies, by its time, and the file's
+    period, scale and offset of Q: those with which the scene's Q fits that of the rows.
 
     Raises
     ------
@@ -197,10 +248,11 @@ def _on_the_cycle(loop: MeasuredLoop, scene: Scene) -> _Place:
 
 
 def _aligned(loop: MeasuredLoop, load_of_cycle: Array, least_cycles: float = 0.0) -> _Place:
-    """Period, phase, scale and offset at which Q of the scene's cycle follows Q of the rows best.
+    """Find where the rows lie on the scene's cycle: period, phase, scale and offset at which Q of
+    this cycle follows Q of the rows best.
 
-    The longest wave in the spectrum of the file's Q gives the first guesses of the period; each is
-    tried at 24 phases, and the best one is refined.
+    Guesses of the period come from the spectrum of the file's Q; each is tried at 24 phases, and
+    the best one is refined.
 
     Parameters
     ----------
@@ -215,14 +267,6 @@ def _aligned(loop: MeasuredLoop, load_of_cycle: Array, least_cycles: float = 0.0
         raise InputError("the scene's Q stands still: there is no loop")
     amplitude = np.ptp(load_of_cycle) / 2
     n_rows = len(loop.load)
-    even_times = np.linspace(0.0, loop.time[-1], min(n_rows, 4096))
-    wave = np.interp(even_times, loop.time, loop.load)
-    spectrum = np.abs(np.fft.rfft((wave - wave.mean()) * np.hanning(len(wave)), 8 * len(wave)))
-    period_of_spectrum = loop.time[-1] * len(even_times) / (len(even_times) - 1)
-    # The spectrum has eight lines to a cycle; the first four belong to the mean.
-    most_cycles = min(_MOST_CYCLES, len(even_times) // 4)
-    cycles_in_rows = float(np.argmax(spectrum[4 : 8 * most_cycles]) + 4) / 8
-    first_frequency = max(cycles_in_rows, 0.5) / period_of_spectrum
 
     def fit_of(frequency: float, phase: float) -> tuple[float, Array, float, float]:
         """Root mean square misfit of Q, share of the cycle at each row, r and Q0."""
@@ -237,16 +281,7 @@ def _aligned(loop: MeasuredLoop, load_of_cycle: Array, least_cycles: float = 0.0
             misfit += 10 * float(np.ptp(loop.load))
         return misfit, share, scale, offset
 
-    # The highest line of a cycle with several waves may be its second or third.
-    frequencies = [
-        first_frequency / n_waves * factor for n_waves in (1, 2, 3) for factor in (0.94, 1.0, 1.06)
-    ]
-    if first_frequency * period_of_spectrum < 3:  # a spectrum of a few cycles has no sharp line
-        frequencies += (np.arange(0.9, 3.0, 0.05) / period_of_spectrum).tolist()
-    long_enough = [
-        frequency for frequency in frequencies if frequency * loop.time[-1] >= least_cycles
-    ]
-    frequencies = long_enough or frequencies
+    frequencies, first_frequency = _trial_frequencies(loop, least_cycles)
     starts = [(frequency, phase) for frequency in frequencies for phase in np.arange(24) / 24]
     start = min(starts, key=lambda start: fit_of(*start)[0])
     frequency_step = 0.3 / max(loop.time[-1] * first_frequency, 1.0) * first_frequency * 0.3
@@ -264,6 +299,32 @@ def _aligned(loop: MeasuredLoop, load_of_cycle: Array, least_cycles: float = 0.0
     )
     misfit, share, scale, offset = fit_of(*minimum.x)
     return _Place(share, scale, offset, float(1 / minimum.x[0]), misfit / (abs(scale) * amplitude))
+
+
+def _trial_frequencies(loop: MeasuredLoop, least_cycles: float) -> tuple[list[float], float]:
+    """Frequencies of the cycle to try [cycles per unit of time], from the spectrum of Q of the
+    rows; and the frequency of its highest line.
+
+    Those by which the rows cover fewer than `least_cycles` are left out, as long as others remain.
+    """
+    even_times = np.linspace(0.0, loop.time[-1], min(len(loop.load), 4096))
+    wave = np.interp(even_times, loop.time, loop.load)
+    spectrum = np.abs(np.fft.rfft((wave - wave.mean()) * np.hanning(len(wave)), 8 * len(wave)))
+    period_of_spectrum = loop.time[-1] * len(even_times) / (len(even_times) - 1)
+    # The spectrum has eight lines to a cycle; the first four belong to the mean.
+    most_cycles = min(_MOST_CYCLES, len(even_times) // 4)
+    cycles_in_rows = float(np.argmax(spectrum[4 : 8 * most_cycles]) + 4) / 8
+    first_frequency = max(cycles_in_rows, 0.5) / period_of_spectrum
+    # The highest line of a cycle with several waves may be its second or third.
+    frequencies = [
+        first_frequency / n_waves * factor for n_waves in (1, 2, 3) for factor in (0.94, 1.0, 1.06)
+    ]
+    if first_frequency * period_of_spectrum < 3:  # a spectrum of a few cycles has no sharp line
+        frequencies += (np.arange(0.9, 3.0, 0.05) / period_of_spectrum).tolist()
+    long_enough = [
+        frequency for frequency in frequencies if frequency * loop.time[-1] >= least_cycles
+    ]
+    return long_enough or frequencies, first_frequency
 
 
 def _noise_of_load(
