@@ -88,13 +88,13 @@ def _where_shift_returns(shift: Array, rows: NDArray[np.intp]) -> tuple[int, flo
 def polygon_area(
     shift: Array, load: Array, phase: Array, shift_noise: float, load_noise: float
 ) -> LoopArea:
-    """Area W of a loop of U and Q by the polygon through its rows, per cycle, with its errors by
+    """Area W of a loop of Q over U per cycle, by the polygon through its rows, with its errors by
     the distance of the rows and by their noise. As many whole cycles count as the rows cover.
 
     Parameters
     ----------
     shift, load
-        U and Q, (n,) each
+        relative tangential displacement U and load Q of the rows, (n,) each
     phase
         (n,) cycles since any instant
     shift_noise, load_noise
@@ -116,38 +116,11 @@ def polygon_area(
     rows_at_end = np.flatnonzero(phase >= end)
     rows_at_end = rows_at_end[rows_at_end > 0.5 * len(phase) * cycles / max(covered_cycles, cycles)]
     area_of_gap = 0.0
-    if len(rows_at_end):  # up to the place between two rows where the loop closes
-        row_after = int(rows_at_end[0])
-        phase_before = phase[row_after - 1]
-        phase_step = max(phase[row_after] - phase_before, 1e-300)
-        share_of_step = float(np.clip((end - phase_before) / phase_step, 0.0, 1.0))
-        least_gap = _GAP * shift_noise
-        phase_while_standing = 4 * load_noise / (2 * float(np.ptp(load))) + _ROUNDING
-        standing_rows = rows_at_end[phase[rows_at_end] <= end + phase_while_standing]
-        if len(standing_rows) > 1:  # U moves on while Q stands: the loop closes where U comes back
-            row_after, share_of_step = _where_shift_returns(shift, standing_rows)
-            is_last_row = row_after == len(shift) - 1 and share_of_step == 1
-            if is_last_row:  # which may be a step before the first one
-                largest_step = float(np.max(np.abs(np.diff(shift[standing_rows]))))
-                least_gap = max(least_gap, 1.6 * largest_step)
-        ends = [
-            float(
-                values[row_after - 1] + share_of_step * (values[row_after] - values[row_after - 1])
-            )
-            for values in (shift, load)
-        ]
-        # U that does not come back closes by a chord at the first Q: an error of the gap times Q
-        # from its mean there.
-        shift_across_gap = ends[0] - float(shift[0])
-        if abs(shift_across_gap) > least_gap:
-            area_of_gap = abs(shift_across_gap) * abs(
-                float(load[0]) - float(load.max() + load.min()) / 2
-            )
-        shift = np.append(shift[:row_after], ends[0])
-        load = np.append(load[:row_after], ends[1])
-    elif (
-        end - phase[-1] > missing_cycles
-    ):  # the loop may lie anywhere between the chord and its end tangents
+    if len(rows_at_end):
+        noise = (shift_noise, load_noise)
+        shift, load, area_of_gap = _closed_at_end(shift, load, phase, rows_at_end, end, noise)
+    elif end - phase[-1] > missing_cycles:
+        # the loop may lie anywhere between the chord and its end tangents
         area_of_gap = abs(float((shift[-1] - shift[0]) * (load[-1] - load[0]))) / 2
     area = _shoelace(shift, load)
     area_of_half_the_rows = (
@@ -162,8 +135,63 @@ def polygon_area(
     return LoopArea(area / cycles, error_by_distance / cycles, 1.96 * area_scatter / cycles, cycles)
 
 
+def _closed_at_end(
+    shift: Array,
+    load: Array,
+    phase: Array,
+    rows_at_end: NDArray[np.intp],
+    end: float,
+    noise: tuple[float, float],
+) -> tuple[Array, Array, float]:
+    """U and Q of the rows up to the place between two rows where the loop closes, with that place
+    as the last; and the area that is open where U does not come back there.
+
+    Parameters
+    ----------
+    shift, load, phase
+        (n,) U, Q, and the cycles that are over at each row
+    rows_at_end
+        rows behind the end of the last whole cycle
+    end
+        cycles that are over there
+    noise
+        sigma of U and of Q
+    """
+    shift_noise, load_noise = noise
+    row_after = int(rows_at_end[0])
+    phase_before = phase[row_after - 1]
+    phase_step = max(phase[row_after] - phase_before, 1e-300)
+    share_of_step = float(np.clip((end - phase_before) / phase_step, 0.0, 1.0))
+    least_gap = _GAP * shift_noise
+    phase_while_standing = 4 * load_noise / (2 * float(np.ptp(load))) + _ROUNDING
+    standing_rows = rows_at_end[phase[rows_at_end] <= end + phase_while_standing]
+    if len(standing_rows) > 1:  # U moves on while Q stands: the loop closes where U comes back
+        row_after, share_of_step = _where_shift_returns(shift, standing_rows)
+        is_last_row = row_after == len(shift) - 1 and share_of_step == 1
+        if is_last_row:  # which may be a step before the first one
+            largest_step = float(np.max(np.abs(np.diff(shift[standing_rows]))))
+            least_gap = max(least_gap, 1.6 * largest_step)
+    shift_at_end, load_at_end = (
+        float(values[row_after - 1] + share_of_step * (values[row_after] - values[row_after - 1]))
+        for values in (shift, load)
+    )
+    # U that does not come back closes by a chord at the first Q: an error of the gap times Q from
+    # its mean there.
+    area_of_gap = 0.0
+    shift_across_gap = shift_at_end - float(shift[0])
+    if abs(shift_across_gap) > least_gap:
+        middle_load = float(load.max() + load.min()) / 2
+        area_of_gap = abs(shift_across_gap) * abs(float(load[0]) - middle_load)
+    return (
+        np.append(shift[:row_after], shift_at_end),
+        np.append(load[:row_after], load_at_end),
+        area_of_gap,
+    )
+
+
 def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
-    """Area W of a fitted loop plus what the rows enclose beside it, per cycle, with its errors.
+    """Area W of a measured loop per cycle: that of the fitted loop plus what the rows enclose
+    beside it, with its errors.
 
     A row that lies beside the loop by (dU, dQ) stands for the loop from half-way to its neighbours:
     dW = integral of dQ dU - dU dQ, to first order in the distance. Scatter of a row moves its own
@@ -171,6 +199,10 @@ def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
 
     Parameters
     ----------
+    loop
+        the fitted loop
+    fit
+        the fit, with the distances of the rows from it
     cycles
         how many the rows cover
     """

@@ -90,7 +90,8 @@ def row_noise(values: Array) -> float:
 def find_branches(
     shift: Array, load: Array, time: Array, resolution: float, source: str
 ) -> Branches:
-    """Turning points of Q, and the branch of the loop (Q rises or falls) on which each row lies.
+    """Divide a measured loop into its branches: for each row whether it lies on the branch on which
+    Q rises, and how many cycles are over there; with the turning points of Q.
 
     A crossing is where Q passes the middle of its range. Between two of them lies a turning point.
     Less than two cycles are laid end to end twice, so that each turning point lies between two.
@@ -98,7 +99,7 @@ def find_branches(
     Parameters
     ----------
     shift, load, time
-        U, Q and time of the rows, (n,) each; time ascends
+        relative tangential displacement U, Q and time of the rows, (n,) each; time ascends
     resolution
         step of Q that the digits of the rows resolve
     source
@@ -117,16 +118,16 @@ def find_branches(
             f" amplitude only (limit {100 * _SCATTER:.0f} %), the rest is scatter: give the rows in"
             " the order of time, and whole cycles"
         )
-    begins, ends, rises_at_crossing = _crossings(load, least_load, largest_load)
+    rows_before, rows_after, rises_at_crossing = _crossings(load, least_load, largest_load)
     cyclic_load = load
     cyclic_time = time
     period = math.inf
     copies = 1
-    if len(begins) < 3:  # less than two cycles: the first one follows itself round
-        closing_row = _closing_row(shift, load, begins, rises_at_crossing, noise)
+    if len(rows_before) < 3:  # less than two cycles: the first one follows itself round
+        closing_row = _closing_row(shift, load, rows_before, rises_at_crossing, noise)
         if closing_row is None:
             covered_cycles = float(
-                np.sum(np.abs(np.diff(_turned(load, begins, ends))))
+                np.sum(np.abs(np.diff(_turned(load, rows_before, rows_after))))
                 / (2 * (largest_load - least_load))
             )
             raise InputError(
@@ -135,32 +136,39 @@ def find_branches(
             )
         cyclic_load, cyclic_time, period = _cycle_twice(load, time, closing_row)
         copies = 2
-        begins, ends, rises_at_crossing = _crossings(cyclic_load, least_load, largest_load)
-    middles = _crossing_times(
-        cyclic_load, cyclic_time, begins, ends, (least_load + largest_load) / 2
+        rows_before, rows_after, rises_at_crossing = _crossings(
+            cyclic_load, least_load, largest_load
+        )
+    crossing_times = _crossing_times(
+        cyclic_load, cyclic_time, rows_before, rows_after, (least_load + largest_load) / 2
     )
-    if len(middles) < 3 or 2 * (ends[-1] - begins[0]) / (len(begins) - 1) < _FEWEST_OF_CYCLE:
+    n_half_cycles = len(rows_before) - 1
+    is_too_short = len(crossing_times) < 3
+    if is_too_short or 2 * (rows_after[-1] - rows_before[0]) / n_half_cycles < _FEWEST_OF_CYCLE:
         raise InputError(
             f"{source}: a loop needs at least {_FEWEST_OF_CYCLE} rows a cycle, in the order of time"
         )
-    centres = (middles[1:] + middles[:-1]) / 2  # of the two crossings of a turning point
+    # of the two crossings beside a turning point
+    centres = (crossing_times[1:] + crossing_times[:-1]) / 2
     is_top = rises_at_crossing[:-1]
     turning_points = {
-        side: _turning_point(
+        is_top_turn: _turning_point(
             cyclic_load,
             cyclic_time,
-            centres[is_top == side],
-            np.diff(middles)[is_top == side],
-            side,
+            centres[is_top == is_top_turn],
+            np.diff(crossing_times)[is_top == is_top_turn],
+            is_top_turn,
             noise,
             copies,
         )
-        for side in (True, False)
+        for is_top_turn in (True, False)
     }
     highest, highest_after_centre = turning_points[True]
     lowest, lowest_after_centre = turning_points[False]
 
-    turns = _times_of_turns(middles, rises_at_crossing, highest_after_centre, lowest_after_centre)
+    turns = _times_of_turns(
+        crossing_times, rises_at_crossing, highest_after_centre, lowest_after_centre
+    )
     first_is_top = not bool(rises_at_crossing[0])
     # the record begins again: the turning points of the second time round belong to the first too
     if math.isfinite(period):
@@ -306,25 +314,31 @@ def _turned(load: Array, begins: NDArray[np.intp], ends: NDArray[np.intp]) -> Ar
 
 
 def _closing_row(
-    shift: Array, load: Array, begins: NDArray[np.intp], upward: NDArray[np.bool_], noise: float
+    shift: Array,
+    load: Array,
+    rows_before: NDArray[np.intp],
+    upward: NDArray[np.bool_],
+    noise: float,
 ) -> int | None:
-    """Index of the row that closes the loop: the one nearest to the first row, a cycle later on the
-    same branch. None where no row comes that near again.
+    """Index of the row that closes a measured loop: the one nearest to the first row, a cycle later
+    on the same branch. None where no row comes that near again.
 
     Parameters
     ----------
     shift, load
         (n,) U and Q of the rows
-    begins, upward
+    rows_before, upward
         (k,) last row before each crossing of the middle of Q, and whether Q rises there
     noise
         standard deviation of Q
     """
-    if not len(begins):
+    if not len(rows_before):
         return None
-    stretches = np.split(np.arange(len(load)), begins + 1)  # rows of high Q and of low Q by turns
+    runs_of_rows = np.split(
+        np.arange(len(load)), rows_before + 1
+    )  # rows of high Q and of low Q by turns
     begins_high = not bool(upward[0])
-    first_loads = load[stretches[0]]
+    first_loads = load[runs_of_rows[0]]
     if begins_high:
         moves_outwards = np.max(first_loads) > load[0] + 4 * noise
     else:
@@ -332,10 +346,10 @@ def _closing_row(
     begins_rising = bool(moves_outwards) == begins_high
     # The branch of the first row begins again at the first lowest Q behind a highest one, or the
     # other way round.
-    stretch_of_turn = 1 if begins_rising == begins_high else 2
-    if len(stretches) <= stretch_of_turn:
+    run_of_turn = 1 if begins_rising == begins_high else 2
+    if len(runs_of_rows) <= run_of_turn:
         return None
-    rows = stretches[stretch_of_turn]
+    rows = runs_of_rows[run_of_turn]
     turning_row = int(rows[np.argmin(load[rows]) if begins_rising else np.argmax(load[rows])])
     # Behind the next turning point rows lie on the other branch, which is nearer than a step.
     loads_behind_turn = load[turning_row:]
@@ -363,12 +377,12 @@ def _closing_row(
 def _crossing_times(
     tangential_load: Array,
     time: Array,
-    begins: NDArray[np.intp],
-    ends: NDArray[np.intp],
+    rows_before: NDArray[np.intp],
+    rows_after: NDArray[np.intp],
     middle_load: float,
 ) -> Array:
     """Times at which Q passes the middle of its range, (k,): by the straight line fitted to the
-    rows begins[k] to ends[k] of each crossing.
+    rows of each crossing, from the last one on one side to the first one beyond.
 
     Parameters
     ----------
@@ -376,18 +390,20 @@ def _crossing_times(
         (n,) Q of the rows
     time
         (n,) their times
-    begins, ends
-        (k,) rows at which each crossing begins and ends
+    rows_before, rows_after
+        (k,) first and last row of each crossing
     middle_load
         the middle of Q's range
     """
     times = []
-    for begin, end in zip(begins.tolist(), ends.tolist(), strict=True):
-        rows = slice(begin, end + 1)
+    for row_before, row_after in zip(rows_before.tolist(), rows_after.tolist(), strict=True):
+        rows = slice(row_before, row_after + 1)
         mean_time = float(np.mean(time[rows]))
         rate, level = np.polyfit(time[rows] - mean_time, tangential_load[rows], 1)
         crossing_time = mean_time + (middle_load - level) / rate if rate else mean_time
-        times.append(min(max(float(crossing_time), float(time[begin])), float(time[end])))
+        times.append(
+            min(max(float(crossing_time), float(time[row_before])), float(time[row_after]))
+        )
     return np.array(times)
 
 
@@ -401,10 +417,11 @@ def _turning_point(
     n_copies: int,
 ) -> tuple[TurningPoint, float]:
     """Highest (or lowest) Q of a cycle with its standard error, and how long after the centre
-    between two crossings it is reached. All turning points of the side are laid over each other.
+    between two crossings it is reached. The turning points of all cycles are laid over each other.
 
-    Two parabolas that meet at the turning point describe a wave that is round there as well as one
-    with a corner. The window is as long as they describe the rows to within the noise.
+    A crossing is where Q passes the middle of its range. Two parabolas that meet at the turning
+    point describe a wave that is round there as well as one with a corner. The window is as long as
+    they describe the rows to within the noise.
 
     Parameters
     ----------
@@ -414,6 +431,8 @@ def _turning_point(
         (k,) middle and length of the time between the two crossings beside each turning point
     is_top
         whether Q is largest there
+    noise
+        standard deviation of Q
     n_copies
         how many of the turning points are copies of one and the same
     """
@@ -441,31 +460,32 @@ def _turning_point(
         >= np.max(signed_load[is_between_crossings]) - 0.05 * np.ptp(signed_load) - 2 * noise
     )
     middle_place = float(np.median(place[is_near_top]))
-    window = float(_WINDOW)
+    rows_of_window = float(_WINDOW)
     fits: list[tuple[float, float, float]] = []
-    while window < max(rows_in_half, _WINDOW + 0.5):
-        reach = (window + 0.5) / rows_in_half
-        rows = np.abs(place - middle_place) <= reach
-        x = (place[rows] - middle_place) / reach
+    while rows_of_window < max(rows_in_half, _WINDOW + 0.5):
+        half_window = (rows_of_window + 0.5) / rows_in_half
+        rows = np.abs(place - middle_place) <= half_window
+        x = (place[rows] - middle_place) / half_window
         y = signed_load[rows]
         fit = _two_parabolas(x, y)
         if fit is not None:
             height, place_of_top, residual = fit
+            # a longer window no longer describes the rows: the last one counts
             if fits and residual > _AS_NOISE * noise:
                 break
-            fits.append((height, middle_place + place_of_top * reach, window))
-        window *= _GROWTH
+            fits.append((height, middle_place + place_of_top * half_window, rows_of_window))
+        rows_of_window *= _GROWTH
     if not fits:
         height = float(np.max(signed_load[is_between_crossings]))
         return TurningPoint(
             sign * height, float(noise + np.ptp(signed_load) / rows_in_half)
         ), middle_place * half_length
-    height, place_of_top, window = fits[-1]
+    height, place_of_top, rows_of_window = fits[-1]
     height_of_shorter = (
         fits[-2][0] if len(fits) > 1 else float(np.max(signed_load[is_between_crossings]))
     )
     error = math.hypot(
-        noise * math.sqrt(_AT_JOINT / (window * max(n_turns // n_copies, 1))),
+        noise * math.sqrt(_AT_JOINT / (rows_of_window * max(n_turns // n_copies, 1))),
         height - height_of_shorter,
     )
     return TurningPoint(sign * height, error), place_of_top * half_length

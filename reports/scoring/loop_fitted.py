@@ -64,36 +64,38 @@ def said_of_scale(scale: float) -> list[str]:
 
 def against_rows(
     loop: MeasuredLoop,
-    shift: Array,
+    displacement: Array,
     share: Array,
     load_of_cycle: Array,
     scale: float,
     rig_compliance: float | None,
 ) -> tuple[float, float, float]:
-    """Fit C and U0 of U = r U_theory + C r Q + U0 to the rows by linear least squares; return the
-    sum of squares, C and U0.
+    """Fit the rig to the rows of a measured loop: C and U0 of U = r U_theory + C r Q + U0, by
+    linear least squares. Returns the sum of squares that is left [length^2], C and U0.
 
     Parameters
     ----------
-    shift, load_of_cycle
+    loop
+        U and Q of the n rows
+    displacement, load_of_cycle
         (n_instants,) U of theory, and r Q of the scene, through a cycle
     share
         (n,) share of the cycle that is over at each row
     scale
         r, the file's Q over the scene's
     rig_compliance
-        C, where it is stated; None fits it
+        C [1/stress], where it is stated; None fits it
     """
     load = np.interp(share, SHARES, load_of_cycle)
-    shift_beside_theory = loop.shift - scale * np.interp(share, SHARES, shift)
+    displacement_of_rig = loop.shift - scale * np.interp(share, SHARES, displacement)
     if rig_compliance is not None:
-        shift_beside_theory = shift_beside_theory - rig_compliance * load
-        origin = float(np.mean(shift_beside_theory))
-        return float(np.sum((shift_beside_theory - origin) ** 2)), rig_compliance, origin
+        displacement_of_rig = displacement_of_rig - rig_compliance * load
+        origin = float(np.mean(displacement_of_rig))
+        return float(np.sum((displacement_of_rig - origin) ** 2)), rig_compliance, origin
     columns = np.column_stack([load, np.ones(len(share))])
-    slope_and_origin = np.linalg.lstsq(columns, shift_beside_theory, rcond=None)[0]
+    slope_and_origin = np.linalg.lstsq(columns, displacement_of_rig, rcond=None)[0]
     return (
-        float(np.sum((shift_beside_theory - columns @ slope_and_origin) ** 2)),
+        float(np.sum((displacement_of_rig - columns @ slope_and_origin) ** 2)),
         float(slope_and_origin[0]),
         float(slope_and_origin[1]),
     )

@@ -8,7 +8,7 @@ import json
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,6 +31,8 @@ from reports.folder import filled
 from reports.scoring.loops import SHARES, LoopScore, means_of_parts
 from reports.units import energy_unit, load_unit, minus, units
 from scenes.array_types import Array
+
+_WIDTH = 900.0  # of both figures [pixels]
 
 
 def content(score: LoopScore) -> dict[str, Any]:
@@ -88,94 +90,111 @@ def table(score: LoopScore) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     return heads, rows
 
 
+class _Means(NamedTuple):
+    """Means of neighbouring rows, which are drawn as dots, (k,) each.
+
+    Attributes
+    ----------
+    rows
+        how many rows a mean is of
+    share
+        share of the cycle that is over
+    shift, load
+        U and Q
+    residual
+        U minus U of the best fit
+    """
+
+    rows: Array
+    share: Array
+    shift: Array
+    load: Array
+    residual: Array
+
+
 def _plates(score: LoopScore) -> tuple[Plate, ...]:
-    """Two figures. The loop: U − slope Q over Q, the slope being that of the best fit, so that a
-    thin loop opens. The residuals: U of the rows minus U of the best fit, over the share of the
-    cycle that is over. Dots are means of neighbouring rows; the CSV files hold every row.
+    """Two figures of a measured loop: the loop itself, and the residuals of its best fit. Dots are
+    means of neighbouring rows; the CSV files hold every row.
+    """
+    residuals = score.shift - np.interp(score.tau, SHARES, score.curves[0][1])
+    means = _Means(*means_of_parts(score.tau, score.tau, score.shift, score.load, residuals))
+    row_counts: dict[str, Any] = {
+        "fewest": f"{means.rows.min():.0f}",
+        "most": f"{means.rows.max():.0f}",
+        "parts": len(means.rows),
+        "columns": 1,
+    }
+    return (
+        _figure_of_loop(score, means, row_counts),
+        _figure_of_residuals(score, means, residuals, row_counts),
+    )
+
+
+def _figure_of_loop(score: LoopScore, means: _Means, row_counts: dict[str, Any]) -> Plate:
+    """The figure of U − slope Q over Q, for the rows and the computed loops. The slope is that of
+    the best fit, so that a thin loop opens. `row_counts` are numbers for the caption.
     """
     unit_of_length = units(score.scene)[1]
     unit_of_load = load_unit(score.scene)
     slope = score.rows[1].slope
     mean_offset = float(np.mean(score.shift - slope * score.load))
-    residuals = score.shift - np.interp(score.tau, SHARES, score.curves[0][1])
-    rows_of_dot, share_of_dot, shift_of_dot, load_of_dot, residual_of_dot = means_of_parts(
-        score.tau, score.tau, score.shift, score.load, residuals
-    )
-    opened_shift = shift_of_dot - slope * load_of_dot - mean_offset
+    opened_shift = means.shift - slope * means.load - mean_offset
     curves = [
         Curve(loads, shifts - slope * loads - mean_offset, f"line-{number}", name)
         for number, (name, shifts, loads) in enumerate(score.curves, 1)
     ]
-    keys = [Key(curve.css, curve.label) for curve in curves]
-
-    def panel(
-        name: str,
-        title: str,
-        height: float,
-        horizontal: Axis,
-        vertical: Axis,
-        dots: tuple[Array, Array],
-        lines: Sequence[Mark],
-    ) -> Panel:
-        """A panel with a dot for each mean of rows (`dots`: x and y) and `lines` over them, of the
-        height `height` [pixels], with two axes and a title.
-        """
-        marks = [
-            Dot(x, y, "p0", 2.2) for x, y in zip(dots[0].tolist(), dots[1].tolist(), strict=True)
-        ]
-        return Panel(
-            name, horizontal, vertical, [*marks, *lines], title, 900.0, height, css="broad"
-        )
-
-    loop_axes = (
-        Axis(*limits(load_of_dot, curves[0].x), f"Q  [{unit_of_load}]"),
+    panel = Panel(
+        "loop",
+        Axis(*limits(means.load, curves[0].x), f"Q  [{unit_of_load}]"),
         Axis(
             *limits(opened_shift, *(curve.y for curve in curves)),
             f"U − slope Q  [{unit_of_length}]",
         ),
-    )
-    residual_axes = (
-        Axis(0.0, 1.0, "share of the cycle"),
-        Axis(*limits(residual_of_dot), f"mean rows − best fit  [{unit_of_length}]"),
-    )
-    loop_panel = panel(
-        "loop",
+        [*_dots(means.load, opened_shift), *curves],
         "Loop of displacement over tangential load",
+        _WIDTH,
         380.0,
-        *loop_axes,
-        (load_of_dot, opened_shift),
-        curves,
+        css="broad",
     )
-    residual_panel = panel(
-        "loop-rest",
-        "Residuals of the best fit over the cycle",
-        260.0,
-        *residual_axes,
-        (share_of_dot, residual_of_dot),
-        [Rule(0.0, "zero")],
-    )
-    row_counts: dict[str, Any] = {
-        "fewest": f"{rows_of_dot.min():.0f}",
-        "most": f"{rows_of_dot.max():.0f}",
-        "parts": len(rows_of_dot),
-        "columns": 1,
-    }
-    loop_columns = {
+    columns = {
         "tau": score.tau,
         f"Q [{unit_of_load}]": score.load,
         f"U [{unit_of_length}]": score.shift,
     }
-    noise_words: dict[str, Any] = {"noise": f"{score.noise:.3g}", "length": unit_of_length}
-    return (
-        worded("loop", [loop_panel], loop_columns, keys, slope=f"{slope:.4g}", **row_counts),
-        worded(
-            "loop_residuals",
-            [residual_panel],
-            {"tau": score.tau, f"U - fit [{unit_of_length}]": residuals},
-            **noise_words,
-            **row_counts,
-        ),
+    keys = [Key(curve.css, curve.label) for curve in curves]
+    return worded("loop", [panel], columns, keys, slope=f"{slope:.4g}", **row_counts)
+
+
+def _figure_of_residuals(
+    score: LoopScore, means: _Means, residuals: Array, row_counts: dict[str, Any]
+) -> Plate:
+    """The figure of the residuals (n,), U of the rows minus U of the best fit, over the share of
+    the cycle that is over. `row_counts` are numbers for the caption.
+    """
+    unit_of_length = units(score.scene)[1]
+    panel = Panel(
+        "loop-rest",
+        Axis(0.0, 1.0, "share of the cycle"),
+        Axis(*limits(means.residual), f"mean rows − best fit  [{unit_of_length}]"),
+        [*_dots(means.share, means.residual), Rule(0.0, "zero")],
+        "Residuals of the best fit over the cycle",
+        _WIDTH,
+        260.0,
+        css="broad",
     )
+    return worded(
+        "loop_residuals",
+        [panel],
+        {"tau": score.tau, f"U - fit [{unit_of_length}]": residuals},
+        noise=f"{score.noise:.3g}",
+        length=unit_of_length,
+        **row_counts,
+    )
+
+
+def _dots(x: Array, y: Array) -> list[Mark]:
+    """A dot at each of the places (x, y), (k,)."""
+    return [Dot(*place, "p0", 2.2) for place in zip(x.tolist(), y.tolist(), strict=True)]
 
 
 def write(

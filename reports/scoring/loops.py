@@ -188,12 +188,15 @@ def score_loop(
     rig_compliance: float | None = None,
     against: Against = "exact",
 ) -> LoopScore:
-    """The f that fits a measured loop best, its interval, and the loops of the engines beside it.
+    """The friction coefficient f that fits a measured loop of Q over U best, with its 95 %
+    interval; and beside it the loops that theory and finite elements compute.
 
     Parameters
     ----------
+    loop
+        Q and the relative tangential displacement U of the rows
     rig_compliance
-        C [1/stress], beyond the datum length of the profile; fitted if None
+        C of the rig [1/stress], beyond the datum length of the profile; fitted if None
     against
         "fe" has the finite elements solve the scene with its own f and with the best one too
 
@@ -221,11 +224,13 @@ def score_loop(
     for name, values in (("U", loop.shift), ("Q", loop.load)):
         if not np.ptp(values) > 0:
             raise InputError(f"{loop.source}: {name} is the same in every row: there is no loop")
+    # Q rises once and falls once in a cycle: the order of the rows tells their places
     if has_two_branches(scene):
         loop, fit = fit_steady_rows(loop, scene, rig_compliance)
     else:
         fit = fit_over_time(loop, scene, rig_compliance)
     measured_row, sentence = _measured_row(loop, fit)
+    # at the ends of the loop the contact slides as a whole
     if fit.gross and fit.model is not None:
         computed_loops = _sliding_loops(loop, fit, fit.model, scene, against)
     else:
@@ -308,8 +313,10 @@ def _partial_loops(
     rig_compliance: float | None,
     against: Against,
 ) -> _Beside:
-    """Loops that theory, and on `against` "fe" the finite elements, compute under the loads of the
-    rows with the best f and with the scene's f; and a sentence for an f at which there is no loop.
+    """Loops beside a measured one that slips partially: what theory, and with `against` "fe" the
+    finite elements, compute under the loads of the rows, with the best f and with the scene's f.
+    With them a sentence for each f at which the contact would slide as a whole.
+
     `rig_compliance` is the stated C of the rig; None fits C to the rows for each loop.
     """
     loops = []
@@ -345,20 +352,30 @@ class _LoopOfScene(NamedTuple):
 def _with_rig(
     loop: MeasuredLoop, fit: FittedLoop, computed: _LoopOfScene, rig_compliance: float | None
 ) -> _ComputedLoop:
-    """A computed loop at the loads of the rows, with the C and U0 of the rig that bring it nearest
-    to them; its W, slope and distance from the rows. A stated `rig_compliance` is kept.
+    """A computed loop with the rig added, U = r U_computed + C Q + U0, C and U0 such that it lies
+    nearest to the rows; with its area W, slope dU/dQ and distance from the rows. A stated
+    `rig_compliance` (C) is kept.
+
+    Parameters
+    ----------
+    loop
+        the measured rows
+    fit
+        places of the rows on the cycle, and r, the file's Q over the scene's
+    computed
+        name, f, and U through a cycle of the scene
     """
     load_of_cycle = cycle_loads(fit.scene)[1]
     load = fit.scale * load_of_cycle
     _, compliance, origin = against_rows(
         loop, computed.shift, fit.share, load, fit.scale, rig_compliance
     )
-    shift = fit.scale * computed.shift + compliance * load + origin
+    displacement = fit.scale * computed.shift + compliance * load + origin
     mean_load = (load_of_cycle[1:] + load_of_cycle[:-1]) / 2
     work = fit.scale**2 * float(np.sum(mean_load * np.diff(computed.shift)))
-    slope, distance = _beside_rows(loop, fit.share, shift, load)
+    slope, distance = _beside_rows(loop, fit.share, displacement, load)
     row = LoopRow(computed.name, computed.friction, work, 0.0, slope, distance)
-    return _ComputedLoop(row, shift, load + fit.offset)
+    return _ComputedLoop(row, displacement, load + fit.offset)
 
 
 def _sliding_loops(
@@ -416,13 +433,14 @@ def _slope(shift: Array, load: Array) -> float:
 
 
 def means_of_parts(share: Array, *values: Array) -> tuple[Array, ...]:
-    """Rows in each part of the cycle that has any, and the mean of each of `values` (n,) there:
-    (k,) each.
+    """The cycle is cut into equal parts: how many rows lie in each part that has any, and the mean
+    of each of `values` (n,) there, (k,) each. `share` (n,) is the share of the cycle that is over
+    at each row.
     """
     parts = np.floor(share * max(20, min(_PARTS, len(share) // 8))).astype(int)
     count = np.bincount(parts)
-    some = count > 0
+    has_rows = count > 0
     return (
-        count[some].astype(float),
-        *(np.bincount(parts, one)[some] / count[some] for one in values),
+        count[has_rows].astype(float),
+        *(np.bincount(parts, series)[has_rows] / count[has_rows] for series in values),
     )
