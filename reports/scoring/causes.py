@@ -87,11 +87,9 @@ def _moments(discrepancy: Discrepancy) -> tuple[float, float, float]:
     the ratio of the sums, the ratio of the widths (standard deviations in x), and the distance
     between the centroids [length]. 1, 1, 0 where either has no pressure.
     """
-    moments = []
-    for pressure in (
-        discrepancy.result_tractions[PRESSURE],
-        discrepancy.reference_tractions[PRESSURE],
-    ):
+    moments = []  # of the result, of the reference
+    for tractions in (discrepancy.result_tractions, discrepancy.reference_tractions):
+        pressure = tractions[PRESSURE]
         weight = discrepancy.weight * np.maximum(pressure, 0.0)
         sum_of_pressure = float(weight.sum())
         if not sum_of_pressure:
@@ -99,12 +97,13 @@ def _moments(discrepancy: Discrepancy) -> tuple[float, float, float]:
         centre = float(np.sum(weight * discrepancy.x)) / sum_of_pressure
         width = float(np.sqrt(np.sum(weight * (discrepancy.x - centre) ** 2) / sum_of_pressure))
         moments.append((sum_of_pressure, centre, width))
-    (
-        (sum_of_pressure, centre, width),
-        (total_of_reference, centre_of_reference, width_of_reference),
-    ) = moments
-    width_ratio = width / width_of_reference if width and width_of_reference else 1.0
-    return sum_of_pressure / total_of_reference, width_ratio, centre - centre_of_reference
+    sum_of_result, centre_of_result, width_of_result = moments[0]
+    sum_of_reference, centre_of_reference, width_of_reference = moments[1]
+    width_ratio = 1.0
+    if width_of_result and width_of_reference:
+        width_ratio = width_of_result / width_of_reference
+    distance = centre_of_result - centre_of_reference
+    return sum_of_result / sum_of_reference, width_ratio, distance
 
 
 def _away_from_zero(value: float) -> float:

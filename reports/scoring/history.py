@@ -108,9 +108,9 @@ def matched(surface: SurfaceResult, scene: Scene, *, sure_of_times: bool = True)
 
 
 def _by_resultants(surface: SurfaceResult, scene: Scene) -> History:
-    """Find the instants of a result (`surface`) on the load path by the integrals of its tractions
-    over x. The error of the trapezoidal rule, found from theory at these instants, is subtracted,
-    and they are found again.
+    """Find the instants of an external result (`surface`) on the load path by its resultants, the
+    integrals of its tractions over x. The error of the trapezoidal rule, found from theory at these
+    instants, is subtracted, and they are found again.
     """
     source_in_words = "the integrals of its pressure and shear over x"
     if not surface.sheared and not without_tangential_load(scene):
@@ -403,12 +403,12 @@ def _times_in_order(
     """Find the time on the load path of each instant of a result by its loads P and Q: ascending
     times (n_steps,), near to the loads, and with even steps where several places are as near.
 
-    Of `times` (n,), samples of the path, those are chosen that cost least in all. A place costs the
-    square of its distance, over that of the instant that lies farthest from the path, `_DISTANCE`
-    times; a step the square of its length over the mean one. So of places that are equally near, to
-    and fro on one line or in one revolution after another, the evenest are taken: two instants
-    alike on both sides of a turn of the loads are one on each side. Noise next to a turn may put an
-    instant before the last one, by a small part of a revolution.
+    Dynamic programming: of `times` (n,), samples of the path, those are chosen that cost least in
+    all. A place costs the square of its distance from the instant's loads, over that of the instant
+    that lies farthest from the path, `_DISTANCE` times. A step of time costs the square of its
+    length over the mean one. So of places that are equally near, to and fro on one line or in one
+    revolution after another, the evenest are taken. Noise next to a turn may put an instant before
+    the last one, by a small part of a revolution.
 
     Parameters
     ----------
@@ -436,6 +436,7 @@ def _times_in_order(
     cost = _AHEAD * (times[places[0]] - times[0]) / duration
     predecessors: list[Places] = []  # of each place of an instant, the best of the one before
     for number_of_instant, places_of_instant in enumerate(places):
+        # from each place of the instant before to each place of this one
         if number_of_instant:
             step = times[places_of_instant] - times[places[number_of_instant - 1]][:, None]
             cost_of_pair = cost[:, None] + (step / np.where(step < 0, step_back, mean_step)) ** 2
@@ -445,14 +446,15 @@ def _times_in_order(
             cost
             + _DISTANCE * squared_distances[number_of_instant][places_of_instant] / largest_misfit
         )
+    # back from the cheapest place of the last instant
     best_from_end = [int(np.argmin(cost))]
     for predecessor in reversed(predecessors):
         best_from_end.append(int(predecessor[best_from_end[-1]]))
     best_places = reversed(best_from_end)
     chosen_places = np.array(
         [
-            places_of_instant[number_of_instant]
-            for places_of_instant, number_of_instant in zip(places, best_places, strict=True)
+            places_of_instant[place_number]
+            for places_of_instant, place_number in zip(places, best_places, strict=True)
         ]
     )
     return np.maximum.accumulate(

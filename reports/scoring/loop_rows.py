@@ -74,31 +74,7 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
     )
     names = table.names
     file_name = str(path)
-    # Of two columns without names the one is the other's partner.
-    has_two_nameless_columns = not table.head and len(names) == 2
-    load_name = find_column(
-        mapping, "tangential_load", names, file_name, needed=not has_two_nameless_columns
-    )
-    stated_shift_name = (
-        find_column(mapping, "slip", names, file_name) if mapping.columns.slip is not None else None
-    )
-    if has_two_nameless_columns and load_name is None and stated_shift_name is not None:
-        load_name = names[1 - names.index(stated_shift_name)]
-    shift_names = [name for alias in _SHIFT_NAMES for name in names if plain(name) == plain(alias)]
-    shift_name = stated_shift_name or next(iter(dict.fromkeys(shift_names)), None)
-    if has_two_nameless_columns and shift_name is None and load_name is not None:
-        shift_name = names[1 - names.index(load_name)]
-    if shift_name is None or load_name is None:
-        raise InputError(
-            f"{file_name}: no column for the relative displacement (looked for"
-            f" {', '.join(_SHIFT_NAMES[:4])} ...) among {listed(names)}; name it by columns.slip of"
-            " a mapping"
-        )
-    if shift_name == load_name:
-        raise InputError(
-            f"{file_name}: the mapping takes {shift_name!r} for U and for Q; state columns.slip and"
-            " columns.tangential_load"
-        )
+    shift_name, load_name = _names_of_columns(table, mapping, file_name)
     time_name = find_column(mapping, "time", names, file_name)
     n_rows = len(table.values)
     if n_rows < _FEWEST:
@@ -147,6 +123,44 @@ class _ColumnOfLoop(NamedTuple):
     values: Array
     step: float
     words: str
+
+
+def _names_of_columns(table: TextTable, mapping: Mapping, file_name: str) -> tuple[str, str]:
+    """Names of the columns of U and of Q in the table of a loop: by the mapping, or by known names.
+    Of two columns without names the one is U where the other is Q.
+
+    Raises
+    ------
+    InputError
+        Where there is no column for U or Q, or one for both.
+    """
+    names = table.names
+    # Of two columns without names the one is the other's partner.
+    has_two_nameless_columns = not table.head and len(names) == 2
+    load_name = find_column(
+        mapping, "tangential_load", names, file_name, needed=not has_two_nameless_columns
+    )
+    stated_shift_name = (
+        find_column(mapping, "slip", names, file_name) if mapping.columns.slip is not None else None
+    )
+    if has_two_nameless_columns and load_name is None and stated_shift_name is not None:
+        load_name = names[1 - names.index(stated_shift_name)]
+    shift_names = [name for alias in _SHIFT_NAMES for name in names if plain(name) == plain(alias)]
+    shift_name = stated_shift_name or next(iter(dict.fromkeys(shift_names)), None)
+    if has_two_nameless_columns and shift_name is None and load_name is not None:
+        shift_name = names[1 - names.index(load_name)]
+    if shift_name is None or load_name is None:
+        raise InputError(
+            f"{file_name}: no column for the relative displacement (looked for"
+            f" {', '.join(_SHIFT_NAMES[:4])} ...) among {listed(names)}; name it by columns.slip of"
+            " a mapping"
+        )
+    if shift_name == load_name:
+        raise InputError(
+            f"{file_name}: the mapping takes {shift_name!r} for U and for Q; state columns.slip and"
+            " columns.tangential_load"
+        )
+    return shift_name, load_name
 
 
 def _column_of_loop(

@@ -76,16 +76,19 @@ _UNTOLD = 0.05
 def contact_solution(
     surface: SurfaceResult, mapping: Mapping, theory: ContactSolution, *, sure_of_times: bool = True
 ) -> tuple[ContactSolution, tuple[str, ...]]:
-    """An external result `surface` as a solution that can be compared, and what was guessed on the
-    way, in sentences.
+    """Turn an external result (`surface`) into a solution that can be compared with theory; with it
+    sentences on what was guessed on the way.
 
     Nothing is filled in: what the result does not hold is NaN, named in `work.skipped`, and left
-    out of the comparison. Worked out from its own fields, and said so in the notes, are states,
-    edges, and of a whole cycle with slip the work of friction. `theory` is that of the scene's
-    whole path.
+    out of the comparison. States and edges are found from its own tractions and slip, and of a
+    whole cycle with slip the work of friction too; notes say so.
 
     Parameters
     ----------
+    mapping
+        stated units, signs and names of columns
+    theory
+        half-plane theory of the scene's whole path
     sure_of_times
         whether the result's times are known to be those of the load path
 
@@ -240,15 +243,15 @@ def _placed_on_path(
 def _with_zones(
     solution: ContactSolution, *, uses_slip: bool, adds_dissipation: bool
 ) -> tuple[ContactSolution, str]:
-    """A solution with what follows from its own tractions (states, edges, permanent stick zone,
-    moments), and the rule by which states were found, in words.
+    """A solution with what follows from its own tractions: states (open, stick, slip), edges,
+    permanent stick zone, moments. With it, in words, the rule by which states were found.
 
     Parameters
     ----------
     uses_slip
         whether its slip is used beside its tractions to find what slips
     adds_dissipation
-        whether its dissipation is worked out too, as the sum of q ds over its last cycle
+        whether its dissipation is computed too, as the sum of q ds over its last cycle
     """
     has_shear = not np.isnan(solution.shear).all()
     state, contact_edges, stick_edges, method_in_words = zones(
@@ -301,12 +304,12 @@ def _with_zones(
 def by_same_rule(
     reference: ContactSolution, result: ContactSolution, length: float
 ) -> tuple[ContactSolution, tuple[str, ...]]:
-    """The reference with states, edges and dissipation worked out by the rules that gave an
-    external result its own; and in sentences how far these rules are off.
+    """The reference with states, edges and dissipation found by the rules that an external result's
+    own were found by; and in sentences how far these rules err for the reference.
 
     The metrics then are about the result and not about the rules. A result that states everything
     itself leaves the reference as it is; so does, of the dissipation, a reference on other instants
-    than the result's. `length` is a_ref.
+    than the result's. `length` is the reference half-width.
     """
     if "state" not in derived(result):
         return reference, ()
@@ -365,6 +368,7 @@ def _bulk_and_tilt_at(scene: Scene, time: Array) -> dict[str, Any]:
     ):
         if name == "turning" and path.moment_given:
             continue
+        # history of these loads along the path; None where the scene has none of them
         companion = path.companion(name)
         for column, key in enumerate(keys):
             series = np.zeros(len(time))
@@ -466,51 +470,23 @@ _IN_CONTACT = f"in contact is a point with more than {TOUCHES:g} of the instant'
 def zones(
     x: Array, pressure: Array, shear: Array, slip: Array | None, friction: float, time: Array
 ) -> Zones:
-    """States, contact edges and stick edges at every instant, from tractions on points, (n_steps,
-    n_points), and from slip where there is one.
+    """States (open, stick, slip), contact edges and stick edges at every instant, from tractions on
+    points, (n_steps, n_points), and from slip where there is one.
 
-    In full stick the stick edges are the contact edges, in full slip NaN, as everywhere in the
-    project.
-
-    A contact edge lies where the straight line of p^2 through the last two points in contact is 0,
-    a stick edge where that of (f p - |q|)^2 is, each no farther than the next point: both are roots
-    of the distance at an edge. The outermost points are the mesh's own: a parabola of p^2 through
-    those behind them gives the contact edge where it fits. Which points slip: those on the Coulomb
-    limit, whose slip, where there is one, moves with the shear; the first instant has no step
-    before it, so that there the limit alone tells.
+    In full stick the stick edges are the contact edges, in full slip NaN. A contact edge lies where
+    the straight line of p^2 through the last two points in contact is 0, a stick edge where that of
+    (f p - |q|)^2 is, each no farther than the next point: both are roots of the distance at an
+    edge. The outermost points are the mesh's own: a parabola of p^2 through those behind them gives
+    the contact edge where it fits.
     """
     is_touching = pressure > TOUCHES * pressure.max(axis=1, keepdims=True)
-    slips = is_touching & (np.abs(shear) >= (1 - _CONE) * friction * pressure)
-    sense = np.sign(shear)
-    rule_in_words = _IN_CONTACT
-    sources = "tractions"
-    if friction:
-        rule_in_words += f"; it slips where |q| is at least {1 - _CONE:g} f p"
-    if slip is not None and len(slip) > 1:
-        movement = np.where(is_touching[1:], np.diff(slip, axis=0), 0.0)
-        largest_movement = np.max(np.abs(movement), axis=1, keepdims=True)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            rate = np.where(largest_movement > 0, largest_movement / np.diff(time)[:, None], 0.0)
-        moves = (np.abs(movement) > _MOVES * largest_movement) & (rate >= _RESTS * np.max(rate))
-        if friction:
-            moves_with_shear = moves & (np.sign(movement) == sense[1:])
-            slips = np.vstack([slips[:1], slips[1:] & moves_with_shear])
-            sources = "tractions and slip"
-            rule_in_words += (
-                f" and its slip has moved with the shear by more than {_MOVES:g} of the instant's"
-                f" largest step, unless no point moves faster than {_RESTS:g} of the largest rate"
-            )
-        else:
-            slips = np.vstack([slips[:1], moves])
-            sense = np.vstack([sense[:1], np.sign(movement)])
-    elif friction:
-        rule_in_words += (
-            "; for want of slip, a point that just came to rest still counts as slipping"
-        )
+    slips, direction, method_in_words = _points_that_slip(
+        pressure, shear, slip, is_touching, friction, time
+    )
     state = np.full(pressure.shape, OPEN, dtype=np.int8)
     state[is_touching] = STICK
-    state[slips & (sense > 0)] = SLIP_FORWARD
-    state[slips & ~(sense > 0)] = SLIP_REVERSE
+    state[slips & (direction > 0)] = SLIP_FORWARD
+    state[slips & ~(direction > 0)] = SLIP_REVERSE
     sticks = is_touching & ~slips
     below_limit = np.maximum(friction * pressure - np.abs(shear), 0.0)
     contact_edges = np.empty((len(pressure), 2))
@@ -524,8 +500,64 @@ def zones(
             stick_edges[k, 0] = contact_edges[k, 0]
         if len(touching_points) and sticks[k, touching_points[-1]]:
             stick_edges[k, 1] = contact_edges[k, 1]
-    method_in_words = f"states and edges are worked out from its {sources}: {rule_in_words}"
     return Zones(state, contact_edges, stick_edges, method_in_words)
+
+
+def _points_that_slip(
+    pressure: Array,
+    shear: Array,
+    slip: Array | None,
+    is_touching: Mask,
+    friction: float,
+    time: Array,
+) -> tuple[Mask, Array, str]:
+    """Which points slip at each instant, the sign of their slip (1 forward), both (n_steps,
+    n_points), and the rule in words.
+
+    A point slips on the Coulomb limit. Where the slip is known, it must also move with the shear by
+    more than a share of the instant's largest step; without friction, movement alone counts. The
+    first instant has no step before it: there the limit alone tells.
+
+    Parameters
+    ----------
+    pressure, shear, slip
+        (n_steps, n_points); slip None where it is not known
+    is_touching
+        (n_steps, n_points) points in contact
+    friction
+        coefficient f
+    time
+        (n_steps,) of the instants
+    """
+    slips = is_touching & (np.abs(shear) >= (1 - _CONE) * friction * pressure)
+    direction = np.sign(shear)
+    rule_in_words = _IN_CONTACT
+    sources = "tractions"
+    if friction:
+        rule_in_words += f"; it slips where |q| is at least {1 - _CONE:g} f p"
+    if slip is not None and len(slip) > 1:
+        movement = np.where(is_touching[1:], np.diff(slip, axis=0), 0.0)
+        largest_movement = np.max(np.abs(movement), axis=1, keepdims=True)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            speed = np.where(largest_movement > 0, largest_movement / np.diff(time)[:, None], 0.0)
+        # at an instant at which no point moves fast, none slips
+        moves = (np.abs(movement) > _MOVES * largest_movement) & (speed >= _RESTS * np.max(speed))
+        if friction:
+            moves_with_shear = moves & (np.sign(movement) == direction[1:])
+            slips = np.vstack([slips[:1], slips[1:] & moves_with_shear])
+            sources = "tractions and slip"
+            rule_in_words += (
+                f" and its slip has moved with the shear by more than {_MOVES:g} of the instant's"
+                f" largest step, unless no point moves faster than {_RESTS:g} of the largest rate"
+            )
+        else:
+            slips = np.vstack([slips[:1], moves])
+            direction = np.vstack([direction[:1], np.sign(movement)])
+    elif friction:
+        rule_in_words += (
+            "; for want of slip, a point that just came to rest still counts as slipping"
+        )
+    return slips, direction, f"states and edges are worked out from its {sources}: {rule_in_words}"
 
 
 def _ends_of_zone(
