@@ -96,23 +96,26 @@ class LoopRows:
             [range_of_load, range_of_load, range_of_shift / range_of_load, range_of_shift]
         )
 
-    def rig(self, shift: Array, rows: NDArray[np.bool_] | None = None) -> tuple[float, float]:
-        """C and U0 of U = U_theory + C Q + U0, by linear least squares.
+    def rig(
+        self, displacement: Array, rows: NDArray[np.bool_] | None = None
+    ) -> tuple[float, float]:
+        """The rig that fits the rows best: C and U0 of U = U_theory + C Q + U0, by linear least
+        squares.
 
         Parameters
         ----------
-        shift
+        displacement
             (n,) U of theory at the rows
         rows
             (n,) which of the rows count; all of them by default
         """
-        is_used = np.ones(len(shift), dtype=bool) if rows is None else rows
-        shift_beside_theory = (self.shift - shift)[is_used]
+        is_used = np.ones(len(displacement), dtype=bool) if rows is None else rows
+        displacement_of_rig = (self.shift - displacement)[is_used]
         load = self.load[is_used]
         if self.compliance is not None:
-            return self.compliance, float(np.mean(shift_beside_theory - self.compliance * load))
-        columns = np.column_stack([load, np.ones_like(shift_beside_theory)])
-        slope, origin = np.linalg.lstsq(columns, shift_beside_theory, rcond=None)[0]
+            return self.compliance, float(np.mean(displacement_of_rig - self.compliance * load))
+        columns = np.column_stack([load, np.ones_like(displacement_of_rig)])
+        slope, origin = np.linalg.lstsq(columns, displacement_of_rig, rcond=None)[0]
         return float(slope), float(origin)
 
 
@@ -284,16 +287,16 @@ class LoopsOverFriction:
     def first_rig(
         self, rows: LoopRows, friction: float, highest: float, lowest: float
     ) -> tuple[float, float]:
-        """C and U0 from which a fit begins. Each row is laid on theory's loop where Q is its own,
-        on its own branch; rows near the turning points, where that place is not certain, are left
-        out as long as enough others remain.
+        """C and U0 of the rig from which a fit begins, U = r U_theory + C Q + U0. Each row is laid
+        on theory's loop where Q is its own, on its own branch. Rows near the turning points, where
+        that place is not certain, are left out as long as enough others remain.
 
         Parameters
         ----------
-        highest
-            Q at the upper turning point of the rows
-        lowest
-            Q at the lower one
+        friction
+            f of the file, whose Q is r times that of the scene
+        highest, lowest
+            Q at the upper and at the lower turning point of the rows
         """
         scale = self.scale(highest, lowest)
         shift = self.shift(friction / scale)
@@ -323,8 +326,10 @@ class LoopsOverFriction:
 
         Parameters
         ----------
+        friction
+            f of the loop
         terms
-            (4,) highest Q, lowest Q, C and U0
+            (4,) highest Q, lowest Q, and C and U0 of the rig
         weights
             sigma of U and of Q, by which both are divided
         """
@@ -336,6 +341,7 @@ class LoopsOverFriction:
         points = np.empty((4, len(rows.load)))
         row_points = np.array([rows.shift / weights.shift, rows.load / weights.load])
         loop_points = np.array([shift_of_loop / weights.shift, load_of_loop / weights.load])
+        # rows of `points`: place, distance, unit vector in U and in Q
         points[1] = math.inf
         for rising in (True, False):
             rows_of_branch = np.flatnonzero(rows.branches.rising == rising)
@@ -357,8 +363,16 @@ class LoopsOverFriction:
         self, rows: LoopRows, friction: float, terms: Array, weights: Weights
     ) -> tuple[Array, Array]:
         """Distances of the rows from theory's loop in sigma (n,), and their derivatives by ln f,
-        highest Q, lowest Q, C and U0 (n, 5). `terms` are the last four, `weights` sigma of U and of
-        Q.
+        highest Q, lowest Q, C and U0 (n, 5).
+
+        Parameters
+        ----------
+        friction
+            f of the loop
+        terms
+            (4,) highest Q, lowest Q, and C and U0 of the rig
+        weights
+            sigma of U and of Q
         """
         highest, lowest, compliance, _ = terms.tolist()
         scale = self.scale(highest, lowest)
@@ -526,8 +540,9 @@ class _Search:
         return np.array([top, bottom, *self.model.first_rig(self.rows, friction, top, bottom)])
 
     def first_fit(self, trials: Array) -> tuple[float, Array]:
-        """f and the four terms (highest Q, lowest Q, C, U0) of the best fit, searched from the
-        trial values of f (k,) at which the sum of squares is smaller than at both neighbours.
+        """f and the four terms of the best fit (highest Q, lowest Q, and C and U0 of the rig). It
+        is searched from those trial values of f at which the sum of squares is smaller than at both
+        neighbours.
 
         A loop that hardly slips, in a stiffer rig, is a minimum of its own where P varies.
 
@@ -675,16 +690,20 @@ def fit_loop(
     resolution: tuple[float, float],
     error_of_theory: float,
 ) -> LoopFit:
-    """f, turning points, C and U0 of theory's loop that fits the rows best, with the 95 % interval
-    of f. The noise of U and of Q is estimated from the rows, and again from the residuals of each
-    fit.
+    """Fit theory's loop to the rows of a measured one: f, turning points, and C and U0 of the rig,
+    with the 95 % interval of f. The noise of U and of Q is estimated from the rows, and again from
+    the residuals of each fit.
 
     Parameters
     ----------
+    rows
+        U, Q and branch of each row, and C where it is stated
+    model
+        theory's loops for any f
     resolution
         steps of U and Q that the digits of the rows resolve
     error_of_theory
-        of a fitted f, of itself, by the samples of the model
+        error of a fitted f, as a share of f, by the samples of the model
     """
     top_load = rows.branches.highest.load
     bottom_load = rows.branches.lowest.load
@@ -707,10 +726,11 @@ def fit_loop(
         _, friction, terms = search.best(friction, terms)
         search = search.with_rows_at_turns_moved(friction, terms)
         squares = float(np.sum(search.residuals(friction, terms)[:-2] ** 2))
-        ratio = math.sqrt(squares / degrees_of_freedom)
+        # noise that the fit leaves, over the noise it was weighted with
+        noise_ratio = math.sqrt(squares / degrees_of_freedom)
         weights = Weights(
-            max(ratio * search.weights.shift, least_noise.shift),
-            max(ratio * search.weights.load, least_noise.load),
+            max(noise_ratio * search.weights.shift, least_noise.shift),
+            max(noise_ratio * search.weights.load, least_noise.load),
         )
         changes = np.array(weights) / np.array(search.weights) - 1
         search = replace(search, weights=weights)

@@ -147,9 +147,8 @@ class MemoryCurve:
 
 def memory_curve(scene: Scene, sliding: float) -> MemoryCurve:
     """The memory curve u(h) of a scene at constant P, from one solve: U changes by 2 f u(h/f) when
-    Q falls by 2 h from a turning point (Masing's rule).
-
-    The falling branch of a loop that nearly slides gives it.
+    Q falls by 2 h from a turning point (Masing's rule). It is the falling branch of a loop that
+    nearly slides as a whole.
 
     Parameters
     ----------
@@ -172,6 +171,7 @@ def memory_curve(scene: Scene, sliding: float) -> MemoryCurve:
     nearly_sliding = scene.vary(load=loads, cycles=2)
     path = nearly_sliding.load.path()
     assert path.period is not None
+    # closer and closer towards gross sliding, where the slope grows
     share_of_branch = 1 - (1 - np.linspace(0.0, 1.0, _SAMPLES)) ** 3
     times = path.cycle_start + path.period * (1 + share_of_branch / 2)
     solution = semi_analytic.solve(
@@ -213,8 +213,8 @@ class MasingLoop:
         return np.asarray(passed)
 
     def points(self, place: Array) -> tuple[Array, Array]:
-        """U and Q of the rising branch, from the middle of the loop, at places (n,): from 0 to 1 up
-        to where a slide as a whole begins, from 1 to 2 through the slide.
+        """U and Q of the rising branch of the loop, counted from the middle of the loop, at places
+        (n,): from 0 to 1 up to where a slide as a whole begins, from 1 to 2 through the slide.
         """
         share_of_range = self._passed(place)
         friction = self.friction
@@ -323,11 +323,15 @@ _PLACES = np.arange(-_BEYOND, 2 * _CORNERS + _BEYOND + 1) / _CORNERS
 def distances_from(
     rows: MeasuredRows, curve: MemoryCurve, values: Array, weights: Weights
 ) -> Distances:
-    """Distances of the rows from the loop with the seven parameters `values`, in sigma, with their
-    derivatives by these. A row beside a turning point is measured from the nearer of both branches.
+    """Distances of the rows of a measured loop from the loop with the seven parameters `values` (ln
+    f, middle and range of Q, compliance C of the rig, origin of U, drift of U, slide as a whole),
+    over sigma, with their derivatives by these. A row beside a turning point is measured from the
+    nearer of both branches.
 
     Parameters
     ----------
+    rows
+        U, Q, time and branch of each row
     curve
         memory curve of theory, from which the loop is built
     weights
@@ -338,30 +342,31 @@ def distances_from(
     load = rows.load - values[MIDDLE]
     points_of_loop = np.array(loop.points(_PLACES))
     points_of_loop /= np.array(weights)[:, None]
-    side = np.where(rows.branches.rising, 1.0, -1.0)
-    values_by_own_branch = _from_branch(loop, points_of_loop, shift, load, side, weights)
+    branch_sign = np.where(rows.branches.rising, 1.0, -1.0)
+    values_by_own_branch = _from_branch(loop, points_of_loop, shift, load, branch_sign, weights)
     rows_beside_turns = rows.beside_turns
     values_by_other_branch = _from_branch(
         loop,
         points_of_loop,
         shift[rows_beside_turns],
         load[rows_beside_turns],
-        -side[rows_beside_turns],
+        -branch_sign[rows_beside_turns],
         weights,
     )
     other_is_nearer = np.abs(values_by_other_branch[0]) < np.abs(
         values_by_own_branch[0][rows_beside_turns]
     )
+    # where the other branch is nearer its values are taken
     for values_of_rows, values_of_other in zip(
         values_by_own_branch, values_by_other_branch, strict=True
     ):
         values_of_rows[rows_beside_turns[other_is_nearer]] = values_of_other[other_is_nearer]
-    side[rows_beside_turns[other_is_nearer]] *= -1
+    branch_sign[rows_beside_turns[other_is_nearer]] *= -1
 
     distance, unit_shift, unit_load, place = values_by_own_branch
     shift_derivatives, load_derivatives = loop.derivatives(place)
-    shift_derivatives *= side[:, None]
-    load_derivatives *= side[:, None]
+    shift_derivatives *= branch_sign[:, None]
+    load_derivatives *= branch_sign[:, None]
     shift_derivatives[:, ORIGIN] = 1.0
     shift_derivatives[:, DRIFT_RATE] = rows.share_of_time
     load_derivatives[:, MIDDLE] = 1.0
@@ -372,12 +377,17 @@ def distances_from(
         value=distance,
         derivatives=derivatives,
         across=np.column_stack([unit_shift, unit_load]),
-        place=np.where(side > 0, place_on_branch, 1 + place_on_branch),
+        place=np.where(branch_sign > 0, place_on_branch, 1 + place_on_branch),
     )
 
 
 def _from_branch(
-    loop: MasingLoop, corners: Array, shift: Array, load: Array, side: Array, weights: Weights
+    loop: MasingLoop,
+    corners: Array,
+    shift: Array,
+    load: Array,
+    branch_sign: Array,
+    weights: Weights,
 ) -> tuple[Array, Array, Array, Array]:
     """Distances of rows from a branch of the loop in sigma, the parts in U and in Q of the unit
     vector across it, and the places on it, (n,) each.
@@ -388,12 +398,12 @@ def _from_branch(
         (2, m) points of the rising branch, in sigma; the nearest one begins the search
     shift, load
         (n,) U and Q of the rows, from the middle of the loop
-    side
+    branch_sign
         (n,) 1 for the rising branch, -1 for the falling one, which is its mirror image
     weights
         sigma of U and Q
     """
-    row_points = np.array([side * shift / weights.shift, side * load / weights.load])
+    row_points = np.array([branch_sign * shift / weights.shift, branch_sign * load / weights.load])
     place_on_line, _, _, _ = nearest_on_line(row_points, corners)
     place = (place_on_line - _BEYOND) / _CORNERS
     # Where the slide begins the line has a corner; it has ends beyond the turning points.
@@ -420,4 +430,4 @@ def _from_branch(
     unit_shift = np.where(is_at_end, shift_from_loop / divisor, unit_shift)
     unit_load = np.where(is_at_end, load_from_loop / divisor, unit_load)
     distance = np.where(is_at_end, signed_distance, distance)
-    return side * distance, unit_shift, unit_load, place
+    return branch_sign * distance, unit_shift, unit_load, place

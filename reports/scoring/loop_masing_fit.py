@@ -174,9 +174,12 @@ class _Search:
         return self.rows.sizes
 
     def residuals(self, values: Array) -> tuple[Array, Array]:
-        """What least squares makes small, each over its sigma: distances of the n rows from the
-        loop, misfit of its two turning points, and the drift (n + 3,); and the derivatives by the
-        seven parameters `values` (n + 3, 7).
+        """What least squares makes small for a loop with seven parameters, `values` (7,): ln f,
+        middle and range of Q, compliance C of the rig, origin of U, drift of U, slide as a whole.
+
+        Each over its sigma, (n + 3,): distances of the n rows from the loop, misfit of its two
+        turning points, and the drift. With them their derivatives by the seven parameters, (n + 3,
+        7).
         """
         distances = distances_from(self.rows, self.curve, values, self.weights)
         misfit_of_turns, derivatives_of_turns = self._turning_points(values)
@@ -191,13 +194,14 @@ class _Search:
         )
 
     def _turning_points(self, values: Array) -> tuple[Array, Array]:
-        """Misfit of the highest and the lowest turning point, over its sigma (2,), and its
-        derivatives by the seven parameters (2, 7) of the loop, `values` (7,).
+        """How far the two turning points of a loop lie from those of the rows, over sigma, (2,),
+        highest first; and the derivatives by the loop's seven parameters `values`, (2, 7).
 
-        Turning points are those of U over its range plus Q over its range, as in the rows.
+        A turning point is where U over its range plus Q over its range is largest or least.
         """
         rows = self.rows
         loop = MasingLoop(self.curve, values)
+        # place on the rising branch where it ends
         place_of_turn = np.array([2.0])
         shift_at_turn, load_at_turn = loop.points(place_of_turn)
         shift_derivatives, load_derivatives = loop.derivatives(place_of_turn)
@@ -230,10 +234,17 @@ class _Search:
         return float(distances @ distances)
 
     def least(self, start: Array, fixed: frozenset[int], *, gross: bool) -> tuple[float, Array]:
-        """Least sum of squares, and the seven parameters that give it, from `start` (7,).
+        """Fit the seven parameters of a loop (ln f, middle and range of Q, compliance C of the rig,
+        origin of U, drift of U, slide as a whole) by least squares from `start` (7,). Returns the
+        least sum of squares, and the parameters that give it.
 
-        The parameters `fixed` keep their values. `gross` is for a contact that slides as a whole at
-        the ends of the loop: f then follows from the range of Q, and the slide is fitted.
+        Parameters
+        ----------
+        fixed
+            numbers of the parameters that keep their values
+        gross
+            whether the contact slides as a whole at the ends of the loop: f then follows from the
+            range of Q, and the slide is fitted
         """
         from scipy.optimize import least_squares
 
@@ -255,18 +266,23 @@ class _Search:
                 values[RANGE] = math.exp(values[LOG_F]) / self.curve.sliding
             return values
 
-        latest: dict[bytes, tuple[Array, Array]] = {}
+        # the method asks for residuals and derivatives in turn: both are kept of the latest
+        # parameters
+        computed_last: dict[bytes, tuple[Array, Array]] = {}
 
         def residuals_and_derivatives(steps: Array) -> tuple[Array, Array]:
             key = steps.tobytes()
-            if key not in latest:
+            if key not in computed_last:
                 values = parameters_at(steps)
                 residuals, derivatives = self.residuals(values)
                 if gross:  # R goes with ln f
                     derivatives[:, LOG_F] += values[RANGE] * derivatives[:, RANGE]
-                latest.clear()
-                latest[key] = (residuals, derivatives[:, free_parameters] * sizes[free_parameters])
-            return latest[key]
+                computed_last.clear()
+                computed_last[key] = (
+                    residuals,
+                    derivatives[:, free_parameters] * sizes[free_parameters],
+                )
+            return computed_last[key]
 
         minimum = least_squares(
             lambda steps: residuals_and_derivatives(steps)[0],
@@ -280,9 +296,12 @@ class _Search:
         return 2 * float(minimum.cost), parameters_at(minimum.x)
 
     def start(self, log_friction: float, slide: float) -> Array:
-        """The seven parameters from which a fit begins, with ln f = `log_friction`. C of the rig is
-        such that theory with C moves as far as U of the rows. `slide` is the share of the range of
-        U in which the contact slides as a whole; where it is not 0, f follows from the range of Q.
+        """The seven parameters from which a fit begins, with ln f = `log_friction`: ln f, middle
+        and range of Q, compliance C of the rig, origin of U, drift of U, slide as a whole.
+
+        C is such that theory with C moves as far as U of the rows. `slide` is the share of the
+        range of U in which the contact slides as a whole; where it is not 0, f follows from the
+        range of Q.
         """
         rows = self.rows
         highest, lowest = np.quantile(rows.load, [0.98, 0.02])
@@ -311,8 +330,9 @@ class _Search:
         )
 
     def best(self) -> tuple[_Least, _Least]:
-        """Two fits: the best loop that slips partially, and the best one that slides as a whole.
-        Each kind begins from many trials; the lowest minima among these are refined.
+        """Two fits to the rows: the best loop that slips partially, and the best one that slides as
+        a whole (gross) at its ends. Each kind begins from many trials; the lowest minima among
+        these are refined.
         """
         highest, lowest = np.quantile(self.rows.load, [0.98, 0.02])
         log_least_friction = math.log(self.curve.sliding * float(highest - lowest))
@@ -360,9 +380,12 @@ class _Search:
         return bool(math.exp(values[LOG_F]) < self.curve.sliding * values[RANGE])
 
     def at_friction(self, log_friction: float, start: Array, *, gross: bool) -> _Least:
-        """The best loop at a given f (`log_friction` = ln f), from the parameters `start` (7,): of
-        those that slide as a whole if `gross`, else of those that slip partially. Its sum of
-        squares is infinite where the contact would slide though it is not `gross`.
+        """The best loop at a given friction coefficient f, `log_friction` = ln f: of those that
+        slide as a whole if `gross`, else of those that slip partially. `start` (7,) are the
+        parameters from which it is sought.
+
+        Its sum of squares is infinite where the contact would slide as a whole though it is not
+        `gross`.
         """
         held_parameters = frozenset([LOG_F])
         parameters = start.copy()
@@ -386,8 +409,8 @@ class _Search:
         Parameters
         ----------
         fits
-            the best loop that slips partially, and the best one that slides as a whole; of the
-            worse of the two more excess is admitted, since the rows chose between them
+            the best loop that slips partially, and the best one that slides as a whole (gross); of
+            the worse of the two more excess is admitted, since the rows chose between them
         side
             1 for the upper end, -1 for the lower one
         step
@@ -408,6 +431,7 @@ class _Search:
                 fit = self.at_friction(log_trial, latest_parameters[gross], gross=gross)
                 if math.isfinite(fit.squares):
                     latest_parameters[gross] = fit.values
+                # the kind of the better fit, or the other kind
                 admitted_excess = excess if gross == gross_is_better else _OTHER_KIND * excess
                 share_of_excess = max(fit.squares - least_sum, 0.0) / admitted_excess
                 if share_of_excess < least_share:
@@ -477,12 +501,15 @@ def _noise_of_rows(
     degrees_of_freedom: int,
     ratio: tuple[float, float],
 ) -> Weights:
-    """Standard deviations of U and of Q that make the distances of the rows from a fit most likely.
+    """Standard deviations (sigma) of U and of Q that make the distances of the rows from a fitted
+    loop most likely.
 
     Parameters
     ----------
     distances
-        distances, in the sigma of `weights`, with the unit vectors across the loop
+        distances of the rows, over the sigma in `weights`, with the unit vectors across the loop
+    weights
+        sigma of U and of Q so far
     least_noise
         least sigma of U and Q, by the digits of the rows
     degrees_of_freedom
@@ -626,9 +653,12 @@ def _misfit(distances: Distances, weights: Weights, least_noise: Weights) -> Mis
 
 
 def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
-    """The loop that fits the rows best, of those that slip partially or slide as a whole, with the
-    noise of U and Q. It is built from the memory curve of theory, `curve`. Fit and noise are found
-    by turns until the noise no longer changes.
+    """Find the loop that fits the rows best, of those that slip partially or slide as a whole
+    (gross), with the noise of U and Q. Fit and noise are found by turns until the noise no longer
+    changes.
+
+    `curve` is the memory curve of theory at constant P: U over half the change of Q since a turning
+    point, from which loops are built (Masing's rule).
     """
     least_noise = Weights(
         *(
@@ -677,7 +707,7 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
 
 def with_interval(best_loop: BestLoop, error_of_theory: float) -> MasingFit:
     """The best loop with the 95 % interval of f: where the least sum of squares rises by what the F
-    distribution admits, widened where neighbouring rows deviate alike.
+    distribution admits. It is widened where neighbouring rows deviate alike.
 
     Parameters
     ----------
@@ -688,6 +718,7 @@ def with_interval(best_loop: BestLoop, error_of_theory: float) -> MasingFit:
 
     search = best_loop.search
     variance = max(_better(best_loop.fits).squares / best_loop.freedom, 1.0)
+    # what a change of each residual by its sigma changes in the parameters
     influence = _influence(search, best_loop.values, best_loop.gross)
     errors = np.sqrt(variance * np.sum(influence**2, axis=1))
     widening = best_loop.misfit.widening

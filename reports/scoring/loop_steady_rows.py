@@ -91,7 +91,8 @@ _SHORT_HALF_CYCLE = 0.1
 def fit_steady_rows(
     loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
 ) -> tuple[MeasuredLoop, FittedLoop]:
-    """Choose the rows of a measured loop that repeat one steady cycle, and fit f to them.
+    """Choose the rows of a measured loop that repeat one steady cycle, and fit the friction
+    coefficient f to them.
 
     Where P varies all rows are fitted. Where it is constant first half-cycles are left out until
     what is left is steady, and a linear drift of U is taken out.
@@ -99,7 +100,7 @@ def fit_steady_rows(
     Parameters
     ----------
     rig_compliance
-        C [1/stress]; None fits it
+        C of the rig between the places where U is measured [1/stress]; None fits it
 
     Returns
     -------
@@ -255,17 +256,18 @@ class _Candidate:
 def _candidate(
     without_run_in: _WithoutRunIn, curve: MemoryCurve, rig_compliance: float | None
 ) -> _Candidate:
-    """Fit the loop to rows without their run-in, and test whether they are steady: whether f, U or
-    Q change with time, whether the first half-cycle differs, and whether every second cycle does.
+    """Fit the loop of theory to the rows that are left without a run-in, and test whether these are
+    steady: whether f, U or Q change with time, whether the first half-cycle differs, and whether
+    every second cycle does.
 
     Parameters
     ----------
     without_run_in
         the rows that are left, and what was left out
     curve
-        memory curve of theory
+        memory curve of theory, from which loops are built
     rig_compliance
-        C [1/stress]; None fits it
+        C of the rig [1/stress]; None fits it
     """
     loop_rows = without_run_in.rows
     branches = _branches_of_both(loop_rows)
@@ -283,6 +285,7 @@ def _candidate(
     change_every_second_cycle = NO_CHANGE
     change_of_size = NO_CHANGE
     log_friction_at_end = 0.0
+    # too few cycles show no change with time
     if branches.cycles >= _FEWEST_ALIKE:
         phase = np.maximum.accumulate(branches.phase)
         first_turn = math.ceil(2 * phase[0] + _ON_A_TURN) / 2
@@ -298,6 +301,7 @@ def _candidate(
         log_friction_at_end = best_fit.log_friction_at_end(change_of_size.terms, phase)
     share_of_opening = _share_of_opening(loop_rows, best_fit.misfit, branches.phase)
     sigma_over_opening = best_fit.search.weights.shift / _opening(loop_rows, branches.phase)
+    # no more than noise moves the nearest points of the loop
     if share_of_opening < _OF_NEAREST_POINTS * sigma_over_opening:
         share_of_opening = 0.0
     return _Candidate(
@@ -360,13 +364,10 @@ def _require_a_loop_of_theory(candidate: _Candidate, loop: MeasuredLoop, scene: 
 
 
 def _with_change(fit: FittedLoop, candidate: _Candidate) -> FittedLoop:
-    """The fit with its interval of f widened by how much f still changes up to the last row; the
-    fit as it is where no such change was found.
+    """The fit of a measured loop with its interval of f widened by how much f still changes up to
+    the last row; as it is where no such change was found.
 
-    Parameters
-    ----------
-    candidate
-        the fit with the tests of its rows' steadiness
+    `candidate` is the fit with the tests of its rows' steadiness.
     """
     log_friction_change = candidate.log_friction_at_end
     if candidate.change_of_size.chance > _HELD and not candidate.had_run_in:
@@ -422,8 +423,8 @@ class _WithoutRunIn:
 
 
 def _without_run_in(loop: MeasuredLoop) -> Iterator[_WithoutRunIn]:
-    """The loop with ever more of its first half-cycles left out, and a sentence on what was. The
-    whole loop comes first, where it has few cycles.
+    """A measured loop with ever more of its first half-cycles left out, as a run-in, and a sentence
+    on what was. The whole loop comes first, where it has few cycles.
     """
     phase = np.maximum.accumulate(_branches_of_both(loop).phase)
     if phase[-1] - phase[0] < _MANY_CYCLES:
@@ -569,8 +570,9 @@ def _fit_at_constant_load(
 def _fit_where_load_varies(
     loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
 ) -> FittedLoop:
-    """f of a measured loop whose scene has a varying P and two branches of Q in a cycle: theory's
-    loop between the turning points of Q is fitted to the rows. `rig_compliance` None fits C too.
+    """Fit f to a measured loop whose scene has a varying P and two branches of Q in a cycle:
+    theory's loop between the turning points of Q is fitted to the rows. `rig_compliance` is C of
+    the rig; None fits it too.
     """
     branches = find_branches(loop.shift, loop.load, loop.time, loop.resolution[1], loop.source)
     rows = LoopRows(loop.shift, loop.load, branches, rig_compliance)
