@@ -70,7 +70,9 @@ def row_of(kind: Kind, place: Place, way: Way) -> Row:
     place
         height, width and friction coefficient of the point
     way
-        how they are found: "numbers" of the bodies, "kernels", or "elements"
+        by what the bodies are solved: "numbers", theory corrected by their elastic responses;
+        "kernels", finite elements of half-planes with the bodies' compliance added; "elements",
+        finite elements of the bodies themselves
 
     Raises
     ------
@@ -139,8 +141,8 @@ def _digits(value: float) -> str:
 
 
 def rows_in(table: Path) -> list[Row]:
-    """The rows of a map's table, a CSV file: of each point and way of solving the errors of theory.
-    An empty list where the file is not there.
+    """The rows of a map's table, a CSV file: for each point and each way of solving the bodies, the
+    errors of half-plane theory. An empty list where the file is not there.
 
     Raises
     ------
@@ -208,9 +210,9 @@ class Distance(NamedTuple):
 
 
 def distances_of(kind: Kind, rows: Sequence[Row], report: Report) -> list[Distance]:
-    """The least heights of bodies from which on half-plane theory is within 1, 5 and 10 % of the
-    kernel solve, for every width and quantity of a map; the larger of those for the map's friction
-    coefficients.
+    """The least heights of bodies from which on half-plane theory is within 1, 5 and 10 %, for
+    every width and quantity of a map; the largest of those for the map's friction coefficients.
+    Theory is compared with half-planes to which the bodies' compliance is added (kernels).
 
     Parameters
     ----------
@@ -244,22 +246,23 @@ def distances_of(kind: Kind, rows: Sequence[Row], report: Report) -> list[Distan
 
 
 def _least_height(kind: Kind, rows_of_line: Sequence[Row], quantity: str, level: float) -> float:
-    """The least height of a body, over a, from which on |error| of a quantity stays below `level`.
+    """The least height of a body, over a, from which on |error| of a quantity by half-plane theory
+    stays below `level`.
 
     It lies between the last point above the level and the next one, and is found by Brent's method
-    in the logarithms of height and error, with a kernel solve for each trial. 0 where all points
-    are below, infinite where the highest body is still above.
+    in the logarithms of height and error. Each trial solves half-planes with the compliance of the
+    body added. 0 where all points are below, infinite where the highest body is still above.
 
     Parameters
     ----------
     kind
         kind of bodies of the map
+    rows_of_line
+        points of the map that differ in height alone, ascending
     quantity
         name of the quantity whose error is meant
     level
         largest |error| that is allowed, 0.05 for 5 %
-    rows_of_line
-        points of the map that differ in height alone, ascending
     """
     error_sizes = np.array([abs(row.errors[quantity].value) for row in rows_of_line])
     rows_above = np.flatnonzero(error_sizes > level)

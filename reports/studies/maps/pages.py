@@ -72,8 +72,9 @@ def require_free(folder: Path) -> None:
 
 
 def stored(folder: Path) -> list[Tables]:
-    """The maps that have both tables in `folder`, with a kernel solve at every point where finite
-    elements were solved; a map that was interrupted is not among them.
+    """The maps that are complete in `folder`: both tables are there, and half-planes with the
+    bodies' compliance (kernels) were solved at every point where finite elements were. A map that
+    was interrupted is not among them.
     """
     maps = []
     for kind in KINDS.values():
@@ -109,8 +110,8 @@ def write(folder: Path) -> None:
 
 # -------------------------------------------------------------------------------------------- pages
 def page(tables: Tables) -> str:
-    """The Markdown page of one map: figure, heights from which theory holds, finite elements beside
-    the kernel solve.
+    """The Markdown page of one map of errors: figure, heights from which theory holds, and a table
+    of errors by finite elements beside those by half-planes with the bodies' compliance (kernels).
     """
     kind = tables.kind
     quantities_shown = _quantities(tables, "elements")
@@ -277,18 +278,18 @@ def _panel(
 def _marks_of_line(
     rows_of_line: Sequence[Row], quantity: str, colour_number: int, line_style: str
 ) -> Iterator[Mark]:
-    """What is drawn for one width and friction of a map: |error| in per cent over the height, by
-    the kernel solve as a line, by the numbers of the bodies as rings, by finite elements as dots
-    with bars. Errors below their uncertainty are left out of the line.
-
-    `colour_number` and `line_style` give its colour and its dashes.
+    """What is drawn for one width and friction of a map: |error of theory| in per cent over the
+    height. Kernels (half-planes with the bodies' compliance) are a line, corrected theory rings,
+    finite elements dots with bars. Errors below their uncertainty are left out of the line.
 
     Parameters
     ----------
+    rows_of_line
+        errors of theory at the points of the line, by each way of solving the bodies
     quantity
         name of the quantity
-    rows_of_line
-        errors of theory at the points of the line, by each way of solving
+    colour_number, line_style
+        colour and dashes of the line
     """
     rows_by_kernels = [row for row in rows_of_line if row.way == "kernels"]
     error_sizes = np.array([100 * abs(row.errors[quantity].value) for row in rows_by_kernels])

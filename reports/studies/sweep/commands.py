@@ -78,7 +78,7 @@ def swept(source: str, options: Options, *, announced: bool = False) -> Answer:
 
 
 def _announced(prepared: Prepared) -> Iterator[str]:
-    """Lines printed before a sweep: how many points it has, its engines and figures, how many
+    """Lines printed before a sweep: how many points it has, which engines and quantities, how many
     points have results already, and which stored results were damaged.
     """
     study = prepared.study

@@ -68,8 +68,8 @@ def state_of(store: Store) -> Mapping[str, Any]:
     """What the store of a sweep holds now, as `halfplane sweep status --json` prints it, with the
     table of results under "table".
 
-    `seconds_left` is that of a sweep that goes on at the rate of the last results; None where
-    nothing waits or no rate is known.
+    `seconds_left` is that of a sweep that resumes at the rate of the last results; None where no
+    point waits or no rate is known.
     """
     study, points = store.read_plan()
     table = store.table(points)
@@ -144,12 +144,16 @@ def table_in_words(
     table: pd.DataFrame, axes: Sequence[Axis], scene: Scene, *, in_short: bool = False
 ) -> tuple[list[str], list[list[str]]]:
     """A sweep as a table of texts: heads with units, and a row for each point with its coordinates,
-    its figures with their uncertainties, and how it went.
+    the values computed there with their uncertainties, and how it went.
 
     Parameters
     ----------
+    table
+        a row for each point
+    axes, scene
+        of the study
     in_short
-        figures by their names in the study, and nothing on how it went
+        values by their names in the study, and nothing on how it went
     """
     columns = [column for axis in axes for column in axis.columns]
     figures = plain_figures(table, axes)
@@ -228,8 +232,9 @@ class _Sheet:
     """
 
     def __init__(self, name: str, table: pd.DataFrame, axes: Sequence[Axis], scene: Scene) -> None:
-        """Take from the table of a sweep the values of the figure `name` at all points, with their
-        uncertainties, in the unit that is shown, and the words for its title and axis.
+        """Take the values of one quantity of a sweep (`name`, such as "fe.p0") at all points from
+        its table, with their uncertainties, in the unit that is shown, and the words for title and
+        axis.
         """
         self.name = name
         self.table = table
@@ -255,9 +260,11 @@ class _Sheet:
 
     def plate(self) -> Plate:
         """The figure of one quantity of a sweep with caption and numbers: lines over one axis, a
-        map over two that form a grid, else dots. Each combination of the other axes has its own.
+        map over two that form a grid, else dots. Each combination of the other axes, such as two
+        kinds of bodies, has a curve or panel of its own.
         """
         varied_axes = [name for name in self.axes if self.table[name].nunique() > 1]
+        # axes of words, such as kinds of bodies, and axes of numbers
         word_axes = [name for name in varied_axes if self._has_words(name)]
         number_axes = [name for name in varied_axes if name not in word_axes]
         stem = self.drawn_column.replace(".", "-")
@@ -301,7 +308,8 @@ class _Sheet:
     def _panels(
         self, stem: str, masks: Sequence[tuple[str, Mask]], number_axes: list[str]
     ) -> tuple[list[Panel | Cell], tuple[Key, ...], str]:
-        """The panels of the figure, its legend, and what its signs mean, in words.
+        """The panels of the figure of one quantity of a sweep, its legend, and what its signs mean,
+        in words.
 
         Parameters
         ----------
@@ -396,8 +404,8 @@ class _Sheet:
         return _label_of_axis(self.axes[column], column)
 
     def axis(self, column: str, *, cells: bool = False) -> ChartAxis:
-        """The axis of a chart for a column of numbers; its ticks stand at the values themselves
-        where these are few and apart.
+        """The axis of a chart for an axis of a sweep (`column`); its ticks stand at the values
+        themselves where these are few and apart.
 
         With `cells` it goes half a step beyond the outer values: a cell of a map is one value.
         """
@@ -421,7 +429,7 @@ class _Sheet:
     def line(
         self, name: str, masks: Sequence[tuple[str, Mask]], column: str, *, named: bool = False
     ) -> Panel:
-        """A panel of curves of the figure's values over one axis of the sweep.
+        """A panel of curves of one quantity of a sweep over one axis.
 
         Points are dots with bars for their uncertainty; a curve of many points has a band instead,
         and dots where the value is not resolved, so that the page stays small.
@@ -483,9 +491,9 @@ class _Sheet:
         )
 
     def map(self, name: str, mask: Mask, columns: list[str], combination: str) -> Cell:
-        """A panel with a coloured rectangle for each point of `mask` over two axes of the sweep
-        (`columns`), and the scale of colours beneath. `combination` says in words which values of
-        the other axes it is for.
+        """A map of one quantity of a sweep over two axes (`columns`): a panel with a coloured
+        rectangle for each point of `mask`, and the scale of colours beneath. `combination` says in
+        words which values of the other axes it is for.
         """
         x_axis, y_axis = (self.axis(column, cells=True) for column in columns)
         least_value = float(np.nanmin(self.value))
@@ -511,9 +519,9 @@ class _Sheet:
         return Cell((panel, scale), None)
 
     def cloud(self, name: str, mask: Mask, columns: list[str], combination: str) -> Cell:
-        """A panel with a dot for each point of `mask`: the figure's value over the first of
-        `columns`, coloured by the second, with the scale of colours beneath. `combination` says in
-        words which values of the other axes it is for.
+        """A panel with a dot for each point of `mask`: the value of one quantity of a sweep over
+        the first of `columns`, coloured by the second, with the scale of colours beneath.
+        `combination` says in words which values of the other axes it is for.
         """
         x, coloured_values = map(self.numbers, columns[:2])
         x_axis, colour_axis = map(self.axis, columns[:2])

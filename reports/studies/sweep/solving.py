@@ -190,8 +190,9 @@ def shown_factor(name: str) -> float:
 
 
 def label_of(name: str, scene: Scene) -> tuple[str, str]:
-    """What a figure of a sweep such as "fe.p0" is, and its unit as it is shown: a unit of the
-    scene, or per cent of what.
+    """What a quantity of a sweep such as "fe.p0" is, in words, and its unit as it is shown: a unit
+    of the scene, or per cent of what. Its prefix says whose value it is, or with "error." that it
+    is finite elements/theory − 1; without one it is a metric.
 
     >>> from scenes import load_scene
     >>> [
@@ -218,8 +219,9 @@ def label_of(name: str, scene: Scene) -> tuple[str, str]:
 
 
 def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: str) -> None:
-    """ValueError where a name in `figures` is no quantity of a sweep, stands there twice, or needs
-    one of the `engines` that does not run; and where this kind of `uncertainty` does not fit them.
+    """Check the quantities (`figures`) that a sweep is to compute. ValueError where a name is no
+    quantity, stands there twice, or needs one of the `engines` that does not run; and where this
+    kind of `uncertainty` does not fit them.
     """
     for name in figures:
         prefix, _, quantity = name.partition(".")
@@ -267,10 +269,11 @@ def check_rig(scene: Scene, figures: Sequence[str]) -> None:
 def _value_of_figure(
     name: str, scene: Scene, fe: ContactSolution | None, exact: ContactSolution | None
 ) -> tuple[float | None, str]:
-    """A figure such as "fe.peak_pressure" or "error.stroke": its value and "", or None and the
-    reason why it has none.
+    """The value of a quantity such as "fe.peak_pressure" or "error.stroke" at a point of a sweep,
+    and ""; or None and the reason why it has none.
 
-    The prefix says whose quantity it is, or that it is finite elements/theory − 1.
+    The prefix says whose quantity it is, or with "error" that it is finite elements/theory − 1.
+    `fe` and `exact` are the solutions by finite elements and by theory, None where not solved.
     """
     prefix, _, quantity = name.partition(".")
     value_by_engine = {}
@@ -291,8 +294,8 @@ def _value_of_figure(
 def _stated_by_edges(
     name: str, scene: Scene, fe: ContactSolution, exact: ContactSolution | None
 ) -> float:
-    """Uncertainty that a finite-element solution itself states for the figure `name`, where this is
-    a half-width of contact or stick; 0 for other figures, and where it states none.
+    """Uncertainty that a finite-element solution itself states for the quantity `name`, where this
+    is a half-width of contact or stick; 0 for other quantities, and where it states none.
 
     It is the larger uncertainty of both edges, as the median over the last cycle [length]; of an
     error (finite elements/theory - 1) it is divided by theory's half-width.
@@ -407,8 +410,8 @@ def solve_task(text: str) -> str:
 
 
 def _answer(question: Question) -> dict[str, Any]:
-    """Solve one point of a sweep; return the answer as JSON values: its status "done" or "failed",
-    the reason of a failure, its figures, notes and record, the seconds it took, and the host.
+    """Solve one point of a sweep. The answer, as JSON values: its status "done" or "failed", the
+    reason of a failure, the values computed, notes and record, the seconds it took, and the host.
     """
     start_seconds = time.perf_counter()
     try:
@@ -440,8 +443,8 @@ def _answer(question: Question) -> dict[str, Any]:
 
 
 def _solve(question: Question) -> dict[str, Any]:
-    """Solve one point of a sweep by the engines that it asks for: its figures with their
-    uncertainties, notes on them, and the record of the solution, as JSON values.
+    """Solve one point of a sweep by the engines that it asks for: the values that it asks for with
+    their uncertainties, notes on them, and the record of the solution, as JSON values.
 
     A number that is not finite becomes None, and a note states it.
     """
@@ -498,8 +501,8 @@ def _record(solution: ContactSolution | None) -> dict[str, Any]:
 
 
 def _finite_elements(question: Question) -> tuple[FiniteElementSolution, dict[str, str]]:
-    """Solve one point of a sweep by finite elements; return the solution, and a note under "" where
-    it was solved on a mesh of its own.
+    """Solve one point of a sweep by finite elements. Returns the solution, and a note (under the
+    key "") where it was solved on a mesh of its own.
 
     A group of points that differ in loads and friction shares a mesh, whose factorisation is then
     done once. It is made for the largest load; where the contact leaves its fine side, or may move
@@ -590,7 +593,7 @@ def _effects_of_rig(scene: Scene) -> BodyEffects | None:
 
 
 def evaluate(question: Question, fe: ContactSolution | None, *, polygon: bool = False) -> Evaluated:
-    """Compute every figure that a point of a sweep asks for, from a finite-element solution `fe`
+    """Compute every value that a point of a sweep asks for, from a finite-element solution `fe`
     (None without these) and from half-plane theory, which is solved here.
 
     Theory is solved on the points and instants of `fe`, with `polygon` on the straight lines
@@ -609,6 +612,7 @@ def evaluate(question: Question, fe: ContactSolution | None, *, polygon: bool = 
         evaluation.stated_uncertainty[name] = 0.0
         value: float | None = None
         reason = "this scene has no such metric"
+        # a value of one engine, or an error; else a metric, which compares both
         if comparison is None or name not in METRICS:
             value, reason = _value_of_figure(name, question.scene, fe, evaluation.theory)
             if fe is not None:
@@ -628,8 +632,9 @@ def evaluate(question: Question, fe: ContactSolution | None, *, polygon: bool = 
 def _theory_for(
     question: Question, fe: ContactSolution | None, *, polygon: bool
 ) -> ContactSolution:
-    """Half-plane theory with the fields that a question's figures need: on the points and instants
+    """Half-plane theory with the fields that the requested values need: on the points and instants
     of `fe`, with `polygon` on straight lines between them; else on its own of the steady cycle.
+    `question` holds the scene and the names of the values.
     """
     import semi_analytic
 
@@ -649,9 +654,11 @@ def _compared_for(
     question: Question, exact: ContactSolution, fe: ContactSolution, *, polygon: bool
 ) -> Comparison:
     """Finite elements (`fe`) compared with theory (`exact`) for the metrics that a point of a sweep
-    asks for. Theory on the straight lines between the instants is solved too where a metric needs
-    it, unless `polygon` says that `exact` is that already; so is what the bodies add to
-    half-planes.
+    asks for.
+
+    Theory on the straight lines between the instants is solved too where a metric needs it, unless
+    `polygon` says that `exact` is that already. So are the elastic responses of the bodies, where
+    displacements are compared.
     """
     from reports.comparison import compare
     from reports.comparison.budget import theory_on_steps
@@ -684,21 +691,21 @@ def _cheap_uncertainty(
     evaluation: Evaluated,
     notes: dict[str, str],
 ) -> Values:
-    """Uncertainty of each figure, by its name + ".uncertainty": what a coarser mesh, theory on
-    straight increments and a farther far field change it by, added up.
+    """Uncertainty of each value of a sweep's point, by its name + ".uncertainty": what a coarser
+    mesh, theory on straight increments and a farther far field change it by, added up.
 
     The mesh is made twice as coarse at the surface and in the bulk; its part is 1.64 times the
     change, or what the solution itself states where that is more. The far field's part is twice its
-    change. A figure that one of the runs lacks has none, and `notes` gets the reason.
+    change. A value that one of the runs lacks has none, and `notes` gets the reason.
 
     Parameters
     ----------
     fe
         the finite-element solution
     evaluation
-        the figures by it, with the uncertainty that it states itself
+        the values by it, with the uncertainty that it states itself
     notes
-        gets the reason where a figure has no uncertainty
+        gets the reason where a value has no uncertainty
     """
     import halfplane_fe
     from reports.comparison.budget import coarser, finer_steps

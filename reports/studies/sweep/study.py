@@ -252,8 +252,8 @@ class Study(Frozen):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        """Check that no column or key of the study is given twice, that every axis moves something,
-        and that the figures can be had.
+        """Check that no column or key of the study is given twice, that every axis changes
+        something, and that the quantities asked for can be computed. ValueError if not.
         """
         columns = [column for axis in self.axes for column in axis.columns]
         targets = [key for axis in self.axes for key, _ in axis.targets]
@@ -312,7 +312,8 @@ class Point(Planned):
 
 
 def expand(study: Study, report: Callable[[int], None] = lambda _count: None) -> tuple[Point, ...]:
-    """All points of a study, checked; `report` is called with the number of points so far.
+    """All points of a study, checked: every combination of the values on its axes. `report` is
+    called with the number of points so far.
 
     Raises
     ------

@@ -335,8 +335,8 @@ def build_deck(
 
 
 def _instants(scene: Scene, settings: DeckSettings) -> Array:
-    """Times of a deck, (n + 1,): the unloaded instant, then the end of every increment: turning
-    points of the path, and even ones between them.
+    """Times of an input deck, (n + 1,): the unloaded instant, then the end of every load increment.
+    Increments end at the turning points of the path, and are even between them.
     """
     path = scene.load.path()
     steps_per_cycle = settings.steps_per_cycle
@@ -346,12 +346,14 @@ def _instants(scene: Scene, settings: DeckSettings) -> Array:
         (path.cycle_legs(cycle_number), float(steps_per_cycle)) for cycle_number in range(n_cycles)
     ]
     instants = [path.start]
-    for legs, increments_of_part in segments_and_counts:
-        duration = legs[-1].end - legs[0].start
-        for leg in legs:
-            increments_of_leg = increments_of_part * (leg.end - leg.start) / duration
-            for stretch in stretches(leg, scene.friction.coefficient, increments_of_leg):
-                instants.extend(stretch.ends)
+    for segments, increments_of_part in segments_and_counts:
+        duration = segments[-1].end - segments[0].start
+        for segment in segments:
+            increments_of_segment = increments_of_part * (segment.end - segment.start) / duration
+            for monotone_part in stretches(
+                segment, scene.friction.coefficient, increments_of_segment
+            ):
+                instants.extend(monotone_part.ends)
     return np.array(instants)
 
 
@@ -420,15 +422,7 @@ def _body(
         is_right = places[0, nodes_of["sides"]].mean(axis=0) > 0
         pulled_ends = faces(nodes_of["sides"][:, ~is_right]), faces(nodes_of["sides"][:, is_right])
     contact_nodes = np.unique(nodes_of["contact"])
-    held_nodes: dict[int, list[Indices]] = {1: [], 2: []}
-    for boundary, support in mesh.supports.items():
-        nodes = np.unique(nodes_of[boundary])
-        for direction in _HELD[support]:
-            held_nodes[direction].append(nodes)
-        if support == "rollers" and "guided" not in mesh.supports.values():
-            # Nothing else keeps the body from drifting along x; without a tangential load this
-            # support carries nothing.
-            held_nodes[1].append(nodes[[np.argmin(np.abs(mesh.mesh.p[0, nodes]))]])
+    held_nodes = _held_nodes(mesh, nodes_of)
     return DeckBody(
         name,
         first_node,
@@ -438,12 +432,28 @@ def _body(
         faces(nodes_of["contact"]),
         freeze(contact_nodes[np.argsort(places[0, contact_nodes])] + first_node, np.int64),
         {
-            direction_held: freeze(np.unique(np.concatenate(nodes)) + first_node, np.int64)
-            for direction_held, nodes in held_nodes.items()
+            direction: freeze(np.unique(np.concatenate(nodes)) + first_node, np.int64)
+            for direction, nodes in held_nodes.items()
             if nodes
         },
         pulled_ends,
     )
+
+
+def _held_nodes(mesh: BodyMesh, nodes_of: Mapping[str, Indices]) -> dict[int, list[Indices]]:
+    """Nodes whose displacement along x (1) or y (2) is prescribed by the supports of a body, one
+    array for each support. `nodes_of` are the nodes of each boundary, (2, k).
+    """
+    held_nodes: dict[int, list[Indices]] = {1: [], 2: []}
+    for boundary, support in mesh.supports.items():
+        nodes = np.unique(nodes_of[boundary])
+        for direction in _HELD[support]:
+            held_nodes[direction].append(nodes)
+        if support == "rollers" and "guided" not in mesh.supports.values():
+            # Nothing else keeps the body from drifting along x; without a tangential load this
+            # support carries nothing.
+            held_nodes[1].append(nodes[[np.argmin(np.abs(mesh.mesh.p[0, nodes]))]])
+    return held_nodes
 
 
 def _upper_places(mesh: BodyMesh, profile: Profile | None) -> Array:
