@@ -48,8 +48,11 @@ _UNITS = ("p_ref", "f p_ref")
 
 
 def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
-    """Findings on why a result differs from the reference, likely causes first; none for a result
-    within tolerance.
+    """Findings on why an external result differs from the reference, likely causes first; none for
+    a result within tolerance.
+
+    Looked for in turn: single outliers; traces such as creep in stick; known faults that explain
+    the tractions; other problems, such as adhesion; bodies, mesh and scatter.
     """
     discrepancy = discrepancy_of(comparison)
     if discrepancy is None:
@@ -68,6 +71,7 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
     verdict = judgement.verdict()
     causes = list(_findings_of_causes(judgement, verdict, is_traced=bool(traces)))
     turned_causes = [cause for cause in causes if cause.fault == SHEAR_SIGN.key]
+    # shear of the wrong sign hides creep in stick: look again with the right one
     if turned_causes and not traces:
         traces_of_turned = list(elastic_slip(discrepancy, shear_sign=-1.0))
         if traces_of_turned:
@@ -96,20 +100,19 @@ def _of_cone(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
 def _findings_of_causes(
     judgement: Judgement, verdict: Verdict, *, is_traced: bool
 ) -> Iterator[Diagnosis]:
-    """The findings (sentence, evidence, strength) on the causes of a verdict. Where the file does
-    not tell several explanations apart, only causes that all of them share are named.
-
-    With `is_traced` causes of the shear alone are left out: a trace in the shear has been found
-    already, which needs no second explanation.
+    """The findings (sentence, evidence, strength) on the known faults that explain the difference
+    of a result best. Where the file does not tell several explanations apart, only faults that all
+    of them share are named.
 
     Parameters
     ----------
     judgement
-        the difference and the fits of causes to it
+        the difference and the fits of faults to it
     verdict
-        the causes that explain it best
+        the faults that explain it best, and their rivals
     is_traced
-        whether a trace in the shear has been found, such as of wrong load steps
+        whether a trace in the shear was found, such as creep in stick; faults of the shear alone
+        are then left out
     """
     fit = verdict.fit
     if fit is None:

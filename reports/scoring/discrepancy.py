@@ -248,8 +248,9 @@ class Residual:
         return (1, 0) if len(self.values) >= _FEWEST_INSTANTS else (1,)
 
     def _differences(self, axis: int) -> tuple[float, int]:
-        """Half the weighted mean square of the difference between neighbouring values, both in
-        contact, and the number of such pairs. Without a pair: the mean square of the values, and 0.
+        """How much a residual changes from one value to the next: half the weighted mean square of
+        the difference of neighbours that are both in contact, and the number of such pairs. Without
+        a pair: the mean square of the values, and 0.
 
         `axis` 0 takes neighbours in time, 1 neighbours in x.
         """
@@ -265,10 +266,11 @@ class Residual:
 
     @property
     def is_noise(self) -> bool:
-        """Whether nothing in the residual is smooth, by the ratio of von Neumann: half the mean
-        squared difference of neighbours over the mean square, 1 for white noise.
+        """Whether nothing in a residual (result minus prediction at instants and points) is smooth,
+        by the ratio of von Neumann: half the mean squared difference of neighbours over the mean
+        square, 1 for white noise.
 
-        It scatters by sqrt(1/n) for n pairs; three of these deviations are allowed for.
+        The ratio scatters by sqrt(1/n) for n pairs; three of these deviations are allowed for.
         """
         if not self.is_inside.any():
             return False
@@ -299,12 +301,15 @@ def pair(of_pressure: float, of_shear: float) -> Array:
 
 
 def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
-    """The tractions of result and reference that a diagnosis compares: at most so many instants of
-    the last cycle, evenly chosen, with a weight for each point and instant.
+    """The tractions of result and reference that a diagnosis of likely faults compares: at most ten
+    instants of the last cycle, evenly chosen, with a weight for each point and instant.
 
-    A value that is missing or stands out alone is replaced by the reference's, with weight 0. None
-    where the result has no instant with a contact, or not one number.
+    A value that is missing or stands out alone is replaced by the reference's, with weight 0. Where
+    the reference is half-plane theory and the scene has finite bodies, theory with their elastic
+    responses takes its place. None where the result has no instant with a contact, or not one
+    number.
     """
+    # instants loaded enough to be judged; without any, those at which either has pressure
     is_usable = comparison.judged if comparison.judged.any() else comparison.touching
     usable_instants = np.flatnonzero(is_usable)
     if not len(usable_instants):

@@ -134,9 +134,9 @@ class Search:
     def _fitted(
         self, causes: tuple[Cause, ...], channels: tuple[int, ...], known_sizes: tuple[float, ...]
     ) -> Fit | None:
-        """Fit the sizes of some causes (known faults of a result) to the difference from the
-        reference: each combination of starting sizes is tried, and the best are refined by least
-        squares. None where theory has no solution for any.
+        """Fit the sizes of some causes (known faults of a result, such as a wrong friction
+        coefficient) to its difference from the reference. Each combination of starting sizes is
+        tried, and the best are refined by least squares. None where theory has no solution for any.
 
         Parameters
         ----------
@@ -189,9 +189,9 @@ class Search:
     def _starts(
         self, cause: Cause, searched_causes: tuple[Cause, ...], channels: tuple[int, ...]
     ) -> tuple[float, ...]:
-        """Sizes of a cause from which a search starts. Where it is searched beside other causes
-        (`searched_causes`), the size that it has when fitted alone is among them. `channels` are
-        the tractions that are fitted.
+        """Sizes of a cause (a known fault) from which a search starts. Where it is searched beside
+        other causes (`searched_causes`), the size that it has when fitted alone is among them.
+        `channels` are the tractions that are fitted. Empty where the result can't have this fault.
         """
         starts = tuple(cause.starts(self.discrepancy))
         if len(searched_causes) == 1 or not starts or not cause.has_size:
@@ -243,9 +243,9 @@ class Search:
     def _residuals(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> Array:
-        """Weighted differences between the result and what a result with these faults (`causes`) of
-        these sizes would be, in the tractions `channels`, in one row. Large numbers where theory
-        has no solution.
+        """Differences between the result and what a result with these faults (`causes`) of these
+        sizes would be, in the tractions `channels`, weighted and in one row, (n,). Large numbers
+        where theory has no solution.
         """
         size = self.discrepancy.weight.size
         try:
@@ -277,9 +277,9 @@ class Search:
     def _fit_of(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> Fit | None:
-        """The fit of causes with given sizes: the tractions that they predict, and the residuals
-        that they leave. None where theory has no solution for them. The shear is predicted only
-        where it is among `channels`.
+        """The fit of causes (known faults) with given sizes: the tractions that they predict, and
+        the residuals that they leave. None where theory has no solution for them. The shear is
+        predicted only where it is among `channels`.
         """
         try:
             predicted_values = self._predicted(causes, sizes, channels)

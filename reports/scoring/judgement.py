@@ -126,11 +126,11 @@ class Judgement:
         return fit
 
     def verdict(self) -> Verdict:
-        """Which known faults explain the difference of result and reference, first in the pressure,
-        then in the shear.
+        """Which known faults (causes) explain the difference of a result from the reference, first
+        in the pressure, then in the shear.
 
-        Of several explanations that one which leaves least; those that the file does not tell apart
-        from it are its rivals.
+        Of several explanations that one counts which leaves least; those that the file does not
+        tell apart from it are its rivals.
         """
         pressure_fits = self._fits_of_pressure()
         explanations: list[Fit] = []
@@ -192,6 +192,7 @@ class Judgement:
             causes = (SMALL_BODY, *_without_size(fit))
             for small_body in self._explanations([causes], self.no_cause, (PRESSURE,)):
                 explanations += self._with_shear(small_body)
+            # one fit with a wrong modulus is enough
             break
         return explanations
 
@@ -402,8 +403,9 @@ class Judgement:
         return abs(ratio - 1) <= _UNMOVED * abs(factor - 1)
 
     def _is_contradicted(self, fit: Fit) -> bool:
-        """Whether the sum of the pressures over x speaks against the factor of loads, tractions or
-        x in a fit. The reason is noted in `reason_by_cause`.
+        """Whether the sum of the pressures over x speaks against a factor of loads, tractions or x
+        among the causes of a fit: P would be another one by that factor. The reason is noted in
+        `reason_by_cause`.
         """
         factors = [
             cause.resultant(size)
@@ -532,12 +534,14 @@ class Judgement:
 
     # -------------------------------------------------------------------------------- comparison
     def is_right(self, fit: Fit, channel: int) -> bool:
-        """Whether a fit leaves nothing of a traction (channel: pressure or shear) but noise, or
-        what its tolerance allows.
+        """Whether a fit of causes leaves nothing of a traction (channel: pressure or shear) but
+        noise, or what its tolerance allows. The fit without a cause counts as right within the
+        tolerance.
         """
         if fit.is_noise((channel,)):
             if channel == PRESSURE:
                 return True
+            # a shear that scatters more than the pressure holds more than noise
             if fit.square((SHEAR,)) <= max(fit.square((PRESSURE,)), ROUND_OFF) * fit.noisier**2:
                 return True
         if not fit.causes:

@@ -166,8 +166,8 @@ class ClosedForm:
 def _closed_form(
     discrepancy: Discrepancy, functions: Callable[[Array], Array]
 ) -> ClosedForm | None:
-    """The sum of given functions of xi = (x − centre)/half-width that fits the result's pressure
-    best at each instant.
+    """Fit a sum of given functions of xi = (x − centre)/half-width to the result's pressure at each
+    instant: the fitted pressure, factors and half-widths.
 
     None where a factor is not positive, or fewer than three points carry pressure.
 
@@ -324,8 +324,9 @@ def _sphere(discrepancy: Discrepancy) -> ProblemFit | None:
 
 
 def _limit_of_pressure(discrepancy: Discrepancy) -> ProblemFit | None:
-    """Fit of p = min(limit, elastic pressure of a larger load): plastic flow, or wear, flattens the
-    middle, with the same limit at all instants. None where few points lie on a limit.
+    """Fit of a pressure that is cut off at a limit: p = min(limit, elastic pressure of a larger
+    load), with the same limit at all instants, as plastic flow or wear flattens the middle. None
+    where few points lie on a limit.
     """
     if discrepancy.unsymmetric:
         return None
@@ -412,11 +413,11 @@ def _lengths_of_runs(row: NDArray[np.bool_]) -> list[int]:
 
 
 def _not_elastic(discrepancy: Discrepancy) -> ProblemFit | None:
-    """Two instants with the same P, by the scene and by the sum of the pressures, whose pressures
-    differ most: of elastic half-planes the pressure depends on P alone.
+    """Find two instants with the same P, by the scene and by the sum of the pressures, whose
+    pressures differ most. Of elastic half-planes the pressure depends on P alone.
 
-    None where none differ. What is odd in x is left out: unlike bodies and bodies that tilt make
-    it.
+    None where none differ. The part that is odd in x is left out: unlike bodies and bodies that
+    tilt make it.
     """
     if discrepancy.unsymmetric or len(discrepancy.rows) < 2:
         return None
@@ -627,6 +628,7 @@ def other_problems(discrepancy: Discrepancy, fit_named: Fit | None) -> Iterator[
         if problem_fit is None:
             continue
         residual_after = problem.residual(discrepancy, problem_fit.predicted, problem_fit)
+        # what the scene itself, or the simpler law, leaves on the points of this problem
         residual_before = problem.residual(discrepancy, problem_fit.tractions_to_beat, problem_fit)
         noise = min(residual_after.noise, residual_after.square)
         share_left = share_of_norm(residual_after.square, residual_before.square, noise)

@@ -158,9 +158,10 @@ def full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
 
 
 def elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> Iterator[Diagnosis]:
-    """A finding where points that stick creep in proportion to the shear: a penalty of stiffness k
-    moves them by dq/k. `shear_sign` is -1 where the file is known to have a shear of the wrong
-    sign.
+    """A finding where points that stick creep in proportion to the shear, as with a penalty contact
+    of stiffness k: a change dq moves them by dq/k.
+
+    `shear_sign` is -1 where the file is known to have a shear of the wrong sign.
     """
     changes = _changes_of_sticking(discrepancy, shear_sign)
     if changes is None:
@@ -182,6 +183,7 @@ def elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> Iterat
     if mean_square <= noise:
         return
     share_proportional = 1 - (square_left - noise) / (mean_square - noise)
+    # ratio of F: what the shear explains of the creep over what it leaves, per value
     gain_of_fit = (mean_square - square_left) / max(square_left, 1e-300) * len(creep)
     relative_creep = float(np.sqrt(mean_square - noise)) / largest_change
     if (
@@ -313,8 +315,8 @@ def scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
 
 
 def long_steps_by_work(comparison: Comparison) -> Iterator[Diagnosis]:
-    """A finding of load steps too long where the tractions show nothing: the dissipation is off,
-    and on straight lines between the instants it is not.
+    """A finding of load steps that are too long where the tractions show nothing: the dissipation
+    is wrong beside the smooth path, and right beside straight lines between the instants.
 
     Exact steps cut corners of the path alone, and tractions at their ends are right as soon as the
     corner is left behind.

@@ -120,8 +120,9 @@ class Predictions:
     tractions_by_variant: dict[tuple[Variant, bool], Tractions] = field(default_factory=dict)
 
     def of(self, variant: Variant, *, sheared: bool = True) -> Tractions:
-        """Tractions (2, k, n), p and q, that a result with the faults of `variant` has at the
-        points and instants of the result.
+        """Tractions p and q, (2, k, n), that a result with the faults of `variant` has at the
+        points and instants of the result: a wrong modulus, a factor of the file's pressure, p and q
+        swapped, and others.
 
         Unless `sheared` q is the reference's: the pressure alone needs no history of friction, and
         is solved in a tenth of the time.
@@ -129,9 +130,10 @@ class Predictions:
         Raises
         ------
         InputError
-            Where there is no such solution: gross sliding, separation; and where it takes a grid,
-            whose seconds are too many for a search.
+            Where there is no such solution: gross sliding, separation; and where it takes a grid of
+            points, whose seconds are too many for a search.
         """
+        # faults of the file alone are applied below, and need no solve
         variant_solved = replace(
             variant, pressure_factor=1.0, shear_factor=1.0, swapped=False, odd=False
         )
@@ -161,14 +163,16 @@ class Predictions:
         return (difference - mirrored) / 2
 
     def _solved(self, variant: Variant, *, sheared: bool) -> Tractions:
-        """Tractions (2, k, n) of theory with the faults of a variant, at the result's points, which
-        are shifted or stretched where that is among the faults. Where the reference is not theory
-        itself the difference of the two is added. Without `sheared` only the pressure is solved,
-        and q is the reference's.
+        """Tractions p and q, (2, k, n), of theory with the faults of a variant, at the result's
+        points, which are shifted or stretched where that is among the faults.
+
+        Where the reference is not theory itself the difference of the two is added. Without
+        `sheared` only the pressure is solved, and q is the reference's.
         """
         if variant == Variant():
             return self.discrepancy.reference_tractions
         x = (self.discrepancy.x - variant.offset * self.discrepancy.half_width) / variant.stretch
+        # nodal forces over lengths, in place of tractions at the points
         if variant.on_mesh:
             fine_points, weights = _shape_functions(x)
             tractions = self._theory(variant, fine_points, sheared=sheared) @ weights
@@ -207,6 +211,7 @@ class Predictions:
                 / composite_modulus(discrepancy.scene.material)
             )
             return self._pressure(scene, x, time, effects, layer_compliance)[None]
+        # faces that sink into each other: a soft layer changes the pressure alone
         if variant.soft_normal:
             pressure = self._theory(variant, x, sheared=False)[PRESSURE]
             variant_without_layer = replace(variant, soft_normal=0.0)
@@ -262,8 +267,9 @@ class Predictions:
 
 
 def _shape_functions(nodes: Array) -> tuple[Array, Array]:
-    """Points between the nodes, (m,), and weights (m, n) that make nodal values of the traction
-    there: nodal force over length, by linear elements.
+    """What turns tractions into nodal forces over lengths, on linear elements: points between the
+    nodes, (m,), and weights (m, n) by which tractions there are multiplied and summed for each of
+    the n nodes.
     """
     spacings = np.diff(nodes)
     spacing_before = np.concatenate([spacings[:1], spacings])
@@ -362,12 +368,13 @@ def _without_memory(scene: Scene, x: Array, time: Array) -> Tractions:
 
 
 def _long_steps(discrepancy: Discrepancy, scene: Scene, x: Array, *, takes_ends: bool) -> Tractions:
-    """Tractions if the result's own load increments replace the path: straight lines, or
-    (`takes_ends`) as a solver takes them whose law holds at their ends.
+    """Tractions p and q, (2, k, n), if the result's own load increments replace the load path: by
+    straight lines, or (`takes_ends`) as a solver takes them that meets the Coulomb law at their
+    ends.
 
     While P rises such an increment is that of P first and then that of Q at the new pressure; while
     P falls it is a straight line. Finite elements in steps that end on no event follow it to 0.983
-    of the discrepancy at 48 steps a cycle, to 0.9999 at 4.
+    of the difference from theory at 48 steps a cycle, to 0.9999 at 4.
     """
     path = scene.load.path()
     assert path.period is not None
@@ -377,7 +384,7 @@ def _long_steps(discrepancy: Discrepancy, scene: Scene, x: Array, *, takes_ends:
     times_of_instants = discrepancy.time
     if times_of_result[0] > path.cycle_start:  # the cycle alone: twice, after the initial loading
         fraction = fraction_of_cycle(discrepancy.comparison)
-        cycles = [path.cycle_start + (turn + fraction) * path.period for turn in (0, 1)]
+        cycles = [path.cycle_start + (revolution + fraction) * path.period for revolution in (0, 1)]
         times = np.concatenate([np.linspace(path.start, path.cycle_start, 9), *cycles])
         times_of_instants = path.cycle_start + (1 + discrepancy.fraction) * path.period
     times = np.unique(times[times > path.start])
@@ -396,7 +403,7 @@ def _long_steps(discrepancy: Discrepancy, scene: Scene, x: Array, *, takes_ends:
             tangential_change = abs(load_pair[1] - polygon[-1][1])
             if max(normal_change, tangential_change) > least_change:
                 polygon.append(load_pair)
-        polygon_times.append(float(len(polygon) - 1))  # a polygon takes one unit of time a leg
+        polygon_times.append(float(len(polygon) - 1))  # a polygon takes one unit of time a segment
     scene_of_polygon = scene.vary(load=PolygonLoad(initial_loading=tuple(polygon[1:])))
     return _tractions(scene_of_polygon, x, np.array(polygon_times)[rows_of_instants])
 

@@ -50,9 +50,9 @@ def judged(paper: Paper) -> dict[str, Found]:
 
 # --------------------------------------------------------------------- tractions of the first cycle
 def tractions(case: Case) -> dict[str, Found]:
-    """Checks of the paper's statements on the tractions: the shear by its equations (5) to (8)
-    against the engine's, at the events that it calls by letters, and what the first cycle leaves.
-    Name of a statement -> (verdict, numbers).
+    """Check what the paper states of the tractions: the shear by its equations (5) to (8) against
+    that of the engine, at the events that it calls by letters, and what the first cycle leaves.
+    Returns name of a statement -> (verdict, numbers).
     """
     formulas = Formulas(case)
     x = np.array(_PLACES) * case.length
@@ -76,6 +76,8 @@ def tractions(case: Case) -> dict[str, Found]:
         relative_error(time, formulas.stuck(x, load(time))) for time in (time_of_a, time_of_b)
     )
     error_in_slip = relative_error(between_b_and_c, formulas.stuck(x, load(between_b_and_c)))
+    # (6): the shear of full stick up to the load at which the line of gradient f through the loads
+    # meets the initial loading, then f times the pressure since
     errors_forward = {}
     for name, time in {
         "B-C": between_b_and_c,
@@ -83,22 +85,25 @@ def tractions(case: Case) -> dict[str, Found]:
         "D": time_of_d,
         "E": time_of_e,
     }.items():
-        load_met = formulas.initial_meeting(time)
-        shear_by_6 = formulas.stuck(x, load_met) + friction * (
-            pressure(x, load(time)) - pressure(x, load_met)
+        load_at_meeting = formulas.initial_meeting(time)
+        shear_by_6 = formulas.stuck(x, load_at_meeting) + friction * (
+            pressure(x, load(time)) - pressure(x, load_at_meeting)
         )
         errors_forward[f"error at {name}"] = relative_error(time, shear_by_6)
+    # (7): reverse slip turns it from the edge load of the stick zone on
     errors_reverse = {}
-    load_met = formulas.initial_meeting(time_of_e)
+    load_at_meeting = formulas.initial_meeting(time_of_e)
     for name, time in {
         "E-F": (time_of_e + case.time("F")) / 2,
         "F": case.time("F"),
         "G": time_of_g,
     }.items():
         pressure_at_edge = pressure(x, float(formulas.front("EG", time)))
-        slipped_pressure = 2 * pressure_at_edge - pressure(x, load(time)) - pressure(x, load_met)
+        slipped_pressure = (
+            2 * pressure_at_edge - pressure(x, load(time)) - pressure(x, load_at_meeting)
+        )
         errors_reverse[f"error at {name}"] = relative_error(
-            time, formulas.stuck(x, load_met) + friction * slipped_pressure
+            time, formulas.stuck(x, load_at_meeting) + friction * slipped_pressure
         )
     worst_forward = max(errors_forward.values())
     worst_reverse = max(errors_reverse.values())
@@ -142,10 +147,11 @@ def _rest_at_e(case: Case) -> Found:
 
 
 def _residual_tractions(case: Case) -> Found:
-    """Statement on what the slip of the first cycle leaves: the locked-in slip, and tractions that
-    the initial loading alone has not.
+    """Check what the paper states of the slip of the first cycle: the slip that stays locked in,
+    and the tractions that the initial loading alone would not leave. Returns (verdict, numbers).
     """
     formulas = Formulas(case)
+    # P_Z and P_T: between their half-widths the slip that E leaves is locked in
     inner_load = formulas.initial_meeting(case.time("E"))
     outer_load = float(formulas.front("EG", case.time("G")))
     bounds_of_locked = case.width([inner_load, outer_load])
@@ -200,8 +206,8 @@ def _residual_tractions(case: Case) -> Found:
 
 # ----------------------------------------------------------------------- stick, slip and separation
 def course(case: Case) -> dict[str, Found]:
-    """Checks of the paper's statements on stick, slip and separation through the cycle, between
-    events that it calls by the letters A to M. Name of a statement -> (verdict, numbers).
+    """Check what the paper states of stick, slip and separation through the cycle, between events
+    that it calls by the letters A to M. Returns name of a statement -> (verdict, numbers).
     """
     revolution = 2 * math.pi
     time_of = {letter: case.time(letter) for letter in LETTERS}
@@ -278,8 +284,9 @@ def _advance_of_slip(case: Case, start_time: float, end_time: float) -> Found:
 
 
 def slip_speed(case: Case, x: float = POINTS[0]) -> Found:
-    """Statement on the mean speed of slip, forward over reverse, of a point that is always in
-    contact: over its own time of slip, and over the phases of the contact.
+    """Check the paper's statement that forward slip is slower than reverse slip, at a point that is
+    always in contact: mean speeds over the time in which the point slips, and over the phases of
+    the contact. `x` is in half-widths at the mean load. Returns (verdict, numbers).
     """
     edge_load = np.asarray(case.contact.load(np.array([x * case.length])))
     # Forward, reverse.
@@ -314,13 +321,16 @@ def slip_speed(case: Case, x: float = POINTS[0]) -> Found:
 
 
 def _point_history(case: Case, x: float) -> Found:
-    """Statement on the sequence of stick, slip and separation of a point of figure 5."""
+    """Check the paper's statement on the sequence of stick, slip and separation of a point of
+    figure 5, at `x` half-widths. Returns (verdict, numbers).
+    """
     times = case.round_times(1441)
     states = case.solve(time=(times[1:] + times[:-1]) / 2, x=[x], fields=("state",)).state[:, 0]
     names = _sequence([STATE_NAMES[SurfaceState(int(state))] for state in states])
     stated_sequence = _sequence(_HISTORIES[x])
     letter_of = {"stick": "S", "forward slip": "F", "reverse slip": "R", "open": "O"}
     letters = [letter_of[name] for name in names]
+    # the cycle may begin anywhere
     stated_turns = [stated_sequence[k:] + stated_sequence[:k] for k in range(len(stated_sequence))]
     numbers = {
         "share of separation": float(np.mean(states == SurfaceState.OPEN)),
@@ -421,8 +431,9 @@ def no_effect_of_mean_shear(case: Case) -> Found:
 
 
 def forgotten_loading(case: Case) -> Found:
-    """Statement that the steady cycle forgets the initial loading but for the shear inside the
-    permanent stick zone.
+    """Check the paper's statement that the steady cycle forgets the initial loading but for the
+    shear inside the permanent stick zone, with two other initial loadings. Returns (verdict,
+    numbers).
     """
     corners = tuple((p * case.unit, q * case.unit) for p, q in ((1.0, 0.5), (2.0, -0.5)))
     cases = [case.with_load(initial_loading=loading) for loading in ("straight", corners)]
@@ -491,8 +502,8 @@ def _changes(case: Case, changed_cases: Sequence[Case]) -> dict[str, float]:
 
 # --------------------------------------------------------------------------------- work of friction
 def work(case: Case) -> dict[str, Found]:
-    """Statements on the dissipation: the phases' shares, and W(x) at the ends of the slip zone.
-    Name of a statement -> (verdict, numbers).
+    """Check what the paper states of the dissipation: the phases' shares, and W(x) at the ends of
+    the slip zone. Returns name of a statement -> (verdict, numbers).
     """
     batch = semi_analytic.dissipation(**case.batch())
     inner_edge = case.stick_edge
@@ -593,8 +604,8 @@ def _exponents(sweep: Sweep, quantity: str) -> Array:
 
 
 def _falls_towards_far_loads(paper: Paper) -> dict[str, Found]:
-    """Statements on how work, its peak and their quotient change from loads near gross sliding to
-    loads far from it.
+    """Check what the paper states of the work, its peak over x and their quotient, from loads near
+    gross sliding to loads far from it. Returns name of a statement -> (verdict, numbers).
     """
     hertz = paper.sweeps[0]
     largest_step = {}
