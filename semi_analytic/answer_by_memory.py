@@ -160,9 +160,11 @@ class Request:
 
 
 def by_memory(question: Question, family: OneCurve | None) -> Findings:
-    """The answer to a question where one memory curve holds what friction remembers: that of the
-    scene's path, or of `family` under bulk stress and tilt. Fields at instants and points, friction
-    work of the cycles, errors, notes.
+    """Half-plane answer where one memory curve holds what friction remembers: fields, friction work
+    of the cycles, their errors and notes.
+
+    The memory curve is the tangential force carried up to each load. With bulk stress or tilt there
+    is one only for some load paths: `family` is then the tilted contact, None without.
     """
     started = clock.perf_counter()
     scene = question.scene
@@ -182,7 +184,7 @@ def by_memory(question: Question, family: OneCurve | None) -> Findings:
     loads_and_edges = _series_of(request, path_answer.snapshot)
     fields, arc_errors = _grids_of(request, path_answer.snapshot, loads_and_edges)
     fields_done = clock.perf_counter()
-    work = float(path_answer.works[-1])
+    work_of_last_cycle = float(path_answer.works[-1])
     loop_work = _loop_work_of(path_answer)
     errors = _errors(request, path_answer, loads_and_edges, fields, arc_errors, loop_work)
     errors_of_neglect = _errors_of_neglect(question, family)
@@ -195,19 +197,21 @@ def by_memory(question: Question, family: OneCurve | None) -> Findings:
         *_notes_of_errors(errors),
     ]
     termination, message = _ending_of(path)
+    permanent_stick = _permanent_stick(request.contact, path_answer, path.largest)
     seconds = {"history": history_done - started, "fields": fields_done - work_done}
     seconds["dissipation"] = work_done - history_done + clock.perf_counter() - fields_done
-    energy = {}
+    # Work of each increment, where every instant is a row of the path.
+    energy_over_time = {}
     if len(path_answer.increments):
-        energy["dissipation"] = freeze(path_answer.increments)
+        energy_over_time["dissipation"] = freeze(path_answer.increments)
     return Findings(
         time=time,
         x=request.x,
         values=loads_and_edges
         | fields
-        | _permanent_stick(request.contact, path_answer, path.largest)
+        | permanent_stick
         | {
-            "dissipation": work,
+            "dissipation": work_of_last_cycle,
             "loop_work": loop_work,
             "cycle_dissipation": path_answer.works,
             "dissipation_density": path_answer.density[request.fold],
@@ -218,7 +222,7 @@ def by_memory(question: Question, family: OneCurve | None) -> Findings:
         notes=tuple(notes),
         errors=errors,
         certificates=_admissibility(request, path_answer, fields),
-        energy=energy,
+        energy=energy_over_time,
         counts={"points_evaluated": len(request.distance), "cycles_solved": len(path.cycles)}
         | path_answer.counts,
         skipped=_skipped_of(scene, path, path_answer),
@@ -227,8 +231,10 @@ def by_memory(question: Question, family: OneCurve | None) -> Findings:
 
 
 def path_of_question(question: Question, family: OneCurve | None) -> LoadSeries | History:
-    """Load path of a question, followed: by straight steps between its times where it asks for
-    them, else as a history of the scene, tilted or with bulk stress by `family`.
+    """The load path of a question with its friction history: straight steps between the times asked
+    for, or the curved path of the scene.
+
+    With bulk stress or tilt, `family` has the loads along the path that one memory curve needs.
 
     Raises
     ------
@@ -261,11 +267,12 @@ def _path_of(scene: Scene, time: Array | None) -> LoadSeries | History:
 def _request_of(
     question: Question, family: OneCurve | None, path: LoadSeries | History, time: Array
 ) -> Request:
-    """What memory curves are evaluated for: contact, instants (n,), fields, and points, chosen
-    where the question has none.
+    """What the memory curves of a followed `path` are evaluated for: contact, fields, instants
+    `time` (n,) and points.
 
-    `family` is the tilted or bulk-stressed contact with one memory curve, None for an untilted one,
-    whose points are folded to one side of its middle.
+    Where the question has no points they are chosen across the largest contact. A symmetric contact
+    is evaluated at different |x| only. `family` is the contact under bulk stress or tilt, None
+    without.
     """
     scene = question.scene
     contact = family.contact if family is not None else contact_of(scene.profile, scene.material)
@@ -274,12 +281,12 @@ def _request_of(
         needs_points = question.wants_pointwise or question.wants("dissipation_density")
         x = _points_of(contact, path.largest) if needs_points or not path.long else np.zeros(1)
     if family is None:
-        different_points, row_of_point = folded(x)
+        different_points, number_of_point = folded(x)
     else:
-        different_points, row_of_point = np.unique(x, return_inverse=True)
+        different_points, number_of_point = np.unique(x, return_inverse=True)
     modulus = composite_modulus(scene.material)
     return Request(
-        contact, modulus, time, x, different_points, row_of_point, question.fields, family
+        contact, modulus, time, x, different_points, number_of_point, question.fields, family
     )
 
 
@@ -306,20 +313,23 @@ def _points_of(contact: Contact, largest_load: float) -> Array:
 
 
 def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
-    """Normal contact of a scene, and its memory curves at instants (n,) of its load path.
+    """Normal contact of a scene, and its friction memory at instants (n,) of the load path: the
+    tangential force carried up to each load.
 
     Raises
     ------
     InputError, InadmissibleLoadError
-        As `solve`.
+        For what half-plane theory cannot solve: gross sliding, separation, a profile that splits.
     """
     contact = contact_of(scene.profile, scene.material)
     path = _path_of(scene, time)
     if isinstance(path, History):
         return contact, path.snapshot(time)
-    middle, row_of_point = folded(np.zeros(1))
+    middle_point, number_of_point = folded(np.zeros(1))
     modulus = composite_modulus(scene.material)
-    request = Request(contact, modulus, time, middle, middle, row_of_point, frozenset({"shear"}))
+    request = Request(
+        contact, modulus, time, middle_point, middle_point, number_of_point, frozenset({"shear"})
+    )
     return contact, path_result(path, request).snapshot
 
 
@@ -334,7 +344,7 @@ class PathResult:
         memory curves at the instants; without their pieces where no field needs them
     balance
         (n,) M(P) - Q there
-    least_front
+    least_stick_load
         least P_c of the last cycle
     slipped_share
         largest (P - P_c)/P of all that was followed
@@ -361,7 +371,7 @@ class PathResult:
 
     snapshot: Snapshot
     balance: Array
-    least_front: float
+    least_stick_load: float
     slipped_share: float
     works: Array
     work_errors: Array
@@ -415,6 +425,22 @@ class _Located(NamedTuple):
         is_start = (self.share == 0) & (self.step == 0)
         return bool(np.all((self.share == 1) | is_start))
 
+    def within(self, first_step: int, n_steps: int) -> tuple[Indices, Array, Array]:
+        """Of the instants that lie in `n_steps` steps from number `first_step` on: step counted
+        from that one, share of the step that is over, error of that share; (k,) each.
+        """
+        bounds = np.searchsorted(self.step, [first_step, first_step + n_steps])
+        instants = slice(*bounds.tolist())
+        return self.step[instants] - first_step, self.share[instants], self.slack[instants]
+
+
+class _WantedOfPart(NamedTuple):
+    """What is wanted of one part of a load path: its friction work, that of each step, and W(x)."""
+
+    work: bool
+    work_of_steps: bool
+    density: bool
+
 
 @dataclass(eq=False)
 class _SeriesSums:
@@ -428,7 +454,7 @@ class _SeriesSums:
         (steps + 1,) friction work of each step, behind a 0; (1,) where it is not wanted
     density
         (k,) W(x) of the last cycle
-    least_front
+    least_stick_load
         least P_c of the last cycle
     full_stick
         records without slip in what was integrated
@@ -441,7 +467,7 @@ class _SeriesSums:
     shares: Array
     step_works: Array
     density: Array
-    least_front: float = math.inf
+    least_stick_load: float = math.inf
     full_stick: int = 0
     counts: dict[str, int] = field(
         default_factory=lambda: dict.fromkeys(
@@ -458,16 +484,16 @@ class _SeriesSums:
     )
 
     def count(self, block: StepBlock, integrals_per_span: int, pieces_before: int) -> None:
-        """Add the work of a block of load steps to the counts.
+        """Count what a block of load steps took: parts of steps, slip zones, integrals, pieces of
+        the memory curve.
 
-        A step is one span of the path or several, each with slip or in full stick. The memory
-        of friction is a curve of straight pieces: each step adds one, and slip drops those that it
-        passes.
+        A step has one part or several, each with slip in one direction or in full stick. The memory
+        curve consists of straight pieces: each step adds one, and slip drops those that it passes.
 
         Parameters
         ----------
         integrals_per_span
-            integrals (work, its density) that are taken over each span
+            integrals (work, its density) that are taken over each part of a step
         pieces_before
             pieces of the memory curve before the block
         """
@@ -482,11 +508,51 @@ class _SeriesSums:
         self.counts["pieces_dropped"] += n_steps + pieces_before - pieces_after
         self.counts["pieces_alive"] = max(self.counts["pieces_alive"], block.alive)
 
+    def add_block(
+        self,
+        block: StepBlock,
+        part_number: int,
+        first_step: int,
+        wanted: _WantedOfPart,
+        request: Request,
+        friction: float,
+    ) -> None:
+        """Add the friction work of a block of load steps, and its density W(x), where they are
+        wanted.
+
+        Parameters
+        ----------
+        part_number, first_step
+            number of the part of the path, and number of the block's first step in the whole path
+        request
+            contact, A/pi and the points of W(x)
+        friction
+            f
+        """
+        contact = request.contact
+        work_per_sum = request.unit * friction
+        slipping_records = block.records.slipping()
+        if wanted.work:
+            integrals = self.add_work(part_number, contact, slipping_records, work_per_sum)
+            if wanted.work_of_steps:
+                n_steps = len(block.rows) - 1
+                step_numbers = slice(first_step + 1, first_step + 1 + n_steps)
+                self.step_works[step_numbers] = work_per_sum * np.bincount(
+                    slipping_records.row, integrals, n_steps
+                )
+        if wanted.density:
+            self.density += work_per_sum * density_of_records(
+                contact, slipping_records, request.distance
+            )
+
     def add_work(
         self, part_number: int, contact: Contact, records: Records, work_per_sum: float
     ) -> Array:
-        """Add the friction work of `records` that slip, and its error, to those of a part of the
-        path; returned are int Lam dw of the records, (m,), `work_per_sum` times which is work.
+        """Add the friction work of a block of slip `records`, and its error, to part `part_number`
+        of the path; the integral of each record is returned, (m,).
+
+        An integral is int Lam dw, Lam the integral of ln(a/c) over loads, dw the slip force over f;
+        `work_per_sum` = f A/pi times it is work.
         """
         integrals, n_nodes = slip_work(contact, records)
         self.works[part_number] += work_per_sum * float(np.sum(integrals))
@@ -503,19 +569,23 @@ class _SeriesSums:
         no_work = np.zeros(len(self.works))
         return np.divide(self.errors, self.works, out=no_work, where=self.works > 0)
 
-    def see_front(self, block: StepBlock) -> None:
-        """Take the least P_c of a block."""
+    def see_stick_edge(self, block: StepBlock) -> None:
+        """Lower the least load P_c at the stick edge of the last cycle, where it is lower in a
+        block of load steps.
+        """
         records = block.records
         edge_loads = records.load - records.slipped
         edge_loads_after = records.load_after - records.slipped_after
         least_of_block = min(float(np.min(edge_loads)), float(np.min(edge_loads_after)))
-        self.least_front = min(self.least_front, least_of_block)
+        self.least_stick_load = min(self.least_stick_load, least_of_block)
 
 
 def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
-    """States at the instants of a request and friction work along a path of straight steps, a load
-    `series`: the parts of the path that are needed are followed once more, block by block, and
-    their sums gathered.
+    """State of friction at the instants of a request, and friction work, along a load path of
+    straight steps, a load `series`.
+
+    The path was followed once to find its cycles. Now the parts of it that the answer needs are
+    followed again, block by block, and work and states are gathered.
     """
     contact = request.contact
     friction = series.friction
@@ -537,43 +607,26 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
         step_works=np.zeros(1 + (series.starts[-1] if wants_increments else 0)),
         density=np.zeros(len(request.distance)),
     )
-    work_per_sum = request.unit * friction
     for part_number in _parts_needed(series, located.step):
         part: PathPart = series.parts[part_number]
         is_last = part_number == last_part
-        wants_work_here = wants_work and (wants_increments or part_number in covered_parts)
-        wants_density_here = wants_density and is_last
-        depth_alive = depth_of(part.curve)
+        wanted = _WantedOfPart(
+            work=wants_work and (wants_increments or part_number in covered_parts),
+            work_of_steps=wants_increments,
+            density=wants_density and is_last,
+        )
+        depth_before = depth_of(part.curve)
         for first_row, block in blocks(part, friction, states.curves):
-            slipping_records = block.records.slipping()
-            n_steps = len(block.rows) - 1
             first_step = series.starts[part_number] + first_row
-            instant_bounds = np.searchsorted(located.step, [first_step, first_step + n_steps])
-            instants_in_block = slice(*instant_bounds.tolist())
-            states.add(
-                block,
-                located.step[instants_in_block] - first_step,
-                located.share[instants_in_block],
-                located.slack[instants_in_block],
-            )
+            states.add(block, *located.within(first_step, len(block.rows) - 1))
             sums.shares[part_number] = max(sums.shares[part_number], block.deepest / part.largest)
-            sums.count(block, wants_work_here + wants_density_here, depth_alive)
-            depth_alive = depth_of(block.curve)
-            if wants_work_here:
-                work = sums.add_work(part_number, contact, slipping_records, work_per_sum)
-                if wants_increments:
-                    step_numbers = slice(first_step + 1, first_step + 1 + n_steps)
-                    sums.step_works[step_numbers] = work_per_sum * np.bincount(
-                        slipping_records.row, work, n_steps
-                    )
+            sums.count(block, wanted.work + wanted.density, depth_before)
+            depth_before = depth_of(block.curve)
+            sums.add_block(block, part_number, first_step, wanted, request, friction)
             if is_last:
-                sums.see_front(block)
+                sums.see_stick_edge(block)
                 if loop is not None:
                     loop.add(block)
-            if wants_density_here:
-                sums.density += work_per_sum * density_of_records(
-                    contact, slipping_records, request.distance
-                )
     rounding_of_parts = sums.rounding_of_parts()
     relative_errors = sums.quadrature_errors() + rounding_of_parts
     increments = np.empty(0)
@@ -584,7 +637,7 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
     return PathResult(
         snapshot=snapshot,
         balance=balance,
-        least_front=sums.least_front,
+        least_stick_load=sums.least_stick_load,
         slipped_share=float(np.max(sums.shares)),
         works=sums.works[covered_parts] if wants_work else np.full(len(covered_parts), math.nan),
         work_errors=relative_errors[covered_parts] if wants_work else np.zeros(len(covered_parts)),
@@ -603,16 +656,17 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
 
 
 def _increments_of_work(sums: _SeriesSums, located: _Located, work_beyond: Array) -> Array:
-    """Friction work between the instants of a request, (n,), 0 for the first one.
+    """Friction work between successive instants of a request, (n,), 0 for the first one [energy per
+    thickness].
 
     Parameters
     ----------
     sums
         with the work of each step of the path
     located
-        where the instants are in the path: at rows, all of them
+        where the instants are in the path: at ends of steps, all of them
     work_beyond
-        (n,) work of the whole revolutions by which instants lie beyond the path that was followed
+        (n,) work of the whole cycles by which instants lie beyond the path that was followed
     """
     rows_passed = (located.step + (located.share == 1))[located.back]
     work_so_far = np.cumsum(sums.step_works)[rows_passed]
@@ -634,8 +688,10 @@ class _WorkOfCycle(NamedTuple):
 
 
 def _result_of_history(history: History, request: Request) -> PathResult:
-    """States at the instants of a request and friction work along a curved path: of its last cycle,
-    and of all covered cycles, span by span.
+    """State of friction at the instants of a request, and friction work, along a curved load path,
+    from its spans: ranges of time with slip in one direction or full stick.
+
+    W(x) and the loop of Q over U are those of the last covered cycle.
     """
     contact = request.contact
     last_cycle = history.covered[-1]
@@ -663,16 +719,16 @@ def _result_of_history(history: History, request: Request) -> PathResult:
         loop = LoopWork(0.0, 0.0)
         if works[last_cycle].work:
             loop = closed_integral(contact, request.modulus, last_spans)
-    least_front = math.inf
+    least_stick_load = math.inf
     for span in last_spans:
         for time in (span.begin.time, span.end.time):
             load, _ = span.leg.loads(time)
-            least_front = min(least_front, float(load - span.slipped(time)))
+            least_stick_load = min(least_stick_load, float(load - span.slipped(time)))
     n_slipping = sum(span.direction != 0 for span in integrated_spans)
     return PathResult(
         snapshot=snapshot,
         balance=_balance_of(snapshot),
-        least_front=least_front,
+        least_stick_load=least_stick_load,
         slipped_share=slipped_share(history.spans),
         works=np.array([works[k].work if works else math.nan for k in history.covered]),
         work_errors=np.array([works[k].error if works else 0.0 for k in history.covered]),
@@ -703,10 +759,11 @@ def _balance_of(snapshot: Snapshot) -> Array:
 
 
 def _works_of_cycles(history: History, request: Request) -> dict[int, _WorkOfCycle]:
-    """Friction work of each covered cycle of a history, with its relative error, by the number of
-    the cycle.
+    """Friction work of each covered cycle of a curved load path, with its relative error, by the
+    number of the cycle.
 
-    W of a steady ellipse comes from formulas that keep their digits, however small the slip.
+    W of a steady ellipse of P and Q comes from formulas that keep their digits, however small the
+    slip. Other cycles are integrated over their ranges of slip.
     """
     contact = request.contact
     friction = history.spans[0].friction
@@ -730,9 +787,11 @@ def _works_of_cycles(history: History, request: Request) -> dict[int, _WorkOfCyc
     return works
 
 
-def _ellipses_of_leg(leg: LoadSegment, friction: float) -> Ellipses | None:
-    """The ellipse of loads that a leg is, as an array of one; None where it is none."""
-    ellipse = leg.ellipse
+def _ellipses_of_leg(segment: LoadSegment, friction: float) -> Ellipses | None:
+    """The steady ellipse of P and Q that a segment of the load path describes, with its angles and
+    amplitudes, as an array of one; None where the segment is none.
+    """
+    ellipse = segment.ellipse
     if ellipse is None:
         return None
     mean_load, _ = ellipse.mean
@@ -760,22 +819,25 @@ def _loop_work_of(answer: PathResult) -> float:
 
 # ------------------------------------------------------------------------------- fields at instants
 def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
-    """Loads, half-widths, edges and rigid displacements at the instants of a snapshot, (n,) or (n,
-    2) each, by name; those of the family's tilted contact under bulk stress and tilt. NotFoundError
+    """Values of the answer with one number per instant (n,), or per edge (n, 2), by name: loads,
+    displacements, half-widths and edges.
+
+    With bulk stress and tilt also their values and the moments of the tractions; edges are then
+    those of the tilted contact. `snapshot` has the friction memory at the instants. NotFoundError
     where no half-width was found for a load.
     """
     contact = request.contact
     family = request.family
     edge_load = snapshot.load - snapshot.slipped
     half_width = _half_width(contact, snapshot.load)
-    slipping_numbers = np.flatnonzero(snapshot.slipped)
+    instants_with_slip = np.flatnonzero(snapshot.slipped)
     stick_half_width = half_width.copy()
-    stick_half_width[slipping_numbers] = _half_width(contact, edge_load[slipping_numbers])
+    stick_half_width[instants_with_slip] = _half_width(contact, edge_load[instants_with_slip])
     stick_half_width[(edge_load <= 0) & (stick_half_width == 0)] = np.nan
-    displacement = np.full(len(request.time), np.nan)
-    approach = displacement
+    displacement_over_unit = np.full(len(request.time), np.nan)
+    approach = displacement_over_unit
     if request.wants("tangential_displacement"):
-        displacement = Integrals(contact, np.zeros(1), "shift").over(snapshot)[:, 0]
+        displacement_over_unit = Integrals(contact, np.zeros(1), "shift").over(snapshot)[:, 0]
     if request.wants("normal_approach"):
         approach = request.unit * contact.log_distance(snapshot.load)
     sides = np.array([-1.0, 1.0])
@@ -800,7 +862,7 @@ def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     return bulk_and_tilt | {
         "normal_load": snapshot.load,
         "tangential_load": tangential_load,
-        "tangential_displacement": request.unit * displacement,
+        "tangential_displacement": request.unit * displacement_over_unit,
         "normal_approach": approach,
         "contact_half_width": half_width,
         "stick_half_width": stick_half_width,
@@ -823,13 +885,23 @@ def _half_width(contact: Contact, load: Array) -> Array:
 def _grids_of(
     request: Request, snapshot: Snapshot, series: Mapping[str, Array]
 ) -> tuple[dict[str, NDArray[Any]], dict[str, float]]:
-    """Pressure, shear, slip and state at the instants and points of a request, (n, m) each,
-    read-only; whatever was not asked for is NaN, or open, and takes no room. And the errors of
-    shear and slip by arcs of the memory curve.
+    """Pressure, shear, slip and state of contact at the instants and points of a request, (n, m)
+    each, read-only; and the errors of shear and slip by arcs of the memory curve.
 
-    `snapshot` has the memory curve at each instant, `series` the half-widths and edges.
-    NotFoundError where a value that is due was not found; tractions are infinite at the tip of a
-    sharp wedge.
+    A field that was not asked for is NaN, or open, and takes no room. An arc is a curved part of
+    the memory curve, over which is integrated. Tractions are infinite at the tip of a sharp wedge.
+
+    Parameters
+    ----------
+    snapshot
+        the memory curve at each instant
+    series
+        half-widths and edges at each instant, by name
+
+    Raises
+    ------
+    NotFoundError
+        Where a value that is due was not found.
     """
     contact = request.contact
     distances = request.distance
@@ -869,8 +941,11 @@ def _pressure_of(request: Request, snapshot: Snapshot, series: Mapping[str, Arra
 def _state_of(
     request: Request, snapshot: Snapshot, series: Mapping[str, Array]
 ) -> NDArray[np.int8]:
-    """Open, stick or slip at the instants of a `snapshot` and at the distances of a request, (n,
-    k); edges of contact and of stick, (n, 2), are in `series`.
+    """State of contact, open, stick or slip, at the instants of a `snapshot` of the friction memory
+    and at the distances of a request, (n, k).
+
+    Edges of contact and of stick, (n, 2), are in `series`. A point in contact sticks between the
+    stick edges and slips outside of them.
     """
     contact = request.contact
     distances = request.distance
@@ -906,16 +981,17 @@ def _errors(
     arc_errors: Mapping[str, float],
     loop_work: float,
 ) -> dict[str, float]:
-    """Estimated errors of what was asked for over the largest p, f p, s, U, W(x) or W, where closed
-    forms promise less. "cycle_dissipation" is that of the worst cycle, where it is above that of
-    the last.
+    """Estimated relative errors of what was asked for, by name, each over the largest p, f p, slip,
+    U, W(x) or W. Closed forms promise round-off and have no entry.
+
+    "cycle_dissipation" is the error of the worst cycle, where it is above that of the last.
 
     Parameters
     ----------
     path_answer
         states at the instants, and friction work of the cycles
     loads_and_edges, fields
-        the answer's series and fields, by name
+        the answer's values over time, and its fields, by name
     arc_errors
         errors of the integrals of shear and slip over arcs of the memory curve
     loop_work
@@ -964,9 +1040,9 @@ def _errors_of_tractions(
 ) -> dict[str, float]:
     """Relative errors of pressure, shear and slip, from a sample of instants and points.
 
-    Tractions start like roots at the edges of contact and stick, so that a last digit of an edge
-    counts for much more next to it: "... at the edge" is for the points that are asked for, however
-    near; without these words for points 1 % of a away.
+    Tractions start like roots at the edges of contact and stick. A last digit of an edge counts for
+    much more next to it: "... at the edge" is the error for the points that are asked for, however
+    near. Without these words it is for points 1 % of a half-width away.
 
     Parameters
     ----------
@@ -1031,31 +1107,45 @@ def _most_pieces(snapshot: Snapshot, instants: Indices) -> int:
 def _error_at_edges(
     contact: SymmetricContact, x: Array, half_widths: Array, least_distance: float
 ) -> float:
-    """Largest error of the pressure next to an edge, (g/pi) sqrt(2 d/a), g = dP/da, by the error of
-    the half-width a: at the distance d of the nearest of the points x, `least_distance` a at least.
+    """Largest error of the pressure next to an edge of contact or of stick [stress], by the error
+    of its half-width a: (g/pi) sqrt(2 d/a) at the distance d, g = dP/da.
+
+    d is that of the nearest of the points x (k,) ascending, and at least `least_distance` times a.
+    The half-widths (n,) may be NaN.
     """
-    edges = half_widths[np.isfinite(half_widths) & (half_widths > 0)]
+    half_widths_of_edges = half_widths[np.isfinite(half_widths) & (half_widths > 0)]
     last_point = len(x) - 1
-    point_after = np.clip(np.searchsorted(x, edges), 1, max(last_point, 1))
-    distance_before = np.abs(x[point_after - 1] - edges)
-    distance_after = np.abs(x[np.minimum(point_after, last_point)] - edges)
-    distance = np.maximum(np.minimum(distance_before, distance_after), least_distance * edges)
-    stiffness = contact.stiffness(edges)
-    load_error = contact.noise * contact.load(edges)
-    edge_error = 40 * _EPS * edges + load_error / np.where(stiffness > 0, stiffness, np.inf)
+    point_after = np.clip(np.searchsorted(x, half_widths_of_edges), 1, max(last_point, 1))
+    distance_before = np.abs(x[point_after - 1] - half_widths_of_edges)
+    distance_after = np.abs(x[np.minimum(point_after, last_point)] - half_widths_of_edges)
+    distance = np.maximum(
+        np.minimum(distance_before, distance_after), least_distance * half_widths_of_edges
+    )
+    stiffness = contact.stiffness(half_widths_of_edges)
+    load_error = contact.noise * contact.load(half_widths_of_edges)
+    edge_error = 40 * _EPS * half_widths_of_edges + load_error / np.where(
+        stiffness > 0, stiffness, np.inf
+    )
     root_change = np.sqrt(distance + edge_error) - np.sqrt(distance)
-    return largest_error(stiffness / np.pi * np.sqrt(2 / edges) * root_change)
+    return largest_error(stiffness / np.pi * np.sqrt(2 / half_widths_of_edges) * root_change)
 
 
 def _errors_of_work(
     request: Request, path_answer: PathResult, loop_work: float
 ) -> tuple[float, float]:
-    """Relative errors of the closed integral of Q dU and of the friction work W, in this order.
+    """Relative errors of the closed integral of Q dU and of the friction work W of the last cycle,
+    in this order.
 
-    Both are of the last cycle: the cycles before it may slip so little that W keeps few digits
-    there. Of the two routes W keeps more digits where slip is tiny: what they differ by is the
-    error of the other one. `path_answer` has W of each cycle with its error, `loop_work` is the
-    closed integral of the last.
+    Both should be equal. What they differ by is the error of the integral, since W keeps more
+    digits where slip is tiny. It counts for W too where neither round-off nor a tiny slip explains
+    it.
+
+    Parameters
+    ----------
+    path_answer
+        W of each cycle with its error
+    loop_work
+        closed integral of Q dU of the last cycle, NaN where there is none
     """
     work = float(path_answer.works[-1])
     work_error = float(path_answer.work_errors[-1])
@@ -1112,8 +1202,10 @@ def _neglected_loads(family: OneCurve | None) -> Iterator[str]:
 def _notes_of_path(
     question: Question, path: LoadSeries | History, rows: int, rows_left_out: int
 ) -> Iterator[str]:
-    """A sentence where the last cycle of a `path` is not steady, and one where rows of a record
-    were left out of the answer, which is given at `rows` of them.
+    """Sentences for the notes of an answer: that the last cycle is not steady, and that rows of a
+    measured record were left out.
+
+    The answer is given at `rows` of them, without `rows_left_out`.
     """
     is_steady = path.steady_from is not None and path.covered[-1] >= path.steady_from
     if question.wants("dissipation") and path.period is not None and not is_steady:
@@ -1153,8 +1245,8 @@ def _ending_of(path: LoadSeries | History) -> tuple[str, str]:
 def _skipped_of(
     scene: Scene, path: LoadSeries | History, answer: PathResult
 ) -> dict[str, tuple[int, str]]:
-    """What was not computed, with how often and why: copies of a steady cycle, quadratures under
-    full stick.
+    """What was not computed because it needs not be, by name: how often and why. Copies of a steady
+    cycle, and integrals over time in full stick.
     """
     skipped_work = {}
     copies = max(scene.cycles, len(path.covered)) - len(path.cycles)
@@ -1169,10 +1261,17 @@ def _skipped_of(
 
 
 def _permanent_stick(contact: Contact, answer: PathResult, largest_load: float) -> dict[str, Any]:
-    """What sticks through the whole last cycle: half-width, and edges of an unsymmetric contact."""
-    # A front that is nothing but the last digits of P is none: at that instant nothing sticks, not
-    # even a flat face, whose half-width is there without any load.
-    least_load = answer.least_front if answer.least_front > LAST_DIGITS * largest_load else 0.0
+    """Half-width of the zone that sticks all through the last cycle, and its two edges for an
+    unsymmetric contact; NaN where nothing does.
+
+    The zone is the contact under the least load P_c at the stick edge. `largest_load` is the
+    largest P of the path.
+    """
+    # A P_c that is no more than the last digits of P counts as 0: nothing sticks at that instant,
+    # not even a flat face, which has its half-width without any load.
+    least_load = (
+        answer.least_stick_load if answer.least_stick_load > LAST_DIGITS * largest_load else 0.0
+    )
     has_stick = least_load > 0
     half_width = float(contact.half_width(least_load)) if has_stick else math.nan
     values: dict[str, Any] = {"permanent_stick_half_width": half_width}
@@ -1185,9 +1284,13 @@ def _permanent_stick(contact: Contact, answer: PathResult, largest_load: float) 
 def _admissibility(
     request: Request, answer: PathResult, grids: Mapping[str, NDArray[Any]]
 ) -> dict[str, Array]:
-    """Checks of an answer at each instant, (n,) each and 0 at best: |M(P) - Q| over f max P, M(P)
-    the shear that the memory curve carries, and the largest |q| - f p over f max p where `grids`
-    have both.
+    """Checks of the laws of contact at each instant, by name, (n,) each, 0 where satisfied.
+
+        tangential_balance    |M(P) - Q| / (f times the largest P)
+        cone                  the largest |q| - f p, over f times the largest p
+
+    M(P) is the shear force that the memory curve carries. The Coulomb limit ("cone") is checked
+    where `grids` have both tractions.
     """
     friction = answer.snapshot.friction
     largest_limit = friction * float(np.max(answer.snapshot.load))
