@@ -2,12 +2,12 @@
 knots (Masing rule).
 
 # notation: (P, Q) loads; M(eta) memory curve, its knots joined by straight lines; s direction of
-#           slip; P_c load at the front of slip; level s Q - f P, which grows in slip
+#           slip; P_c load at the stick edge; level s Q - f P, which grows in slip
 
-A step loads in full stick and adds a knot; or it slips, and its front goes down through the lines
-between the knots; or it unloads, on one side of the curve or along it. Every knot is put on once
-and taken off once. A line keeps its own length and rise, so that P - P_c is a sum of lengths and
-keeps its digits, however little slips.
+A step loads in full stick and adds a knot; or it slips, and its stick edge goes down through the
+lines between the knots; or it unloads, on one side of the curve or along it. Every knot is put on
+once and taken off once. A line keeps its own length and rise, so that P - P_c is a sum of lengths
+and keeps its digits, however little slips.
 
 A step leaves one record for each line that it goes through: along it P, P_c, Q and the level are
 linear in one another. Rows are taken a block at a time: what stays in memory is what was asked for,
@@ -45,7 +45,7 @@ Indices = NDArray[np.int64]
 
 # Share of the rates of P and Q below which growth of a level is rounding.
 _NOISE = 1e-14
-# Share of f P by which a front may miss the knot that it meets.
+# Share of f P by which a stick edge may miss the knot that it meets.
 _LAST_DIGITS = 4e-15
 # Share of f P within which a path runs along the curve that it unloads, and share within which a
 # line goes straight on.
@@ -132,9 +132,9 @@ class Records(NamedTuple):
         """The records of these numbers, of a mask or of a slice."""
         return Records._make(column[numbers] for column in self)
 
-    def with_front_in_contact(self) -> Records:
-        """The same records with P_c >= 0: of a contact that slips throughout, as next to full
-        unloading, the sum of lengths of lines may be a last digit more than P.
+    def with_stick_edge_in_contact(self) -> Records:
+        """These records with P_c >= 0. In a contact that slips throughout the sum of lengths of
+        lines may be a last digit more than P.
         """
         slipped = np.minimum(self.slipped, self.load)
         slipped_after = np.minimum(self.slipped_after, self.load_after)
@@ -187,15 +187,26 @@ class Recorder:
         slipped: tuple[float, float] = (0.0, 0.0),
         rise: float = 0.0,
     ) -> None:
-        """One record: a part of a step between two stations (P, Q, share of the step that is over),
-        through one line of the memory curve.
+        """Store one record: a part of a load step, between two stations, in which the stick edge
+        moves along one line of the memory curve.
 
-        `direction` of slip is 1, -1 or 0 for none; `slipped` is P - P_c at both stations, P_c the
-        load at the front of slip, and `rise` the growth of the level direction Q - f P.
+        A station is P, Q and the share of the step that is over there. A line is a straight piece
+        of the memory curve, the tangential force carried up to each load.
+
+        Parameters
+        ----------
+        line
+            the line, None for bodies out of contact
+        direction
+            of slip, 1 forward, -1 in reverse, 0 for none
+        slipped
+            P - P_c at both stations, P_c the load at the stick edge
+        rise
+            growth of direction Q - f P between the stations; slip makes it grow
         """
         if self._add_line is not None:
             self._add_line(line)
-        _, top, force, length, line_rise, _ = line or _OPEN
+        _, top, force, length, rise_of_line, _ = line or _OPEN
         load, _, _ = begin
         load_after, _, until = end
         self._add_numbers(
@@ -209,14 +220,16 @@ class Recorder:
                 top,
                 force,
                 length,
-                line_rise,
+                rise_of_line,
             )
         )
 
 
 def sides_of(rows: Array, friction: float) -> NDArray[np.int8]:
-    """How the memory takes the steps between rows (n + 1, 2) of P and Q, (n,): slip forward, 1, or
-    in reverse, -1; full stick, 0; or unloading with |dQ| <= f |dP|, 2. f is `friction`.
+    """How friction takes each straight step between rows (n + 1, 2) of P and Q, as a number, (n,):
+
+    1 slip forward, -1 slip in reverse, 0 full stick, 2 unloading with |dQ| <= f |dP|. A step slips
+    where |dQ| grows by more than f dP.
     """
     load_growth, force_rise = np.diff(rows, axis=0).T
     limit = friction * load_growth
@@ -231,8 +244,9 @@ def sides_of(rows: Array, friction: float) -> NDArray[np.int8]:
 
 
 def _shortened(curve: Knot, cut_share: float) -> Knot:
-    """The memory curve without the upper share `cut_share` < 1 of its uppermost line; the lowest
-    line begins at eta = 0, to the last digit.
+    """The memory curve without the upper share `cut_share` < 1 of its uppermost line.
+
+    A line knows its own length in P and rise in Q; both shrink. The lowest line begins at P = 0.
     """
     below, top, force, length, rise, depth = curve
     remaining_length = (1 - cut_share) * length
@@ -262,8 +276,10 @@ def _step(
     friction: float,
     recorder: Recorder,
 ) -> Knot | None:
-    """Memory curve after a straight step from one (P, Q, share of the step that is over) to
-    another; each part of the step that goes through one line of the curve is handed to `recorder`.
+    """Memory curve after a straight load step; what slips in the step is handed to `recorder`.
+
+    The memory curve is the tangential force carried up to each load, a chain of straight lines. A
+    record is made for each line that the step goes through.
 
     Parameters
     ----------
@@ -289,8 +305,11 @@ def _step(
 
 
 def _load_in_stick(curve: Knot | None, begin_station: Station, end_station: Station) -> Knot:
-    """The memory curve with the step from one (P, Q, share of the step) to another on top; where
-    the line below goes straight on, both become one line.
+    """The memory curve after a step of growing load in full stick: the step itself is put on top, a
+    line of length dP and rise dQ.
+
+    Where the line below has the slope of the step, both become one line. Stations are P, Q and the
+    share of the step that is over; only P and Q matter here.
     """
     load, force, _ = begin_station
     load_at_end, force_at_end, _ = end_station
@@ -322,20 +341,21 @@ def _slip(
     friction: float,
     recorder: Recorder,
 ) -> Knot | None:
-    """The memory curve after a step that slips.
+    """The memory curve after a straight load step with slip in one direction: its upper part is
+    replaced by a line at the Coulomb limit.
 
-    # notation: P, Q normal and tangential load; f coefficient of friction; P_c load at the front
-    #           of slip; level s Q - f P, s the direction of slip, which grows in slip
+    # notation: P, Q normal and tangential load; f coefficient of friction; P_c load at the stick
+    #           edge; level s Q - f P, s the direction of slip, which grows in slip
 
-    The front goes down through the lines of the curve while the level grows: a line that is l long
-    in P and rises by r in Q is passed when the level has grown by f l - s r. P - P_c is the growth
-    of P in the step and the lengths of all lines passed.
+    The stick edge goes down through the lines of the curve while the level grows. A line that is l
+    long in P and rises by r in Q is passed when the level has grown by f l - s r. P - P_c is the
+    growth of P in the step plus the lengths of all lines passed.
 
     Parameters
     ----------
     curve
-        the uppermost line of the memory curve before the step, which holds the lines below;
-        None for bodies out of contact
+        the uppermost line of the memory curve before the step, which holds the lines below; None
+        for bodies out of contact
     direction
         s, 1 of forward and -1 of reverse slip
     begin_station, end_station
@@ -343,18 +363,18 @@ def _slip(
     friction
         f, coefficient of friction
     recorder
-        takes a record for each line that the front goes through
+        takes a record for each line that the stick edge goes through
     """
     load, force, begin_share = begin_station
     load_at_end, force_at_end, end_share = end_station
     load_growth = load_at_end - load
     level_growth = direction * (force_at_end - force) - friction * load_growth
-    level_to_go = level_growth
+    level_left = level_growth
     level_roundoff = _LAST_DIGITS * friction * (load if load > load_at_end else load_at_end)
     length_passed = 0.0
     slipped = 0.0  # P - P_c at the end of the last record
     station = begin_station
-    # A line at the limit slips already, and the front is below it.
+    # A line at the limit slips already, and the stick edge is below it.
     if (
         curve is not None
         and curve.below is not None
@@ -363,26 +383,19 @@ def _slip(
         length_passed = curve.length
         slipped = curve.length
         curve = curve.below
-    curve_below_front = curve
+
+    level_of_line = 0.0
     while curve is not None:
         line_below, _, _, length, rise, _ = curve
         level_of_line = friction * length - direction * rise
-        # A front that meets a knot at the very end of the step, to rounding, has not passed it:
-        # what lies below may be at the limit already, and the front would jump through it.
-        if level_to_go <= level_of_line + level_roundoff or line_below is None:
-            curve_below_front = curve
-            # |Q| <= f P was checked: what the lowest line has not room for is rounding.
-            if level_of_line > 0 and level_to_go > 0:
-                share_of_line = level_to_go / level_of_line if level_to_go < level_of_line else 1.0
-                length_passed += share_of_line * length
-                curve_below_front = (
-                    _shortened(curve, share_of_line) if share_of_line < 1 else line_below
-                )
+        # A stick edge that meets a knot at the very end of the step, to round-off, has not passed
+        # it: what lies below may be at the limit already, and the edge would jump through it.
+        if level_left <= level_of_line + level_roundoff or line_below is None:
             break
         length_passed += length
         if level_of_line > 0:
-            level_to_go -= level_of_line
-            share_of_step = 1 - level_to_go / level_growth
+            level_left -= level_of_line
+            share_of_step = 1 - level_left / level_growth
             slipped_at_knot = length_passed + share_of_step * load_growth
             # Q of a station inside a step plays no part in its record.
             station_at_knot = (
@@ -403,7 +416,14 @@ def _slip(
         else:
             slipped += length
         curve = line_below
-        curve_below_front = line_below
+
+    # The stick edge ends within the line `curve`, whose upper part slips too.
+    sticking_curve = curve
+    if curve is not None and level_of_line > 0 and level_left > 0:
+        # |Q| <= f P was checked: what the lowest line has not room for is round-off.
+        share_of_line = level_left / level_of_line if level_left < level_of_line else 1.0
+        length_passed += share_of_line * curve.length
+        sticking_curve = _shortened(curve, share_of_line) if share_of_line < 1 else curve.below
     slipped_at_end = length_passed + load_growth
     recorder.add(
         curve,
@@ -411,26 +431,27 @@ def _slip(
         station,
         end_station,
         (slipped, slipped_at_end if slipped_at_end > 0 else 0.0),
-        level_to_go if level_to_go > 0 else 0.0,
+        level_left if level_left > 0 else 0.0,
     )
     if not slipped_at_end > 0:
-        return curve_below_front
+        return sticking_curve
     return _with_line_at_limit(
-        curve_below_front, load_at_end, force_at_end, slipped_at_end, direction * friction
+        sticking_curve, load_at_end, force_at_end, slipped_at_end, direction * friction
     )
 
 
 def _with_line_at_limit(
-    curve_below_front: Knot | None, load: float, force: float, slipped: float, slope: float
+    sticking_curve: Knot | None, load: float, force: float, slipped: float, slope: float
 ) -> Knot:
-    """The memory curve up to P = `load` and Q = `force`: the part below the front of slip, and on
-    it a line of the length `slipped` in P with the slope +f or -f of the Coulomb limit; the limit
-    from P = 0 on where no part is left.
+    """The memory curve after slip: its part that still sticks, and on it a line up to P = `load`
+    and Q = `force` at the Coulomb limit, of length `slipped` in P and `slope` +f or -f.
+
+    Where nothing sticks, the line goes from P = 0 on.
     """
-    if curve_below_front is None:
+    if sticking_curve is None:
         return _knot(Knot, (None, load, force, load, slope * load, 1))
-    depth = curve_below_front.depth + 1
-    return _knot(Knot, (curve_below_front, load, force, slipped, slope * slipped, depth))
+    depth = sticking_curve.depth + 1
+    return _knot(Knot, (sticking_curve, load, force, slipped, slope * slipped, depth))
 
 
 def _unload(
@@ -440,25 +461,29 @@ def _unload(
     friction: float,
     recorder: Recorder,
 ) -> Knot | None:
-    """The memory curve after a step in which P falls and |dQ| <= f |dP|: slip to the side of the
-    curve on which the path runs, in parts where the path crosses the curve.
+    """The memory curve after a step in which P falls and |dQ| <= f |dP|.
 
-    Each later point of the path lies inside the friction cones of the earlier ones, so the state is
-    that of one step. `begin_station` and `end_station` are P, Q and the share of the step that is
-    over; `recorder` takes a record for each line that the step goes through.
+    Such a step slips forward where the path runs above the memory curve M(P) in the P-Q plane, and
+    in reverse below it. Where the path crosses the curve the step is cut. Each later point lies
+    inside the friction cones of the earlier ones, so that the state is that of one step.
+
+    Stations are P, Q and the share of the step that is over; `recorder` takes a record for each
+    line of the curve that the step goes through.
     """
     load, force, begin_share = begin_station
     load_at_end, force_at_end, end_share = end_station
     load_drop = load - load_at_end
     path_slope = (force_at_end - force) / (load_at_end - load)
-    *runs, last_run = _sides_of_unloading(curve, load_drop, path_slope, _ALONG * friction * load)
-    begin = begin_station
-    for run in runs:
-        share = begin_share + run.fall / load_drop * (end_share - begin_share)
-        end = (load - run.fall, force - path_slope * run.fall, share)
-        curve = _unload_part(curve, run.side, begin, end, friction, recorder)
-        begin = end
-    curve = _unload_part(curve, last_run.side, begin, end_station, friction, recorder)
+    *earlier_parts, last_part = _sides_of_unloading(
+        curve, load_drop, path_slope, _ALONG * friction * load
+    )
+    station = begin_station
+    for part in earlier_parts:
+        share = begin_share + part.fall / load_drop * (end_share - begin_share)
+        end = (load - part.fall, force - path_slope * part.fall, share)
+        curve = _unload_part(curve, part.side, station, end, friction, recorder)
+        station = end
+    curve = _unload_part(curve, last_part.side, station, end_station, friction, recorder)
     return curve if load_at_end > 0 else None
 
 
@@ -474,34 +499,37 @@ class _Run(NamedTuple):
 def _sides_of_unloading(
     curve: Knot | None, load_drop: float, path_slope: float, tolerance: float
 ) -> list[_Run]:
-    """The parts of a step, one at least, each with the side of the memory curve M(P) on which the
-    path runs: 1 where Q > M(P), -1 below it, 0 within `tolerance` of it.
+    """The parts of an unloading step, one at least, each with the side of the memory curve M(P) on
+    which the path runs: 1 where Q > M(P), -1 below it, 0 within `tolerance` of it.
 
-    Along the step P falls by `load_drop` and Q by `path_slope` times that.
+    Along the step P falls by `load_drop` and Q by `path_slope` times that. The excess Q - M(P) is
+    followed line by line of the curve.
     """
-    runs: list[_Run] = []
+    parts: list[_Run] = []
     line = curve
-    load_fall = 0.0  # of P so far
+    load_fallen = 0.0  # of P so far
     excess = 0.0  # Q - M(P)
     side_before = 0
-    side_of_open_run = 0
-    while line is not None and load_fall < load_drop:
-        fall_on_line = line.length if line.length < load_drop - load_fall else load_drop - load_fall
+    side_of_open_part = 0
+    while line is not None and load_fallen < load_drop:
+        fall_on_line = (
+            line.length if line.length < load_drop - load_fallen else load_drop - load_fallen
+        )
         excess_after = excess + line.rise * (fall_on_line / line.length) - path_slope * fall_on_line
         side = 1 if excess_after > 0 else -1
         if abs(excess_after) <= tolerance:
             side = 0
         if side * side_before < 0:
-            crossing = load_fall + fall_on_line * excess / (excess - excess_after)
-            runs.append(_Run(crossing, side_before))
-        elif load_fall > 0 and (side or side_before) != side_of_open_run:
-            runs.append(_Run(load_fall, side_of_open_run))
-        side_of_open_run = side or side_before
-        load_fall += fall_on_line
+            crossing = load_fallen + fall_on_line * excess / (excess - excess_after)
+            parts.append(_Run(crossing, side_before))
+        elif load_fallen > 0 and (side or side_before) != side_of_open_part:
+            parts.append(_Run(load_fallen, side_of_open_part))
+        side_of_open_part = side or side_before
+        load_fallen += fall_on_line
         excess = excess_after
         side_before = side
         line = line.below
-    return [*runs, _Run(load_drop, side_of_open_run)]
+    return [*parts, _Run(load_drop, side_of_open_part)]
 
 
 def _unload_part(
@@ -512,8 +540,8 @@ def _unload_part(
     friction: float,
     recorder: Recorder,
 ) -> Knot | None:
-    """Memory curve after a part of an unloading step on one side of it: the step slips, where
-    `side` is 1 or -1, or goes back along the curve, where it is 0.
+    """Memory curve after a part of an unloading step that runs on one side of it: slip where `side`
+    is 1 or -1, a way back along the curve where it is 0.
 
     `begin_station` and `end_station` are P, Q and the share of the step that is over, at both ends
     of the part; `recorder` takes a record for each line of the curve that it goes through.
@@ -526,24 +554,24 @@ def _unload_part(
 def _retrace(
     curve: Knot | None, begin_station: Station, end_station: Station, recorder: Recorder
 ) -> Knot | None:
-    """The memory curve after unloading along itself, Q = M(P): nothing slips, and each line that P
-    passes leaves a record.
+    """The memory curve after unloading along itself, Q = M(P): nothing slips, and the lines above
+    the new P are taken off.
 
-    `begin_station` and `end_station` are P, Q and the share of the step that is over; `recorder`
-    takes the records.
+    Stations are P, Q and the share of the step that is over; `recorder` takes a record for each
+    line that P passes.
     """
     load, force, begin_share = begin_station
     load_at_end, _, end_share = end_station
     load_drop = load - load_at_end
-    fall_to_go = load_drop
+    fall_left = load_drop
     begin = begin_station
-    while curve is not None and fall_to_go > 0 and begin is not end_station:
-        share_of_line = fall_to_go / curve.length
-        fall_to_go -= curve.length
-        if curve.below is None or fall_to_go <= 0:
+    while curve is not None and fall_left > 0 and begin is not end_station:
+        share_of_line = fall_left / curve.length
+        fall_left -= curve.length
+        if curve.below is None or fall_left <= 0:
             end = end_station
         else:
-            share_of_drop = 1 - fall_to_go / load_drop
+            share_of_drop = 1 - fall_left / load_drop
             # Q of a station inside a step plays no part in its record.
             end = (
                 load - share_of_drop * load_drop,
@@ -583,9 +611,12 @@ def depth_of(curve: Knot | None) -> int:
 
 
 def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = False) -> StepBlock:
-    """Straight steps from the first of `rows` (n + 1, 2) of P and Q, where the memory is `curve`,
-    to each of the others: records of the slip, and the memory curve at the end. With `curves` the
-    memory curve of each record is stored too.
+    """Follow straight load steps between rows of P and Q (n + 1, 2), from a given memory curve: a
+    record of slip for each part of a step, and the memory curve at the end.
+
+    The memory curve is the tangential force carried up to each load; `curve` is its uppermost line
+    at the first row, None for bodies out of contact. With `curves` the curve of each record is
+    stored too.
 
     >>> block = follow(None, np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 0.5], [2.0, -0.5]]), 0.5)
     >>> block.records.slipped_after.tolist(), block.alive  # Q/f, then (Q - Q')/(2 f)
@@ -622,7 +653,7 @@ def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = Fals
     table = np.frombuffer(recorder.numbers).reshape(-1, _NUMBERS).T
     step_of_record = np.repeat(np.arange(len(rows) - 1), np.diff(counts_of_numbers) // _NUMBERS)
     columns = [*table[:_RECORD_NUMBERS], step_of_record]
-    records = Records._make(columns).with_front_in_contact()
+    records = Records._make(columns).with_stick_edge_in_contact()
     line_table = LineTable(*table[_RECORD_NUMBERS:])
     return StepBlock(rows, records, line_table, recorder.lines, curve, most_lines)
 
@@ -640,8 +671,10 @@ def knots_of(curve: Knot | None) -> Array:
 def _agree(
     first_curve: Knot | None, second_curve: Knot | None, friction: float, tolerance: float
 ) -> bool:
-    """Whether two memory curves M(eta) agree: their ends in eta within `tolerance` times the
-    largest eta, and M at the knots of both within `tolerance` times f eta, f = `friction`.
+    """Whether two memory curves M(eta), tangential force over load, are the same state of friction.
+
+    Their ends in eta must agree within `tolerance` times the largest eta. M at the knots of both
+    must agree within `tolerance` times f eta, f = `friction`.
     """
     first_loads, first_forces = knots_of(first_curve)
     second_loads, second_forces = knots_of(second_curve)
@@ -734,11 +767,11 @@ class LoadSeries:
         return np.cumsum([0, *(len(part.rows) - 1 for part in self.parts)])
 
     def default_times(self, last_cycle_only: bool, thinned: bool) -> tuple[Array, int]:
-        """Instants to solve at where the user gives none, and the number of rows left out, which is
-        0 unless a long path is `thinned`.
+        """Instants of the answer where the user gives none, and the number of rows left out of them
+        (0 unless a long path is `thinned`).
 
-        About 400 a cycle, evenly spread over each record, both its ends among them. Of a long path
-        (more than 1,000 rows) the rows, or about 400 of them.
+        About 400 a cycle, evenly spread over each part of a step with its own slip; both its ends
+        are among them. Of a path of more than 1,000 rows all rows, or about 400 of them.
         """
         first_part = len(self.parts) - 1 if last_cycle_only else 0
         if self.long:
@@ -754,13 +787,13 @@ class LoadSeries:
             step_end = times_from_part[records.row + 1]
             inside_step = step_begin + records.until * (step_end - step_begin)
             record_ends = np.where(records.until == 1, step_end, inside_step)
-            marks = np.unique(np.append(times_from_part[0], record_ends))
-            times_of_parts.append(evenly(marks, initial=number < self.first))
+            ends_of_records = np.unique(np.append(times_from_part[0], record_ends))
+            times_of_parts.append(evenly(ends_of_records, initial=number < self.first))
         return np.unique(np.concatenate(times_of_parts)), 0
 
     def locate(self, time: Array) -> tuple[Indices, Array, Array]:
-        """For instants (n,): number of the step between two rows, share of it that is over, and
-        share within which two instants count as one, (n,) each.
+        """Where instants (n,) lie in the load path: number of the step between two rows, share of
+        it that is over, and share within which two instants count as one, (n,) each.
 
         An instant on a row belongs to the step that ends there. InputError for a time outside the
         path.
@@ -773,17 +806,19 @@ class LoadSeries:
         slack_of_steps = np.minimum(
             slack_of_time / steps, np.maximum(_SLACK_OF_STEP, rounding_of_step)
         )
-        # A row that somebody else found to rounding is still the row.
+        # An instant that misses a row by round-off is still at the row.
         since_row_before = path_time - times[row_at_or_after - 1]
         step_length = times[row_at_or_after] - times[row_at_or_after - 1]
         is_at_row_before = (row_at_or_after > 1) & (
             since_row_before <= slack_of_steps[row_at_or_after - 1] * step_length
         )
         step = row_at_or_after - 1 - is_at_row_before
-        share = (path_time - times[step]) / (times[step + 1] - times[step])
+        share_of_step = (path_time - times[step]) / (times[step + 1] - times[step])
         slack_of_share = slack_of_steps[step]
-        share = np.where(share > 1 - slack_of_share, 1.0, np.maximum(share, 0.0))
-        return step, share, slack_of_share
+        share_of_step = np.where(
+            share_of_step > 1 - slack_of_share, 1.0, np.maximum(share_of_step, 0.0)
+        )
+        return step, share_of_step, slack_of_share
 
     def revolutions_beyond(self, time: Array) -> Indices:
         """(n,) whole revolutions by which instants lie beyond the path that was followed: as steady
@@ -796,8 +831,11 @@ class LoadSeries:
 
 
 def series_of(scene: Scene, time: Array | None) -> LoadSeries:
-    """The load path of a scene, of straight legs, followed as a series of rows: as many cycles as
-    the instants `time` need; without them, until the memory repeats.
+    """The load path of a scene, of straight segments, followed as rows of P and Q with their
+    friction history.
+
+    As many cycles are followed as the instants `time` need; without them, until the memory of
+    friction repeats.
 
     Raises
     ------
@@ -839,16 +877,16 @@ def _rows_of(legs: Sequence[LoadSegment]) -> Array:
 
 
 def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
-    """The path replaced by straight lines between its loads at `time`, (n,) ascending, as a
-    followed series of cycles; `friction` is f.
+    """The load path replaced by straight steps between its loads at `time`, (n,) ascending,
+    followed cycle by cycle with its friction history; `friction` is f.
 
-    A line from (P, Q) at the start of the path to the first of the times is part of it.
+    A step from (P, Q) at the start of the path to the first of the times is part of it.
 
     Raises
     ------
     InputError
-        For paths with bulk stress or tilt, and for times that do not ascend; the message names
-        the option `straight_steps`.
+        For paths with bulk stress or tilt, and for times that do not ascend; the message names the
+        option `straight_steps`.
     """
     if path.has_bulk_or_tilt:
         raise InputError("straight_steps: not with bulk stress or tilt")
@@ -891,8 +929,11 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
 
 
 def check_rows(rows: Array, friction: float) -> None:
-    """Raise InadmissibleLoadError at the first gross sliding or separation; lines between
-    admissible points are admissible.
+    """Refuse a load path that slides as a whole or separates: InadmissibleLoadError at the first
+    such row, with its instant and loads.
+
+    `rows` (n, 3) are time, P and Q. Lines between admissible points are admissible, so that rows
+    are enough.
     """
     normal_load = rows[:, 1]
     tangential_load = rows[:, 2]
@@ -926,11 +967,10 @@ def _followed(
     *,
     repeats: bool = True,
 ) -> LoadSeries:
-    """The series of an initial loading and of cycles, each followed from the memory curve that the
-    one before leaves.
+    """Follow an initial loading and cycles of straight steps, each from the memory of friction that
+    the one before leaves, and find the first cycle that ends as it began.
 
-    Where the path `repeats`, cycles after the first that ends as it began, to a tolerance, are not
-    followed: they are copies.
+    Where the path `repeats`, cycles after that one are copies and are not followed.
 
     Parameters
     ----------
@@ -1004,11 +1044,12 @@ class States:
         self._lines: list[Knot | None] = []
 
     def add(self, block: StepBlock, step: Indices, share: Array, slack: Array) -> None:
-        """Add the states of instants (n,) at shares of steps of a block: P, Q, P - P_c, the
-        direction of slip and the line of the memory curve that the front is on.
+        """Add the friction state at instants (n,) within a block of load steps: P, Q, P - P_c,
+        direction of slip, and the line of the memory curve at the stick edge.
 
-        An instant whose share is at most `slack` beyond the end of a record counts as that end.
-        `force_error` is M(P) - Q, zero but for round-off.
+        An instant whose share of its step is at most `slack` beyond the end of a record counts as
+        that end. `step` and `share` say where each instant lies. M(P) - Q, zero but for round-off,
+        is stored as a check.
         """
         if not len(step):
             return
@@ -1022,12 +1063,12 @@ class States:
         slipped = records.slipped[record_number]
         slipped_growth = (records.slipped_after - records.slipped)[record_number]
         slipped = slipped + _share_of_record(records, record_number, share) * slipped_growth
-        # the front is on the line
+        # the stick edge is on the line
         least_slipped = np.maximum(load - line.top, 0.0)
         largest_slipped = np.maximum(load - (line.top - line.length), 0.0)
         slipped = np.where(direction != 0, np.clip(slipped, least_slipped, largest_slipped), 0.0)
-        force_at_front = line.force - line.slope * (line.top - (load - slipped))
-        force_error = force_at_front + direction * self.friction * slipped - force
+        force_at_stick_edge = line.force - line.slope * (line.top - (load - slipped))
+        force_error = force_at_stick_edge + direction * self.friction * slipped - force
         line_number = np.zeros(len(step), dtype=np.intp)
         lines_before = len(self._lines)
         if self.curves:
@@ -1038,7 +1079,12 @@ class States:
         )
 
     def snapshot(self, time: Array, order: Indices) -> tuple[Snapshot, Array]:
-        """The states that were added, in the order of `time`, and M(P) - Q of each."""
+        """Friction state at all instants that were added, in the order of `time`, and M(P) - Q of
+        each, which is 0 but for round-off.
+
+        M(P) is the tangential force that the memory curve carries; `order` brings the instants from
+        the order of the path into that of `time`.
+        """
         columns = zip(*self._columns, strict=True)
         states = _StateColumns._make(np.concatenate(column)[order] for column in columns)
         snapshot = Snapshot(
