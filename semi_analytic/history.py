@@ -135,8 +135,8 @@ class Span:
 
 
 def check(legs: Sequence[LoadSegment], friction: float) -> None:
-    """Raise InadmissibleLoadError at the first instant of gross sliding, |Q| > f P, or separation,
-    P < 0, on `legs`.
+    """Refuse a load path on which the contact slides as a whole, |Q| > f P, or separates, P < 0:
+    InadmissibleLoadError at the first such instant of the segments `legs`.
 
     |Q| = f P is admitted, to 1e-14 of f times the largest load: in any unit, for any f.
 
@@ -153,19 +153,27 @@ def check(legs: Sequence[LoadSegment], friction: float) -> None:
     scenes.errors.InadmissibleLoadError: load: separation from time 0.5 on, at time 1 with P = -1, Q
     = 0: ...
     """
-    scale = max(abs(float(leg.loads(time)[0])) for leg in legs for time in (leg.start, leg.end))
-    for leg in legs:
-        for begin, end in monotonic_parts(leg, friction):
-            _check_part(leg, begin, end, friction, _ROUNDING * scale)
+    largest_load = max(
+        abs(float(segment.loads(time)[0]))
+        for segment in legs
+        for time in (segment.start, segment.end)
+    )
+    for segment in legs:
+        for begin, end in monotonic_parts(segment, friction):
+            _check_part(segment, begin, end, friction, _ROUNDING * largest_load)
 
 
-def _check_part(leg: LoadSegment, begin: float, end: float, friction: float, slack: float) -> None:
-    """Raise InadmissibleLoadError where |Q| > f P or P < 0 on a part of a leg on which P, Q - f P
-    and Q + f P are monotonic; P may be beyond its limit by `slack`.
+def _check_part(
+    segment: LoadSegment, begin: float, end: float, friction: float, slack: float
+) -> None:
+    """Refuse a part of a load segment on which |Q| > f P or P < 0 somewhere: InadmissibleLoadError
+    at the first such instant.
 
-    It names the first instant beyond a limit, and the end of the part.
+    P, Q - f P and Q + f P are monotonic on the part, so that its end is beyond a limit if anything
+    is. P may be beyond its limit by `slack` [force per thickness]. The error also names the end of
+    the part.
     """
-    end_instant = instant(leg, end)
+    end_instant = instant(segment, end)
     excesses = [(NORMAL_LOAD, -end_instant.normal, "separation", slack)]
     for direction in (1, -1):
         excess = direction * end_instant.tangential - friction * end_instant.normal
@@ -174,16 +182,18 @@ def _check_part(leg: LoadSegment, begin: float, end: float, friction: float, sla
     for combination, excess, reason, tolerance in excesses:
         if excess > tolerance:
             sign_of_growth = -1.0 if combination is NORMAL_LOAD else 1.0
-            change_to_limit = sign_of_growth * float(leg.change_of(combination, end, begin))
+            change_to_limit = sign_of_growth * float(segment.change_of(combination, end, begin))
             time = float(
-                leg.time_of(combination, sign_of_growth * (change_to_limit - excess), begin, end)
+                segment.time_of(
+                    combination, sign_of_growth * (change_to_limit - excess), begin, end
+                )
             )
             faults.append((time, reason))
     if faults:
         # Where P runs out both limits of friction are met at the same instant: that is separation.
         end_of_first_time = min(time for time, _ in faults) + _NEAR * (end - begin)
         time, reason = next(fault for fault in faults if fault[0] <= end_of_first_time)
-        fault_instant = instant(leg, time)
+        fault_instant = instant(segment, time)
         raise InadmissibleLoadError(
             reason,
             LoadedInstant(time, fault_instant.normal, fault_instant.tangential),
@@ -193,8 +203,11 @@ def _check_part(leg: LoadSegment, begin: float, end: float, friction: float, sla
         )
 
 
-def monotonic_parts(leg: LoadSegment, friction: float) -> list[tuple[float, float]]:
-    """The segment, cut where P, u = Q - f P or v = Q + f P turn round.
+def monotonic_parts(segment: LoadSegment, friction: float) -> list[tuple[float, float]]:
+    """Begin and end times of the parts of a load segment between turning points of P, of u = Q - f
+    P and of v = Q + f P.
+
+    Where u rises the contact may slip forward, where v falls in reverse; f is `friction`.
 
     >>> from math import pi
     >>> from scenes import ellipse_segment
@@ -203,19 +216,27 @@ def monotonic_parts(leg: LoadSegment, friction: float) -> list[tuple[float, floa
     [0.0, 0.25, 0.75, 1.0, 1.25, 1.75]
     """
     combinations = (NORMAL_LOAD, level(1, friction), level(-1, friction))
-    turns = sorted(time for combination in combinations for time in leg.turning_points(combination))
-    shortest_part = _ROUNDING * max(abs(leg.start), abs(leg.end), leg.end - leg.start)
-    marks = [leg.start]
+    turns = sorted(
+        time for combination in combinations for time in segment.turning_points(combination)
+    )
+    shortest_part = _ROUNDING * max(
+        abs(segment.start), abs(segment.end), segment.end - segment.start
+    )
+    ends_of_parts = [segment.start]
     for time in turns:
-        if time - marks[-1] > shortest_part and leg.end - time > shortest_part:
-            marks.append(time)
-    return list(zip(marks, [*marks[1:], leg.end], strict=True))
+        if time - ends_of_parts[-1] > shortest_part and segment.end - time > shortest_part:
+            ends_of_parts.append(time)
+    return list(zip(ends_of_parts, [*ends_of_parts[1:], segment.end], strict=True))
 
 
 def march(
     curve: Curve, legs: Sequence[LoadSegment], friction: float, delay: float
 ) -> tuple[tuple[Span, ...], Curve]:
-    """Spans of the legs, each of one state of stick or slip, and the memory curve at their end.
+    """Follow segments of a load path through stick and slip: spans of time, each in full stick or
+    with slip in one direction, and the memory curve at the end.
+
+    The memory curve is the tangential force carried up to each load; None stands for no contact.
+    `delay` is added to the time of the segments, whole periods of a cycle.
 
     >>> from scenes.segments import straight_segments
     >>> legs = straight_segments(
@@ -228,9 +249,9 @@ def march(
     [(0, 0.0), (1, 0.6), (-1, 0.2)]
     """
     spans: list[Span] = []
-    for leg in legs:
-        for begin, end in monotonic_parts(leg, friction):
-            for span in _spans_of_part(curve, leg, begin, end, friction, delay):
+    for segment in legs:
+        for begin, end in monotonic_parts(segment, friction):
+            for span in _spans_of_part(curve, segment, begin, end, friction, delay):
                 spans.append(span)
                 curve = span.curve(span.end.time)
     return tuple(spans), curve
@@ -239,19 +260,22 @@ def march(
 def _spans_of_part(
     curve: Curve, leg: LoadSegment, begin: float, end: float, friction: float, delay: float
 ) -> Iterator[Span]:
-    """Spans of a part of a leg on which neither P, u = Q - f P nor v = Q + f P turns round; a span
-    is a time in which one piece of the memory curve is being erased.
+    """Spans of time, in full stick or with slip in one direction, of a part of a load segment on
+    which neither P, u = Q - f P nor v = Q + f P turns round.
 
     Rising u is forward slip, falling v reverse slip; neither, with rising P, is loading in stick.
+    Each piece of the memory curve that slip erases makes a span of its own.
 
     Parameters
     ----------
     curve
         the memory curve at the `begin`; None out of contact
+    leg
+        the load segment
     begin, end
         times of the part
     delay
-        how much later than the leg itself the spans are: whole periods of the cycle
+        how much later than the segment itself the spans are: whole periods of the cycle
     """
     middle = (begin + end) / 2
     normal_rate, tangential_rate = (float(rate) for rate in leg.rates(middle))
@@ -287,11 +311,12 @@ def _slip(
     friction: float,
     delay: float,
 ) -> Iterator[Span]:
-    """Spans of slip in one direction: the edge load of the stick zone, P_c, goes down through the
-    pieces of the memory curve, and each piece makes a span.
+    """Spans of slip in one direction: the stick edge moves down through the pieces of the memory
+    curve, and each piece makes a span of time.
 
-    A piece is passed when s Q - f P, s = `direction`, has grown to what it is at the lower end of
-    the piece.
+    The memory curve is the tangential force carried up to each load; P_c is the load at the stick
+    edge. A piece is passed when s Q - f P, s = `direction`, has grown to its value at the lower end
+    of the piece.
 
     Parameters
     ----------
@@ -300,22 +325,22 @@ def _slip(
     direction
         1 of forward, -1 of reverse slip
     begin_instant, end_instant
-        ends of the part of a leg that slips
+        ends of the part of a load segment that slips
     delay
-        how much later than the leg itself the spans are: whole periods of the cycle
+        how much later than the segment itself the spans are: whole periods of the cycle
     """
     leg = begin_instant.leg
     slip_level = level(direction, friction)
     total_change = float(leg.change_of(slip_level, end_instant.time, begin_instant.time))
-    last_digits = _LAST_DIGITS * friction * end_instant.normal
+    force_roundoff = _LAST_DIGITS * friction * end_instant.normal
     span_begin = begin_instant
-    # What slips already is at the limit, and the front is below it.
+    # What slips already is at the limit, and the stick edge is below it.
     if curve is not None and flat(curve, direction, friction):
         curve = curve.below
     while curve is not None:
         if flat(curve, direction, friction):
-            # nothing but rounding would take the front through it: it stays at its upper end
-            if total_change <= last_digits:
+            # Only round-off would take the stick edge through it: it stays at its upper end.
+            if total_change <= force_roundoff:
                 curve = Piece(curve, curve.top, begin_instant, -direction * friction)
                 break
             curve = curve.below
@@ -323,10 +348,10 @@ def _slip(
         level_at_begin = float(change_from(curve.anchor, leg, slip_level, begin_instant.time))
         level_at_bottom = float(level_on(curve, direction, friction, curve.bottom))
         change_to_bottom = level_at_bottom - level_at_begin
-        # A front that meets the lower end of the piece at the very end of the stretch, to rounding,
-        # has not passed it: what lies below may be at the limit already, and the front would jump
-        # through it.
-        level_roundoff = _NEAR * (abs(level_at_bottom) + abs(level_at_begin)) + last_digits
+        # A stick edge that meets the lower end of the piece at the very end of the step, to
+        # round-off, has not passed it: what lies below may be at the limit already, and the edge
+        # would jump through it.
+        level_roundoff = _NEAR * (abs(level_at_bottom) + abs(level_at_begin)) + force_roundoff
         if total_change <= change_to_bottom + level_roundoff:
             break
         passing_time = leg.time_of(
@@ -344,13 +369,12 @@ def _slip(
 def _unload(
     curve: Curve, begin_instant: Instant, end_instant: Instant, friction: float, delay: float
 ) -> Iterator[Span]:
-    """Spans of a stretch with P falling and |dQ/dP| <= f, from `begin_instant` to `end_instant`:
-    slip to the side of the memory curve on which the path runs, which may change where the path
-    crosses the curve.
+    """Spans of time of an unloading path with P falling and |dQ/dP| <= f.
 
-    Each later point of the path lies inside the friction cones of the earlier ones, so the state is
-    that of one step. `delay` is how much later than the leg itself the spans are: whole periods of
-    the cycle.
+    The contact slips forward where the path runs above the memory curve M(P) in the P-Q plane, in
+    reverse below it, and not along it. Each later point of the path lies inside the friction cones
+    of the earlier ones, so that the state is that of one step. `delay` is how much later than the
+    load segment itself the spans are: whole periods of the cycle.
     """
     for begin_time, end_time, direction in slip_directions(
         curve, begin_instant, end_instant, friction
@@ -369,10 +393,11 @@ def _unload(
 def _retrace(
     curve: Curve, begin_instant: Instant, end_instant: Instant, friction: float, delay: float
 ) -> Iterator[Span]:
-    """Spans of unloading back down the memory curve, without slip: a span for each of its pieces,
-    from `begin_instant` to `end_instant`.
+    """Spans of unloading back down the memory curve, Q = M(P), without slip: a span of time for
+    each of its pieces.
 
-    `delay` is how much later than the leg itself the spans are: whole periods of the cycle.
+    `delay` is how much later than the load segment itself the spans are: whole periods of the
+    cycle.
     """
     begin = begin_instant
     while curve is not None and curve.bottom > end_instant.normal:
@@ -392,47 +417,49 @@ def _retrace(
 def slip_directions(
     curve: Curve, begin_instant: Instant, end_instant: Instant, friction: float
 ) -> list[tuple[float, float, int]]:
-    """(begin time, end time, direction) of the runs of an unloading path above the memory curve
-    M(P), +1, below it, -1, or along it, 0.
+    """Begin time, end time and slip direction of the parts of an unloading path: +1 above the
+    memory curve M(P), -1 below it, 0 along it.
 
     `curve` is the memory curve at the begin; the path goes from `begin_instant` to `end_instant` on
-    one leg.
+    one load segment. Neighbouring parts of one direction are merged.
     """
-    runs: list[tuple[float, float, int]] = []
-    run_begin = begin_instant.time
+    parts: list[tuple[float, float, int]] = []
+    part_begin = begin_instant.time
     for piece in pieces(curve):
         change_to_bottom = piece.bottom - begin_instant.normal
         total_change = float(
             begin_instant.leg.change_of(NORMAL_LOAD, end_instant.time, begin_instant.time)
         )
         leaves_piece = total_change < change_to_bottom
-        run_end = end_instant.time
+        part_end = end_instant.time
         if leaves_piece:
-            run_end = float(
+            part_end = float(
                 begin_instant.leg.time_of(
                     NORMAL_LOAD, change_to_bottom, begin_instant.time, end_instant.time
                 )
             )
-        if run_end > run_begin:
-            runs += _directions_on(piece, begin_instant.leg, run_begin, run_end, friction)
-        run_begin = max(run_begin, run_end)
+        if part_end > part_begin:
+            parts += _directions_on(piece, begin_instant.leg, part_begin, part_end, friction)
+        part_begin = max(part_begin, part_end)
         if not leaves_piece:
             break
-    merged_runs: list[tuple[float, float, int]] = []
-    for run in runs:
-        if merged_runs and merged_runs[-1][2] == run[2]:
-            merged_runs[-1] = (merged_runs[-1][0], run[1], run[2])
+    merged_parts: list[tuple[float, float, int]] = []
+    for part in parts:
+        if merged_parts and merged_parts[-1][2] == part[2]:
+            merged_parts[-1] = (merged_parts[-1][0], part[1], part[2])
         else:
-            merged_runs.append(run)
-    return merged_runs
+            merged_parts.append(part)
+    return merged_parts
 
 
 def _directions_on(
     piece: Piece, leg: LoadSegment, begin: float, end: float, friction: float
 ) -> list[tuple[float, float, int]]:
-    """(begin time, end time, direction) of the runs between two times at which P is within one
-    `piece` of the memory curve: the direction is the sign of Q - M(P), which changes at its
-    roots.
+    """Begin time, end time and slip direction of the parts of an unloading path between two times
+    at which P is within one `piece` of the memory curve M(P).
+
+    The direction is the sign of Q - M(P). It is sampled at some times and at its turning points,
+    and changes at its roots.
     """
 
     def excess(time: ArrayLike) -> Array:
@@ -445,25 +472,29 @@ def _directions_on(
 
     turns = leg.turning_points(Combination(-piece.slope, 1.0)) if piece.arc is None else []
     turns_inside = [time for time in turns if begin < time < end]
-    count = 3 if piece.arc is None and piece.bend == 0 else _SAMPLES
-    times = np.unique([*np.linspace(begin, end, count), *turns_inside])
+    sample_count = 3 if piece.arc is None and piece.bend == 0 else _SAMPLES
+    sample_times = np.unique([*np.linspace(begin, end, sample_count), *turns_inside])
     noise = _ROUNDING * (friction * piece.anchor.normal + abs(piece.anchor.tangential))
-    excesses = excess(times)
+    excesses = excess(sample_times)
     signs = np.where(np.abs(excesses) <= noise, 0, np.sign(excesses)).astype(int)
     if not np.any(signs):
         return [(begin, end, 0)]
     numbers_with_sign = np.flatnonzero(signs)
-    run_begins = [begin]
+    begins_of_parts = [begin]
     directions = [int(signs[numbers_with_sign[0]])]
-    xtol = _LAST_DIGITS * (end - begin)
+    time_tolerance = _LAST_DIGITS * (end - begin)
     for number_before, number_after in pairwise(numbers_with_sign):
         if signs[number_before] != signs[number_after]:
             crossing = scipy.optimize.brentq(
-                excess, times[number_before], times[number_after], xtol=xtol, rtol=_LAST_DIGITS
+                excess,
+                sample_times[number_before],
+                sample_times[number_after],
+                xtol=time_tolerance,
+                rtol=_LAST_DIGITS,
             )
-            run_begins.append(float(crossing))
+            begins_of_parts.append(float(crossing))
             directions.append(int(signs[number_after]))
-    return list(zip(run_begins, [*run_begins[1:], end], directions, strict=True))
+    return list(zip(begins_of_parts, [*begins_of_parts[1:], end], directions, strict=True))
 
 
 @dataclass(frozen=True)
@@ -526,23 +557,28 @@ class History:
         return False
 
     def default_times(self, last_cycle_only: bool, _thinned: bool = False) -> tuple[Array, int]:
-        """Instants evenly spread over each span of the path, or of its last cycle alone: both ends
-        of each, about 400 a cycle; and 0: a path of spans has no rows to leave out.
+        """Instants of the answer where none are asked for: evenly spread over each span of one
+        state of stick or slip, both ends of each, about 400 a cycle.
+
+        With them 0, the number of rows left out: a curved path has no rows.
         """
-        groups = list(self.cycles[-1:])
+        spans_of_cycles = list(self.cycles[-1:])
         if not last_cycle_only:
-            groups = list(self.cycles)
+            spans_of_cycles = list(self.cycles)
             if self.loading:
-                groups.append(self.loading)
+                spans_of_cycles.append(self.loading)
         times = []
-        for spans in groups:
-            marks = np.array([spans[0].begin.time, *(span.end.time for span in spans)])
-            times.append(evenly(marks, initial=spans is self.loading) + spans[0].delay)
+        for spans in spans_of_cycles:
+            ends_of_spans = np.array([spans[0].begin.time, *(span.end.time for span in spans)])
+            times.append(evenly(ends_of_spans, initial=spans is self.loading) + spans[0].delay)
         return np.unique(np.concatenate(times)), 0
 
     def snapshot(self, time: Array) -> Snapshot:
-        """The memory curves at instants (n,); an instant between two spans belongs to the one that
-        ends there.
+        """The memory of friction at instants (n,) of the followed path: loads, slip, and the memory
+        curve at each.
+
+        An instant between two spans of stick or slip belongs to the one that ends there. Instants
+        beyond the followed cycles are brought back by whole periods.
 
         Raises
         ------
@@ -557,8 +593,8 @@ class History:
         path_time, slack = within(
             time, float(span_begins[0] + span_delays[0]), float(path_ends[-1]), self.period
         )
-        # Less the slack: a turning point that somebody else found to rounding still belongs to the
-        # span that it ends.
+        # Minus the slack: a turning point that is right to round-off still belongs to the span
+        # that it ends.
         number_of_span = np.minimum(
             np.searchsorted(path_ends, path_time - slack, side="left"), len(spans) - 1
         )
@@ -567,20 +603,24 @@ class History:
             span_begins[number_of_span],
             span_ends[number_of_span],
         )
-        by_span = np.argsort(number_of_span, kind="stable")
-        numbers_with_times, first_of_span = np.unique(number_of_span[by_span], return_index=True)
-        times_of_spans = np.split(leg_times[by_span], first_of_span[1:])
+        order_by_span = np.argsort(number_of_span, kind="stable")
+        numbers_with_times, first_of_span = np.unique(
+            number_of_span[order_by_span], return_index=True
+        )
+        times_of_spans = np.split(leg_times[order_by_span], first_of_span[1:])
         snapshot = snapshot_of(
             (spans[k], times) for k, times in zip(numbers_with_times, times_of_spans, strict=True)
         )
-        order = np.argsort(by_span)
+        order = np.argsort(order_by_span)
         columns = ("time", "load", "force", "slipped", "direction", "active_number")
         return replace(snapshot, **{name: getattr(snapshot, name)[order] for name in columns})
 
 
 def follow(loading: Sequence[LoadSegment], turns: Iterable[Turn], friction: float) -> History:
-    """The history of friction along an initial loading and the `turns` of a cycle, up to the first
-    that ends as it began; f is `friction`.
+    """Friction history of an initial loading and of the `turns`, whole cycles, up to the first
+    cycle that ends as it began; f is `friction`.
+
+    A cycle is steady where its memory curves at begin and end agree.
 
     Raises
     ------
@@ -588,17 +628,17 @@ def follow(loading: Sequence[LoadSegment], turns: Iterable[Turn], friction: floa
         Gross sliding or separation, with the instant and the loads.
     """
     spans, curve = march(None, loading, friction, 0.0)
-    states = [curve]
+    curves_between_cycles = [curve]
     cycles = []
     steady_from = None
     for number, turn in enumerate(turns):
         cycle, curve = march(curve, turn.legs, friction, turn.delay)
         cycles.append(cycle)
-        states.append(curve)
-        if same(states[-2], curve, friction, repeats_within(slipped_share(cycle))):
+        curves_between_cycles.append(curve)
+        if same(curves_between_cycles[-2], curve, friction, repeats_within(slipped_share(cycle))):
             steady_from = number
             break
-    return History(spans, tuple(cycles), tuple(states), steady_from)
+    return History(spans, tuple(cycles), tuple(curves_between_cycles), steady_from)
 
 
 def is_plain_ellipse(segment: LoadSegment) -> bool:
@@ -609,10 +649,10 @@ def is_plain_ellipse(segment: LoadSegment) -> bool:
 
 
 def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None = None) -> History:
-    """The states of stick and slip along a load path: as many cycles as the instants `time` need;
-    without them, until the memory repeats, `cycles` at most.
+    """States of stick and slip along a load path: as many cycles as the instants `time` need;
+    without them, until the memory of friction repeats, `cycles` at most.
 
-    A history that is remembered is taken instead of followed again, also a longer one that became
+    A history that is stored is taken instead of followed again, also a longer one that became
     steady within as many cycles.
     """
     most_cycles = 0
@@ -650,8 +690,10 @@ def histories_kept() -> Iterator[None]:
 
 
 def _followed_path(path: LoadPath, friction: float, turn_count: int) -> History:
-    """The history of friction along a load path, its initial loading and `turn_count` cycles at
-    most; InputError for bulk stress or tilt.
+    """Friction history of a load path, its initial loading and `turn_count` cycles at most;
+    InputError for bulk stress or tilt.
+
+    A path without a period counts as one cycle. f is `friction`.
     """
     if path.has_bulk_or_tilt:
         raise InputError(
@@ -662,29 +704,33 @@ def _followed_path(path: LoadPath, friction: float, turn_count: int) -> History:
         return follow((), [Turn(path.initial_loading)], friction)
     turns = (Turn(path.cycle, k * path.period) for k in range(turn_count))
     history = follow(path.initial_loading, turns, friction)
-    loop = path.cycle[0] if len(path.cycle) == 1 and is_plain_ellipse(path.cycle[0]) else None
-    return replace(history, period=path.period, loop=loop)
+    ellipse_of_cycle = (
+        path.cycle[0] if len(path.cycle) == 1 and is_plain_ellipse(path.cycle[0]) else None
+    )
+    return replace(history, period=path.period, loop=ellipse_of_cycle)
 
 
 def turns_of(start: float, period: float, cycles: int, time: Array | None) -> tuple[int, int]:
-    """Number of cycles that have to be followed at most for the instants `time`, and number of
-    whole ones that these cover, 0 where they end within the first; `cycles` and 0 without instants.
+    """How many cycles must be followed at most for the instants `time`, and how many whole cycles
+    these cover, 0 where they end within the first.
 
-    The first cycle begins at time `start`.
+    Without instants they are `cycles` and 0. The first cycle begins at time `start`.
     """
     if time is None:
         return cycles, 0
-    revolutions = (float(np.max(time)) - start) / period
-    covered_count = max(math.floor(revolutions + SLACK), 0)
-    begun_count = math.ceil(revolutions - SLACK)
+    cycles_to_last_instant = (float(np.max(time)) - start) / period
+    covered_count = max(math.floor(cycles_to_last_instant + SLACK), 0)
+    begun_count = math.ceil(cycles_to_last_instant - SLACK)
     if covered_count:
         return max(begun_count, 0), covered_count
     return max(cycles, begun_count), 0
 
 
 def within(time: Array, start: float, end: float, period: float | None) -> tuple[Array, float]:
-    """Instants (n,) brought back into what was followed of a path by whole periods, and how far
-    they may be outside.
+    """Instants (n,) moved by whole periods into the part of a load path that was followed, and by
+    how much they may lie outside of it.
+
+    The part runs from `start` to `end`; later instants of a path without a `period` are refused.
 
     Raises
     ------
@@ -721,12 +767,11 @@ def slipped_share(spans: Sequence[Span]) -> float:
 
 
 def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
-    """The states at instants of some spans, one after the other; each comes with times (k,) of its
-    leg.
+    """Friction states at instants of some spans of a load path, one span after the other; each
+    comes with times (k,) of its load segment.
 
-    A span is a part of the load path in which the memory curve M(P) keeps its structure; its leg is
-    the segment of the path on which it lies, with P and Q as functions of time. A state is P, Q,
-    the load P - P_c that slips, its direction, and the piece of the memory curve below the slip.
+    A span is a time in full stick or with slip in one direction. A state is P, Q, the load P - P_c
+    beyond the stick edge, the direction of slip, and the piece of the memory curve below the slip.
     """
     times = []
     normal_loads = []
@@ -734,7 +779,7 @@ def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
     slipped_loads = []
     directions = []
     counts_of_times = []
-    active_pieces: list[Curve] = []
+    pieces_below_slip: list[Curve] = []
     friction = 0.0
     for span, leg_times in parts:
         normal_load, tangential_load = span.leg.loads(leg_times)
@@ -747,7 +792,7 @@ def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
         slipped_loads.append(span.slipped_at(leg_times, normal_load))
         directions.append(span.direction)
         counts_of_times.append(len(leg_times))
-        active_pieces.append(span.active)
+        pieces_below_slip.append(span.active)
         friction = span.friction
     return Snapshot(
         time=np.concatenate(times),
@@ -755,15 +800,18 @@ def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
         force=np.concatenate(tangential_loads),
         slipped=np.concatenate(slipped_loads),
         direction=np.repeat(np.array(directions), counts_of_times),
-        active_number=np.repeat(np.arange(len(active_pieces)), counts_of_times),
-        actives=tuple(active_pieces),
+        active_number=np.repeat(np.arange(len(pieces_below_slip)), counts_of_times),
+        actives=tuple(pieces_below_slip),
         friction=friction,
     )
 
 
 def corner_times(contact: Contact, span: Span) -> Array:
-    """Times within a span, (n,) ascending and apart, at which the load P, or the load P_c at the
-    edge of stick, is that of a corner of the profile: there the dependence on time has a kink.
+    """Times within a span at which an edge of contact or of stick passes a corner of the profile,
+    (n,) ascending and apart: integrands over time have a kink there.
+
+    A span is a time in full stick or with slip in one direction. At a corner P, or the load P_c at
+    the stick edge, equals one of the contact's `break_loads`.
     """
     loads = contact.break_loads
     leg = span.leg
