@@ -129,12 +129,13 @@ class Arc:
     """
 
     def __init__(self, contact: Contact, kernel: Kernel, piece: Piece, x: Array) -> None:
-        """Integrals of one kernel at |x| = `x` (k,) along the arc of a curved piece of memory
-        curve.
+        """Integrals of one kernel times dQ at |x| = `x` (k,) along an arc, a curved piece of memory
+        curve that was loaded in full stick.
 
-        The arc is cut into panels of time, at the corners of the profile too; on each the integral
-        is a series in time, or integrated step by step where the load P_x at which the edge of
-        contact is at x is near.
+        The kernels give shear, slip or displacement ("shift") of a flat punch of unit load. The arc
+        is cut into panels of time, at corners of the profile too. On each the integral is a series
+        in time, or is taken in steps where the load P_x at which the edge of contact is at x is
+        near.
         """
         assert piece.arc is not None  # for the type checker: only called for arcs
         self._contact = contact
@@ -150,20 +151,20 @@ class Arc:
         corner_loads = corner_loads[
             (corner_loads > piece.bottom) & (corner_loads < piece.anchor.normal)
         ]
-        corners = front_time(piece, corner_loads) if len(corner_loads) else corner_loads
+        corner_times = front_time(piece, corner_loads) if len(corner_loads) else corner_loads
         self._turn_at_begin = _turn(self._leg, first_time, last_time)
         self._turn_at_end = _turn(self._leg, last_time, first_time)
-        # Even between the corners: a panel that began just behind one would not be smooth.
+        # Even between the corner_times: a panel that began just behind one would not be smooth.
         ends_of_smooth_parts = np.unique(
-            np.clip([first_time, *corners, last_time], first_time, last_time)
+            np.clip([first_time, *corner_times, last_time], first_time, last_time)
         )
-        counts = np.maximum(
+        panels_of_parts = np.maximum(
             np.ceil(np.diff(ends_of_smooth_parts) / (last_time - first_time) * _PANELS), 1
         ).astype(int)
         begins_of_panels = [
             np.linspace(a, b, n, endpoint=False)
             for a, b, n in zip(
-                ends_of_smooth_parts[:-1], ends_of_smooth_parts[1:], counts, strict=True
+                ends_of_smooth_parts[:-1], ends_of_smooth_parts[1:], panels_of_parts, strict=True
             )
         ]
         # a panel of a digit or two has no inner ends
@@ -175,6 +176,9 @@ class Arc:
     def up_to(self, time: Array) -> Array:
         """Integrals of the kernel times dQ from the begin of the arc to each time (n,), at the
         points of the arc (k,): shape (n, k).
+
+        An arc is a curved piece of the memory curve; its kernel the shear, slip or displacement by
+        a unit of load on a flat punch.
 
         >>> from scenes import ellipse_segment
         >>> from semi_analytic.hertz import HertzContact
@@ -214,7 +218,8 @@ class Arc:
         ):
             in_panel = slice(number_at_begin, number_beyond)
             integrals[in_panel] += polynomials[in_panel] @ self._primitive[panel[number_at_begin]].T
-        # Near P_x from stop to stop, in each panel from its begin.
+        # Near P_x (the edge of contact passes the point) in steps from one time to the next, in
+        # each panel from its begin.
         step_begins = np.append(panel_ends[0], different_times[:-1])
         step_begins[first_of_panel] = panel_ends[panel[first_of_panel]]
         step_number, point = np.nonzero(
@@ -232,68 +237,76 @@ class Arc:
         return self._factor * integrals[number_in_times.ravel()]
 
     def _follow(self, panel_ends: Array) -> None:
-        """Integrate over the panels of load between `panel_ends`, each halved until a Chebyshev
-        series resolves the integrand; store the running integrals, and their error.
+        """Integrate the kernel over the arc, panel of time by panel, and store the integrals up to
+        the begin of each panel and their error.
 
-        Where the integrand is singular nearby (a panel near the load P_x whose contact edge lies at
-        the point x) the integral over the whole panel is taken by another rule, one step a panel.
+        Far from P_x, the load at which the edge of contact is at the point, the integrand is a
+        Chebyshev series on each panel; panels between `panel_ends` are halved until it is resolved.
+        On a panel near P_x the integral is taken in one step, by a rule for singular ends.
         """
         panels = self._resolved(panel_ends[:-1], panel_ends[1:])
         self._near = panels.near
         self._marks = np.append(panels.low, panels.high[-1])
         self._primitive = panels.series @ _PRIMITIVE
         panel, point = np.nonzero(panels.near)
-        step_begins = panels.low[panel]
-        step_ends = panels.high[panel]
-        # Of a sample of the steps their halves too, in the same call: what these differ by is the
-        # error.
-        sampled_steps = np.empty(0, dtype=int)
-        if len(panel):
-            sampled_steps = np.unique(np.linspace(0, len(panel) - 1, _SAMPLE).astype(int))
-        step_middles = (step_begins[sampled_steps] + step_ends[sampled_steps]) / 2
-        integrals = self._steps(
-            np.concatenate([step_begins, step_begins[sampled_steps], step_middles]),
-            np.concatenate([step_ends, step_middles, step_ends[sampled_steps]]),
-            np.concatenate([point, point[sampled_steps], point[sampled_steps]]),
-        )
-        step_integrals, lower_halves, upper_halves = np.split(
-            integrals, [len(panel), len(panel) + len(sampled_steps)]
+        integrals_of_steps, error_of_steps = self._steps_and_error(
+            panels.low[panel], panels.high[panel], point
         )
         panel_integrals = np.sum(self._primitive, axis=2)
-        panel_integrals[panel, point] += step_integrals
+        panel_integrals[panel, point] += integrals_of_steps
         self._before = np.cumsum(panel_integrals, axis=0) - panel_integrals
-        largest_change = float(
-            np.max(np.abs(step_integrals[sampled_steps] - lower_halves - upper_halves), initial=0.0)
-        )
-        most_steps_of_point = np.max(np.bincount(point), initial=0)
-        error_of_steps = largest_change * math.sqrt(most_steps_of_point)
         error_of_series = float(np.max(np.sum(panels.error, axis=0), initial=0.0))
         self.error = self._factor * (error_of_steps + error_of_series)
 
+    def _steps_and_error(self, begins: Array, ends: Array, point: Indices) -> tuple[Array, float]:
+        """Integrals from begins[k] to ends[k] in time at x[point[k]], (m,), near the load at which
+        the edge of contact is there, and the error of the sum of them at one point.
+
+        The error comes from a sample of steps, which are taken in halves too: the largest change,
+        times the root of the number of steps at a point.
+        """
+        sampled_steps = np.empty(0, dtype=int)
+        if len(point):
+            sampled_steps = np.unique(np.linspace(0, len(point) - 1, _SAMPLE).astype(int))
+        middles = (begins[sampled_steps] + ends[sampled_steps]) / 2
+        # In one call: whole steps, then lower and upper halves of the sample.
+        integrals = self._steps(
+            np.concatenate([begins, begins[sampled_steps], middles]),
+            np.concatenate([ends, middles, ends[sampled_steps]]),
+            np.concatenate([point, point[sampled_steps], point[sampled_steps]]),
+        )
+        integrals_of_steps, lower_halves, upper_halves = np.split(
+            integrals, [len(point), len(point) + len(sampled_steps)]
+        )
+        changes = integrals_of_steps[sampled_steps] - lower_halves - upper_halves
+        largest_change = float(np.max(np.abs(changes), initial=0.0))
+        most_steps_of_point = np.max(np.bincount(point), initial=0)
+        return integrals_of_steps, largest_change * math.sqrt(most_steps_of_point)
+
     def _resolved(self, begins: Array, ends: Array) -> _Panels:
-        """Panels of an arc, (n,) ascending in time, with the series of the integrand at the points
-        far from P_x; from the panels between `begins` and `ends`, those that are not resolved are
-        halved.
+        """Panels of time along the arc, (n,) ascending, each with a Chebyshev series of the
+        integrand at those points that the edge of contact does not pass nearby.
+
+        Panels between `begins` and `ends` are halved until the last coefficients of the series no
+        longer count, or no number lies between their ends.
         """
         resolved_panels: list[_Panels] = []
         largest_integral = 0.0
         n_points = len(self._x)
         for halvings in range(_HALVINGS + 1):
-            regular_part = self._series(begins, ends)
-            largest_coefficient = float(
-                np.max(np.abs(regular_part.coefficients[:, 0]), initial=0.0)
-            )
+            far_series = self._series(begins, ends)
+            largest_coefficient = float(np.max(np.abs(far_series.coefficients[:, 0]), initial=0.0))
             largest_integral = max(largest_integral, largest_coefficient * math.sqrt(len(begins)))
             error = np.zeros((len(begins), n_points))
-            error[regular_part.panel, regular_part.point] = tail(regular_part.coefficients)
+            error[far_series.panel, far_series.point] = tail(far_series.coefficients)
             coefficient_table = np.zeros((len(begins), n_points, DEGREE + 1))
-            coefficient_table[regular_part.panel, regular_part.point] = regular_part.coefficients
+            coefficient_table[far_series.panel, far_series.point] = far_series.coefficients
             middles = (begins + ends) / 2
             is_resolved = np.max(error, axis=1, initial=0.0) <= _RESOLVED * largest_integral
             is_resolved |= halvings == _HALVINGS
             is_resolved |= (middles == begins) | (middles == ends)  # no number lies between
             resolved_panels.append(
-                _Panels(begins, ends, regular_part.near, coefficient_table, error).take(is_resolved)
+                _Panels(begins, ends, far_series.near, coefficient_table, error).take(is_resolved)
             )
             if np.all(is_resolved):
                 break
@@ -306,8 +319,11 @@ class Arc:
         return panels.take(np.argsort(panels.low))
 
     def _steps(self, begins: Array, ends: Array, point: Indices) -> Array:
-        """The integrals from begins[k] to ends[k] in time, at x[point[k]], (m,), where the load P_x
-        at which the edge is at x is near; no step crosses the middle of the arc.
+        """Integrals of the kernel times dQ from begins[k] to ends[k] in time, at x[point[k]], (m,),
+        where the edge of contact passes the point in that time or nearly.
+
+        The variable of integration depends on the nearest turning point of P, before or behind the
+        arc; no step crosses the middle of the arc.
         """
         integrals = np.empty(len(begins))
         is_upper = begins >= self._middle
@@ -324,8 +340,11 @@ class Arc:
         return integrals
 
     def _series(self, begins: Array, ends: Array) -> _FarSeries:
-        """Chebyshev series of the integrand, in time, on panels (n,) that are far from P_x, the
-        load at which the edge of contact is at a point.
+        """Chebyshev series of the integrand, in time, on panels (n,), for those points that the
+        edge of contact does not pass nearby; and which points it does.
+
+        P_x is the load at which the edge is at a point. It is far from a panel where it lies
+        outside the panel's range of loads by a multiple of that range.
         """
         contact = self._contact
         x = self._x
@@ -367,30 +386,31 @@ class Arc:
 
 
 @lru_cache(maxsize=16)  # kernels and points of one solution share its arcs
-def _turn(leg: LoadSegment, arc_end: float, other_end: float) -> TurningPoint:
-    """The turning point of P(t) of a leg at one end of an arc, or beyond it by less than the arc's
-    length; the end itself where there is none. By Newton's method; the leg's formulas hold beyond
-    its ends too.
+def _turn(segment: LoadSegment, arc_end: float, other_end: float) -> TurningPoint:
+    """The turning point of the load P(t) at one end of an arc of a load segment, or beyond that end
+    by less than the arc's length; the end itself where there is none.
+
+    Newton's method on dP/dt; the formulas of the segment hold beyond its ends too.
     """
     arc_length = other_end - arc_end
     time_step = 1e-3 * arc_length
     sign = math.copysign(1.0, arc_length)
     turning_time = arc_end
     for _ in range(20):
-        load_rate = float(leg.rate_of(NORMAL_LOAD, turning_time))
-        rate_after = leg.rate_of(NORMAL_LOAD, turning_time + time_step)
-        rate_before = leg.rate_of(NORMAL_LOAD, turning_time - time_step)
+        load_rate = float(segment.rate_of(NORMAL_LOAD, turning_time))
+        rate_after = segment.rate_of(NORMAL_LOAD, turning_time + time_step)
+        rate_before = segment.rate_of(NORMAL_LOAD, turning_time - time_step)
         load_bend = float(rate_after - rate_before) / (2 * time_step)
         newton_step = load_rate / load_bend if load_bend * sign > 0 else math.inf
         if abs(newton_step) > abs(arc_length) or (
             arc_end - turning_time + newton_step
         ) * sign < -abs(time_step):
-            return TurningPoint(arc_end, float(leg.loads(arc_end)[0]), sign, other_end)
+            return TurningPoint(arc_end, float(segment.loads(arc_end)[0]), sign, other_end)
         turning_time -= newton_step
         if abs(newton_step) <= 1e-15 * (abs(turning_time) + abs(arc_length)):
             break
     turning_time = min(turning_time, arc_end) if arc_length > 0 else max(turning_time, arc_end)
-    return TurningPoint(turning_time, float(leg.loads(turning_time)[0]), sign, other_end)
+    return TurningPoint(turning_time, float(segment.loads(turning_time)[0]), sign, other_end)
 
 
 def _force_over_root(leg: LoadSegment, turn: TurningPoint, z: Array) -> Array:
@@ -406,9 +426,19 @@ def _force_over_root(leg: LoadSegment, turn: TurningPoint, z: Array) -> Array:
 def _kernel(
     contact: Contact, kernel: Kernel, x: Array, load_above: Array, load: Array, advance: Array
 ) -> Array:
-    """The kernel K at points `x` from `load_above` = P - P_x, the load P and the advance of the
-    edge of contact, arrays of one shape: dp/dP of the shear, arccosh(|x|/a) of the slip, ln(2 L/a)
-    of the shift, P_x the load at which the edge is at x.
+    """Shear, slip or displacement at points `x` that a unit of load on a flat punch makes, in full
+    stick; arrays of one shape.
+
+        shear   1/sqrt(a^2 - x^2), pi times dp/dP
+        slip    arccosh(|x|/a)
+        shift   ln(2 L/a)
+
+    Parameters
+    ----------
+    load_above
+        P - P_x, P_x the load at which the edge of contact is at x
+    load, advance
+        P and the advance a - a_0 of the edge
     """
     if kernel == "shear":
         return contact.inverse_root(x, load_above, advance)
@@ -436,13 +466,13 @@ class _NearIntegral:
 
     def over(self, begin_time: Array, end_time: Array, x: Array, load_at_x: Array) -> Array:
         """Integrals of dQ/dt K(x, P(t)) over time, (m,), by Gauss' rule in a variable s in which
-        the integrand is smooth.
+        the integrand is smooth, where the edge of contact passes the point or nearly.
 
         # notation: P_t load at the turning point of P, z^2 = |P - P_t|, P_x load at which the edge
         #           of contact is at x, e^2 = P_x - P_t beside a least P, P_t - P_x beside a largest
 
-        Where K is not 0 for z^2 > e^2, s = ln(z + sqrt(z^2 - e^2)) but for a constant, and where
-        it is not for z^2 < e^2, s = arcsin(z/e).
+        Where the kernel K is not 0 for z^2 > e^2, s = ln(z + sqrt(z^2 - e^2)) but for a constant;
+        where it is not for z^2 < e^2, s = arcsin(z/e).
 
         Parameters
         ----------
@@ -468,9 +498,12 @@ class _NearIntegral:
         return self._over_variable(begin_s, end_s, x, squared_e)
 
     def _over_variable(self, begin_s: Array, end_s: Array, x: Array, squared_e: Array) -> Array:
-        """Integrals from begin_s[k] to end_s[k] in the variable s, at x[k] with e^2, (m,) each: by
-        as many of Gauss' nodes as the length takes, where the integrand is rough by the rule for
-        singular ends; 0 where there is no length.
+        """Integrals of the kernel times dQ over ranges of the smooth variable s, (m,), from
+        `begin_s` to `end_s`, each at its own point `x` with its own e^2.
+
+        Gauss' rule with as many nodes as the range is long; the rule for singular ends where the
+        integrand is rough; 0 for a range without length. e^2 is the distance of the load P_x, at
+        which the edge of contact is at x, from the turning point of P.
         """
         is_rough = self._is_rough(begin_s, end_s - begin_s, squared_e)
         nodes = _nodes_of_ranges(begin_s, end_s, is_rough)
@@ -488,12 +521,13 @@ class _NearIntegral:
         return np.sqrt(np.maximum(self.turn.sign * rise, 0.0))
 
     def _is_rough(self, begin_s: Array, s_length: Array, squared_e: Array) -> NDArray[np.bool_]:
-        """Whether a range of the variable s (m,), from `begin_s` and `s_length` long, takes the
-        rule for singular ends; `squared_e` is e^2, the distance of P_x from the turning point of P
-        with its sign.
+        """Whether a range of the integration variable s (m,), from `begin_s` and `s_length` long,
+        needs the rule for singular ends.
 
-        Too close to the logarithm where P = 0, +-i arsinh(sqrt(P_t)/e), for Gauss' rule: at four
-        lengths 6 nodes leave 16^-12. A shift always: it has one point, and is cheap.
+        The slip kernel has a logarithm where P = 0, at s = +-i arsinh(sqrt(P_t)/e). Too close to it
+        Gauss' rule fails: at four lengths 6 nodes leave 16^-12. P_t is the load at the turning
+        point of P, `squared_e` = e^2 its distance from the load of the point, with its sign. A
+        displacement ("shift") takes that rule always: it has one point, and is cheap.
         """
         if self.kernel == "shift":
             return np.ones(len(begin_s), dtype=bool)
@@ -501,8 +535,10 @@ class _NearIntegral:
             return np.zeros(len(begin_s), dtype=bool)
         load_at_turn = max(self.turn.load, 0.0)
         least_square = 1e-200 * load_at_turn + 1e-300
-        imaginary_part = np.arcsinh(np.sqrt(load_at_turn / np.maximum(squared_e, least_square)))
-        return np.asarray(np.hypot(begin_s, imaginary_part) < _AWAY * s_length)
+        distance_of_logarithm = np.arcsinh(
+            np.sqrt(load_at_turn / np.maximum(squared_e, least_square))
+        )
+        return np.asarray(np.hypot(begin_s, distance_of_logarithm) < _AWAY * s_length)
 
     def _integrand(self, s: Array, x: Array, squared_e: Array) -> Array:
         """dQ/ds K(x, P) at nodes s (n,), with the point x and e^2, the distance of P_x from the
@@ -527,11 +563,12 @@ class _RangeNodes(NamedTuple):
 
 
 def _nodes_of_ranges(begin_s: Array, end_s: Array, is_rough: NDArray[np.bool_]) -> _RangeNodes:
-    """The nodes of the integrals over ranges of the variable s from `begin_s` to `end_s`, (m,)
-    each: as many of Gauss' as the length of the range takes; those of the rule for singular ends
-    where `is_rough`, (m,), is set; none where a range has no length.
+    """Quadrature nodes and weights of integrals over many ranges of a variable s, from `begin_s` to
+    `end_s`, (m,) each, all in one row.
 
-    In one row: a call for each rule would take longer than its arithmetic.
+    Gauss' rule with as many nodes as the length of the range takes; the rule for singular ends
+    where `is_rough`, (m,), is set; none where a range has no length. One row for all, since a call
+    for each rule would take longer than its arithmetic.
     """
     s_length = end_s - begin_s
     number_of_rule = np.searchsorted([longest for longest, _ in _SPANS], s_length)
@@ -555,8 +592,11 @@ def _nodes_of_ranges(begin_s: Array, end_s: Array, is_rough: NDArray[np.bool_]) 
 
 
 def _limits_beyond(least_z: Array, largest_z: Array, squared_e: Array) -> tuple[Array, Array]:
-    """The variable s at both ends of a range from `least_z` to `largest_z`, (m,) each, where the
-    kernel is not 0 for z^2 > e^2: arcosh(z/e), 0 up to z = e; arsinh(z/|e|) for e^2 < 0.
+    """The integration variable s at both ends of ranges from `least_z` to `largest_z`, (m,) each,
+    for kernels that act where z^2 > e^2: arcosh(z/e), 0 up to z = e; arsinh(z/|e|) for e^2 < 0.
+
+    z is the root of P's distance from its turning point, e that of the load at which the edge of
+    contact is at the point.
     """
     e = np.sqrt(np.abs(squared_e))
 
@@ -572,8 +612,12 @@ def _limits_beyond(least_z: Array, largest_z: Array, squared_e: Array) -> tuple[
 
 
 def _limits_within(least_z: Array, largest_z: Array, squared_e: Array) -> tuple[Array, Array]:
-    """The variable s = arcsin(z/e) at both ends of a range from `least_z` to `largest_z`, (m,)
-    each, where the kernel is not 0 for z^2 < e^2; equal where nothing of the range is within.
+    """The integration variable s = arcsin(z/e) at both ends of ranges from `least_z` to
+    `largest_z`, (m,) each, for kernels that act where z^2 < e^2; equal where nothing of the range
+    is within.
+
+    z is the root of P's distance from its turning point, e that of the load at which the edge of
+    contact is at the point.
     """
     e = np.sqrt(np.maximum(squared_e, 0.0))
 
@@ -625,10 +669,11 @@ class Integrals:
     _arcs: dict[tuple[int, float, float], tuple[Piece, Arc]] = field(default_factory=dict)
 
     def over(self, snapshot: Snapshot) -> Array:
-        """The integral of M'(eta) K(x, eta) over the memory curve of each instant of a snapshot, at
-        each point: shape (n, k).
+        """Shear, slip or displacement of a contact at each instant of a snapshot of the friction
+        memory, at each point, (n, k): the integral of M'(eta) K(x, eta) over the memory curve.
 
-        At constant P this is the traction of Cattaneo and Mindlin, q = f [p(x, P) - p(x, P - Q/f)].
+        M(eta) is the tangential force carried up to the load eta, K the kernel of a flat punch. At
+        constant P the shear is that of Cattaneo and Mindlin, q = f [p(x, P) - p(x, P - Q/f)].
 
         >>> from scenes.segments import straight_segments
         >>> from semi_analytic.hertz import HertzContact
@@ -655,7 +700,8 @@ class Integrals:
             slopes[instants] = piece.straight_slope
             bottoms[instants] = piece.bottom
         slope_of_slip = np.asarray(snapshot.direction * snapshot.friction, dtype=float)
-        # in one call: both lines meet at the loads of the edge, where moments are taken once
+        # Line of slip above the stick edge, straight part of the piece below it; in one call, since
+        # both need the kernel's integral up to the stick edge.
         integrals_of_lines = self._line(
             np.concatenate([slope_of_slip, slopes]),
             np.concatenate([edge_load, bottoms]),
@@ -678,28 +724,31 @@ class Integrals:
         return self._known[id(curve)][1] if curve is not None else 0.0
 
     def _remember(self, curves: Sequence[CurvePart | None]) -> None:
-        """Integrate over the memory curves that are not known yet, each from the first known piece
-        up, and store the integrals up to the top of each piece.
+        """Integrate the kernel over those memory curves that are not stored yet, and store the
+        integral up to the top of each of their pieces.
+
+        Curves share their lower pieces: each begins at the first stored piece. All straight parts
+        are integrated in one call.
         """
-        new_parts: dict[int, CurvePart] = {}
+        new_pieces: dict[int, CurvePart] = {}
 
         def is_unknown(piece: CurvePart) -> bool:
-            return id(piece) not in self._known and id(piece) not in new_parts
+            return id(piece) not in self._known and id(piece) not in new_pieces
 
         for curve in curves:
-            unknown_parts = list(takewhile(is_unknown, pieces(curve)))
-            new_parts.update({id(piece): piece for piece in reversed(unknown_parts)})
-        if not new_parts:
+            unknown_pieces = list(takewhile(is_unknown, pieces(curve)))
+            new_pieces.update({id(piece): piece for piece in reversed(unknown_pieces)})
+        if not new_pieces:
             return
-        slopes = np.array([piece.straight_slope for piece in new_parts.values()])
-        bottoms = np.array([piece.bottom for piece in new_parts.values()])
-        tops = np.array([piece.top for piece in new_parts.values()])
+        slopes = np.array([piece.straight_slope for piece in new_pieces.values()])
+        bottoms = np.array([piece.bottom for piece in new_pieces.values()])
+        tops = np.array([piece.top for piece in new_pieces.values()])
         integrals_of_lines = self._line(slopes, bottoms, tops)
         integrals_of_arcs = self._curved(
-            [(piece, np.array([piece.top])) for piece in new_parts.values()]
+            [(piece, np.array([piece.top])) for piece in new_pieces.values()]
         )
         for piece, integral_of_line, integral_of_arc in zip(
-            new_parts.values(), integrals_of_lines, integrals_of_arcs, strict=True
+            new_pieces.values(), integrals_of_lines, integrals_of_arcs, strict=True
         ):
             self._known[id(piece)] = (
                 piece,
@@ -707,11 +756,11 @@ class Integrals:
             )
 
     def _line(self, slope: Array, bottom: Array, top: Array) -> Array:
-        """Slope times int K d eta from the loads `bottom` to `top` (n,): shape (n, k); 0 for lines
-        of no slope or no length.
+        """Slope times int K d eta along straight parts of memory curves, from the loads `bottom` to
+        `top` (n,), at each point: (n, k); 0 for parts without slope or length.
 
-        A short line is integrated by itself: of a difference of two long ones little more than
-        round-off would be left.
+        A short part is integrated by itself: the difference of two long integrals would leave
+        little more than round-off.
         """
         line_integrals = np.zeros((len(top), len(self.x)))
         line_numbers = np.flatnonzero((slope != 0) & (top != bottom))
@@ -743,11 +792,11 @@ class Integrals:
         )
 
     def _by_itself(self, bottom: Array, top: Array) -> Array:
-        """The integral of arccosh(|x|/a(eta)) from the loads `bottom` to `top` (n,), at each point:
-        (n, k), up to P_x, the load at which the edge of contact is at x.
+        """The slip kernel's integral, of arccosh(|x|/a(eta)) from the loads `bottom` to `top` (n,),
+        at each point: (n, k), as one integral of positive terms.
 
-        With eta = end - v^2, v = e sinh(s), e^2 = P_x - end >= 0 the root of P_x - eta becomes
-        smooth.
+        It ends at P_x, the load at which the edge of contact is at x. With eta = end - v^2, v = e
+        sinh(s), e^2 = P_x - end >= 0 the root of P_x - eta becomes smooth.
         """
         contact = self.contact
         edge_loads = contact.load(self.x)
@@ -771,29 +820,38 @@ class Integrals:
             )
         return integrals
 
-    def _curved(self, fronts: Sequence[tuple[CurvePart, Array]]) -> list[Array | float]:
-        """What each piece of a memory curve adds to the integral of M' K beyond that of its
-        straight part, from its lower end to the loads of its front (n,): (n, k), or 0, for each of
-        the pairs of piece and front.
+    def _curved(
+        self, pieces_and_edge_loads: Sequence[tuple[CurvePart, Array]]
+    ) -> list[Array | float]:
+        """What curved pieces of memory curves add to the integral of M' K, beyond their straight
+        parts: (n, k), or 0, for each pair of a piece and loads (n,).
 
-        Pieces that are cut from one arc are integrated together.
+        The integral goes from the lower end of the piece to the load at the stick edge. Pieces that
+        are cut from one arc are integrated together.
+
+        Parameters
+        ----------
+        pieces_and_edge_loads
+            pairs of a piece and the loads (n,) at the stick edge, up to which it counts
         """
-        integrals: list[Array | float] = [0.0] * len(fronts)
+        integrals: list[Array | float] = [0.0] * len(pieces_and_edge_loads)
         pieces_of_arc: dict[tuple[int, float, float], list[tuple[int, Piece]]] = {}
-        for number, (piece, front) in enumerate(fronts):
+        for number, (piece, edge_load) in enumerate(pieces_and_edge_loads):
             if isinstance(piece, Piece) and piece.arc is not None:
                 key = (id(piece.anchor.leg), piece.arc[0], piece.anchor.time)
                 pieces_of_arc.setdefault(key, []).append((number, piece))
             elif piece.bend:
-                moments = self.moment(1, front) - self.moment(1, np.array([piece.bottom]))
+                moments = self.moment(1, edge_load) - self.moment(1, np.array([piece.bottom]))
                 integrals[number] = 2 * piece.bend * moments
         for key, numbered_pieces in pieces_of_arc.items():
             _, piece = numbered_pieces[0]
             if key not in self._arcs:
                 self._arcs[key] = piece, Arc(self.contact, self.kernel, piece, self.x)
-            front_loads = [fronts[number][1] for number, _ in numbered_pieces]
-            times = front_time(piece, np.concatenate(front_loads))
-            bounds = np.cumsum([len(part) for part in front_loads])[:-1]
+            edge_loads_of_pieces = [
+                pieces_and_edge_loads[number][1] for number, _ in numbered_pieces
+            ]
+            times = front_time(piece, np.concatenate(edge_loads_of_pieces))
+            bounds = np.cumsum([len(part) for part in edge_loads_of_pieces])[:-1]
             integrals_of_pieces = np.split(self._arcs[key][1].up_to(times), bounds)
             for (number, _), integral in zip(numbered_pieces, integrals_of_pieces, strict=True):
                 integrals[number] = integral
