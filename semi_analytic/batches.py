@@ -98,16 +98,16 @@ _DISTINCT = 1e-3
 
 
 def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
-    """The two largest maxima of W(x) of each of the m `ellipses`, (6, m); `contact` is the normal
-    contact of the profile.
+    """The two largest maxima over x of the friction work per area W(x), for each of m steady
+    `ellipses` of loads, (6, m); `contact` is the normal contact P(a) of the profile.
 
     Rows: the largest W(x) pi E*/(2 f^2), the second largest, the error of the largest, their |x|,
     and that of the largest as a fraction, 0 at the permanent stick edge, 1 at the largest contact.
-    The largest is 0 and the other rows but its error NaN where nothing slips; the second one is NaN
-    where there is one maximum only; all are NaN where a sample of W(x) is.
+    The largest is 0, and the other rows but its error NaN, where nothing slips. The second one is
+    NaN where there is one maximum only. All are NaN where a sample of W(x) is.
 
-    Between the half-widths at which the law of W(x) changes it is sampled by every second node of
-    the rule; the maximum is looked for about every sample above its neighbours.
+    Between the half-widths at which the law of W(x) changes it is sampled with half of the
+    quadrature nodes. A maximum is looked for about every sample above its neighbours.
     """
     if len(ellipses.mean) > _MEMBERS:
         block_starts = range(0, len(ellipses.mean), _MEMBERS)
@@ -116,35 +116,110 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
         ]
         return np.concatenate(maxima_of_blocks, axis=1)
 
-    def density(member: Indices, x: Array, node_stride: int = 1) -> Array:
-        forward, reverse = density_of(ellipses.take(member), contact, x, node_stride)
+    def density(ellipse_numbers: Indices, x: Array, node_stride: int = 1) -> Array:
+        forward, reverse = density_of(ellipses.take(ellipse_numbers), contact, x, node_stride)
         return forward + reverse
 
-    n_members = len(ellipses.mean)
     points = _points_of_search(ellipses, contact)
-    inner_points = points[:, 0]
-    outer_points = points[:, -1]
-    samples, is_spoilt = _samples(points, partial(density, node_stride=2))
-    member, x, work = samples
+    samples, is_unknown = _samples(points, partial(density, node_stride=2))
+    maxima = _local_maxima(samples, density)
+    peaks = _largest_of(maxima, ellipses, points, is_unknown, density)
+    second_work, second_place = _second_of(maxima, samples.work, peaks)
+    stick_edge = points[:, 0]
+    largest_half_width = points[:, -1]
+    place_fraction = (peaks.place - stick_edge) / np.where(
+        largest_half_width > stick_edge, largest_half_width - stick_edge, 1.0
+    )
+    return np.stack(
+        [peaks.work, second_work, peaks.error, peaks.place, second_place, place_fraction]
+    )
+
+
+class _LocalMaxima(NamedTuple):
+    """Local maxima of W(x) of all ellipses, (n,) each.
+
+    Attributes
+    ----------
+    ellipse
+        number of the ellipse
+    sample
+        number of the sample of W that is above its neighbours
+    vertex
+        top of the parabola through three points close about it
+    """
+
+    ellipse: Indices
+    sample: Indices
+    vertex: _Vertex
+
+    def by_work(self) -> Indices:
+        """Numbers of the maxima by ascending W."""
+        return np.argsort(self.vertex.work, kind="stable")
+
+    def largest_of_ellipses(self, n_ellipses: int) -> Indices:
+        """Number of the largest maximum of each ellipse, -1 where there is none: (m,)."""
+        numbers = self.by_work()
+        largest = np.full(n_ellipses, -1)
+        largest[self.ellipse[numbers]] = numbers
+        return largest
+
+
+def _local_maxima(samples: _Samples, density: Callable[..., Array]) -> _LocalMaxima:
+    """Every local maximum of W(x), looked for about each sample above its neighbours: first with
+    half of the quadrature nodes, then with all.
+
+    `density`(ellipse numbers, x, node_stride=1) gives W.
+    """
+    work = samples.work
     is_local_maximum = (work[1:-1] > work[:-2]) & (work[1:-1] >= work[2:])
-    maximum_numbers = np.flatnonzero(is_local_maximum) + 1
-    member_of_maximum = member[maximum_numbers]
+    sample_numbers = np.flatnonzero(is_local_maximum) + 1
+    ellipse = samples.member[sample_numbers]
     three_x, _ = _closer(
         partial(density, node_stride=2),
-        member_of_maximum,
-        x[maximum_numbers + _THREE],
-        work[maximum_numbers + _THREE],
+        ellipse,
+        samples.x[sample_numbers + _THREE],
+        work[sample_numbers + _THREE],
         _NEARLY,
     )
-    three_works = np.stack([density(member_of_maximum, row) for row in three_x])
-    three_x, three_works = _closer(density, member_of_maximum, three_x, three_works, _KNOWN)
-    vertex = _parabola(three_x, three_works)
-    order_by_work = np.argsort(vertex.work, kind="stable")
-    best_candidate = np.full(n_members, -1)
-    best_candidate[member_of_maximum[order_by_work]] = order_by_work
+    three_works = np.stack([density(ellipse, row) for row in three_x])
+    three_x, three_works = _closer(density, ellipse, three_x, three_works, _KNOWN)
+    return _LocalMaxima(ellipse, sample_numbers, _parabola(three_x, three_works))
 
-    # Where d = P - P_c is small the last digits of P_x count for more. W(x) that is lost in them is
-    # at most the product of p, 2 (u + v) and arccosh(|x|/c), which is 2 (u + v) d/(pi a).
+
+class _Peaks(NamedTuple):
+    """Largest maximum of W(x) of each ellipse, (m,) each: W pi E*/(2 f^2), its error, |x|, and
+    which of the local maxima it is, -1 for none.
+    """
+
+    work: Array
+    error: Array
+    place: Array
+    number: Indices
+
+
+def _largest_of(
+    maxima: _LocalMaxima,
+    ellipses: Ellipses,
+    points: Array,
+    is_unknown: NDArray[np.bool_],
+    density: Callable[..., Array],
+) -> _Peaks:
+    """The largest maximum of W(x) of each ellipse with its error: 0 where nothing slips, NaN where
+    W `is_unknown` (m,) at some sample.
+
+    The error adds what the maximum may rise between its points, what the quadrature leaves out, and
+    round-off. Where d = P - P_c, the load of the slip zone, is small the last digits of P_x, the
+    load at which the edge of contact is at x, count for more.
+
+    Parameters
+    ----------
+    points
+        (m, n) from the permanent stick edge to the largest contact
+    density
+        W of (ellipse numbers, x, stride of the quadrature nodes)
+    """
+    stick_edge = points[:, 0]
+    largest_half_width = points[:, -1]
     deepest_load = ellipses.deepest_slip
     relative_error = (
         LAST_DIGITS
@@ -152,55 +227,61 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
         / np.where(deepest_load > 0, deepest_load, np.inf)
     )
     relative_error = PROMISED + 3 * relative_error
+    # W(x) that is lost in the last digits is at most the product of p, 2 (u + v) and
+    # arccosh(|x|/c), which is 2 (u + v) d/(pi a).
     error_without_slip = (
         2
         / math.pi
         * (ellipses.u + ellipses.v)
         * deepest_load
-        / np.where(inner_points > 0, inner_points, outer_points)
+        / np.where(stick_edge > 0, stick_edge, largest_half_width)
     )
-    peak_work = np.where(is_spoilt, np.nan, 0.0)
-    peak_error = np.where(is_spoilt, np.nan, error_without_slip)
-    peak_place = np.full(n_members, np.nan)
-    second_work = np.full(n_members, np.nan)
-    second_place = np.full(n_members, np.nan)
-    slipping_members = np.flatnonzero((best_candidate >= 0) & ~is_spoilt)
-    peak_numbers = best_candidate[slipping_members]
-    peak_work[slipping_members] = vertex.work[peak_numbers]
-    peak_place[slipping_members] = vertex.place[peak_numbers]
+    n_ellipses = len(ellipses.mean)
+    number = maxima.largest_of_ellipses(n_ellipses)
+    work = np.where(is_unknown, np.nan, 0.0)
+    error = np.where(is_unknown, np.nan, error_without_slip)
+    place = np.full(n_ellipses, np.nan)
+    slipping = np.flatnonzero((number >= 0) & ~is_unknown)
+    peak_numbers = number[slipping]
+    vertex = maxima.vertex
+    work[slipping] = vertex.work[peak_numbers]
+    place[slipping] = vertex.place[peak_numbers]
     works_by_rules = np.stack(
-        [
-            density(slipping_members, peak_place[slipping_members], node_stride)
-            for node_stride in (1, 2, 4)
-        ]
+        [density(slipping, place[slipping], node_stride) for node_stride in (1, 2, 4)]
     )
-    relative_rule_error = (
-        quadrature_error(works_by_rules, works_by_rules[0]) + relative_error[slipping_members]
-    )
-    peak_error[slipping_members] = (
-        vertex.rise[peak_numbers] + vertex.work[peak_numbers] * relative_rule_error
-    )
+    rule_error = quadrature_error(works_by_rules, works_by_rules[0])
+    relative_rule_error = rule_error + relative_error[slipping]
+    error[slipping] = vertex.rise[peak_numbers] + vertex.work[peak_numbers] * relative_rule_error
+    return _Peaks(work, error, place, number)
 
-    # Other maxima count where W falls in between, and not by its last digits only.
+
+def _second_of(maxima: _LocalMaxima, sampled_work: Array, peaks: _Peaks) -> tuple[Array, Array]:
+    """W pi E*/(2 f^2) and |x| of the second largest maximum of W(x) of each ellipse, (m,) each; NaN
+    where there is one maximum only.
+
+    It counts where W falls between it and the largest one by a share of that, and not by the last
+    digits only. `sampled_work` is W at all samples.
+    """
+    n_ellipses = len(peaks.work)
+    second_work = np.full(n_ellipses, np.nan)
+    second_place = np.full(n_ellipses, np.nan)
+    if not len(maxima.sample):
+        return second_work, second_place
     ends_of_gaps = np.sort(
-        np.stack([maximum_numbers, maximum_numbers[best_candidate[member_of_maximum]]]), axis=0
+        np.stack([maxima.sample, maxima.sample[peaks.number[maxima.ellipse]]]), axis=0
     )
-    least_between = (
-        np.minimum.reduceat(work, ends_of_gaps.T.ravel())[::2] if len(maximum_numbers) else work
-    )
-    least_fall = np.maximum(_DISTINCT * peak_work, 2 * peak_error)
-    is_no_peak = order_by_work != best_candidate[member_of_maximum[order_by_work]]
-    is_distinct = (
-        least_between[order_by_work]
-        < vertex.work[order_by_work] - least_fall[member_of_maximum[order_by_work]]
-    )
-    second_numbers = order_by_work[is_no_peak & is_distinct]
-    second_work[member_of_maximum[second_numbers]] = vertex.work[second_numbers]
-    second_place[member_of_maximum[second_numbers]] = vertex.place[second_numbers]
-    place_fraction = (peak_place - inner_points) / np.where(
-        outer_points > inner_points, outer_points - inner_points, 1.0
-    )
-    return np.stack([peak_work, second_work, peak_error, peak_place, second_place, place_fraction])
+    least_between = np.minimum.reduceat(sampled_work, ends_of_gaps.T.ravel())[::2]
+    least_fall = np.maximum(_DISTINCT * peaks.work, 2 * peaks.error)
+    numbers = maxima.by_work()
+    ellipse = maxima.ellipse[numbers]
+    work = maxima.vertex.work[numbers]
+    is_second = numbers != peaks.number[ellipse]
+    is_distinct = least_between[numbers] < work - least_fall[ellipse]
+    second_numbers = numbers[is_second & is_distinct]
+    # By ascending W: the last one of an ellipse stays.
+    second_work[maxima.ellipse[second_numbers]] = maxima.vertex.work[second_numbers]
+    second_place[maxima.ellipse[second_numbers]] = maxima.vertex.place[second_numbers]
+    return second_work, second_place
 
 
 class _Samples(NamedTuple):
@@ -214,53 +295,68 @@ class _Samples(NamedTuple):
 def _samples(
     points: Array, density: Callable[[Indices, Array], Array]
 ) -> tuple[_Samples, NDArray[np.bool_]]:
-    """W at points (m, n) of members, and at more points where W is nearly level; and whether W of a
-    member (m,) is not known at some point. `density`(member numbers, x) gives W.
+    """Samples of the friction work W(x) of each ellipse at its `points` (m, n), and at more points
+    where W is nearly level; and for which ellipses W is not known at some point, (m,).
+
+    Of equal points one counts. At both ends of the slip zone W is set to 0. `density`(ellipse
+    numbers, x) gives W.
     """
     widths_of_zones = points[:, -1] - points[:, 0]
     is_new = np.diff(points, axis=1, prepend=-np.inf) > _ALIKE * widths_of_zones[:, None]
-    member = np.nonzero(is_new)[0]
+    ellipse_of_point = np.nonzero(is_new)[0]
     x = points[is_new]
-    work = density(member, x)
-    is_spoilt = np.bincount(member, np.isnan(work), len(points)) > 0
+    work = density(ellipse_of_point, x)
+    is_unknown = np.bincount(ellipse_of_point, np.isnan(work), len(points)) > 0
     # Nothing is dissipated at the ends of the slip zone: no maximum is there, and members next to
     # each other stay apart.
-    first_numbers = np.flatnonzero(np.diff(member, prepend=-1))
+    first_numbers = np.flatnonzero(np.diff(ellipse_of_point, prepend=-1))
     last_numbers = np.append(first_numbers[1:], len(x)) - 1
     work[first_numbers] = 0.0
     work[last_numbers] = 0.0
     # Samples are put closer where W is nearly level, lest one of two maxima next to each other is
     # missed.
-    level_scale = (_LEVEL * np.maximum.reduceat(work, first_numbers))[member[:-1]]
+    level_scale = (_LEVEL * np.maximum.reduceat(work, first_numbers))[ellipse_of_point[:-1]]
     is_high = (work[:-1] > level_scale) & (work[1:] > level_scale)
     is_level = (np.abs(np.diff(work)) < level_scale) & is_high
-    is_wide = np.diff(x) > _LEVEL * widths_of_zones[member[:-1]]
+    is_wide = np.diff(x) > _LEVEL * widths_of_zones[ellipse_of_point[:-1]]
     level_gaps = np.flatnonzero(is_level & is_wide)
     new_x = (x[level_gaps] + np.diff(x)[level_gaps] * _CLOSER[:, None]).ravel()
-    new_member = np.tile(member[level_gaps], len(_CLOSER))
-    work = np.concatenate([work, density(new_member, new_x)])
-    member = np.concatenate([member, new_member])
+    ellipse_of_new_point = np.tile(ellipse_of_point[level_gaps], len(_CLOSER))
+    work = np.concatenate([work, density(ellipse_of_new_point, new_x)])
+    ellipse_of_point = np.concatenate([ellipse_of_point, ellipse_of_new_point])
     x = np.concatenate([x, new_x])
-    order_by_member = np.lexsort((x, member))
-    return _Samples(member[order_by_member], x[order_by_member], work[order_by_member]), is_spoilt
+    order_by_ellipse = np.lexsort((x, ellipse_of_point))
+    return _Samples(
+        ellipse_of_point[order_by_ellipse], x[order_by_ellipse], work[order_by_ellipse]
+    ), is_unknown
 
 
-def _points_of_search(e: Ellipses, contact: SymmetricContact) -> Array:
-    """Points from the permanent stick edge to the largest contact, ascending, some of them equal:
-    (m, n).
+def _points_of_search(ellipses: Ellipses, contact: SymmetricContact) -> Array:
+    """Points at which W(x) of each ellipse is sampled, from the permanent stick edge to the largest
+    contact, ascending, some of them equal: (m, n).
+
+    They lie between the half-widths at which the law of W(x) changes: contact or stick edge at an
+    event of the cycle, corners of the profile. More lie next to the kinks of W(x).
     """
-    least_load = e.mean - e.amplitude
-    largest_load = e.mean + e.amplitude
-    event_cosines = (e.cosine, np.cos(e.start + e.turn), -e.cosine, np.cos(e.start - e.turn))
-    event_loads = [e.load(cosine) for cosine in event_cosines]
-    corners = np.clip(contact.break_loads[:, None], e.permanent_load, largest_load)
-    loads = np.stack([e.permanent_load, least_load, *event_loads, *corners, largest_load])
-    loads = np.clip(loads, e.permanent_load, largest_load)
+    least_load = ellipses.mean - ellipses.amplitude
+    largest_load = ellipses.mean + ellipses.amplitude
+    event_cosines = (
+        ellipses.cosine,
+        np.cos(ellipses.start + ellipses.turn),
+        -ellipses.cosine,
+        np.cos(ellipses.start - ellipses.turn),
+    )
+    event_loads = [ellipses.load(cosine) for cosine in event_cosines]
+    corners = np.clip(contact.break_loads[:, None], ellipses.permanent_load, largest_load)
+    loads = np.stack([ellipses.permanent_load, least_load, *event_loads, *corners, largest_load])
+    loads = np.clip(loads, ellipses.permanent_load, largest_load)
     clipped_least_load = loads[1:2]
     half_widths = contact.half_width(np.sort(loads, axis=0))
     few_corners = len(corners) <= _FEW
-    shares_of_pieces = _INSIDE if few_corners else _INSIDE[_FEW_INSIDE]
-    inner_points = half_widths[:-1] + np.diff(half_widths, axis=0) * shares_of_pieces[:, None, None]
+    shares_of_intervals = _INSIDE if few_corners else _INSIDE[_FEW_INSIDE]
+    inner_points = (
+        half_widths[:-1] + np.diff(half_widths, axis=0) * shares_of_intervals[:, None, None]
+    )
     kink_loads = clipped_least_load
     if few_corners:
         kink_loads = np.concatenate([clipped_least_load, corners])
@@ -269,41 +365,43 @@ def _points_of_search(e: Ellipses, contact: SymmetricContact) -> Array:
         np.minimum(kink_half_widths - half_widths[0], half_widths[-1] - kink_half_widths)
         * _BESIDE_KINK[:, None, None]
     )
-    point_groups = [
-        group.reshape(-1, len(least_load))
-        for group in (
+    rows_of_points = [
+        points_of_ellipses.reshape(-1, len(least_load))
+        for points_of_ellipses in (
             inner_points,
             kink_half_widths - distance_to_kink,
             kink_half_widths + distance_to_kink,
         )
     ]
-    return np.sort(np.concatenate([half_widths, *point_groups]), axis=0).T
+    return np.sort(np.concatenate([half_widths, *rows_of_points]), axis=0).T
 
 
 def _closer(
     density: Callable[[Indices, Array], Array],
-    member: Indices,
+    ellipse_of_maximum: Indices,
     three_places: Array,
     works_at_three: Array,
     known_share: float,
 ) -> tuple[Array, Array]:
-    """Three places each about maxima of W, and W there, (3, n), from wider ones: so close that W
-    may rise by `known_share` of itself at most. Round by round a parabola through the three says
-    where the next ones go; where that does not take the bracket to half, they divide it evenly.
+    """Narrow brackets of three points about maxima of W(x), until W may rise by `known_share` of
+    itself at most: the places and W there, (3, n).
+
+    Round by round a parabola through the three points says where the next ones go. Where that does
+    not halve the bracket, the next ones divide it evenly.
 
     Parameters
     ----------
     density
-        W at places (n,) of members (n,)
+        W at places (n,) of ellipses of these numbers (n,)
     member
-        (n,) whose maximum it is
+        (n,) number of the ellipse whose maximum it is
     three_places, works_at_three
         (3, n) places and W to begin with
     """
     three_places = three_places.copy()
     works_at_three = works_at_three.copy()
-    open_numbers = np.arange(len(member))
-    is_slow = np.zeros(len(member), dtype=bool)
+    open_numbers = np.arange(len(ellipse_of_maximum))
+    is_slow = np.zeros(len(ellipse_of_maximum), dtype=bool)
     for _ in range(_ROUNDS):
         vertex = _parabola(three_places[:, open_numbers], works_at_three[:, open_numbers])
         is_rough = vertex.rise > known_share * np.abs(works_at_three[1, open_numbers])
@@ -315,7 +413,7 @@ def _closer(
         places_by_parabola = _next_points(bracket_places, vertex.place[is_rough])
         even_places = bracket_places[0] + bracket_width * _EVENLY[:, None]
         new_places = np.where(is_slow[open_numbers], even_places, places_by_parabola)
-        new_works = [density(member[open_numbers], row) for row in new_places]
+        new_works = [density(ellipse_of_maximum[open_numbers], row) for row in new_places]
         places = np.concatenate([bracket_places, new_places])
         works = np.concatenate([works_at_three[:, open_numbers], new_works])
         ascending = np.argsort(places, axis=0, kind="stable")
@@ -331,8 +429,10 @@ def _closer(
 
 
 def _next_points(bracket: Array, vertex_place: Array) -> Array:
-    """Three points (3, n) about the vertices of parabolas, at `vertex_place` (n,), within brackets
-    of three places (3, n).
+    """Three points (3, n) at which a maximum is looked for next, about the vertex of a parabola at
+    `vertex_place` (n,), within brackets of three places (3, n).
+
+    They keep away from the ends of the bracket and from its middle place, where W is known.
     """
     left_end, middle, right_end = bracket
     bracket_width = right_end - left_end
@@ -363,8 +463,11 @@ class _Vertex(NamedTuple):
 
 
 def _parabola(x: Array, work: Array) -> _Vertex:
-    """Top of the parabola through three points (x, W) of each of n members, (3, n) each, and the
-    most W can rise above the middle point: up to the chord of the other two, drawn on.
+    """Top of the parabola through three points (x, W) of each of n maxima, (3, n) each, and the
+    most that W can rise above the middle point.
+
+    A concave W stays below the chords of the points, drawn on. Where the parabola bends up the
+    middle point stands for its top.
     """
     lengths = np.diff(x, axis=0)
     length_before, length_after = lengths
@@ -494,15 +597,15 @@ def dissipation(
     mean_tangential_load: ArrayLike = 0.0,
     effects: BodyEffects | None = None,
 ) -> DissipationBatch:
-    """Steady dissipation of ellipses P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase), every argument
-    an array that broadcasts.
+    """Friction work of one steady cycle of the loads P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase),
+    for arrays of loads, profiles and friction; every argument broadcasts.
 
     Parameters
     ----------
     profile
         any profile, or its keys with numbers or arrays: {"kind": "flat_rounded", "radius": ...,
-        "flat_half_length": ...}; the rises of a polynomial are a list of numbers or arrays.
-        Tables and functions have no keys that could be arrays
+        "flat_half_length": ...}; the rises of a polynomial are a list of numbers or arrays. Tables
+        and functions have no keys that could be arrays
     material
         of the two bodies, or one for both
     friction_coefficient
@@ -510,25 +613,24 @@ def dissipation(
     mean_normal_load, normal_amplitude, mean_tangential_load, tangential_amplitude
         P0, P1, Q0, Q1 [force per unit thickness]
     phase_degrees, phase_radians
-        lag of Q behind P, any sense, in degrees or in radians; 90 degrees where neither is
-        given
+        lag of Q behind P, any sense, in degrees or in radians; 90 degrees where neither is given
     effects
-        what finite bodies add to half-planes, curvatures and compliances that follow the loads,
-        for all members. Some 0.3 ms a member; `permanent_stick_load` then is the load of
-        half-planes whose contact is the permanent stick zone. A member whose contact would
-        split or leave the profile gets NaN
+        what finite bodies add to half-planes, curvatures and compliances that follow the loads, for
+        all members. Some 0.3 ms a member; `permanent_stick_load` then is the load of half-planes
+        whose contact is the permanent stick zone. A member whose contact would split or leave the
+        profile gets NaN
 
     Returns
     -------
     DissipationBatch
-        A member that is inadmissible gets NaN and a reason; the others get their values. Each
-        is exact to 1e-11 of A f^2 P0^2 or 1e-10 relative, and to `value_error`, from slips of
-        1e-9 to gross sliding itself. Q0 decides on gross sliding only. No member depends on the
-        others: it is what a batch of it alone gives. Hertz and power laws take some 0.6 us a
-        member, flat and rounded 1.5 us. The other profiles are integrated from corner to corner
-        with one table of ln a(P) for all loads within eight octaves: 8 to 14 us, 20 us for
-        tables of 31 rows, and 1 ms and more where P - P_c stays below 1e-6 of P0. Where the
-        parameters are arrays each different polynomial or R2/R1 costs 1.5 to 2 ms.
+        A member that is inadmissible gets NaN and a reason; the others get their values. Each is
+        exact to 1e-11 of A f^2 P0^2 or 1e-10 relative, and to `value_error`, from slips of 1e-9 to
+        gross sliding itself. Q0 decides on gross sliding only. No member depends on the others: it
+        is what a batch of it alone gives. Hertz and power laws take some 0.6 us a member, flat and
+        rounded 1.5 us. The other profiles are integrated from corner to corner with one table of ln
+        a(P) for all loads within eight octaves: 8 to 14 us, 20 us for tables of 31 rows, and 1 ms
+        and more where P - P_c stays below 1e-6 of P0. Where the parameters are arrays each
+        different polynomial or R2/R1 costs 1.5 to 2 ms.
 
     Raises
     ------
@@ -573,9 +675,12 @@ def dissipation(
 
 
 def _works_of(members: Members) -> Array:
-    """W pi E*/(2 f^2) of members of a batch, its forward and its reverse part, its error, and the
-    permanent stick load P_T, (5, m): by the closed kernel of Hertz and power laws, a table of flat
-    and rounded faces, else by quadrature with a contact for each shape.
+    """Friction work of the members of an array of load ellipses times pi E*/(2 f^2): sum, forward
+    and reverse part, error; and the permanent stick load P_T, (5, m).
+
+    The method follows the profile: a closed kernel for Hertz and power laws, a table for flat and
+    rounded faces, else quadrature with one contact for each shape. Ellipses that were mirrored have
+    forward and reverse slip exchanged.
     """
     ellipses = members.ellipses
     kind = members.kind
@@ -588,9 +693,11 @@ def _works_of(members: Members) -> Array:
         _, height, *_ = _UNITS[kind](*members.parameters)
         works[:] = _works_on_table(ellipses, members.modulus * height)
     else:
-        for group in members.groups():
-            works_of_group = dissipation_and_error(group.ellipses, group.contact)
-            works[:, group.members] = works_of_group * group.load_unit * group.load_unit
+        for shape_group in members.groups():
+            works_of_group = dissipation_and_error(shape_group.ellipses, shape_group.contact)
+            works[:, shape_group.members] = (
+                works_of_group * shape_group.load_unit * shape_group.load_unit
+            )
     forward_of_members = np.where(members.mirrored, reverse, forward)
     reverse_of_members = np.where(members.mirrored, forward, reverse)
     return np.stack(
@@ -599,14 +706,18 @@ def _works_of(members: Members) -> Array:
 
 
 def _works_with_effects(curvatures: Curvatures, members: Members) -> Array:
-    """W of each member with the curvatures of bodies, its forward and reverse part, its error and
-    the load of permanent stick, (5, m): exact theory's plus what the bodies change, by one rule for
-    both.
+    """Friction work of the members of an array of load ellipses, with the curvatures that finite
+    bodies add: sum, forward and reverse part, error, and permanent stick load, (5, m).
+
+    It is exact half-plane theory plus what the bodies change. One quadrature rule gives the works
+    with and without them, so that its error hardly counts. Works are times pi E*/(2 f^2).
     """
     works = _works_of(members)
-    for group in members.groups():
-        columns_of_loads = LoadArrays(*(column[group.members, None] for column in members.loads))
-        ones = np.ones((len(group.members), 1))
+    for shape_group in members.groups():
+        columns_of_loads = LoadArrays(
+            *(column[shape_group.members, None] for column in members.loads)
+        )
+        ones = np.ones((len(shape_group.members), 1))
         loads = EllipseOfLoads(
             mean_normal=columns_of_loads.mean,
             normal_amplitude=columns_of_loads.amplitude,
@@ -614,26 +725,30 @@ def _works_with_effects(curvatures: Curvatures, members: Members) -> Array:
             tangential_amplitude=columns_of_loads.tangential,
             phase=columns_of_loads.phase,
             friction=columns_of_loads.friction,
-        ).over(np.reshape(group.load_unit, (-1, 1)) * ones)
-        # The contact of a group has E* = 1 in its units, that of a profile as such has its own.
+        ).over(np.reshape(shape_group.load_unit, (-1, 1)) * ones)
+        # Of profiles that vary the contact has E* = 1 in its own units, of one profile its own E*.
         modulus = members.modulus if members.contact is not None else 1.0
-        squared_length_unit = np.reshape(np.square(group.length_unit), (-1, 1)) * ones
+        squared_length_unit = np.reshape(np.square(shape_group.length_unit), (-1, 1)) * ones
         curvatures_of_bodies = BendColumns.of(
             curvatures, members.modulus / modulus * squared_length_unit
         )
         no_curvatures = BendColumns.of(Curvatures(), ones)
-        works_of_half_planes = works_of_ellipses(loads, no_curvatures, group.contact, modulus)
-        works_of_bodies = works_of_ellipses(loads, curvatures_of_bodies, group.contact, modulus)
-        work_unit = np.square(group.load_unit / members.loads.friction[group.members])
+        works_of_half_planes = works_of_ellipses(loads, no_curvatures, shape_group.contact, modulus)
+        works_of_bodies = works_of_ellipses(
+            loads, curvatures_of_bodies, shape_group.contact, modulus
+        )
+        work_unit = np.square(shape_group.load_unit / members.loads.friction[shape_group.members])
         forward_change = work_unit * (works_of_bodies.forward - works_of_half_planes.forward)
         reverse_change = work_unit * (works_of_bodies.reverse - works_of_half_planes.reverse)
         works_by_rule = work_unit * (works_of_half_planes.forward + works_of_half_planes.reverse)
-        rule_error = np.abs(works_by_rule - works[0, group.members])
-        works[0, group.members] += forward_change + reverse_change
-        works[1, group.members] += forward_change
-        works[2, group.members] += reverse_change
-        works[3, group.members] += _OF_RULE * rule_error
-        works[4, group.members] = group.load_unit * group.contact.load(works_of_bodies.stick)
+        rule_error = np.abs(works_by_rule - works[0, shape_group.members])
+        works[0, shape_group.members] += forward_change + reverse_change
+        works[1, shape_group.members] += forward_change
+        works[2, shape_group.members] += reverse_change
+        works[3, shape_group.members] += _OF_RULE * rule_error
+        works[4, shape_group.members] = shape_group.load_unit * shape_group.contact.load(
+            works_of_bodies.stick
+        )
     return works
 
 
@@ -650,9 +765,8 @@ def peak_dissipation(
     phase_radians: ArrayLike | None = None,
     mean_tangential_load: ArrayLike = 0.0,
 ) -> PeakBatch:
-    """Largest pointwise dissipation W(x) in a steady cycle of ellipses P = P0 + P1 cos t, Q = Q0 +
-    Q1 cos(t - phase), and where it is; every argument but `profile` and `material` an array that
-    broadcasts.
+    """Largest friction work per area W(x) in one steady cycle of the loads P = P0 + P1 cos t, Q =
+    Q0 + Q1 cos(t - phase), and where it is, for arrays of loads, profiles and friction.
 
     W(x) may have two maxima: the shoulder, just inside the contact half-width a(P_min) of the least
     load, and one further out. Each piece between the kinks of W(x) is searched, which are at
@@ -716,26 +830,26 @@ def _maxima_of(members: Members) -> Array:
     return maxima
 
 
-def _works_on_table(e: Ellipses, unit: Array) -> Array:
-    """Forward and reverse part of W pi E*/(2 f^2) and the error of their sum, (3, m), on flat and
-    rounded faces.
+def _works_on_table(ellipses: Ellipses, unit: Array) -> Array:
+    """Friction work of forward and of reverse slip times pi E*/(2 f^2), and the error of their sum,
+    (3, m), of steady ellipses on flat and rounded faces, by tables of the kernel.
 
-    Parameters
-    ----------
-    unit
-        E* b^2/R, (m,)
+    Loads are taken over `unit` = E* b^2/R (m,), b half-length of the flat, R radius of the edges:
+    one table serves all such faces.
     """
-    e = e.over(unit)
+    ellipses = ellipses.over(unit)
     works = np.empty((3, len(unit)))
-    for members, first_load, last_load in by_largest_load(e):
+    for numbers_of_table, first_load, last_load in by_largest_load(ellipses):
         table = _table(first_load, last_load)
-        loops = e.take(members)
+        ellipses_of_table = ellipses.take(numbers_of_table)
         forward, reverse = works_by_lam(
-            loops, table.quick, table.careful, _DEEP_ON_TABLE, LEAST_LOAD
+            ellipses_of_table, table.quick, table.careful, _DEEP_ON_TABLE, LEAST_LOAD
         )
-        works[0, members] = forward
-        works[1, members] = reverse
-        works[2, members] = lam_error(loops, forward + reverse, _DEEP_ON_TABLE, table.largest)
+        works[0, numbers_of_table] = forward
+        works[1, numbers_of_table] = reverse
+        works[2, numbers_of_table] = lam_error(
+            ellipses_of_table, forward + reverse, _DEEP_ON_TABLE, table.largest
+        )
     return works * unit * unit
 
 
@@ -833,8 +947,11 @@ def _columns(
     n_results: int,
     n_scaled: int,
 ) -> tuple[list[Array], NDArray[np.int8]]:
-    """Results of each member of a batch, `n_results` arrays, NaN where there are none, and the
-    reason why, 0 where there are; all in the broadcast shape of the inputs and read-only.
+    """Compute `n_results` values for each member of a batch of load ellipses, block by block, and
+    the code of the reason where a member has none, 0 else.
+
+    All arrays have the broadcast shape of the inputs and are read-only; values without result are
+    NaN.
 
     Parameters
     ----------
@@ -891,9 +1008,11 @@ class _Batch:
     def __init__(
         self, kind: str, material: Materials, profile: Profile | Mapping[str, Any]
     ) -> None:
-        """Profile and material of all members of a batch: of a profile given as keys with arrays
-        each member has its own contact, else there is one contact for all. `kind` is that of the
-        profile.
+        """What all members of a batch of load ellipses share: E*, and the normal contact of one
+        `profile` with the largest load that it carries.
+
+        Of a profile given as keys with arrays each member has its own contact, made later. `kind`
+        is that of the profile.
         """
         self.kind = kind
         self.modulus = composite_modulus(material)
@@ -908,9 +1027,19 @@ class _Batch:
     def members_of(
         self, loads: LoadArrays, parameters: list[Array]
     ) -> tuple[NDArray[np.int8], Indices, Members, Array]:
-        """The members of a batch that have a result, from the `loads` and the `parameters` of the
-        profile, (m,) each: why each member has none (m,), a code of `Reason`; the numbers of those
-        that have one (k,), these members, and their coefficients of friction (k,).
+        """Sort out the members of a block of load ellipses that can have a result, from `loads` and
+        `parameters` of the profile, (m,) each.
+
+        Returns
+        -------
+        reason
+            (m,) why a member has none, a code of `Reason`
+        numbers
+            (k,) of the members that can have one
+        members
+            these members with their ellipses
+        friction
+            (k,) their f
         """
         is_invalid = self._invalid(loads, parameters)
         if np.any(is_invalid):
@@ -993,10 +1122,18 @@ def _beyond_units(
 def _reasons(
     ellipses: Ellipses, mean_tangential_load: Array, tangential_amplitude: Array, friction: Array
 ) -> NDArray[np.int8]:
-    """Reason why each of m ellipses of loads is inadmissible, or none: separation or gross sliding.
+    """Reason why each of m load ellipses is inadmissible: separation, gross sliding, or none; codes
+    of `Reason`, (m,).
 
-    |Q| = f P is admitted, to rounding. `mean_tangential_load` (m,) has its sign turned where the
-    ellipse was mirrored; `friction` is f of each.
+    |Q| = f P is admitted, to round-off. The largest Q - f P and -Q - f P follow from the amplitudes
+    u, v of (Q -+ f P)/f.
+
+    Parameters
+    ----------
+    mean_tangential_load
+        (m,) Q0, with its sign turned where the ellipse was mirrored [force per thickness]
+    tangential_amplitude, friction
+        (m,) Q1 and f
     """
     limit = friction * ellipses.mean
     round_off = 4e-16 * (
@@ -1054,8 +1191,10 @@ _PROFILES: dict[str, Callable[..., Profile]] = {
 
 
 def _parameters_of(profile: Profile | Mapping[str, Any]) -> tuple[str, dict[str, ArrayLike]]:
-    """The kind of a profile or mapping, and its numbers or arrays, those of `rises` one by one;
-    none of a table or a function.
+    """The kind of a profile and its parameters by name, numbers or arrays; those of a polynomial's
+    `rises` one by one; none of a table or a function.
+
+    The profile may be a mapping of keys to arrays, one value for each member of a batch.
 
     Raises
     ------
@@ -1099,17 +1238,18 @@ def _numbered(rises: Sequence[ArrayLike]) -> dict[str, ArrayLike]:
 def _by_shape(
     kind: str, parameters: list[Array]
 ) -> Iterator[tuple[Indices, tuple[float, ...], Array, Array]]:
-    """Groups of the members of a batch whose profiles are alike but for a unit of length and one of
-    height: numbers of the members (k,), the ratios that they have in common, and their units, (k,)
-    each.
+    """Groups of members of a batch whose profiles differ only by a unit of length and one of
+    height, so that one contact serves them.
 
-    `kind` is that of the profiles, `parameters` are theirs, (n,) each.
+    Yields the numbers of the members (k,), the ratios of parameters that they have in common, and
+    their units of length and height, (k,) each. `parameters` are (n,) each, by the `kind` of
+    profile.
     """
     with np.errstate(all="ignore"):
-        length, height, *ratios = _UNITS[kind](*parameters)
+        length_unit, height_unit, *ratios = _UNITS[kind](*parameters)
     if all(np.all(values == values[0]) for values in ratios):
-        all_members = np.arange(len(length))
-        yield all_members, tuple(float(values[0]) for values in ratios), length, height
+        all_members = np.arange(len(length_unit))
+        yield all_members, tuple(float(values[0]) for values in ratios), length_unit, height_unit
         return
     unlike_ratios, shape_of_member = np.unique(
         np.stack(ratios, axis=1), axis=0, return_inverse=True
@@ -1120,7 +1260,7 @@ def _by_shape(
     for unlike_shape, members in zip(
         unlike_ratios.tolist(), np.split(order_by_shape, ends_of_shapes[:-1]), strict=True
     ):
-        yield members, tuple(unlike_shape), length[members], height[members]
+        yield members, tuple(unlike_shape), length_unit[members], height_unit[members]
 
 
 @lru_cache(maxsize=512)
@@ -1130,8 +1270,8 @@ def _contact(kind: str, shape: tuple[float, ...]) -> SymmetricContact:
 
 
 def _invalid_shapes(kind: str, parameters: list[Array]) -> NDArray[np.bool_]:
-    """Members (m,) of a batch whose parameters their kind of profile does not admit: numbers
-    outside their range, or shapes under which the contact would split.
+    """Members (m,) of a batch whose profile parameters are not admitted: numbers outside their
+    range, or shapes under which the contact would split. True where invalid.
     """
     bounds = (_LEAST,) * len(parameters)
     if kind == "power_law":
@@ -1146,11 +1286,11 @@ def _invalid_shapes(kind: str, parameters: list[Array]) -> NDArray[np.bool_]:
     valid_numbers = np.flatnonzero(~is_invalid)
     if kind in ("polynomial", "compound") and len(valid_numbers):
         # By the rules of the profile, and by those of one contact.
-        for members, shape, _, _ in _by_shape(
+        for numbers_of_shape, shape, _, _ in _by_shape(
             kind, [values[valid_numbers] for values in parameters]
         ):
             try:
                 _contact(kind, shape)
             except InputError:
-                is_invalid[valid_numbers[members]] = True
+                is_invalid[valid_numbers[numbers_of_shape]] = True
     return is_invalid
