@@ -118,6 +118,12 @@ def test_a_saved_file_is_what_xarray_writes_of_the_dataset(tmp_path):
         assert set(saved.coords) == {"time", "x", "side"}
         types = {name: variable.dtype for name, variable in saved.variables.items()}
         assert types == {name: variable.dtype for name, variable in by_xarray.variables.items()}
+        keys = ("_FillValue", "dtype", "original_shape", "chunksizes", "zlib", "shuffle")
+        for name, variable in saved.data_vars.items():
+            expected = by_xarray[name].encoding
+            for key in keys:
+                np.testing.assert_equal(variable.encoding.get(key), expected.get(key))
+        assert not any("_FillValue" in axis.encoding for axis in saved.coords.values())
     loaded = ContactSolution.load(tmp_path / "by_xarray.nc")
     np.testing.assert_equal(parts(loaded), parts(solution))
 
