@@ -827,7 +827,7 @@ def _works_by_solving(scene: Scene, effects: BodyEffects) -> tuple[float, float]
 def _difference_of_peak(scene: Scene, effects: BodyEffects) -> float:
     """Largest pressure of finite bodies over that of half-planes, minus 1, for a parabola: p0 =
     sqrt(P E* (1/R + N P + N_Q Q)/pi), N and N_Q the curvatures of the bodies' faces per load. NaN
-    for other profiles.
+    for other profiles. `effects` are the elastic responses that finite bodies add to half-planes.
     """
     profile = scene.profile
     if not isinstance(profile, Hertz):
@@ -1211,7 +1211,8 @@ def _difference_or_reason(
 ) -> tuple[dict[str, Propagated], str]:
     """The error of half-plane theory for the real bodies by name of the value, each with the
     uncertainty that the inputs give it, and ""; or an empty dictionary, and the reason why it is
-    not known. `correlation` (n, n) is that of the n inputs.
+    not known. `correlation` (n, n) is that of the n inputs. `effects` are the elastic responses
+    that finite bodies add to half-planes, where known.
     """
     reason = _no_difference(scene)
     if reason:

@@ -304,6 +304,8 @@ def _beside_theory(
 
     Parameters
     ----------
+    pair
+        last cycles of reference and result
     value_on_points, value_of_result
         largest value of the reference on those points, and of the result
     scale
@@ -326,6 +328,8 @@ def _with_stated(pair: Pair, measurement: Measured, name: str, error: str = "") 
 
     Parameters
     ----------
+    pair
+        last cycles of reference and result
     name
         key of the quantity among the uncertainties that finite elements state
     error
@@ -419,7 +423,8 @@ def _middle_of_stick(solution: ContactSolution) -> float:
 
 def _length_of_stick_zone(pair: Pair, length_of: Callable[[ContactSolution], float]) -> Measured:
     """A length of the zone that sticks through the whole cycle, result − reference over a_ref.
-    `length_of` takes it from a solution; NaN means that there is no such zone.
+    `length_of` takes it from a solution; NaN means that there is no such zone. `pair` holds the
+    last cycles of reference and result.
     """
     reference_value = float(length_of(pair.reference))
     result_value = float(length_of(pair.result))
@@ -442,7 +447,8 @@ def largest_slip(pair: Pair) -> Measured:
     """Largest range of the slip s that any point has while in contact, result beside reference,
     each on its own points.
 
-    No value where the finite elements slip by no more than round-off and theory does slip.
+    No value where the finite elements slip by no more than round-off and theory does slip. `pair`
+    holds the last cycles of reference and result.
     """
     reference_cycle = pair.expected
     result_cycle = pair.found
@@ -467,7 +473,8 @@ def largest_slip(pair: Pair) -> Measured:
 
 def largest_slip_common(pair: Pair) -> Measured:
     """Largest range of the slip s, over the points and instants in contact in both result and
-    reference; the result's relative difference.
+    reference; the result's relative difference. `pair` holds the last cycles of reference and
+    result.
     """
     is_touching = _in_contact_in_both(pair)
     if not is_touching.any():
@@ -494,6 +501,7 @@ def dissipation(pair: Pair) -> Measured:
 
     Of an external result the difference is that from the reference's W by the rule and points of
     the result, `pair.reference`; the table shows the reference's own W, `pair.plain_reference`.
+    `pair` holds the last cycles of reference and result.
     """
     measurement = _beside_extremum(
         pair.plain_reference.dissipation,
@@ -511,7 +519,7 @@ def dissipation(pair: Pair) -> Measured:
 
 def largest_dissipation_density(pair: Pair) -> Measured:
     """Largest friction work per area w(x) of the last cycle: (result - reference)/reference, with
-    the place of the result's largest value.
+    the place of the result's largest value. `pair` holds the last cycles of reference and result.
     """
     reference_cycle = pair.expected
     result_cycle = pair.found
@@ -531,7 +539,7 @@ def edge_tension(pair: Pair) -> Measured:
     reference)/reference.
 
     Its uncertainty is the sum of those that both state. No value without friction, or where either
-    does not know that stress.
+    does not know that stress. `pair` holds the last cycles of reference and result.
     """
     if not pair.result.scene.friction.coefficient:
         return _nothing_to_compare("frictionless: nothing stretches the faces")
@@ -656,6 +664,8 @@ def _resultant(
 
     Parameters
     ----------
+    pair
+        last cycles of reference and result
     resultant_of
         integrates tractions, (cycle, weights, normals) -> (k,)
     name_of_load
@@ -696,6 +706,7 @@ def stick_edge(pair: Pair) -> Measured:
     reference both have one.
 
     The note counts the instants at which the two differ in full stick, partial slip or full slip.
+    `pair` holds the last cycles of reference and result.
     """
     reference_cycle = pair.expected
     result_cycle = pair.found
@@ -790,6 +801,7 @@ def _is_that_of_a_neighbour(status: NDArray[np.int8], neighbours: NDArray[np.int
 def state(pair: Pair) -> Measured:
     """Share of the length in contact on which the states (stick, slip, open) of result and
     reference differ, at each instant; the value is the mean over time of the instants in contact.
+    `pair` holds the last cycles of reference and result.
     """
     reference_cycle = pair.expected
     result_cycle = pair.found
@@ -809,7 +821,8 @@ def slip(pair: Pair) -> Measured:
     the points in contact in both.
 
     A point that is open is displaced, and nothing slips there. Absolute, over f p_ref a_ref/E*,
-    where the range of s_ref is below 1e-12 of that.
+    where the range of s_ref is below 1e-12 of that. `pair` holds the last cycles of reference and
+    result.
     """
     reference_cycle = pair.expected
     result_cycle = pair.found
@@ -855,7 +868,7 @@ def tangential_displacement(pair: Pair) -> Measured:
     worst instant.
 
     No value where the two count U from different places, or where the reference does not move
-    sideways.
+    sideways. `pair` holds the last cycles of reference and result.
     """
     if pair.lacks_datum:
         return _nothing_to_compare(_NO_DATUM)
@@ -910,7 +923,7 @@ def dissipation_of_steps(pair: Pair) -> Measured:
     result's straight increments − W along the smooth path)/(W along the smooth path).
 
     Finite elements add work within an increment for the curve of the path. The former W is scaled
-    by that share too.
+    by that share too. `pair` holds the last cycles of reference and result.
     """
     reference_on_steps = pair.polygon_reference or pair.reference
     work_on_steps = on_straight_steps(pair.result).dissipation
@@ -932,7 +945,8 @@ def hysteresis(pair: Pair) -> Measured:
 def bulk_term(pair: Pair) -> Measured:
     """Work of the bulk stress per cycle, −(closed integral of m_q d(eps)): the result's minus the
     reference's, over the friction work W of the reference. m_q is the moment of the shear, eps the
-    bulk strain. Absolute, over A f^2 P_ref^2, where the reference does no friction work.
+    bulk strain. Absolute, over A f^2 P_ref^2, where the reference does no friction work. `pair`
+    holds the last cycles of reference and result.
     """
     reference_cycle = pair.expected
     result_cycle = pair.found
@@ -952,7 +966,8 @@ def bulk_term(pair: Pair) -> Measured:
 
 def drift(pair: Pair) -> Measured:
     """How far the friction work W still changes from cycle to cycle: the change in the last cycle
-    over W, result − reference. The note states both changes.
+    over W, result − reference. The note states both changes. `pair` holds the last cycles of
+    reference and result.
     """
     reference_value = pair.reference.dissipation_drift
     result_value = pair.result.dissipation_drift
@@ -973,7 +988,7 @@ def dissipation_density(pair: Pair) -> Measured:
     """Friction work per area, w(x) − w_ref(x) over the largest w_ref, at the worst point.
 
     Absolute, over A f^2 P_ref^2/a_ref, where the reference does no friction work anywhere (a NaN
-    counts as work).
+    counts as work). `pair` holds the last cycles of reference and result.
     """
     reference_cycle = pair.expected
     result_cycle = pair.found

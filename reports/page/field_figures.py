@@ -60,7 +60,7 @@ def traction_keys(view: CycleView) -> tuple[Key, ...]:
 
 def tractions(view: CycleView) -> Plate:
     """A figure of pressure p and shear q of both engines at the numbered instants, their difference
-    beneath.
+    beneath. `view` holds the last cycles of both solutions.
     """
     instants = [event.index for event in view.chosen_events]
     cells = []
@@ -188,7 +188,8 @@ def traction_panels(
 
 def moving_instant(view: CycleView) -> Plate:
     """The figure that the slider moves: p and q of both engines at the instant with most slip, and
-    their states along x. Its axes hold the whole cycle, so that nothing leaves them.
+    their states along x. Its axes hold the whole cycle, so that nothing leaves them. `view` holds
+    the last cycles of both solutions.
     """
     width = 560.0
     every_instant = range(len(view.result_cycle.time))
@@ -228,7 +229,7 @@ def _strip_of_states(view: CycleView, engine: EngineView, strip_number: int) -> 
     """What is drawn for one engine's contact states at the instant shown: a strip along x, coloured
     by open, stick and slip, with the engine's name. The page's slider recolours it.
 
-    `strip_number` is its number from the top.
+    `strip_number` is its number from the top. `view` holds the last cycles of both solutions.
     """
     top_y = 20.0 + 40.0 * strip_number
     bottom_y = top_y + 16
@@ -251,7 +252,7 @@ def _strip_of_states(view: CycleView, engine: EngineView, strip_number: int) -> 
 
 def state_map(view: CycleView) -> Plate:
     """A figure of open, stick, forward and reverse slip over x and time: a map for each engine, and
-    one of where they differ.
+    one of where they differ. `view` holds the last cycles of both solutions.
     """
     states_of_reference = view.reference_cycle.state
     states_of_result = view.result_cycle.state
@@ -325,7 +326,8 @@ def _pixels(view: CycleView) -> tuple[NDArray[np.int_], ...]:
 
 def dissipation_density(view: CycleView) -> Plate | None:
     """A figure of the friction work per area w(x) of the last cycle, both engines, and their
-    difference beside it. None where nothing is dissipated anywhere.
+    difference beside it. None where nothing is dissipated anywhere. `view` holds the last cycles of
+    both solutions.
     """
     x = view.x
     scales = view.scales

@@ -52,7 +52,8 @@ _LOOP_HEIGHT = 220.0
 
 def half_widths(view: CycleView) -> Plate:
     """A figure of the contact edges and stick edges of both engines through the cycle, and beside
-    it the difference of the half-widths, result minus reference, both over a_ref.
+    it the difference of the half-widths, result minus reference, both over a_ref. `view` holds the
+    last cycles of both solutions.
     """
     half_width = view.scales.half_width
     curves: list[Curve] = []
@@ -132,7 +133,7 @@ def discrepancies(view: CycleView) -> Plate:
     difference at each instant, over its tolerance.
 
     Where no metric has a tolerance it shows, in per cent, those that comparisons between
-    half-planes are judged by.
+    half-planes are judged by. `view` holds the last cycles of both solutions.
     """
     metrics = [metric for metric in view.comparison.metrics if metric.series is not None]
     metrics_with_tolerance = [metric for metric in metrics if metric.tolerance is not None]
@@ -192,7 +193,7 @@ def discrepancies(view: CycleView) -> Plate:
 
 def slip_histories(view: CycleView) -> Plate:
     """A figure of the slip of a few points through the cycle, both engines, counted from where each
-    point stood at its start.
+    point stood at its start. `view` holds the last cycles of both solutions.
     """
     points = slip_points(view.comparison)
     unit_of_length = units(view.scene)[1]
@@ -238,7 +239,7 @@ def slip_histories(view: CycleView) -> Plate:
 
 def cumulative_work(view: CycleView) -> Plate | None:
     """A figure of the friction work so far through a measured record of loads, by both engines;
-    None for other loads.
+    None for other loads. `view` holds the last cycles of both solutions.
     """
     solutions = (view.comparison.reference, view.comparison.result)
     series = []
@@ -276,7 +277,8 @@ def load_path(view: CycleView) -> Plate:
     """A figure of the load path in the P-Q plane: initial loading, cycle, Coulomb limit, dots with
     numbers at chosen instants, and a ring at the instant that the page shows first.
 
-    Beneath it stand bulk stress, tilt and moment over the cycle, where the scene has them.
+    Beneath it stand bulk stress, tilt and moment over the cycle, where the scene has them. `view`
+    holds the last cycles of both solutions.
     """
     cycle = view.result_cycle
     friction = view.comparison.result.scene.friction.coefficient
@@ -331,7 +333,7 @@ def load_path(view: CycleView) -> Plate:
 
 def _panel_beneath_path(view: CycleView, name: str, title: str, lines: Sequence[_Line]) -> Panel:
     """A low panel of some series over time (bulk stress, tilt or moment), beneath the load path;
-    `title` is the title of its vertical axis.
+    `title` is the title of its vertical axis. `view` holds the last cycles of both solutions.
     """
     curves: list[Mark] = [ZERO]
     curves += [Curve(view.time, line.values, line.css, line.text) for line in lines]
@@ -390,7 +392,7 @@ class _Line(NamedTuple):
 def _beside_the_forces(view: CycleView) -> Iterator[tuple[str, str, list[_Line]]]:
     """What acts beside P and Q over the cycle: for bulk stress, tilt and moment, as far as the
     scene has them, the name of a panel, the title of its axis with the unit, and its lines over
-    time.
+    time. `view` holds the last cycles of both solutions.
     """
     unit_of_force, _, stress_unit = units(view.scene)
     cycle = view.result_cycle
@@ -507,7 +509,8 @@ def hysteresis(view: CycleView) -> Plate | None:
     """A figure of the loop of Q over the tangential displacement U through the cycle, both engines;
     and beside it Q over V = U - k Q, whose loop is wide open, k being the compliance of the loop.
 
-    None where neither load nor displacement moves, or the result holds no displacement.
+    None where neither load nor displacement moves, or the result holds no displacement. `view`
+    holds the last cycles of both solutions.
     """
     comparison = view.comparison
     scene = view.scene
@@ -639,7 +642,7 @@ def _loop_panel(
 
 def _bulk_loop_panel(view: CycleView) -> Panel:
     """A panel of the moment of the shear over the bulk strain, both engines: the area of this loop
-    is the work of the bulk stress.
+    is the work of the bulk stress. `view` holds the last cycles of both solutions.
     """
     unit_of_force, _, _ = units(view.scene)
     cycles = (view.reference_cycle, view.result_cycle)

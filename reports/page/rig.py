@@ -191,7 +191,8 @@ class RigMotion:
 # ------------------------------------------------------------------------------------------ figures
 def _loop(rig: RigMotion) -> Plate:
     """A figure of the tangential load Q over the displacement of the contact; over that of the
-    actuator too where a spring is between.
+    actuator too where a spring is between. `rig` holds the solved motion under a prescribed
+    displacement.
     """
     unit_of_length = units(rig.scene)[1]
     unit_of_load = load_unit(rig.scene)
@@ -227,7 +228,8 @@ def _engine(rig: RigMotion) -> str:
 
 def _loop_panel(rig: RigMotion, name: str, width: float, height: float, title: str = "") -> Panel:
     """A panel of Q over the displacement U through the motion of a rig: U of the contact, and of
-    the actuator where a spring is between; by finite elements too where they were solved.
+    the actuator where a spring is between; by finite elements too where they were solved. `rig`
+    holds the solved motion under a prescribed displacement.
     """
     key_of_contact, key_of_actuator = _KEYS_OF_LOOP
     curves = [Curve(rig.contact, rig.tangential_load, key_of_contact.css, key_of_contact.text)]
@@ -275,7 +277,8 @@ def loops(rigs: Sequence[RigMotion]) -> Plate:
 def _over_time(rig: RigMotion) -> Plate:
     """A figure of a rig over time in two panels. The upper one has Q between the limits of
     friction, on colours that show what the contact does. The lower one has the displacements of
-    actuator and contact, and the distance that the bodies slide.
+    actuator and contact, and the distance that the bodies slide. `rig` holds the solved motion
+    under a prescribed displacement.
     """
     unit_of_length = units(rig.scene)[1]
     unit_of_load = load_unit(rig.scene)
@@ -331,7 +334,8 @@ def _over_time(rig: RigMotion) -> Plate:
 # ------------------------------------------------------------------------------------------ numbers
 def rows_of(rig: RigMotion) -> list[tuple[str, str]]:
     """Rows (label with unit, value) of the first table of a rig: strokes, loads, dissipation, and
-    how long the contact sticks or slides.
+    how long the contact sticks or slides. `rig` holds the solved motion under a prescribed
+    displacement.
     """
     unit_of_length = units(rig.scene)[1]
     unit_of_load = load_unit(rig.scene)
@@ -365,7 +369,8 @@ def rows_of(rig: RigMotion) -> list[tuple[str, str]]:
 
 def _rows_of_elements(rig: RigMotion, elements: RigMotion) -> list[tuple[str, str]]:
     """Rows (label with unit, value) on the finite elements' answer for a rig: dissipation with its
-    difference from theory's, range of Q, sliding distance.
+    difference from theory's, range of Q, sliding distance. `rig` holds the solved motion under a
+    prescribed displacement.
     """
     unit_of_load = load_unit(rig.scene)
     unit_of_length = units(rig.scene)[1]
@@ -400,7 +405,7 @@ def may_slide(rig: RigMotion) -> bool:
 
 def _sentence(rig: RigMotion) -> str:
     """The first sentence on a rig: whether the bodies slide as a whole, how far, and the
-    dissipation W.
+    dissipation W. `rig` holds the solved motion under a prescribed displacement.
     """
     unit_of_length = units(rig.scene)[1]
     sliding_distance = rig.distance(Motion.FORWARD) + rig.distance(Motion.BACK)
@@ -428,7 +433,8 @@ def _notes_of(rig: RigMotion) -> Iterator[str]:
 
 def write(rig: RigMotion, out: str | Path, command: str, remarks: Sequence[str]) -> Path:
     """Write the page of a rig and the CSV of each figure to the folder that holds the solution;
-    returns the path of the page. `remarks` are sentences on which engine takes the scene.
+    returns the path of the page. `remarks` are sentences on which engine takes the scene. `rig`
+    holds the solved motion under a prescribed displacement.
     """
     page_script, script_hash = script()
     plates = (_loop(rig), _over_time(rig))

@@ -358,7 +358,8 @@ def _quantised(values: Array) -> dict[str, Any]:
 
 def _cycle_data(view: CycleView) -> dict[str, Any]:
     """Everything that the slider of the page moves through, for its script: loads, displacements,
-    tractions and states at the instants and points carried, and how many of all these are.
+    tractions and states at the instants and points carried, and how many of all these are. `view`
+    holds the last cycles of both solutions.
     """
     scene = view.scene
     rows = _carried_instants(view)
@@ -420,6 +421,7 @@ def _carried_fields(
 ) -> tuple[dict[str, Any], NDArray[np.uint8]]:
     """For the page's script, at the instants and points of `grid`: pressure p, shear q and slip s
     of the reference, the differences of the result from them, and the states of both in one number.
+    `view` holds the last cycles of both solutions.
     """
     field_and_unit = {
         "p": ("pressure", view.scales.pressure),

@@ -68,7 +68,8 @@ def read_field_report(path: Path, mapping: Mapping) -> tuple[dict[Quantity, Arra
     in the scene's units and our signs; and notes.
 
     Nodes of both bodies, or within them, carry no pressure: those that ever do are taken, and those
-    beside them on the same face where the report has y.
+    beside them on the same face where the report has y. `mapping` states columns, units and signs
+    of the file.
 
     Raises
     ------
@@ -134,6 +135,8 @@ def _columns(
 
     Parameters
     ----------
+    mapping
+        stated columns, units and signs of the file
     blocks
         the report's tables, each of one frame
     notes
@@ -174,7 +177,7 @@ def _rows_of_nodes(
     the frame in `frames`.
 
     `blocks` are the report's tables, each of one frame; places may stand in tables of their own.
-    InputError where a node has no place.
+    InputError where a node has no place. `mapping` states columns, units and signs of the file.
     """
     import pandas as pd
 

@@ -141,7 +141,7 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
     from its stress at the lower body's face.
 
     Loads are the resultants of the contact pair (*CONTACT PRINT, CF) where a .dat file of the same
-    name beside it has them.
+    name beside it has them. `mapping` states columns, units and signs of the file.
 
     Raises
     ------
@@ -197,7 +197,8 @@ def _face_by_stress(
 ) -> tuple[Integers, dict[_Quantity, float], list[str]]:
     """The lower body's face by its stress, where a file has no contact values: rows of its nodes in
     the mesh; the factors that turn -SYY and SXY there into pressure and shear, p = -SYY and q = SXY
-    (outward normal +y); and a note that says so.
+    (outward normal +y); and a note that says so. `mapping` states columns, units and signs of the
+    file.
     """
     height = mesh.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0)
     is_on_face = (np.abs(height) <= SAME * extent(mesh.points)) & (mesh.above < 0)
@@ -221,7 +222,8 @@ def _face_by_contact(
 ) -> tuple[Integers, dict[_Quantity, float], list[str]]:
     """The slave face by its contact values: rows of its nodes in the mesh; the factors that turn
     the values of `blocks` into pressure, shear and slip with the project's signs; and notes.
-    InputError where nothing touches at any time.
+    InputError where nothing touches at any time. `mapping` states columns, units and signs of the
+    file.
     """
     touched_rows = [mesh.rows(block.nodes[np.any(block.values != 0, axis=1)]) for block in blocks]
     touched = np.unique(np.concatenate(touched_rows))
@@ -239,7 +241,7 @@ def _face_by_contact(
 
 def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
     """Contact tractions at every time in a .dat file of CalculiX. Loads are the resultants of the
-    contact pair where it has them (CF).
+    contact pair where it has them (CF). `mapping` states columns, units and signs of the file.
 
     Raises
     ------

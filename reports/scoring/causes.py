@@ -85,7 +85,8 @@ class Cause:
 def _moments(discrepancy: Discrepancy) -> tuple[float, float, float]:
     """How the pressure of the result compares with the reference's, over all points and instants:
     the ratio of the sums, the ratio of the widths (standard deviations in x), and the distance
-    between the centroids [length]. 1, 1, 0 where either has no pressure.
+    between the centroids [length]. 1, 1, 0 where either has no pressure. `discrepancy` holds the
+    tractions of result and reference.
     """
     moments = []  # of the result, of the reference
     for tractions in (discrepancy.result_tractions, discrepancy.reference_tractions):
@@ -149,7 +150,8 @@ def _of_pressure_alone(discrepancy: Discrepancy) -> Sequence[float]:
 
 def _of_shear_alone(discrepancy: Discrepancy) -> Sequence[float]:
     """Size at which to start the search for a factor of the shear: the logarithm of the ratio of
-    the sums of the shear over x. None where these have other signs.
+    the sums of the shear over x. None where these have other signs. `discrepancy` holds the
+    tractions of result and reference.
     """
     if not _slips(discrepancy):
         return ()

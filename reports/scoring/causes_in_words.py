@@ -53,6 +53,8 @@ def sentence_of(discrepancy: Discrepancy, cause: Cause, size: float, fit: Fit) -
 
     Parameters
     ----------
+    discrepancy
+        tractions of result and reference at some instants and all points
     size
         fitted size of the fault; of a factor it is the logarithm
     fit
@@ -85,7 +87,8 @@ def _height(share: float) -> float:
 
 def _of_mesh(discrepancy: Discrepancy, *, alone: bool) -> str:
     """The sentence for a result whose only visible fault is that it has nodal forces of a coarse
-    mesh; `alone` if no other cause is named.
+    mesh; `alone` if no other cause is named. `discrepancy` holds the tractions of result and
+    reference.
     """
     pressure = discrepancy.result_tractions[0]
     carries_load = pressure > 1e-3 * np.max(pressure)

@@ -187,7 +187,8 @@ def _evidence(judgement: Judgement, fit: Fit, share_left: float) -> Iterator[str
 def _own_bodies(judgement: Judgement) -> Iterator[Diagnosis]:
     """The finding that the difference is the idealisation itself: half-plane theory corrected by
     what the scene's own bodies add leaves less than a third of the difference that half-plane
-    theory leaves. Nothing otherwise.
+    theory leaves. Nothing otherwise. `judgement` holds the difference and the fits of known faults
+    to it.
     """
     discrepancy = judgement.discrepancy
     if not discrepancy.has_bodies:
@@ -207,6 +208,7 @@ def _own_bodies(judgement: Judgement) -> Iterator[Diagnosis]:
 def _mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
     """The finding that the mesh is too coarse at the edges: where the squared difference within two
     elements of an edge of contact or stick is far larger than elsewhere. Nothing otherwise.
+    `judgement` holds the difference and the fits of known faults to it.
     """
     from scipy.stats import f as f_distribution
 
@@ -263,7 +265,8 @@ def _not_found(judgement: Judgement, verdict: Verdict) -> Diagnosis:
 
 def _where_it_lies(discrepancy: Discrepancy) -> Iterator[str]:
     """Sentences on the place and the instant of the largest difference in contact, and on how much
-    of its square lies beside edges, where more of it does than of the points.
+    of its square lies beside edges, where more of it does than of the points. `discrepancy` holds
+    the tractions of result and reference.
     """
     is_in_contact = discrepancy.in_contact(discrepancy.reference_tractions)
     difference = discrepancy.result_tractions - discrepancy.reference_tractions

@@ -81,7 +81,7 @@ def _reading(comparison: Comparison) -> str:
 
 def _equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
     """Phrases on the sums of the tractions over x beside P, Q and the moment, at the loaded
-    instants.
+    instants. `discrepancy` holds the tractions of result and reference.
     """
     is_loaded = discrepancy.loaded
     if not is_loaded.any():
@@ -130,8 +130,8 @@ def _rounded(value: float) -> float:
 
 
 def _resolution(discrepancy: Discrepancy) -> Iterator[str]:
-    """Phrases on how finely a result is resolved: points in contact and in slip, spacing,
-    scatter.
+    """Phrases on how finely a result is resolved: points in contact and in slip, spacing, scatter.
+    `discrepancy` holds the tractions of result and reference.
     """
     comparison = discrepancy.comparison
     is_in_contact = discrepancy.in_contact(discrepancy.reference_tractions)
@@ -154,7 +154,7 @@ def _resolution(discrepancy: Discrepancy) -> Iterator[str]:
 
 def _laws(discrepancy: Discrepancy) -> Iterator[str]:
     """Phrases on the laws of contact: the largest violation of each, its limit, and whether scatter
-    makes as much.
+    makes as much. `discrepancy` holds the tractions of result and reference.
     """
     names = {"cone": "|q| beyond f p, over f p_max", "tension": "tension over p_max"}
     residuals = discrepancy.residuals(discrepancy.reference_tractions)
@@ -173,7 +173,7 @@ def _laws(discrepancy: Discrepancy) -> Iterator[str]:
 
 def _shape(discrepancy: Discrepancy) -> Iterator[str]:
     """Phrases on the shape of the tractions beside the reference's: peak and width of the pressure,
-    size of the shear.
+    size of the shear. `discrepancy` holds the tractions of result and reference.
     """
     result_tractions = discrepancy.result_tractions
     expected_tractions = discrepancy.reference_tractions

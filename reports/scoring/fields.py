@@ -144,7 +144,8 @@ def _tractions(path: Path, frame: FieldFrame, mapping: Mapping) -> tuple[str, _C
     in this order: "fields" for pressure and shear, a traction "vector", a "stress" tensor.
 
     Returns the kind, the name of the field or component of each quantity (such as "S:3"), and a
-    sentence on it, in which {} stands for the body. InputError where the file holds none.
+    sentence on it, in which {} stands for the body. InputError where the file holds none. `mapping`
+    states columns, units and signs of the file.
     """
     fields = dict(ChainMap(*(part.point_fields for part in frame.parts)))
     scalars = [name for name, values in fields.items() if values.ndim == 1]
@@ -226,7 +227,7 @@ def _parts_with(
     field that marks the surface: their numbers, all of them joined as one mesh, and a note on each
     file that is left out.
 
-    InputError where no file holds all.
+    InputError where no file holds all. `mapping` states columns, units and signs of the file.
     """
     if isinstance(mapping.columns.slip, str):
         names = [*names, mapping.columns.slip]

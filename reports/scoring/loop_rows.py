@@ -56,6 +56,7 @@ class MeasuredLoop:
 def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
     """Read a measured loop from a text table: U, Q and time in the units of the scene, with words
     on how each column was read. Without a column of time the rows follow each other evenly.
+    `mapping` states columns, units and signs of the file.
 
     Raises
     ------

@@ -275,7 +275,8 @@ def converted(mapping: Mapping, quantity: Quantity, values: Array) -> Array:
 
 def conversion_in_words(mapping: Mapping, quantity: Quantity) -> str:
     """Name of the quantity that a column holds, and in words what is done to its values on reading:
-    times a factor, sign turned, divided by the thickness, minus an offset.
+    times a factor, sign turned, divided by the thickness, minus an offset. `mapping` states
+    columns, units and signs of the file.
 
     >>> conversion_in_words(Mapping(thickness=2.0), "normal_load")
     'normal load, divided by the thickness 2'

@@ -26,7 +26,8 @@ def score_folder(
     of the finest mesh, with a study of how each metric converges over all meshes. Files that can't
     be scored are named in its notes.
 
-    `against` is the reference: "exact" for half-plane theory, "fe" for finite elements.
+    `against` is the reference: "exact" for half-plane theory, "fe" for finite elements. `mapping`
+    states columns, units and signs of the file.
 
     Raises
     ------

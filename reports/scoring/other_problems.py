@@ -173,6 +173,8 @@ def _closed_form(
 
     Parameters
     ----------
+    discrepancy
+        tractions of result and reference at some instants and all points
     functions
         xi (m,), |xi| < 1 -> (m, number of functions)
     """
@@ -239,7 +241,8 @@ def _fitted_row(
 
 def _adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
     """Fit of a strip with adhesion, p = p0 sqrt(1 - xi^2) - p1/sqrt(1 - xi^2) with tension next to
-    both edges (Johnson 1985, 5.5). None where the result has no such tension.
+    both edges (Johnson 1985, 5.5). None where the result has no such tension. `discrepancy` holds
+    the tractions of result and reference.
     """
     pressure = discrepancy.result_tractions[PRESSURE]
     largest_pressure = pressure.max(axis=1, keepdims=True)
@@ -276,6 +279,7 @@ def _adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
 def _sharp_punch(discrepancy: Discrepancy) -> ProblemFit | None:
     """Fit of a flat punch with sharp corners, p = P/(pi a sqrt(1 - xi^2)), largest at the edges
     (Johnson 1985, 2.8). None where the width changes: the edges of a punch do not move.
+    `discrepancy` holds the tractions of result and reference.
     """
     closed_form = _closed_form(discrepancy, lambda xi: (1 / np.sqrt(1 - xi**2))[:, None])
     if closed_form is None:
@@ -297,7 +301,7 @@ def _sharp_punch(discrepancy: Discrepancy) -> ProblemFit | None:
 def _sphere(discrepancy: Discrepancy) -> ProblemFit | None:
     """Fit of a sphere, p = p0 sqrt(1 - xi^2) with p0/a = 2 E*/(pi R), whose P = 2 pi a^2 p0/3 is a
     force (Johnson 1985, 4.2); a cylinder has p0/a = E*/(2 R). None where the profile is no
-    parabola.
+    parabola. `discrepancy` holds the tractions of result and reference.
     """
     profile = discrepancy.scene.profile
     if not isinstance(profile, Hertz):
@@ -326,7 +330,7 @@ def _sphere(discrepancy: Discrepancy) -> ProblemFit | None:
 def _limit_of_pressure(discrepancy: Discrepancy) -> ProblemFit | None:
     """Fit of a pressure that is cut off at a limit: p = min(limit, elastic pressure of a larger
     load), with the same limit at all instants, as plastic flow or wear flattens the middle. None
-    where few points lie on a limit.
+    where few points lie on a limit. `discrepancy` holds the tractions of result and reference.
     """
     if discrepancy.unsymmetric:
         return None
@@ -368,6 +372,7 @@ def _several_zones(discrepancy: Discrepancy) -> ProblemFit | None:
     rough or wavy faces.
 
     None where values are only missing from a table: they take their share of the load with them.
+    `discrepancy` holds the tractions of result and reference.
     """
     result_pressure = discrepancy.result_tractions[PRESSURE]
     reference_pressure = discrepancy.reference_tractions[PRESSURE]
@@ -417,7 +422,7 @@ def _not_elastic(discrepancy: Discrepancy) -> ProblemFit | None:
     pressures differ most. Of elastic half-planes the pressure depends on P alone.
 
     None where none differ. The part that is odd in x is left out: unlike bodies and bodies that
-    tilt make it.
+    tilt make it. `discrepancy` holds the tractions of result and reference.
     """
     if discrepancy.unsymmetric or len(discrepancy.rows) < 2:
         return None
@@ -475,6 +480,8 @@ def _most_changed_instants(
 
     Parameters
     ----------
+    discrepancy
+        tractions of result and reference at some instants and all points
     pressure
         (k, n) of the result
     sums
@@ -507,8 +514,9 @@ def _rolling(discrepancy: Discrepancy) -> ProblemFit | None:
     """Fit of tractive rolling, whose stick zone begins at the leading edge: q = f [p(x, P) - p(x -+
     (a - c), P - |Q|/f)] with the sign of Q (Carter 1926; Johnson 1985, 8.3).
 
-    The side of the leading edge is the one that fits better. None without friction, shear or Q,
-    for an unsymmetric scene, and where all slides at some instant.
+    The side of the leading edge is the one that fits better. None without friction, shear or Q, for
+    an unsymmetric scene, and where all slides at some instant. `discrepancy` holds the tractions of
+    result and reference.
     """
     friction = discrepancy.scene.friction.coefficient
     if discrepancy.unsymmetric or not friction or not discrepancy.sheared:
@@ -551,7 +559,7 @@ def _law_of_friction(discrepancy: Discrepancy) -> ProblemFit | None:
     """Fit of |q| = constant + slope p where the reference slips: a law that is no coefficient of
     friction, such as a shear strength (slope 0) or cohesion (slope f).
 
-    None where such a law fits no better.
+    None where such a law fits no better. `discrepancy` holds the tractions of result and reference.
     """
     friction = discrepancy.scene.friction.coefficient
     if not friction or not discrepancy.sheared:
@@ -615,7 +623,8 @@ PROBLEMS = (
 
 def other_problems(discrepancy: Discrepancy, fit_named: Fit | None) -> Iterator[Diagnosis]:
     """The finding that the tractions belong to a problem which the suite does not solve, where one
-    fits and the causes `fit_named` leave much more; else none.
+    fits and the causes `fit_named` leave much more; else none. `discrepancy` holds the tractions of
+    result and reference.
     """
     # Friction follows the pressure: where that is wrong, the shear shows no problem of its own.
     pressure_residual = discrepancy.residual(discrepancy.reference_tractions, PRESSURE)

@@ -90,7 +90,8 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
     """The external result in a text table with a line of names: one row for each instant and point,
     or one for each point and columns for frames.
 
-    Instants differ by time, else by a number of the frame, else by the loads.
+    Instants differ by time, else by a number of the frame, else by the loads. `mapping` states
+    columns, units and signs of the file.
 
     Raises
     ------
@@ -143,6 +144,8 @@ def _with_words_on_columns(
 
     Parameters
     ----------
+    mapping
+        stated columns, units and signs of the file
     quantities
         quantity of each column, in the order of the table; None for a column that was not read
     """
@@ -159,7 +162,8 @@ def _with_places_of_outliers(
     """An external result with line, column and written number in the file for each of its outliers.
 
     An outlier is a single value that stands out of all others. It is found again in the table by
-    its size, since values were multiplied by a factor on reading.
+    its size, since values were multiplied by a factor on reading. `mapping` states columns, units
+    and signs of the file.
     """
     if not surface.outliers:
         return surface
@@ -191,7 +195,8 @@ def _surface_of_rows(
     source: str, mapping: Mapping, columns: dict[Quantity, Array], notes: list[str]
 ) -> SurfaceResult:
     """An external result from columns with one row for each instant and point: grouped by instant,
-    sorted by x, shapes and loads checked. `notes` come first in its notes.
+    sorted by x, shapes and loads checked. `notes` come first in its notes. `mapping` states
+    columns, units and signs of the file.
     """
     instants, source_in_words = _instants_of_rows(columns)
     points_of_instants = np.unique(instants, return_counts=True)[1]
@@ -265,6 +270,7 @@ class _Head(NamedTuple):
 def _quantity_of_heading(name: str, mapping: Mapping) -> _Head:
     """What the heading of a column says: its quantity (None if it is none that is read), the number
     of a frame or its time where one follows ('pressure t=0.5'), and whether that number is a time.
+    `mapping` states columns, units and signs of the file.
     """
 
     def quantity_of(base: str) -> Quantity | None:
@@ -293,7 +299,8 @@ def _columns_of_frames(
     note; None where the names don't look like that.
 
     Each frame has a pressure and perhaps a shear, a slip and places of its own; its number or time
-    stands in the names, or the frames are taken in the order of the columns.
+    stands in the names, or the frames are taken in the order of the columns. `mapping` states
+    columns, units and signs of the file.
     """
     heads = [_quantity_of_heading(name, mapping) for name in table.names]
     values_of: dict[Quantity, dict[float, Array]] = {quantity: {} for quantity in _FIELDS}

@@ -145,6 +145,8 @@ def _without_zones(
 
     Parameters
     ----------
+    mapping
+        stated columns, units and signs of the file
     surface
         the external result, in the scene's units and signs
     missing_fields
@@ -212,7 +214,8 @@ def _placed_on_path(
     path at which it was found, and a sentence for each guess.
 
     Single values that stand out of all others are left out while units and instants are found, and
-    put back. `sure_of_times` says that the result's times are those of the load path.
+    put back. `sure_of_times` says that the result's times are those of the load path. `mapping`
+    states columns, units and signs of the file.
     """
     fields = {"pressure": surface.pressure, "shear": surface.shear}
     if surface.slip is not None:
@@ -672,7 +675,8 @@ def _in_our_units(
 
 def _in_compression(surface: SurfaceResult, mapping: Mapping) -> tuple[SurfaceResult, list[str]]:
     """An external result in which compression and pressing loads are positive: where its pressure,
-    or its normal load, is negative throughout it is turned, with a sentence on each.
+    or its normal load, is negative throughout it is turned, with a sentence on each. `mapping`
+    states columns, units and signs of the file.
     """
     sentences = []
     pressure = surface.pressure

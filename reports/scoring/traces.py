@@ -123,7 +123,7 @@ def outliers(comparison: Comparison) -> list[Diagnosis]:
 
 def full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     """A finding where the result lies on the Coulomb limit |q| = f p at the points that stick in
-    the reference: it slips everywhere.
+    the reference: it slips everywhere. `discrepancy` holds the tractions of result and reference.
     """
     comparison = discrepancy.comparison
     friction = discrepancy.comparison.scene.friction.coefficient
@@ -161,7 +161,8 @@ def elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> Iterat
     """A finding where points that stick creep in proportion to the shear, as with a penalty contact
     of stiffness k: a change dq moves them by dq/k.
 
-    `shear_sign` is -1 where the file is known to have a shear of the wrong sign.
+    `shear_sign` is -1 where the file is known to have a shear of the wrong sign. `discrepancy`
+    holds the tractions of result and reference.
     """
     changes = _changes_of_sticking(discrepancy, shear_sign)
     if changes is None:
@@ -208,12 +209,12 @@ def elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> Iterat
 def _changes_of_sticking(
     discrepancy: Discrepancy, shear_sign: float
 ) -> tuple[Array, Array, NDArray[np.bool_], float] | None:
-    """Change of the result's slip and of its shear (times `shear_sign`) from instant to instant,
-    (k - 1, n); which of these are of points that stick; and the largest change of slip.
+    """Change of the result's slip and of its shear (times `shear_sign`) from instant to instant, (k
+    - 1, n); which of these are of points that stick; and the largest change of slip.
 
     Points that stick from one instant to the next are those with |q| < 0.9 f p at both, in the
     result and in the reference, whose slip rests in the reference. None without friction, shear or
-    slip.
+    slip. `discrepancy` holds the tractions of result and reference.
     """
     comparison = discrepancy.comparison
     friction = comparison.scene.friction.coefficient
@@ -242,7 +243,8 @@ def alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     of corner and mid-side nodes of quadratic elements.
 
     The mean (1, 2, 1)/4 over neighbours takes out what alternates. The ratio of von Neumann is 2
-    where all does, and 1 for white noise, about which it scatters by 1/sqrt(n).
+    where all does, and 1 for white noise, about which it scatters by 1/sqrt(n). `discrepancy` holds
+    the tractions of result and reference.
     """
     residual = discrepancy.residual(discrepancy.reference_tractions, PRESSURE)
     is_inside = residual.is_inside
@@ -268,7 +270,8 @@ def alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
 
 def scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     """A finding where the difference is that tractions scatter from point to point; it states how
-    many points exceed the Coulomb limit by that.
+    many points exceed the Coulomb limit by that. `discrepancy` holds the tractions of result and
+    reference.
     """
     scales = discrepancy.comparison.scales
     channels = [PRESSURE]
@@ -346,7 +349,8 @@ def near_edges(discrepancy: Discrepancy) -> NDArray[np.bool_]:
     """(k, n) points within two spacings of an edge of contact or stick of the reference.
 
     The edges are those of the instant, and those of the smallest stick zone of the cycle: what a
-    mesh gets wrong there stays locked in.
+    mesh gets wrong there stays locked in. `discrepancy` holds the tractions of result and
+    reference.
     """
     x = discrepancy.x
     reference_cycle = discrepancy.comparison.expected
@@ -387,7 +391,7 @@ def coarse_edge(discrepancy: Discrepancy) -> tuple[Tractions, NDArray[np.bool_]]
     None where the points tell no edge from the rest. An elastic traction leaves the edge of contact
     as (1 - x/a)^(1/2), and q the stick edge likewise. Interpolated on elements of length h its
     error is of the order of p_ref sqrt(2 h/a) over the element with the edge. What goes beyond that
-    is not the mesh's.
+    is not the mesh's. `discrepancy` holds the tractions of result and reference.
     """
     is_near_edge = near_edges(discrepancy)
     is_in_contact = discrepancy.in_contact(discrepancy.reference_tractions)

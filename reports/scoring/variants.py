@@ -374,7 +374,8 @@ def _long_steps(discrepancy: Discrepancy, scene: Scene, x: Array, *, takes_ends:
 
     While P rises such an increment is that of P first and then that of Q at the new pressure; while
     P falls it is a straight line. Finite elements in steps that end on no event follow it to 0.983
-    of the difference from theory at 48 steps a cycle, to 0.9999 at 4.
+    of the difference from theory at 48 steps a cycle, to 0.9999 at 4. `discrepancy` holds the
+    tractions of result and reference.
     """
     path = scene.load.path()
     assert path.period is not None

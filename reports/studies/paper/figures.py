@@ -28,7 +28,9 @@ _REVOLUTION = Axis(0.0, 360.0, _ANGLE, ticks=_DEGREES)
 
 
 def sheets(paper: Paper) -> tuple[Plate, ...]:
-    """Every figure of the paper, in its order, computed again from its cases."""
+    """Every figure of the paper, in its order, computed again from its cases. `paper` holds the
+    paper's two profiles, with their solutions.
+    """
     hertz = paper.hertz
     rounded = paper.rounded
     sweep_of_hertz, sweep_of_rounded = paper.sweeps
@@ -146,7 +148,7 @@ def _panel(
 # ------------------------------------------------------------------------------ loads and tractions
 def _figure_1(case: Case) -> Plate:
     """Figure 1: the motor with an eccentric weight. The gap under its foot is the profile of the
-    case, drawn much higher.
+    case, drawn much higher. `case` is the paper's ellipse of loads on one profile.
     """
     x = np.linspace(-1.9, 1.9, 191)
     height = np.asarray(case.scene.profile.height(x * case.length))
@@ -224,7 +226,7 @@ def _figure_1(case: Case) -> Plate:
 def _figure_2(case: Case) -> Plate:
     """Figure 2: the initial loading and the ellipse in the plane of P and Q, with the letters A to
     M by which the paper calls the events of contact, and the lines of gradient f and -f that define
-    them.
+    them. `case` is the paper's ellipse of loads on one profile.
     """
     friction = case.friction
     loads_on_limit = np.array([0.0, 4.6])
@@ -281,7 +283,7 @@ def _figure_2(case: Case) -> Plate:
 
 def _figure_3(case: Case) -> Plate:
     """Figure 3: pressure and shear traction at the events A to M; what slips is filled between zero
-    and the limit of friction.
+    and the limit of friction. `case` is the paper's ellipse of loads on one profile.
     """
     x = np.linspace(-1.25, 1.25, 251)
     scale = case.length / case.unit
@@ -364,6 +366,8 @@ def _zones(case: Case, events: Sequence[tuple[float, int]], count: int = 91) -> 
 
     Parameters
     ----------
+    case
+        the paper's ellipse of loads on one profile
     events
         instants at which slip begins, turns or ends, each with the direction of slip from there to
         the next one: 1, -1, or 0 for stick
@@ -396,7 +400,7 @@ def _steady_marks(case: Case) -> list[tuple[float, int]]:
 
 def _figure_4a(case: Case) -> Plate:
     """Figure 4a: half-widths of contact and stick over the sum of all changes of the normal load P,
-    so that the axis resumes where P turns.
+    so that the axis resumes where P turns. `case` is the paper's ellipse of loads on one profile.
     """
     turning_events = (
         (case.time(letter), way_of_load)
@@ -433,7 +437,7 @@ def _figure_4a(case: Case) -> Plate:
 
 def _figure_4b(case: Case) -> Plate:
     """Figure 4b: half-widths through the steady cycle for four coefficients of friction, about Q0 =
-    0.
+    0. `case` is the paper's ellipse of loads on one profile.
     """
     case_of = {friction: case.about_no_shear(friction) for friction in FRICTIONS}
     case_of_largest = case_of[FRICTIONS[0]]
@@ -484,7 +488,8 @@ def _figure_4b(case: Case) -> Plate:
 def _figure_5(case: Case) -> Plate:
     """Figure 5, in two panels over the angle of the steady cycle. Above: the half-widths of contact
     and stick, and the places of four points. Below: the displacement of the four points, broad
-    where they slip and dotted where they are out of contact.
+    where they slip and dotted where they are out of contact. `case` is the paper's ellipse of loads
+    on one profile.
     """
     time_of_m = case.time("M")
     zones = _zones(case, _steady_marks(case))
@@ -564,8 +569,8 @@ def _grown(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _figure_8(case: Case) -> Plate:
-    """Figure 8: half-widths of contact and stick of the flat and rounded contact through the
-    cycle.
+    """Figure 8: half-widths of contact and stick of the flat and rounded contact through the cycle.
+    `case` is the paper's ellipse of loads on one profile.
     """
     zones = _zones(case, _steady_marks(case))
     edge_of_flat = float(case.width(0.0))
@@ -588,7 +593,8 @@ def _figure_8(case: Case) -> Plate:
 # --------------------------------------------------------------------------------------------- work
 def _figure_of_density(name: str, paper: Paper, index_of_case: int) -> Plate:
     """Figures 6 and 9: dissipation W(x) with the parts of the phases; `index_of_case` 0 for Hertz,
-    1 for the flat and rounded contact.
+    1 for the flat and rounded contact. `paper` holds the paper's two profiles, with their
+    solutions.
     """
     case = (paper.hertz, paper.rounded)[index_of_case]
     peak = paper.peaks[index_of_case]

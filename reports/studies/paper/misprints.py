@@ -52,7 +52,7 @@ def _proof(
 def _cycle(case: Case) -> dict[str, Found]:
     """Proofs for misprints in sections 2 and 3 of the paper, by computing with each reading: which
     loads, events (the letters A to M) and conditions are meant. Name of a misprint -> (whether it
-    is proven, numbers that prove it).
+    is proven, numbers that prove it). `case` is the paper's ellipse of loads on one profile.
     """
     formulas = Formulas(case)
     events = case.events
@@ -103,7 +103,8 @@ def _cycle(case: Case) -> dict[str, Found]:
 
 def _condition_of_stick(case: Case) -> Found:
     """Proof for the condition of full stick: the share of the instants of the steady cycle at which
-    dQ/dP < f, as printed, and |dQ/dP| < f with growing P contradict the engine.
+    dQ/dP < f, as printed, and |dQ/dP| < f with growing P contradict the engine. `case` is the
+    paper's ellipse of loads on one profile.
     """
     times = case.round_times(721)
     times = (times[1:] + times[:-1]) / 2
@@ -122,7 +123,9 @@ def _condition_of_stick(case: Case) -> Found:
 
 
 def _event_of_least_load(case: Case) -> Found:
-    """Proof for what happens at the events F and H: P is least at F, and Q at H."""
+    """Proof for what happens at the events F and H: P is least at F, and Q at H. `case` is the
+    paper's ellipse of loads on one profile.
+    """
     events = case.events
     loads_of_cycle = case.loads(case.round_times(3601))
     least_p = float(loads_of_cycle[0].min())
@@ -140,7 +143,8 @@ def _event_of_least_load(case: Case) -> Found:
 
 def _net_displacement(case: Case) -> Found:
     """Proof that the net slip of a revolution is 0 and not the dissipation, at x = 0.8 a0: the net
-    slip over the range of slip, and the dissipation in the paper's unit.
+    slip over the range of slip, and the dissipation in the paper's unit. `case` is the paper's
+    ellipse of loads on one profile.
     """
     start = case.time("G")
     revolution = start + np.linspace(0, 2 * math.pi, 101)
@@ -159,7 +163,7 @@ def _corrective_load(case: Case, friction: float = 0.5, share_of_limit: float = 
     printed or mended, f times a difference of two pressures is the engine's shear. Returns whether
     the mended reading is proven, and the error of each reading.
 
-    Q is `share_of_limit` times f P.
+    Q is `share_of_limit` times f P. `case` is the paper's ellipse of loads on one profile.
     """
     normal_load = case.load.mean_normal_load
     tangential_load = share_of_limit * friction * normal_load
@@ -189,7 +193,8 @@ def _corrective_load(case: Case, friction: float = 0.5, share_of_limit: float = 
 
 def _sliding_condition(case: Case) -> Found:
     """Proof for the condition of gross sliding: circles between the printed and the mended formula
-    slide, and the engine's limit is within a share of 1e-10 of the mended one.
+    slide, and the engine's limit is within a share of 1e-10 of the mended one. `case` is the
+    paper's ellipse of loads on one profile.
     """
     friction = np.array([0.1, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0])
     mended_limit = sliding_limit(friction)
@@ -224,7 +229,7 @@ def _sliding_condition(case: Case) -> Found:
 def _rounded_law(case: Case) -> Found:
     """Proof for the contact law of the flat and rounded profile (section 4.2): whether its left
     side is over a^2, as printed, or over b^2. P is the integral of the engine's pressure; the
-    paper's (1 + kappa)/mu is 2 A.
+    paper's (1 + kappa)/mu is 2 A. `case` is the paper's ellipse of loads on one profile.
     """
     load = case.load.mean_normal_load
     profile = case.scene.profile.model_dump()
@@ -264,7 +269,8 @@ def _rounded_law(case: Case) -> Found:
 # --------------------------------------------------------------------------------------------- slip
 def _slip(case: Case) -> dict[str, Found]:
     """Proofs for equations (14) to (19): slip and movement between two events of the cycle (the
-    paper's letters), at points in and out of contact, by the printed and the mended formula.
+    paper's letters), at points in and out of contact, by the printed and the mended formula. `case`
+    is the paper's ellipse of loads on one profile.
     """
     formulas = Formulas(case)
     time_of = {letter: case.time(letter) for letter in "GIJM"}
@@ -314,7 +320,7 @@ def _slip_in_contact(case: Case) -> dict[str, Found]:
     """Proofs for equations (14) and (18): slip of a point in contact from the event I to J.
     Equation (14) is computed with C dP as printed and with C dP_Y, C being (dQ/dP)/f - 1 and P_Y
     the load whose half-width is that of the stick zone; equation (18) with dQ/dP times P_Y as
-    printed and with dQ/dP at P_Y.
+    printed and with dQ/dP at P_Y. `case` is the paper's ellipse of loads on one profile.
     """
     formulas = Formulas(case)
     factor = case.compliance * case.friction / math.pi
@@ -366,7 +372,8 @@ def _slip_in_contact(case: Case) -> dict[str, Found]:
 
 def _slip_out_of_contact(case: Case) -> Found:
     """Proof for the second line of equation (16): movement of a point out of contact from E to F.
-    As printed it has int_a^x dx / sqrt(x^2 - c^2).
+    As printed it has int_a^x dx / sqrt(x^2 - c^2). `case` is the paper's ellipse of loads on one
+    profile.
     """
     formulas = Formulas(case)
     factor = case.compliance * case.friction / math.pi
@@ -389,7 +396,7 @@ def _slip_out_of_contact(case: Case) -> Found:
 
 def _gap_for_slope(case: Case) -> Found:
     """Proof of what h_o in equation (15) is: slip from J to M at 0.8 a0, and how it grows with all
-    lengths and loads at the same stresses.
+    lengths and loads at the same stresses. `case` is the paper's ellipse of loads on one profile.
     """
     case_as_is = case
     case_ten_times = case.ten_times()
@@ -419,7 +426,7 @@ def _slip_after_j(case: Case) -> float:
 def _by_15(case: Case, x: float, reading: str) -> float:
     """Slip of the point x between the events J and M by the paper's equation (15), with one
     `reading` of its h_o: the slope, the gap of the load increment, or the gap of the punch. Profile
-    of Hertz.
+    of Hertz. `case` is the paper's ellipse of loads on one profile.
     """
     formulas = Formulas(case)
     radius = case.scene.profile.model_dump()["radius"]
@@ -478,7 +485,8 @@ def _stick_displacement(hertz: Case) -> Found:
 # --------------------------------------------------------------------------------------------- work
 def work(case: Case, x: float) -> dict[str, Found]:
     """Proofs for equations (11), (23) and (24) on the dissipation, at the place x of the peak of
-    W(x); Hertz. Name of a misprint -> (whether it is proven, numbers).
+    W(x); Hertz. Name of a misprint -> (whether it is proven, numbers). `case` is the paper's
+    ellipse of loads on one profile.
     """
     formulas = Formulas(case)
     solution = case.solve(x=[x / case.length], fields=("dissipation_density",))
@@ -557,6 +565,7 @@ def work(case: Case, x: float) -> dict[str, Found]:
 def _integral_over_face(case: Case) -> Found:
     """Proof for equation (11): the dissipation is the integral of W(x) over the face, which grows
     with the square of all lengths and loads at the same stresses, and W(x) with their first power.
+    `case` is the paper's ellipse of loads on one profile.
     """
     fields = ("dissipation_density", "dissipation")
     solution_as_is = case.solve(x=[1.0], fields=fields, steady=True)

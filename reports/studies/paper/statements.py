@@ -52,7 +52,8 @@ def judged(paper: Paper) -> dict[str, Found]:
 def tractions(case: Case) -> dict[str, Found]:
     """Check what the paper states of the tractions: the shear by its equations (5) to (8) against
     that of the engine, at the events that it calls by letters, and what the first cycle leaves.
-    Returns name of a statement -> (verdict, numbers).
+    Returns name of a statement -> (verdict, numbers). `case` is the paper's ellipse of loads on one
+    profile.
     """
     formulas = Formulas(case)
     x = np.array(_PLACES) * case.length
@@ -122,7 +123,7 @@ def tractions(case: Case) -> dict[str, Found]:
 
 def _rest_at_e(case: Case) -> Found:
     """Statement on the event E, where forward slip ends: it comes to rest everywhere, and reverse
-    slip then starts from the edges.
+    slip then starts from the edges. `case` is the paper's ellipse of loads on one profile.
     """
     time_of_b = case.time("B")
     time_of_e = case.time("E")
@@ -149,6 +150,7 @@ def _rest_at_e(case: Case) -> Found:
 def _residual_tractions(case: Case) -> Found:
     """Check what the paper states of the slip of the first cycle: the slip that stays locked in,
     and the tractions that the initial loading alone would not leave. Returns (verdict, numbers).
+    `case` is the paper's ellipse of loads on one profile.
     """
     formulas = Formulas(case)
     # P_Z and P_T: between their half-widths the slip that E leaves is locked in
@@ -207,7 +209,8 @@ def _residual_tractions(case: Case) -> Found:
 # ----------------------------------------------------------------------- stick, slip and separation
 def course(case: Case) -> dict[str, Found]:
     """Check what the paper states of stick, slip and separation through the cycle, between events
-    that it calls by the letters A to M. Returns name of a statement -> (verdict, numbers).
+    that it calls by the letters A to M. Returns name of a statement -> (verdict, numbers). `case`
+    is the paper's ellipse of loads on one profile.
     """
     revolution = 2 * math.pi
     time_of = {letter: case.time(letter) for letter in LETTERS}
@@ -267,7 +270,7 @@ def _slip_depth(case: Case, start_time: float, end_time: float) -> Array:
 
 def _advance_of_slip(case: Case, start_time: float, end_time: float) -> Found:
     """Statement that the stick zone shrinks from B to E (times `start_time` and `end_time`), while
-    the contact grows from B to C.
+    the contact grows from B to C. `case` is the paper's ellipse of loads on one profile.
     """
     stick_half_widths = (
         case.solve(time=np.linspace(start_time, end_time, 201)).stick_half_width / case.length
@@ -286,7 +289,8 @@ def _advance_of_slip(case: Case, start_time: float, end_time: float) -> Found:
 def slip_speed(case: Case, x: float = POINTS[0]) -> Found:
     """Check the paper's statement that forward slip is slower than reverse slip, at a point that is
     always in contact: mean speeds over the time in which the point slips, and over the phases of
-    the contact. `x` is in half-widths at the mean load. Returns (verdict, numbers).
+    the contact. `x` is in half-widths at the mean load. Returns (verdict, numbers). `case` is the
+    paper's ellipse of loads on one profile.
     """
     edge_load = np.asarray(case.contact.load(np.array([x * case.length])))
     # Forward, reverse.
@@ -322,7 +326,8 @@ def slip_speed(case: Case, x: float = POINTS[0]) -> Found:
 
 def _point_history(case: Case, x: float) -> Found:
     """Check the paper's statement on the sequence of stick, slip and separation of a point of
-    figure 5, at `x` half-widths. Returns (verdict, numbers).
+    figure 5, at `x` half-widths. Returns (verdict, numbers). `case` is the paper's ellipse of loads
+    on one profile.
     """
     times = case.round_times(1441)
     states = case.solve(time=(times[1:] + times[:-1]) / 2, x=[x], fields=("state",)).state[:, 0]
@@ -353,6 +358,7 @@ def _sequence(states: Sequence[str]) -> list[str]:
 def one_way_slip(case: Case) -> Found:
     """Check of the paper's statement on where slip is in one direction only: the |x|/a0, printed as
     0.88, beyond which reverse slip does no work. It is found by halving the zone of slip down.
+    `case` is the paper's ellipse of loads on one profile.
     """
     inner_edge = case.stick_edge
     outer_edge = case.outer_edge
@@ -369,7 +375,8 @@ def one_way_slip(case: Case) -> Found:
 # ------------------------------------------------------------------- other loads, the other profile
 def loads(paper: Paper) -> dict[str, Found]:
     """Statements on what the zones of slip and the dissipation depend on: friction, mean shear
-    force, initial loading, profile. Name of a statement -> (verdict, numbers).
+    force, initial loading, profile. Name of a statement -> (verdict, numbers). `paper` holds the
+    paper's two profiles, with their solutions.
     """
     case = paper.hertz
     return {
@@ -383,7 +390,7 @@ def loads(paper: Paper) -> dict[str, Found]:
 
 def friction_delays_slip(case: Case) -> Found:
     """Statement that the more friction there is, the later both slips begin (E, I) and the one of
-    unloading ends (G).
+    unloading ends (G). `case` is the paper's ellipse of loads on one profile.
     """
     cases = [case.about_no_shear(f) for f in sorted(FRICTIONS)]
     times = {
@@ -402,7 +409,7 @@ def friction_delays_slip(case: Case) -> Found:
 
 def sliding_coefficients(case: Case) -> Found:
     """Whether the contact slides as a whole at a coefficient of figure 4b, with the mean shear
-    force of the cycle and without any.
+    force of the cycle and without any. `case` is the paper's ellipse of loads on one profile.
     """
     frictions = np.array(FRICTIONS)
     mean_shear = case.load.mean_tangential_load
@@ -433,7 +440,7 @@ def no_effect_of_mean_shear(case: Case) -> Found:
 def forgotten_loading(case: Case) -> Found:
     """Check the paper's statement that the steady cycle forgets the initial loading but for the
     shear inside the permanent stick zone, with two other initial loadings. Returns (verdict,
-    numbers).
+    numbers). `case` is the paper's ellipse of loads on one profile.
     """
     corners = tuple((p * case.unit, q * case.unit) for p, q in ((1.0, 0.5), (2.0, -0.5)))
     cases = [case.with_load(initial_loading=loading) for loading in ("straight", corners)]
@@ -479,7 +486,7 @@ def bands_of_slip(hertz: Case, rounded: Case) -> dict[str, Found]:
 def _changes(case: Case, changed_cases: Sequence[Case]) -> dict[str, float]:
     """Largest changes that some variants of a case (`changed_cases`) make: of the stick half-width
     through the cycle, and of the dissipation W, taken as the closed integral of Q dU, which depends
-    on the mean shear force.
+    on the mean shear force. `case` is the paper's ellipse of loads on one profile.
     """
 
     def stick_half_widths_of(chosen_case: Case) -> Array:
@@ -503,7 +510,8 @@ def _changes(case: Case, changed_cases: Sequence[Case]) -> dict[str, float]:
 # --------------------------------------------------------------------------------- work of friction
 def work(case: Case) -> dict[str, Found]:
     """Check what the paper states of the dissipation: the phases' shares, and W(x) at the ends of
-    the slip zone. Returns name of a statement -> (verdict, numbers).
+    the slip zone. Returns name of a statement -> (verdict, numbers). `case` is the paper's ellipse
+    of loads on one profile.
     """
     batch = semi_analytic.dissipation(**case.batch())
     inner_edge = case.stick_edge
@@ -575,7 +583,7 @@ def _comparisons(paper: Paper) -> dict[str, Found]:
 
 def _places_of_peaks(paper: Paper) -> dict[str, Found]:
     """Statements on where the pointwise dissipation is largest, as a fraction of the way from the
-    stick edge to the contact edge.
+    stick edge to the contact edge. `paper` holds the paper's two profiles, with their solutions.
     """
     statements: dict[str, Found] = {}
     cases = (paper.hertz, paper.rounded)
@@ -605,7 +613,8 @@ def _exponents(sweep: Sweep, quantity: str) -> Array:
 
 def _falls_towards_far_loads(paper: Paper) -> dict[str, Found]:
     """Check what the paper states of the work, its peak over x and their quotient, from loads near
-    gross sliding to loads far from it. Returns name of a statement -> (verdict, numbers).
+    gross sliding to loads far from it. Returns name of a statement -> (verdict, numbers). `paper`
+    holds the paper's two profiles, with their solutions.
     """
     hertz = paper.sweeps[0]
     largest_step = {}
@@ -641,7 +650,9 @@ def _falls_towards_far_loads(paper: Paper) -> dict[str, Found]:
 
 
 def _flat_over_hertz(paper: Paper) -> dict[str, Found]:
-    """Statements on work and peak of the flat and rounded contact over those of Hertz."""
+    """Statements on work and peak of the flat and rounded contact over those of Hertz. `paper`
+    holds the paper's two profiles, with their solutions.
+    """
     hertz, rounded_sweep = paper.sweeps
     cases = (paper.hertz, paper.rounded)
     works = [case.steady.dissipation / case.work_unit for case in cases]
@@ -677,7 +688,8 @@ def _span(quotients: Array) -> dict[str, float]:
 
 def _dependence_of_the_peak(paper: Paper) -> Found:
     """Statement that the peak of the flat and rounded contact falls less with P0 than that of
-    Hertz, but where its place jumps from one shoulder to the other.
+    Hertz, but where its place jumps from one shoulder to the other. `paper` holds the paper's two
+    profiles, with their solutions.
     """
     hertz, rounded_sweep = paper.sweeps
     # At constant P0 the peak goes as (P1/P0)^2 times what the sweep has at constant P1.

@@ -412,6 +412,7 @@ def solve_task(text: str) -> str:
 def _answer(question: Question) -> dict[str, Any]:
     """Solve one point of a sweep. The answer, as JSON values: its status "done" or "failed", the
     reason of a failure, the values computed, notes and record, the seconds it took, and the host.
+    `question` is the point's scene with settings and the names of values asked for.
     """
     start_seconds = time.perf_counter()
     try:
@@ -446,7 +447,8 @@ def _solve(question: Question) -> dict[str, Any]:
     """Solve one point of a sweep by the engines that it asks for: the values that it asks for with
     their uncertainties, notes on them, and the record of the solution, as JSON values.
 
-    A number that is not finite becomes None, and a note states it.
+    A number that is not finite becomes None, and a note states it. `question` is the point's scene
+    with settings and the names of values asked for.
     """
     fe = None
     notes: dict[str, str] = {}
@@ -506,7 +508,8 @@ def _finite_elements(question: Question) -> tuple[FiniteElementSolution, dict[st
 
     A group of points that differ in loads and friction shares a mesh, whose factorisation is then
     done once. It is made for the largest load; where the contact leaves its fine side, or may move
-    with a tilt, the point gets a mesh of its own.
+    with a tilt, the point gets a mesh of its own. `question` is the point's scene with settings and
+    the names of values asked for.
     """
     import halfplane_fe
 
@@ -598,7 +601,8 @@ def evaluate(question: Question, fe: ContactSolution | None, *, polygon: bool = 
 
     Theory is solved on the points and instants of `fe`, with `polygon` on the straight lines
     between them. Theory alone, and that of prescribed displacements, is solved on its own points
-    and instants of the steady cycle.
+    and instants of the steady cycle. `question` is the point's scene with settings and the names of
+    values asked for.
     """
     evaluation = Evaluated()
     has_metrics = bool(set(question.figures) & METRICS.keys())
@@ -658,7 +662,8 @@ def _compared_for(
 
     Theory on the straight lines between the instants is solved too where a metric needs it, unless
     `polygon` says that `exact` is that already. So are the elastic responses of the bodies, where
-    displacements are compared.
+    displacements are compared. `question` is the point's scene with settings and the names of
+    values asked for.
     """
     from reports.comparison import compare
     from reports.comparison.budget import theory_on_steps
@@ -700,6 +705,8 @@ def _cheap_uncertainty(
 
     Parameters
     ----------
+    question
+        the point's scene with settings and the names of values asked for
     fe
         the finite-element solution
     evaluation
@@ -762,7 +769,7 @@ def _budget(question: Question, evaluation: Evaluated, notes: dict[str, str]) ->
     """By a full error budget, for each metric of a sweep's point: the idealisation error, which is
     left when all numerical errors are subtracted, under its name + ".idealisation"; and the
     uncertainty of that under its name + ".uncertainty". Where there is none, `notes` gets the
-    reasons.
+    reasons. `question` is the point's scene with settings and the names of values asked for.
     """
     from reports.comparison.budget import climb, error_budget
 
