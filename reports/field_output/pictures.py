@@ -253,18 +253,9 @@ def mesh(
     )
     keys = [Key("mesh-lower", "lower body"), Key("mesh-upper", "upper body")]
     boundaries: list[Mark] = []
-    for boundary in BOUNDARIES if named else ():
-        bounded = [
-            (sign_of_y, body)
-            for _, sign_of_y, body in placed_bodies
-            if boundary in body.mesh.boundaries
-        ]
-        for sign_of_y, body in bounded:
-            sides_of_body = _boundary(body, boundary, sign_of_y) / half_width
-            boundaries.append(Segments(sides_of_body, f"curve side-{boundary}"))
-        if bounded:
-            support = _support_in_words([body for _, body in bounded], boundary)
-            keys.append(Key(f"side-{boundary}", f"{boundary.replace('_', ' ')}{support}"))
+    if named:
+        boundaries, keys_of_boundaries = _named_boundaries(bodies, half_width)
+        keys += keys_of_boundaries
     panels = []
     for view_number, (view_in_words, centre, half_size) in enumerate(views):
         left_x, bottom_y = (centre - half_size).tolist()
@@ -318,6 +309,27 @@ def _support_in_words(bodies: Sequence[BodyMesh], boundary: str) -> str:
     if len(set(supports)) == 1:
         return f" ({supports[0]})"
     return f" (lower {supports[0]}, upper {supports[1]})"
+
+
+def _named_boundaries(
+    bodies: Sequence[BodyMesh], half_width: float
+) -> tuple[list[Mark], list[Key]]:
+    """What is drawn for the boundaries of two meshed bodies, such as contact and base, each in its
+    colour, over a_ref = `half_width` [length]; and their entries in the legend, with supports.
+    """
+    marks: list[Mark] = []
+    keys = []
+    for boundary in BOUNDARIES:
+        bodies_with_it = []
+        for sign_of_y, body in zip((1.0, -1.0), bodies, strict=True):
+            if boundary in body.mesh.boundaries:
+                sides_of_body = _boundary(body, boundary, sign_of_y) / half_width
+                marks.append(Segments(sides_of_body, f"curve side-{boundary}"))
+                bodies_with_it.append(body)
+        if bodies_with_it:
+            support = _support_in_words(bodies_with_it, boundary)
+            keys.append(Key(f"side-{boundary}", f"{boundary.replace('_', ' ')}{support}"))
+    return marks, keys
 
 
 def scales_of(snapshots: Sequence[Snapshot]) -> tuple[float, float]:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reports.charts.plate import (
     Arrow,
@@ -30,6 +32,7 @@ from reports.units import load_unit, number, units
 from scenes import Cylinder, HalfPlane, Scene, Shape, ShoulderedPad, TShape, sampled
 from scenes.array_types import Array
 from scenes.bodies import face_of
+from scenes.profiles import Fitted
 
 # Half the width of a half-plane as drawn, over a or over the half-width of the body that it faces.
 _SHOWN_OF_CONTACT = 6.0
@@ -128,77 +131,142 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
     if fit is None:
         return None
     _, unit_of_length, _ = units(scene)
-    x = fit.rows.values[:, 0] - fit.centre
-    residuals = fit.residuals(scene.profile.height)
-    is_fitted = np.isin(np.arange(len(x)), fit.used_rows())
-    n_fitted = int(is_fitted.sum())
-    stride = -(-n_fitted // _MOST_DOTS)
-    drawn_rows = np.flatnonzero(is_fitted)[::stride]
+    trace = _trace_of(scene, fit)
+    panels = (
+        _panel_of_trace(trace, unit_of_length),
+        _panel_of_residuals(trace, fit.noise, half_width, unit_of_length),
+    )
+    table = {
+        f"x [{unit_of_length}]": trace.x,
+        f"row, levelled [{unit_of_length}]": trace.levelled_height,
+        f"fit [{unit_of_length}]": trace.fitted_height,
+        f"row - fit [{unit_of_length}]": trace.residuals,
+        "fitted": trace.is_fitted.astype(float),
+    }
+    return worded(
+        "profile_fit",
+        panels,
+        table,
+        columns=1,
+        spikes=len(trace.spikes),
+        rows=trace.is_fitted.sum(),
+        residual=f"{fit.residual:.3g}",
+        noise=f"{fit.noise:.3g}",
+        length=unit_of_length,
+        every=trace.drawn_rows[1] - trace.drawn_rows[0],
+    )
 
-    twice_the_noise = np.full(n_fitted, 2 * fit.noise)
-    marks_of_residuals: list[Mark] = [
-        Band(x[is_fitted], -twice_the_noise, twice_the_noise, "band pale-stick"),
+
+class _Trace(NamedTuple):
+    """The n rows of a measured profile beside the curve that was fitted to them.
+
+    Attributes
+    ----------
+    x
+        (n,) from the middle of the profile [length]
+    fitted_height, residuals
+        (n,) height of the curve at the rows, and row minus curve [length]
+    is_fitted
+        (n,) whether the row was fitted
+    drawn_rows
+        numbers of the fitted rows that are drawn, evenly chosen where there are many
+    spikes
+        numbers of the rows that were left out as spikes
+    """
+
+    x: Array
+    fitted_height: Array
+    residuals: Array
+    is_fitted: NDArray[np.bool_]
+    drawn_rows: NDArray[np.intp]
+    spikes: NDArray[np.int64]
+
+    @property
+    def levelled_height(self) -> Array:
+        """(n,) height of the rows, with tilt and offset of the trace taken out [length]."""
+        return self.fitted_height + self.residuals
+
+    def x_axis(self, unit_of_length: str) -> Axis:
+        """The axis of both panels: all fitted rows."""
+        ends = limits(self.x[self.is_fitted], margin=0.02)
+        return Axis(*ends, f"x from the middle  [{unit_of_length}]")
+
+
+def _trace_of(scene: Scene, fit: Fitted) -> _Trace:
+    """The rows of a measured profile beside the curve of its `fit`."""
+    x = fit.rows.values[:, 0] - fit.centre
+    is_fitted = np.isin(np.arange(len(x)), fit.used_rows())
+    stride = -(-int(is_fitted.sum()) // _MOST_DOTS)
+    return _Trace(
+        x=x,
+        fitted_height=scene.profile.height(x),
+        residuals=fit.residuals(scene.profile.height),
+        is_fitted=is_fitted,
+        drawn_rows=np.flatnonzero(is_fitted)[::stride],
+        spikes=np.array(fit.spikes, dtype=np.int64) - 1,
+    )
+
+
+def _panel_of_trace(trace: _Trace, unit_of_length: str) -> Panel:
+    """A panel of the levelled rows of a profile and the curve that was fitted to them."""
+    height = trace.levelled_height
+    order_of_x = np.argsort(trace.x)
+    marks: list[Mark] = [
+        Dot(float(trace.x[row]), float(height[row]), "p0", 2.2, f"row {row + 1}")
+        for row in trace.drawn_rows
+    ]
+    marks += [
+        Dot(float(trace.x[row]), float(height[row]), "p3", 4.0, f"row {row + 1}: left out")
+        for row in trace.spikes
+    ]
+    marks.append(Curve(trace.x[order_of_x], trace.fitted_height[order_of_x], "line-1", "fit"))
+    rows_in_limits = np.union1d(np.flatnonzero(trace.is_fitted), trace.spikes)
+    return Panel(
+        "profile-trace",
+        trace.x_axis(unit_of_length),
+        Axis(
+            *limits(height[rows_in_limits], trace.fitted_height[trace.is_fitted]),
+            f"h, levelled  [{unit_of_length}]",
+        ),
+        marks,
+        "Trace and fit",
+        height=260.0,
+    )
+
+
+def _panel_of_residuals(
+    trace: _Trace, noise: float, half_width: float, unit_of_length: str
+) -> Panel:
+    """A panel of the residuals of a fitted profile, row minus curve, with a band of twice the noise
+    and lines at the ends of the largest contact.
+
+    Parameters
+    ----------
+    noise
+        standard deviation of a row [length]
+    half_width
+        of the largest contact [length]
+    """
+    fitted_x = trace.x[trace.is_fitted]
+    twice_the_noise = np.full(len(fitted_x), 2 * noise)
+    marks: list[Mark] = [
+        Band(fitted_x, -twice_the_noise, twice_the_noise, "band pale-stick"),
         Rule(0.0, "zero"),
         Rule(-half_width, "cycle-line", upright=True),
         Rule(half_width, "cycle-line", upright=True),
     ]
-    for row in drawn_rows:
-        label = f"x = {x[row]:.4g}, {residuals[row]:.3g} {unit_of_length}"
-        marks_of_residuals.append(Dot(float(x[row]), float(residuals[row]), "p0", 2.2, label))
-    largest_residual = float(np.abs(residuals[is_fitted]).max())
-    largest_shown = 1.1 * max(largest_residual, 2.2 * fit.noise)
-    x_axis = Axis(*limits(x[is_fitted], margin=0.02), f"x from the middle  [{unit_of_length}]")
-    lower_panel = Panel(
+    for row in trace.drawn_rows:
+        label = f"x = {trace.x[row]:.4g}, {trace.residuals[row]:.3g} {unit_of_length}"
+        marks.append(Dot(float(trace.x[row]), float(trace.residuals[row]), "p0", 2.2, label))
+    largest_residual = float(np.abs(trace.residuals[trace.is_fitted]).max())
+    largest_shown = 1.1 * max(largest_residual, 2.2 * noise)
+    return Panel(
         "profile-fit",
-        x_axis,
+        trace.x_axis(unit_of_length),
         Axis(-largest_shown, largest_shown, f"row − fit  [{unit_of_length}]"),
-        marks_of_residuals,
+        marks,
         "Residuals of the fit",
         height=260.0,
-    )
-    fitted_height = scene.profile.height(x)
-    levelled_trace = fitted_height + residuals
-    spikes = np.array(fit.spikes, dtype=np.int64) - 1
-    order_of_x = np.argsort(x)
-    marks_of_trace: list[Mark] = [
-        Dot(float(x[row]), float(levelled_trace[row]), "p0", 2.2, f"row {row + 1}")
-        for row in drawn_rows
-    ]
-    marks_of_trace += [
-        Dot(float(x[row]), float(levelled_trace[row]), "p3", 4.0, f"row {row + 1}: left out")
-        for row in spikes
-    ]
-    marks_of_trace.append(Curve(x[order_of_x], fitted_height[order_of_x], "line-1", "fit"))
-    rows_in_limits = np.union1d(np.flatnonzero(is_fitted), spikes)
-    upper_panel = Panel(
-        "profile-trace",
-        x_axis,
-        Axis(
-            *limits(levelled_trace[rows_in_limits], fitted_height[is_fitted]),
-            f"h, levelled  [{unit_of_length}]",
-        ),
-        marks_of_trace,
-        "Trace and fit",
-        height=260.0,
-    )
-    table = {
-        f"x [{unit_of_length}]": x,
-        f"row, levelled [{unit_of_length}]": levelled_trace,
-        f"fit [{unit_of_length}]": fitted_height,
-        f"row - fit [{unit_of_length}]": residuals,
-        "fitted": is_fitted.astype(float),
-    }
-    return worded(
-        "profile_fit",
-        [upper_panel, lower_panel],
-        table,
-        columns=1,
-        spikes=len(spikes),
-        rows=is_fitted.sum(),
-        residual=f"{fit.residual:.3g}",
-        noise=f"{fit.noise:.3g}",
-        length=unit_of_length,
-        every=drawn_rows[1] - drawn_rows[0],
     )
 
 

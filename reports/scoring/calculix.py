@@ -287,27 +287,12 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
         )
     notes += plane_notes
 
-    def column_of(tables: Sequence[DatTable], column: int, quantity: _Quantity) -> Array:
-        """One quantity at every time and point, (n_times, n_points): the mean over the rows of a
-        table that belong to the node or face, 0 where it has none; in the scene's unit and sign.
+    keys_of_points = [tuple(key) for key in place_keys[rows].tolist()]
 
-        Parameters
-        ----------
-        tables
-            a table for each time
-        column
-            number of the quantity among the table's values
-        """
-        means = np.zeros((len(tables), len(rows)))
-        for row_of_means, table in zip(means, tables, strict=True):
-            values_of: dict[tuple[int, ...], list[float]] = {}  # key of a node or face -> its rows
-            all_ids = map(tuple, table.ids.tolist())
-            for ids, value in zip(all_ids, table.values[:, column].tolist(), strict=True):
-                values_of.setdefault(ids, []).append(value)
-            row_of_means[:] = [
-                np.mean(values_of.get(tuple(key), 0.0)) for key in place_keys[rows].tolist()
-            ]
-        return _factor(mapping, quantity, body) * means
+    def column_of(tables: Sequence[DatTable], column: int, quantity: _Quantity) -> Array:
+        """One column of the tables, (n_times, n_points), in the scene's unit and sign."""
+        means = [_means_at(table, column, keys_of_points) for table in tables]
+        return _factor(mapping, quantity, body) * np.array(means)
 
     tables = list(stress_at.values())
     fields = {"pressure": column_of(tables, 0, "pressure"), "shear": column_of(tables, 1, "shear")}
@@ -328,6 +313,25 @@ def _factor(mapping: Mapping, quantity: _Quantity, body: str) -> float:
     if has_sign or body == "upper":
         return factor
     return -factor
+
+
+def _means_at(
+    table: DatTable, column: int, keys_of_points: Sequence[tuple[int, ...]]
+) -> list[float]:
+    """One column of a printed table at each point: the mean of the rows that belong to its node or
+    element face, 0 where there are none.
+
+    Parameters
+    ----------
+    column
+        number of the column among the table's values
+    keys_of_points
+        number of the node, or of element and face, of each point
+    """
+    values_of: dict[tuple[int, ...], list[float]] = {}  # key of a node or face -> its rows
+    for key, value in zip(table.ids.tolist(), table.values[:, column].tolist(), strict=True):
+        values_of.setdefault(tuple(key), []).append(value)
+    return [float(np.mean(values_of.get(key, 0.0))) for key in keys_of_points]
 
 
 def _printed_places(mesh: CalculixMesh, place_keys: Integers) -> tuple[Array, Array]:
