@@ -123,17 +123,7 @@ def traction_panels(
         whether the page's slider moves the curves
     """
     width, height = size
-    is_drawn = np.abs(view.x) <= view.largest_x * 1.02
-    x = view.x[is_drawn]
-    # The instant, which is drawn, before the others that the axes hold; a line copies its row, or
-    # it would keep all in memory.
-    rows = np.array(list(dict.fromkeys((instant, *instants))))
-    grid = np.ix_(rows, np.flatnonzero(is_drawn))
-    traction_pairs: dict[str, tuple[Array, Array]] = {}  # of the reference, of the result
-    for letter, (field, unit) in _traction_fields(view).items():
-        reference_values = getattr(view.reference_cycle, field)[grid] / unit
-        result_values = getattr(view.result_cycle, field)[grid] / unit
-        traction_pairs[letter] = (reference_values, result_values)
+    x, traction_pairs = _tractions_at(view, (instant, *instants))
     differences = {
         letter: 100 * (result_values - reference_values)
         for letter, (reference_values, result_values) in traction_pairs.items()
@@ -142,6 +132,7 @@ def traction_panels(
     def curve_of(values: Array, css: str, label: str, field: str) -> Curve:
         return Curve(x, values.copy(), css, label, {"field": field} if live else {})
 
+    # row 0 is the instant that is drawn
     traction_marks: list[Mark] = [ZERO]
     for engine_number, engine in enumerate(view.engines):
         for letter in "pq":
@@ -149,18 +140,6 @@ def traction_panels(
             css = f"{engine.look} {letter}"
             label = f"{letter}, {engine.name}"
             traction_marks.append(curve_of(values, css, label, f"{letter}{engine_number}"))
-    difference_marks: list[Mark] = [ZERO]
-    for letter in "pq":
-        values = differences[letter][0]
-        label = f"difference of {letter}, %"
-        difference_marks.append(curve_of(values, f"d {letter}", label, f"d{letter}"))
-
-    pressures = traction_pairs["p"]
-    is_touching = (pressures[0][0] != 0) | (pressures[1][0] != 0)
-    notes = []
-    for letter in "pq":
-        numbers = difference_in_words(differences[letter][0], x, "x = {} a_ref", " %", is_touching)
-        notes.append(f"{letter}: {numbers}")
     all_values = [values for pair in traction_pairs.values() for values in pair]
     upper_panel = Panel(
         name,
@@ -173,6 +152,17 @@ def traction_panels(
         title,
         room=(72.0, 26.0 if title else 12.0, 20.0, 20.0),
     )
+
+    pressure_of_reference, pressure_of_result = traction_pairs["p"]
+    is_touching = (pressure_of_reference[0] != 0) | (pressure_of_result[0] != 0)
+    difference_marks: list[Mark] = [ZERO]
+    notes = []
+    for letter in "pq":
+        values = differences[letter][0]
+        label = f"difference of {letter}, %"
+        difference_marks.append(curve_of(values, f"d {letter}", label, f"d{letter}"))
+        numbers = difference_in_words(values, x, "x = {} a_ref", " %", is_touching)
+        notes.append(f"{letter}: {numbers}")
     lower_panel = Panel(
         f"{name}-difference",
         view.over_x(),
@@ -184,6 +174,24 @@ def traction_panels(
         notes=notes,
     )
     return upper_panel, lower_panel
+
+
+def _tractions_at(
+    view: CycleView, instants: Sequence[int]
+) -> tuple[Array, dict[str, tuple[Array, Array]]]:
+    """Points over a_ref that are drawn, (n,); and there, by letter p or q, the tractions of the
+    reference and of the result over their units, (k, n) each, for each of the `instants` once.
+    """
+    is_drawn = np.abs(view.x) <= view.largest_x * 1.02
+    # A line copies its row of these, or it would keep all in memory.
+    rows = np.array(list(dict.fromkeys(instants)))
+    grid = np.ix_(rows, np.flatnonzero(is_drawn))
+    traction_pairs = {}
+    for letter, (field, unit) in _traction_fields(view).items():
+        reference_values = getattr(view.reference_cycle, field)[grid] / unit
+        result_values = getattr(view.result_cycle, field)[grid] / unit
+        traction_pairs[letter] = (reference_values, result_values)
+    return view.x[is_drawn], traction_pairs
 
 
 def moving_instant(view: CycleView) -> Plate:

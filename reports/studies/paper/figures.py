@@ -509,29 +509,10 @@ def _figure_5(case: Case) -> Plate:
         css = colour if colour == "d" else f"c{colour}"
         marks_above.append(_line([0.0, 360.0], [x, x], "", f"{css} dot"))
         marks_above += _text_at(360.0, x, f"{x:.2f}", (-14.0, 5.0), colour)
-        for slip_state, direction in (
-            (SurfaceState.SLIP_FORWARD, "forward"),
-            (SurfaceState.SLIP_REVERSE, "reverse"),
-        ):
-            slips = state == slip_state
-            if slips.any():
-                slipping_y = np.where(_grown(slips), displacement_of_point, np.nan)
-                marks_below.append(_line(angles, slipping_y, "", f"{direction} broad-line"))
-        is_open = state == SurfaceState.OPEN
-        marks_below.append(_line(angles, np.where(is_open, np.nan, displacement_of_point), "", css))
-        marks_below.append(
-            _line(
-                angles, np.where(_grown(is_open), displacement_of_point, np.nan), "", f"{css} dot"
-            )
-        )
+        marks_below += _displacement_line(angles, displacement_of_point, state, css)
         row_of_least = int(np.argmin(displacement_of_point))
-        marks_below += _text_at(
-            float(angles[row_of_least]),
-            float(displacement_of_point[row_of_least]),
-            f"{x:.2f}",
-            (0.0, -10.0),
-            colour,
-        )
+        place_of_least = (float(angles[row_of_least]), float(displacement_of_point[row_of_least]))
+        marks_below += _text_at(*place_of_least, f"{x:.2f}", (0.0, -10.0), colour)
     least_displacement = float(displacement.min())
     largest_displacement = float(displacement.max())
     range_shown = largest_displacement - least_displacement
@@ -566,6 +547,25 @@ def _figure_5(case: Case) -> Plate:
 def _grown(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """A mask with one instant more at either end of each run, so that pieces of a curve meet."""
     return np.asarray(mask | np.roll(mask, 1) | np.roll(mask, -1))
+
+
+def _displacement_line(
+    angles: Array, displacement: Array, state: NDArray[np.int8], css: str
+) -> Iterator[Mark]:
+    """The displacement of a point through the cycle as lines over the angle, (n,) each: broad where
+    it slips, dotted where it is out of contact. `state` is its state at each angle, `css` its look.
+    """
+    for slip_state, direction in (
+        (SurfaceState.SLIP_FORWARD, "forward"),
+        (SurfaceState.SLIP_REVERSE, "reverse"),
+    ):
+        slips = state == slip_state
+        if slips.any():
+            slipping_y = np.where(_grown(slips), displacement, np.nan)
+            yield _line(angles, slipping_y, "", f"{direction} broad-line")
+    is_open = state == SurfaceState.OPEN
+    yield _line(angles, np.where(is_open, np.nan, displacement), "", css)
+    yield _line(angles, np.where(_grown(is_open), displacement, np.nan), "", f"{css} dot")
 
 
 def _figure_8(case: Case) -> Plate:
