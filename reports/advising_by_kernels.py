@@ -109,9 +109,12 @@ def _is_at_flank(scene: Scene, quantity: str) -> bool:
 def changes_of(
     solution: ContactSolution, theory: ContactSolution | None = None
 ) -> dict[str, Change]:
-    """How much the values of finite elements, or of a kernel solve, differ from those of half-plane
-    theory: for each quantity its name, theory's value, and solution/theory - 1 with the uncertainty
-    that the solution states. Theory is solved where it is not given.
+    """How much the values of a solution of real bodies differ from those of half-plane theory: for
+    each quantity its name, theory's value, and solution/theory - 1 with the uncertainty that the
+    solution states.
+
+    The solution is by finite elements, or by half-planes with the compliance of the bodies added
+    (kernels). Theory is solved where it is not given.
 
     Raises
     ------

@@ -229,8 +229,9 @@ def _count(n_swings: int) -> str:
 
 
 def parts_in_words(scene: Scene) -> list[str]:
-    """Sentences on the parts of a record of loads, and on the keys of the scene by which only the
-    cycles that are alike are kept; empty where one part is nearly the whole record.
+    """Sentences on the parts of a record of loads (no load, rest, run-in, alike cycles), and on the
+    keys of the scene by which only the cycles that are alike are kept. Empty where one part is
+    nearly the whole record.
     """
     parts = record_parts(scene)
     cycles_alike = [part for part in parts if part.kind == "alike"]

@@ -156,6 +156,7 @@ def check(scene: str, options: Options) -> Answer:
     engines = engines_for(scene_read, scene, finite_elements=rows <= _MOST_ROWS)
     nearest_instant = nearest_to_sliding(scene_read)
     bulk = bulk_and_tilt(scene_read)
+    # by half-plane theory; None where it does not take the scene
     contact = None
     remarks_on_scene: list[str] = []
     with suppress(InputError):  # of theory, where finite elements alone take the scene
@@ -280,8 +281,10 @@ def _draw_fit(scene: Scene, file: Path) -> None:
 
 
 def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
-    """The answer of `check` for a scene that prescribes displacements: loads, sliding and
-    dissipation that follow from them by theory, and remarks.
+    """The answer of `check` for a scene that prescribes displacements, as a rig does: loads,
+    sliding and dissipation that follow from them by half-plane theory, and remarks.
+
+    `source` is the scene as the user named it.
     """
     import numpy as np
 

@@ -390,8 +390,8 @@ def _report_with_budget(job: Job, comparison: Comparison, seconds_before: float 
     """The report on a comparison, with the budget of its errors if that is to be measured, and for
     real bodies the causes of the difference.
 
-    `seconds_before` is the processor time before the finite elements were solved, by which the cost
-    of the budget is stated; None without a budget.
+    `seconds_before` is the processor time before the finite elements were solved, from which the
+    cost of the budget follows; None without a budget.
     """
     from reports.comparison.budget import climb, error_budget
     from reports.comparison.pairs import are_half_planes
@@ -654,13 +654,15 @@ def _notes_shown(report: Report) -> Iterator[Part]:
 
 
 def _budget_shown(report: Report, budget: ErrorBudget) -> Iterator[Part]:
-    """The budget of errors for the terminal: a table of what each source contributes to each
-    difference, and sentences on it. E itself stands in the table above.
+    """The budget of errors for the terminal: a table of what mesh, load steps and other sources
+    contribute to each difference of the result from theory, and sentences on it. The difference
+    itself stands in the table above.
     """
     from reports.comparison.budget_words import budget_table, cost, negligible_terms
 
     terms_left_out = negligible_terms(budget)
     heads, rows, _ = budget_table(budget, (*terms_left_out, "E"))
+    # the column before the uncertainty: what the sources leave of the difference
     column_of_rest = heads.index("± u") - 1
     heads = (*heads[:column_of_rest], "left", *heads[column_of_rest + 1 :])
     title = "Where the difference comes from"
@@ -834,7 +836,12 @@ def _answer_of_rig(job: Job, engines: Engines, no_comparison: str) -> Answer:
     elements where theory refuses the bodies; then finite elements are solved beside theory, and the
     page of both is written.
 
-    `engines` says which engine takes the scene; `no_comparison` why the two are not compared.
+    Parameters
+    ----------
+    engines
+        which of theory and finite elements take the scene
+    no_comparison
+        why the two are not compared, in a sentence
     """
     from reports.comparison.words import summary_rows
 

@@ -156,8 +156,9 @@ def compare(
         the reference on the straight steps between the result's instants, which sets the error
         of the steps apart from all others
     plain_reference
-        the reference as it is, where `reference` has states, edges and dissipation by the rule
-        of the result: what the first table shows of it; `reference` if None
+        the reference with its own states, edges and dissipation, where those of `reference` were
+        found by the rule that an external result follows; the first table shows it. `reference`
+        if None
     scales_from
         what the scales are read off, where the reference holds few instants; the reference if
         None
@@ -240,8 +241,9 @@ def _refuse_other_question(reference: ContactSolution, result: ContactSolution) 
 
 
 def _notes(pair: Pair) -> Iterator[str]:
-    """Sentences that a reader of a comparison must not miss: interpolation, light instants, no
-    convergence, notes of both solutions.
+    """Sentences that a reader of a comparison must not miss: interpolation, instants with too light
+    a load to be judged, no convergence, and the notes of both solutions. `pair` holds the last
+    cycles of reference and result.
     """
     from reports.charts.templating import in_template
 

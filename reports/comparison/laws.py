@@ -85,11 +85,12 @@ def is_corrected(solution: ContactSolution) -> bool:
 
 
 def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
-    """How far a solution violates each law of contact, from its fields and from its record, with
-    the limit admitted.
+    """How far a solution violates each law of contact (no tension, |q| <= f p, slip with the shear,
+    equilibrium), from its fields and from its record, with the limit admitted.
 
     Of an external result only those laws are checked that rest on fields of its own, with the limit
-    that printed digits allow; corrected theory has the limit of its straight load steps.
+    that printed digits allow. Theory corrected by responses of finite bodies has the limit of its
+    straight load steps.
     """
     violations_in_fields = {"tension": _tension(solution)}
     if not np.isnan(solution.shear).all():
@@ -333,8 +334,9 @@ def ratio_of_answer(solution: ContactSolution) -> float:
 
 
 def expected_numbers(scene: Scene, solutions: Iterable[ContactSolution]) -> Iterator[Finding]:
-    """The numbers that a scene expects of the engines of these solutions, each with what was found,
-    in the scene's order. None is expected of corrected theory.
+    """The numbers that a scene states as expected of theory or finite elements, each with what
+    `solutions` have instead, in the scene's order. None is expected of theory corrected by
+    responses of finite bodies.
     """
     solution_by_engine = {
         name_of(solution.engine): solution for solution in solutions if not is_corrected(solution)

@@ -87,6 +87,7 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
     import semi_analytic
 
     cycle = np.asarray(solution.last_cycle)
+    # evenly chosen steps, and those at which a load turns
     even_steps = np.linspace(0, len(cycle) - 1, min(_INSTANTS, len(cycle))).round().astype(int)
     turning_steps = []
     for load in (solution.normal_load[cycle], solution.tangential_load[cycle]):
@@ -106,6 +107,7 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
     edges_of_engines = np.array([theory_edges, edge_tension.edges])  # a row for each engine
     middles = edges_of_engines.mean(axis=1)
     half_widths = (edges_of_engines[:, 1] - edges_of_engines[:, 0]) / 2
+    # with a critical distance stress is averaged over depth, by these weights
     depths, weights = _depths_and_weights(criteria, half_widths[0])
     depth, x_over_half_width = (
         axis.ravel() for axis in np.meshgrid(depths, _ACROSS, indexing="ij")

@@ -358,8 +358,8 @@ def _quantised(values: Array) -> dict[str, Any]:
 
 def _cycle_data(view: CycleView) -> dict[str, Any]:
     """Everything that the slider of the page moves through, for its script: loads, displacements,
-    tractions and states at the instants and points carried, and how many of all these are. `view`
-    holds the last cycles of both solutions.
+    tractions and states at those instants and points that the page holds, and how many there are in
+    all. `view` holds the last cycles of both solutions.
     """
     scene = view.scene
     rows = _carried_instants(view)

@@ -253,8 +253,10 @@ class LoopsOverFriction:
     @functools.cached_property
     def branch_parts(self) -> dict[bool, list[Indices]]:
         """Numbers of the instants of theory's cycle at which a row of the rising branch (True), or
-        of the falling one (False), may lie: those of the branch itself, and those of the other
-        branch just before and just behind it, since noise can lay a row beyond the turning point.
+        of the falling one (False), may lie.
+
+        They are those of the branch itself, and those of the other branch just before and just
+        behind it, since noise can lay a row beyond the turning point.
         """
         load_of_cycle = self.load[:-1]
         n_instants = len(load_of_cycle)
@@ -375,11 +377,13 @@ class LoopsOverFriction:
             sigma of U and of Q
         """
         highest, lowest, compliance, _ = terms.tolist()
+        # r: range of Q of these turning points over that of the scene
         scale = self.scale(highest, lowest)
         points = self.nearest_points(rows, friction, terms, weights)
         shift = self.shift(friction / scale)
         shift_by_log = self.shift_by_log_friction(friction / scale)
         instants = np.arange(len(self.load))
+        # place of the nearest point in the scene's cycle, as a number of instants
         place = np.mod(points.place, len(self.load) - 1)
         share_of_range = (
             np.interp(place, instants, self.load - self.load.min()) / self.range_of_load
@@ -400,6 +404,7 @@ class LoopsOverFriction:
             ]
         )
         load_derivatives = np.zeros_like(shift_derivatives)
+        # Q of the point by highest and lowest Q
         load_derivatives[:, 1] = share_of_range
         load_derivatives[:, 2] = 1 - share_of_range
         derivatives = (

@@ -194,9 +194,8 @@ def _with_places_of_outliers(
 def _surface_of_rows(
     source: str, mapping: Mapping, columns: dict[Quantity, Array], notes: list[str]
 ) -> SurfaceResult:
-    """An external result from columns with one row for each instant and point: grouped by instant,
-    sorted by x, shapes and loads checked. `notes` come first in its notes. `mapping` states
-    columns, units and signs of the file.
+    """An external result from columns with one row for each instant and point, (n_rows,) each:
+    grouped by instant, sorted by x, shapes and loads checked. `notes` come first in its notes.
     """
     instants, source_in_words = _instants_of_rows(columns)
     points_of_instants = np.unique(instants, return_counts=True)[1]
@@ -295,29 +294,31 @@ def _quantity_of_heading(name: str, mapping: Mapping) -> _Head:
 def _columns_of_frames(
     source: str, table: TextTable, mapping: Mapping
 ) -> tuple[dict[Quantity, Array], list[str]] | None:
-    """Columns of frames that stand beside each other in a table, put one below the other, and a
-    note; None where the names don't look like that.
+    """Read a table whose frames (instants) stand side by side, as groups of columns: a column for
+    each quantity, the frames one below the other, and a note. None where the names of the columns
+    don't look like that.
 
-    Each frame has a pressure and perhaps a shear, a slip and places of its own; its number or time
-    stands in the names, or the frames are taken in the order of the columns. `mapping` states
-    columns, units and signs of the file.
+    Each frame has a pressure and perhaps a shear, a slip and places of its own. Its number or time
+    stands in the names, or the frames are taken in the order of the columns.
     """
-    heads = [_quantity_of_heading(name, mapping) for name in table.names]
+    headings = [_quantity_of_heading(name, mapping) for name in table.names]
     values_of: dict[Quantity, dict[float, Array]] = {quantity: {} for quantity in _FIELDS}
-    for number, head in enumerate(heads):
-        if head.quantity is None:
+    for column_number, heading in enumerate(headings):
+        if heading.quantity is None:
             continue
-        values_by_frame = values_of[head.quantity]
-        frame = float(len(values_by_frame)) if head.frame is None else head.frame
+        values_by_frame = values_of[heading.quantity]
+        frame = float(len(values_by_frame)) if heading.frame is None else heading.frame
         if frame in values_by_frame:
             raise InputError(
-                f"{source}: two columns hold {head.quantity} of the same frame; leave one out or"
+                f"{source}: two columns hold {heading.quantity} of the same frame; leave one out or"
                 " rename it"
             )
-        values_by_frame[frame] = converted(mapping, head.quantity, table.values[:, number])
+        values_by_frame[frame] = converted(
+            mapping, heading.quantity, table.values[:, column_number]
+        )
     frames = sorted(values_of["pressure"])
     has_frame_in_name = any(
-        head.quantity == "pressure" and head.frame is not None for head in heads
+        heading.quantity == "pressure" and heading.frame is not None for heading in headings
     )
     if not values_of["x"] or (len(frames) < 2 and not has_frame_in_name):
         return None
@@ -335,11 +336,15 @@ def _columns_of_frames(
                 " frame needs both pressure and shear"
             )
         columns[quantity] = np.concatenate([values_by_frame[frame] for frame in frames])
-    quantity_of_frames: Quantity = "time" if any(head.is_time for head in heads) else "frame"
+    quantity_of_frames: Quantity = (
+        "time" if any(heading.is_time for heading in headings) else "frame"
+    )
     columns[quantity_of_frames] = converted(
         mapping, quantity_of_frames, np.repeat(frames, len(table.values))
     )
-    has_number_in_name = any(head.quantity is not None and head.frame is not None for head in heads)
+    has_number_in_name = any(
+        heading.quantity is not None and heading.frame is not None for heading in headings
+    )
     order_in_words = (
         "by the figures in their names" if has_number_in_name else "in the order of the columns"
     )

@@ -767,8 +767,7 @@ class _Yardstick:
 
 def _yardsticks(surface: SurfaceResult, theory: ContactSolution) -> tuple[_Yardstick, ...]:
     """Half-width, largest pressure and largest normal load of an external result (`surface`), each
-    beside that of theory. The unit of the result's lengths, stresses and loads is guessed from
-    their ratios.
+    beside that of theory: from their ratios the unit of its lengths, stresses and loads is guessed.
     """
     left_end, right_end = _extent(surface)
     half_width = float(np.nanmax(theory.contact_half_width))
@@ -805,9 +804,12 @@ def _yardsticks(surface: SurfaceResult, theory: ContactSolution) -> tuple[_Yards
 def _in_unit_by(
     yardstick: _Yardstick, surface: SurfaceResult, mapping: Mapping
 ) -> tuple[SurfaceResult, str]:
-    """An external result with one kind of field (lengths, stresses or loads, by `yardstick`)
-    multiplied by the factor that its size beside theory's suggests, and a sentence that says so. As
-    it is, with an empty sentence, where the mapping states the factor or none is needed.
+    """Guess the unit of one kind of field of an external result (lengths, stresses or loads) from
+    its size beside theory's: the result with these fields multiplied by the factor that this
+    suggests, and a sentence that says so.
+
+    As it is, with an empty sentence, where the mapping states the factor or none is needed.
+    `yardstick` names the fields, with the size of the result and that of theory.
     """
     fields = {name: getattr(surface, name) for name in yardstick.fields}
     present_fields = {name: values for name, values in fields.items() if values is not None}

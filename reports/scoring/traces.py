@@ -132,7 +132,9 @@ def full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     result_cycle = comparison.found
     reference_cycle = comparison.expected
     has_pressure = result_cycle.pressure > 0.01 * comparison.scales.pressure
+    # comparison.judged: instants with enough load to be judged
     is_pressed = has_pressure & comparison.judged[:, None]
+    # well below the limit in the reference
     should_stick = (
         is_pressed
         & (reference_cycle.state == STICK)

@@ -117,8 +117,9 @@ def _answer_in_words(scene: Scene, limit: float, verdict: str | None, sentence: 
 
 
 def _answer_by_numbers(advice: Advice) -> Answer:
-    """The answer of the command `advise` by corrected theory: the sentence of the advice, a table
-    of what the bodies change, and a table of the causes.
+    """The answer of the command `advise` by theory that is corrected with elastic responses of the
+    bodies: the sentence of the advice, a table of what the bodies change, and a table of the
+    causes.
     """
     from reports.advising_by_numbers import sentence
     from reports.comparison.pairs import coupled
@@ -152,8 +153,8 @@ def _answer_by_numbers(advice: Advice) -> Answer:
 
 
 def _answer_by_kernels(advice: KernelAdvice) -> Answer:
-    """The answer of the command `advise` by a solve with the kernels of the real bodies: the
-    sentence of the advice, and a table of what the bodies change.
+    """The answer of the command `advise` by half-planes with the compliance of the bodies added
+    (kernels): the sentence of the advice, and a table of what the bodies change.
     """
     from reports.advising_by_kernels import sentence
     from reports.comparison.verdicts import Verdict

@@ -455,8 +455,8 @@ class Sweep:
 
 
 def _sweep(case: Case, largest_ratio: float = 6.0, count: int = 33) -> Sweep:
-    """The dissipation W and the peak of W(x) over x, for all coefficients of friction f of the
-    paper and `count` ratios P0/P1 from gross sliding up to `largest_ratio`.
+    """The dissipation W and the peak of W(x) over x for many circles of loads: all coefficients of
+    friction f of the paper, and `count` ratios P0/P1 from gross sliding up to `largest_ratio`.
 
     The profile is that of `case`, with a radius such that the half-width a(P0) and the flat's
     half-length b stay what they are.
@@ -467,6 +467,7 @@ def _sweep(case: Case, largest_ratio: float = 6.0, count: int = 33) -> Sweep:
     ratio = sliding_limit(friction)[:, None] * (1 + 1e-9)
     ratio = ratio * (largest_ratio / ratio) ** (np.linspace(0, 1, count) ** 2)
     profile = case.scene.profile.model_dump()
+    # P0 is ratio P0/3 of the case: the radius falls as P0 grows, so that a(P0) stays
     arguments = case.circles(
         friction[:, None], ratio, profile=profile | {"radius": profile["radius"] * 3 / ratio}
     )

@@ -134,6 +134,7 @@ class ThirdSolver:
         """Sentences beside the numbers of CalculiX: its failure or how the run went, then known
         limits.
         """
+        # The last node is the one that the upper rigid plane moves with.
         size = f"{self.deck.reference} nodes, {len(self.deck.time) - 1} instants"
         if self.run_record is None:
             first_sentence = f"{self.code} gave no answer ({size}): {self.failure}."
