@@ -66,8 +66,8 @@ def _has_form(values: Array) -> Mask:
 
 
 def without_spikes(values: Array) -> Array:
-    """`values` (n_steps, n_points), with the mean of both neighbours in x in place of every spike,
-    a value that stands out of all others.
+    """A field of values (n_steps, n_points) without its spikes, single values that are far larger
+    than all others: in place of each stands the mean of both neighbours in x.
     """
     is_spike = spikes(values)
     if not is_spike.any():

@@ -303,6 +303,7 @@ def headline(comparison: JudgedPair) -> str:
     if _is_failed(comparison):
         return _failure(comparison)
     dissipation = comparison.metric("dissipation")
+    # quantities that the sentence names
     keys = ("largest_pressure", "largest_half_width")
     if dissipation.value is not None and not dissipation.absolute:
         keys = ("dissipation", "largest_pressure")
@@ -317,6 +318,7 @@ def headline(comparison: JudgedPair) -> str:
     elif _both_ours(comparison) and comparison.result.engine == "halfplane_fe":
         kind_of_sentence = "theory"
     if kind_of_sentence == "agree":
+        # half-planes are what theory solves: any difference is an error, without a sense
         claims = [_agreement(metric) for metric in metrics]
     else:
         claims = [_claim(metric) for metric in metrics]
@@ -738,8 +740,11 @@ def first_cells(
     *,
     with_empty: bool = True,
 ) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """The table of absolute values as heads and cells, with long or short labels; without the rows
-    that neither solution has a value for unless `with_empty`.
+    """The table that shows what reference and result have, such as dissipation and peak pressure,
+    as column heads and rows of cells: label, both values, difference, verdict.
+
+    `label` chooses long or short labels; rows that neither solution has a value for are left out
+    unless `with_empty`.
     """
     heads, rows = first_table(comparison)
     cells = []

@@ -501,6 +501,7 @@ def _at_the_contact(
     half_size = 1.75 * outermost(solution)
     skins = []
     for body in snapshot.bodies:
+        # what the gap between flat faces lifts the points of the upper body
         rise = np.outer(gap_share(solution, body), (0.0, 1.0))
         points = body.points + body.displacement + rise
         skins.append(Skin(points, body.cells, body.von_mises, (0.0, largest_stress), edges=0.22))

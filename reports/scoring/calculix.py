@@ -220,11 +220,13 @@ def _face_by_stress(
 def _face_by_contact(
     mesh: CalculixMesh, blocks: Sequence[FrdBlock], mapping: Mapping
 ) -> tuple[Integers, dict[_Quantity, float], list[str]]:
-    """The slave face by its contact values: rows of its nodes in the mesh; the factors that turn
-    the values of `blocks` into pressure, shear and slip with the project's signs; and notes.
-    InputError where nothing touches at any time. `mapping` states columns, units and signs of the
-    file.
+    """Find the slave face in a result of CalculiX by its contact values: rows of its nodes in the
+    mesh; the factors that turn the values of `blocks` into pressure, shear and slip in the scene's
+    units with the project's signs; and notes. InputError where nothing touches at any time.
+
+    `mapping` states units and signs of the file.
     """
+    # nodes that have a contact value at some time
     touched_rows = [mesh.rows(block.nodes[np.any(block.values != 0, axis=1)]) for block in blocks]
     touched = np.unique(np.concatenate(touched_rows))
     if not len(touched):

@@ -319,12 +319,12 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
     rows = usable_instants[np.unique(places)]
     reference_cycle = comparison.expected
     result_cycle = comparison.found
-    expected_tractions = np.array([reference_cycle.pressure[rows], reference_cycle.shear[rows]])
+    reference_tractions = np.array([reference_cycle.pressure[rows], reference_cycle.shear[rows]])
     result_tractions = np.array([result_cycle.pressure[rows], result_cycle.shear[rows]])
     has_shear = not np.isnan(result_tractions[SHEAR]).all()
     if not has_shear:  # a file without shear: it counts for nothing
-        result_tractions[SHEAR] = np.nan_to_num(expected_tractions[SHEAR])
-    is_known = np.isfinite(expected_tractions).all(axis=0)
+        result_tractions[SHEAR] = np.nan_to_num(reference_tractions[SHEAR])
+    is_known = np.isfinite(reference_tractions).all(axis=0)
     is_known &= np.isfinite(result_tractions).all(axis=0)
     isolated = comparison.isolated
     is_known &= ~(isolated["pressure"] | isolated["shear"])[rows]
@@ -332,15 +332,15 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
         return None
     tractions_with_bodies = _with_bodies(comparison, rows)
     if tractions_with_bodies is not None:
-        expected_tractions = tractions_with_bodies
-        result_tractions = np.where(is_known, result_tractions, expected_tractions)
+        reference_tractions = tractions_with_bodies
+        result_tractions = np.where(is_known, result_tractions, reference_tractions)
     weight = is_known * shares(result_cycle.time[rows])[:, None] * shares(result_cycle.x)
-    expected_tractions = np.nan_to_num(expected_tractions)
+    reference_tractions = np.nan_to_num(reference_tractions)
     return Discrepancy(
         comparison,
         rows,
-        expected_tractions,
-        np.where(is_known, result_tractions, expected_tractions),
+        reference_tractions,
+        np.where(is_known, result_tractions, reference_tractions),
         weight / weight.sum(),
         missing=float(1 - is_known.mean()),
         exact=comparison.reference.engine == "semi_analytic" and tractions_with_bodies is None,

@@ -199,11 +199,18 @@ class Judgement:
     def _fitted_jointly(
         self, pressure_fits: Sequence[Fit], explanations: Sequence[Fit]
     ) -> list[Fit]:
-        """The best explanation again, with its causes of the pressure replaced by those of each
-        other fit of the pressure, and all sizes fitted to pressure and shear at once.
+        """The best explanation of the difference again, with its causes of the pressure replaced by
+        those of each other fit of the pressure, and all sizes fitted to pressure and shear at once.
 
         Sizes that were fitted to a noisy pressure alone may be too far off for the shear to decide
         between the explanations.
+
+        Parameters
+        ----------
+        pressure_fits
+            fits of causes (known faults) to the pressure, the best first
+        explanations
+            fits of causes to pressure and shear
         """
         if not explanations or len(pressure_fits) < 2 or not self.discrepancy.sheared:
             return []
@@ -315,8 +322,9 @@ class Judgement:
         return np.inf if fit is None else share_left(fit, self.no_cause, (PRESSURE,))
 
     def _best_single(self, causes: Sequence[Cause]) -> Fit | None:
-        """The fit of one of the `causes` that leaves least of the pressure difference, whether or
-        not chance could do as much. None where each leaves a third or more.
+        """The fit of one cause (known fault) that leaves least of the pressure difference, of the
+        `causes` tried, whether or not chance could do as much. None where each leaves a third or
+        more.
         """
         possible_fits = []
         for cause in causes:
@@ -333,8 +341,8 @@ class Judgement:
         return all(fit is None or self._better(pair, fit, (PRESSURE,)) for fit in fits_alone)
 
     def _of_model(self, fits: Sequence[Fit]) -> list[tuple[Cause, ...]]:
-        """Combinations of causes to try next, in each of which a fault of the model (bodies too
-        small, faces that sink into each other) takes the place of a wrong factor of E*, loads or x.
+        """Combinations of causes to try next, in each of which a fault of the model takes the place
+        of a wrong factor of E*, loads or x: bodies too small, or faces that sink into each other.
 
         Both change the contact's width alike. `fits` are the fits of such factors. Empty where the
         best factor explains everything exactly.
@@ -361,8 +369,17 @@ class Judgement:
         fit_before: Fit,
         channels: tuple[int, ...],
     ) -> list[Fit]:
-        """Of the `choices`, each some causes together, the fits that explain what the fit
-        `fit_before` leaves in these channels (pressure, shear).
+        """Try combinations of causes (known faults, such as a wrong friction coefficient): the fits
+        that explain what `fit_before` leaves of the difference in some tractions.
+
+        Parameters
+        ----------
+        choices
+            the combinations
+        fit_before
+            fit of fewer causes, or of none
+        channels
+            the tractions that count: pressure, shear or both
         """
         explanations = []
         for causes in choices:
@@ -436,8 +453,8 @@ class Judgement:
         return fits[0] if fits and self.is_right(fits[0], SHEAR) else None
 
     def _with_shear(self, pressure_fit: Fit) -> list[Fit]:
-        """Fits of causes to pressure and shear, the best first, that begin with a fit to the
-        pressure alone; its causes keep the sizes fitted there.
+        """Fits of causes (known faults) to pressure and shear, the best first, that begin with a
+        fit to the pressure alone; its causes keep the sizes fitted there.
 
         Tried in turn: no further cause, one of the shear, coupling by unlike bodies, and two of the
         shear; the first that leaves noise alone ends it.
@@ -474,8 +491,8 @@ class Judgement:
         return bool(explanations) and self.is_right(explanations[0], SHEAR)
 
     def _causes_of_shear(self, fit_before: Fit, count: int) -> list[Fit]:
-        """Explanations of the shear by `count` causes beside those of `fit_before`, which explain
-        the pressure; two causes in all at most; the best first.
+        """Explanations of the shear by `count` causes (known faults) beside those of `fit_before`,
+        which explain the pressure; two causes in all at most; the best first.
         """
         if len(fit_before.causes) + count > 2:
             return []
@@ -514,11 +531,11 @@ class Judgement:
     def _explanations_of_shear(
         self, choices: Iterable[tuple[Cause, ...]], fit_before: Fit
     ) -> list[Fit]:
-        """Fits of the `choices`, each a set of causes, that explain what `fit_before` leaves of the
-        shear; the best first.
+        """Try combinations of causes (known faults): the fits that explain what `fit_before` leaves
+        of the shear; the best first.
 
         A fit counts where it leaves of the pressure at most twice the square that `fit_before`
-        leaves: causes of the shear hardly touch the pressure.
+        leaves: causes of the shear hardly touch the pressure. `choices` are the combinations.
         """
         explanations = []
         for causes in choices:

@@ -56,6 +56,7 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
     search = _Search(loop, scene, load_of_cycle, rig_compliance)
     least_f = least_friction(scene)
 
+    # scan of ln f, then the best one between the neighbours of the best trial
     trials = np.log(least_f) + np.linspace(1e-6, math.log(_WIDEST), _SCANNED)
     sums = np.array([search.sum_of_squares(trial, place.share, scale) for trial in trials.tolist()])
     best_trial = int(np.argmin(sums))
@@ -74,6 +75,7 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
     noise = max(math.sqrt(least_sum / degrees_of_freedom), loop.resolution[0] / math.sqrt(12))
     friction = scale * math.exp(log_friction)
 
+    # ends of the interval by the scatter of the rows
     limit = least_sum + _CHI * noise**2
     exceeds_limit = sums > limit
     distances = []  # from the best f down and up to the f at which the sum passes the limit

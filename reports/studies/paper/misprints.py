@@ -50,9 +50,11 @@ def _proof(
 
 # -------------------------------------------------------------------- loads, friction and tractions
 def _cycle(case: Case) -> dict[str, Found]:
-    """Proofs for misprints in sections 2 and 3 of the paper, by computing with each reading: which
-    loads, events (the letters A to M) and conditions are meant. Name of a misprint -> (whether it
-    is proven, numbers that prove it). `case` is the paper's ellipse of loads on one profile.
+    """Prove the misprints in sections 2 and 3 of the paper, by computing with each reading: which
+    loads, events (the letters A to M) and conditions are meant. Returns, by name of the misprint,
+    whether it is proven, and numbers.
+
+    `case` is the paper's ellipse of loads on one profile.
     """
     formulas = Formulas(case)
     events = case.events
@@ -102,9 +104,11 @@ def _cycle(case: Case) -> dict[str, Found]:
 
 
 def _condition_of_stick(case: Case) -> Found:
-    """Proof for the condition of full stick: the share of the instants of the steady cycle at which
-    dQ/dP < f, as printed, and |dQ/dP| < f with growing P contradict the engine. `case` is the
-    paper's ellipse of loads on one profile.
+    """Prove that the paper's condition of full stick is misprinted: dQ/dP < f as printed, |dQ/dP| <
+    f with growing P as mended. Each is compared with the engine at instants of the steady cycle:
+    the share of these that it gets wrong. Returns whether it is proven, and the shares.
+
+    `case` is the paper's ellipse of loads on one profile.
     """
     times = case.round_times(721)
     times = (times[1:] + times[:-1]) / 2
@@ -123,8 +127,10 @@ def _condition_of_stick(case: Case) -> Found:
 
 
 def _event_of_least_load(case: Case) -> Found:
-    """Proof for what happens at the events F and H: P is least at F, and Q at H. `case` is the
-    paper's ellipse of loads on one profile.
+    """Prove that P is least at the event F of the paper's cycle, and Q at H, where the paper has P
+    least at H. Returns whether it is proven, and the loads.
+
+    `case` is the paper's ellipse of loads on one profile.
     """
     events = case.events
     loads_of_cycle = case.loads(case.round_times(3601))
@@ -142,9 +148,11 @@ def _event_of_least_load(case: Case) -> Found:
 
 
 def _net_displacement(case: Case) -> Found:
-    """Proof that the net slip of a revolution is 0 and not the dissipation, at x = 0.8 a0: the net
-    slip over the range of slip, and the dissipation in the paper's unit. `case` is the paper's
-    ellipse of loads on one profile.
+    """Prove that what is 0 after a revolution is the net slip, and not the dissipation as printed,
+    at x = 0.8 a0. Returns whether it is proven, with the net slip over the range of slip, and the
+    dissipation in the paper's unit.
+
+    `case` is the paper's ellipse of loads on one profile.
     """
     start = case.time("G")
     revolution = start + np.linspace(0, 2 * math.pi, 101)
@@ -159,11 +167,11 @@ def _net_displacement(case: Case) -> Found:
 
 
 def _corrective_load(case: Case, friction: float = 0.5, share_of_limit: float = 0.6) -> Found:
-    """Proof for equation (2), on Cattaneo and Mindlin's problem: with which corrective load,
-    printed or mended, f times a difference of two pressures is the engine's shear. Returns whether
-    the mended reading is proven, and the error of each reading.
+    """Prove that equation (2) is misprinted, on Cattaneo and Mindlin's problem: f times a
+    difference of two pressures is the engine's shear with the mended corrective load, not with the
+    printed one. Returns whether it is proven, and the error of each reading.
 
-    Q is `share_of_limit` times f P. `case` is the paper's ellipse of loads on one profile.
+    `case` gives profile and normal load; Q is `share_of_limit` times f P.
     """
     normal_load = case.load.mean_normal_load
     tangential_load = share_of_limit * friction * normal_load
@@ -192,9 +200,12 @@ def _corrective_load(case: Case, friction: float = 0.5, share_of_limit: float = 
 
 
 def _sliding_condition(case: Case) -> Found:
-    """Proof for the condition of gross sliding: circles between the printed and the mended formula
-    slide, and the engine's limit is within a share of 1e-10 of the mended one. `case` is the
-    paper's ellipse of loads on one profile.
+    """Prove that the paper's condition of gross sliding is misprinted, for loads that go round a
+    circle in the plane of P and Q. Circles between the printed and the mended limit of P0/P1 slide,
+    and the engine's limit is within 1e-10 of the mended one. Returns whether it is proven, and
+    numbers.
+
+    `case` is the paper's ellipse of loads on one profile.
     """
     friction = np.array([0.1, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0])
     mended_limit = sliding_limit(friction)
@@ -227,9 +238,12 @@ def _sliding_condition(case: Case) -> Found:
 
 
 def _rounded_law(case: Case) -> Found:
-    """Proof for the contact law of the flat and rounded profile (section 4.2): whether its left
-    side is over a^2, as printed, or over b^2. P is the integral of the engine's pressure; the
-    paper's (1 + kappa)/mu is 2 A. `case` is the paper's ellipse of loads on one profile.
+    """Prove that the paper's contact law of the flat and rounded profile (section 4.2) is
+    misprinted: its left side is over b^2, not over a^2 as printed. P is the integral of the
+    engine's pressure; the paper's (1 + kappa)/mu is 2 A. Returns whether it is proven, and both
+    sides.
+
+    `case` is the paper's ellipse of loads on this profile.
     """
     load = case.load.mean_normal_load
     profile = case.scene.profile.model_dump()
@@ -268,9 +282,11 @@ def _rounded_law(case: Case) -> Found:
 
 # --------------------------------------------------------------------------------------------- slip
 def _slip(case: Case) -> dict[str, Found]:
-    """Proofs for equations (14) to (19): slip and movement between two events of the cycle (the
-    paper's letters), at points in and out of contact, by the printed and the mended formula. `case`
-    is the paper's ellipse of loads on one profile.
+    """Prove that equations (14) to (19) are misprinted: slip and movement between two events of the
+    cycle (the paper's letters), at points in and out of contact, by the printed and the mended
+    formula. Returns, by name of the misprint, whether it is proven, and numbers.
+
+    `case` is the paper's ellipse of loads on one profile.
     """
     formulas = Formulas(case)
     time_of = {letter: case.time(letter) for letter in "GIJM"}
@@ -317,10 +333,12 @@ def _slip(case: Case) -> dict[str, Found]:
 
 
 def _slip_in_contact(case: Case) -> dict[str, Found]:
-    """Proofs for equations (14) and (18): slip of a point in contact from the event I to J.
-    Equation (14) is computed with C dP as printed and with C dP_Y, C being (dQ/dP)/f - 1 and P_Y
-    the load whose half-width is that of the stick zone; equation (18) with dQ/dP times P_Y as
-    printed and with dQ/dP at P_Y. `case` is the paper's ellipse of loads on one profile.
+    """Prove that equations (14) and (18) are misprinted: slip of a point in contact from the event
+    I to J. C is (dQ/dP)/f - 1, P_Y the load whose half-width is that of the stick zone.
+
+    Equation (14) is computed with C dP as printed and with C dP_Y; (18) with dQ/dP times P_Y as
+    printed and with dQ/dP at P_Y. Returns, by name, whether each is proven, and numbers. `case` is
+    the paper's ellipse of loads on one profile.
     """
     formulas = Formulas(case)
     factor = case.compliance * case.friction / math.pi
@@ -371,9 +389,11 @@ def _slip_in_contact(case: Case) -> dict[str, Found]:
 
 
 def _slip_out_of_contact(case: Case) -> Found:
-    """Proof for the second line of equation (16): movement of a point out of contact from E to F.
-    As printed it has int_a^x dx / sqrt(x^2 - c^2). `case` is the paper's ellipse of loads on one
-    profile.
+    """Prove that the second line of equation (16) is misprinted: movement of a point out of contact
+    from event E to F. As printed it has int_a^x dx / sqrt(x^2 - c^2), as mended a root of x^2 -
+    a^2. Returns whether it is proven, and numbers.
+
+    `case` is the paper's ellipse of loads on one profile.
     """
     formulas = Formulas(case)
     factor = case.compliance * case.friction / math.pi
@@ -395,8 +415,11 @@ def _slip_out_of_contact(case: Case) -> Found:
 
 
 def _gap_for_slope(case: Case) -> Found:
-    """Proof of what h_o in equation (15) is: slip from J to M at 0.8 a0, and how it grows with all
-    lengths and loads at the same stresses. `case` is the paper's ellipse of loads on one profile.
+    """Prove what h_o in equation (15) must be: with the slope of the gap the slip from event J to M
+    at 0.8 a0 is the engine's, and grows like it with all lengths and loads at the same stresses;
+    with the gap itself it does not. Returns whether it is proven, and numbers.
+
+    `case` is the paper's ellipse of loads on one profile.
     """
     case_as_is = case
     case_ten_times = case.ten_times()
@@ -424,9 +447,9 @@ def _slip_after_j(case: Case) -> float:
 
 
 def _by_15(case: Case, x: float, reading: str) -> float:
-    """Slip of the point x between the events J and M by the paper's equation (15), with one
-    `reading` of its h_o: the slope, the gap of the load increment, or the gap of the punch. Profile
-    of Hertz. `case` is the paper's ellipse of loads on one profile.
+    """Slip of the point x [length] between the events J and M by the paper's equation (15), with
+    one `reading` of its h_o: the slope, the gap of the load increment, or the gap of the punch.
+    `case` is the paper's ellipse of loads on a parabola.
     """
     formulas = Formulas(case)
     radius = case.scene.profile.model_dump()["radius"]
@@ -447,10 +470,12 @@ def _by_15(case: Case, x: float, reading: str) -> float:
 
 
 def _stick_displacement(hertz: Case) -> Found:
-    """Proof for equation (17), the displacement of a point out of contact in full stick, between
-    the events G (end of reverse slip) and H: the formula without and with the printed factor 2 f is
-    compared with the engine's displacement at two coefficients of friction. Returns whether the
-    misprint is proven, with the errors of both readings.
+    """Prove that equation (17), the displacement of a point out of contact in full stick, has a
+    factor 2 f too much. Between the events G (end of reverse slip) and H the formula without and
+    with it is compared with the engine's displacement, at two coefficients of friction. Returns
+    whether it is proven, and the errors of both.
+
+    `hertz` is the paper's ellipse of loads on a parabola.
     """
 
     def ratio_to_engine(friction: float) -> float:
@@ -484,9 +509,11 @@ def _stick_displacement(hertz: Case) -> Found:
 
 # --------------------------------------------------------------------------------------------- work
 def work(case: Case, x: float) -> dict[str, Found]:
-    """Proofs for equations (11), (23) and (24) on the dissipation, at the place x of the peak of
-    W(x); Hertz. Name of a misprint -> (whether it is proven, numbers). `case` is the paper's
-    ellipse of loads on one profile.
+    """Prove that equations (11), (23) and (24) on the dissipation are misprinted, at the place x
+    [length] of the peak of W(x), for a parabola. Returns, by name of the misprint, whether it is
+    proven, and numbers.
+
+    `case` is the paper's ellipse of loads.
     """
     formulas = Formulas(case)
     solution = case.solve(x=[x / case.length], fields=("dissipation_density",))
@@ -563,8 +590,10 @@ def work(case: Case, x: float) -> dict[str, Found]:
 
 
 def _integral_over_face(case: Case) -> Found:
-    """Proof for equation (11): the dissipation is the integral of W(x) over the face, which grows
-    with the square of all lengths and loads at the same stresses, and W(x) with their first power.
+    """Prove what equation (11) is: the integral of W(x) over the face, not a work per area. It
+    grows with the square of all lengths and loads at the same stresses, and W(x) with their first
+    power. Returns whether it is proven, and numbers.
+
     `case` is the paper's ellipse of loads on one profile.
     """
     fields = ("dissipation_density", "dissipation")

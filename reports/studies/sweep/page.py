@@ -574,14 +574,17 @@ def heat_map(
     names: Sequence[str],
     is_unresolved: Mask,
 ) -> list[Mark]:
-    """The coloured rectangles of a map, one around each of n places, on a grey ground.
+    """What is drawn for a map over two axes: a coloured rectangle around each of n places, on a
+    grey ground.
 
     Parameters
     ----------
+    axes
+        of the panel, across and up
     places
         (n,) coordinates on each of the two axes
     share
-        (n,) share of the scale of colours; where it is NaN the ground is seen
+        (n,) value as a share of the scale of colours; where it is NaN the ground is seen
     names
         label of each rectangle
     is_unresolved
