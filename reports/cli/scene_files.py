@@ -30,8 +30,8 @@ _COMMENTS = 32
 
 # --------------------------------------------------------------------------------------------- init
 def init(file: Path, options: Options) -> Answer:
-    """The command `init`: write a scene file, a copy of a library scene or the commented example
-    with the values given as options.
+    """The command `init`: write a scene file, a copy of a library scene with the files that it
+    names (companions), or the commented example with the values given as options.
     """
     from scenes import InputError, scene_companions, scene_text
 
@@ -60,21 +60,7 @@ def init(file: Path, options: Options) -> Answer:
                 f"{companion}: the file is there already and stays as it is; choose another folder"
                 f" for {file.name}"
             )
-    with ExitStack() as undo:
-        for path, file_text in {
-            file: scene_file_text.replace("FILE.toml", str(file)),
-            **companions,
-        }.items():
-            try:
-                with path.open("x", encoding="utf-8") as stream:
-                    undo.callback(path.unlink, missing_ok=True)
-                    stream.write(file_text)
-            except OSError as reason:
-                _refuse_taken(path, reason)
-                raise InputError(
-                    f"{path}: the file can't be written: {reason.strerror}; name another place"
-                ) from reason
-        undo.pop_all()
+    _write_new_files({file: scene_file_text.replace("FILE.toml", str(file)), **companions})
     names_of_companions = ", ".join(companion.name for companion in companions)
     companions_in_words = f" (with {names_of_companions})" if names_of_companions else ""
     sentences = []
@@ -90,6 +76,26 @@ def init(file: Path, options: Options) -> Answer:
     return Answer(WITHIN, sentences)
 
 
+def _write_new_files(text_of: dict[Path, str]) -> None:
+    """Write text files that are not there yet, all or none. InputError where one is there already,
+    or can't be written.
+    """
+    from scenes import InputError
+
+    with ExitStack() as undo:
+        for path, text in text_of.items():
+            try:
+                with path.open("x", encoding="utf-8") as stream:
+                    undo.callback(path.unlink, missing_ok=True)
+                    stream.write(text)
+            except OSError as reason:
+                _refuse_taken(path, reason)
+                raise InputError(
+                    f"{path}: the file can't be written: {reason.strerror}; name another place"
+                ) from reason
+        undo.pop_all()
+
+
 def _refuse_taken(path: Path, reason: OSError | None = None) -> None:
     """InputError where a file is at `path` already; after a failed write (`reason`) only if that
     was the reason.
@@ -101,8 +107,8 @@ def _refuse_taken(path: Path, reason: OSError | None = None) -> None:
 
 
 def example(bodies: bool = False, profile: Literal["hertz", "flat_rounded"] = "hertz") -> str:
-    """Text of the commented example of a scene file. With `bodies` its tables of bodies are no
-    comments any more; `profile` says which profile is none.
+    """Text of the commented example of a scene file. With `bodies` its tables of bodies are in
+    force, else they are comments; `profile` says which of its profiles is in force.
     """
     text = (resources.files("reports") / "templates" / "scene.toml").read_text("utf-8")
     if bodies:
@@ -294,7 +300,6 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
     from reports.input_words import stated_content, stated_in_words
     from reports.inputs import not_stated
     from reports.measured import read_in_pairs
-    from reports.units import number
     from scenes import InputError
 
     if options.loop is not None:
@@ -324,20 +329,7 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
         )
     else:
         solution = _answer_of_theory(scene, source)
-        force, length, _ = scene.unit_words
-        least_load = number(float(solution.tangential_load.min()))
-        largest_load = number(float(solution.tangential_load.max()))
-        ratio_in_words = ""
-        if scene.friction.coefficient:
-            ratio_in_words = (
-                f" |Q|/(f P) is at most {ratio_of_answer(solution):.4g}; all slides at 1."
-            )
-        last_sentence = (
-            f"{source}: the scene is well formed. Q goes from {least_load} to {largest_load}"
-            f" {force}/{length}, and P up to"
-            f" {number(float(solution.normal_load.max()))}.{ratio_in_words} `halfplane exact"
-            f" {source}` writes the answer, and a scene with these loads."
-        )
+        last_sentence = _loads_in_words(solution, source)
         notes += [f"{note[:1].upper()}{note[1:]}." for note in solution.record.notes]
         content["rig"] = {
             "dissipation": solution.dissipation,
@@ -348,6 +340,28 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
     content |= {"sentence": last_sentence, "notes": notes}
     parts = [last_sentence, *(f"Remark: {remark}" for remark in remarks), *notes]
     return Answer(WITHIN, parts, lambda: content, scene.name)
+
+
+def _loads_in_words(solution: ContactSolution, source: str) -> str:
+    """Sentences of `check` on a scene that prescribes displacements: between what values P and Q go
+    in the solution, how near they come to gross sliding, and which command writes the answer.
+    """
+    from reports.comparison.laws import ratio_of_answer
+    from reports.units import number
+
+    scene = solution.scene
+    force, length, _ = scene.unit_words
+    least_load = number(float(solution.tangential_load.min()))
+    largest_load = number(float(solution.tangential_load.max()))
+    largest_normal_load = number(float(solution.normal_load.max()))
+    ratio_in_words = ""
+    if scene.friction.coefficient:
+        ratio_in_words = f" |Q|/(f P) is at most {ratio_of_answer(solution):.4g}; all slides at 1."
+    return (
+        f"{source}: the scene is well formed. Q goes from {least_load} to {largest_load}"
+        f" {force}/{length}, and P up to {largest_normal_load}.{ratio_in_words} `halfplane exact"
+        f" {source}` writes the answer, and a scene with these loads."
+    )
 
 
 def _answer_of_theory(scene: Scene, source: str) -> ContactSolution:

@@ -541,18 +541,6 @@ def hysteresis(view: CycleView) -> Plate | None:
     if comparison.pulled and all(cycle.shear_moment is not None for cycle in cycles):
         panels.append(_bulk_loop_panel(view))
 
-    works_in_words: list[str] = []
-    if comparison.pulled:
-        works_of_loop = (
-            [loop_work(cycle) for cycle in cycles],
-            [bulk_work(cycle, scene.material) for cycle in cycles],
-            [comparison.reference.dissipation, comparison.result.dissipation],
-        )
-        works_in_words += [
-            f"{minus(f'{reference_values:.5g}')} and {minus(f'{result_values:.5g}')}"
-            for reference_values, result_values in works_of_loop
-        ]
-        works_in_words.append(energy_unit(scene))
     table = {
         "time": view.result_cycle.time,
         "Q": view.result_cycle.tangential_load,
@@ -571,7 +559,7 @@ def hysteresis(view: CycleView) -> Plate | None:
         unit=f"{unit_of_length} per {load_unit(scene)}",
         periodic=scene.load.path().period is not None,
         alone=are_half_planes(scene) or constant_load,
-        works=works_in_words or (),
+        works=_works_in_words(comparison),
         datum=_datum_in_words(comparison),
     )
 
@@ -638,6 +626,27 @@ def _loop_panel(
         _follower(f"{letter}1", result_values[instant_shown], loads[1][instant_shown], "now")
     )
     return panel
+
+
+def _works_in_words(comparison: JudgedPair) -> tuple[str, ...]:
+    """For the caption of the loop of Q over U under bulk stress: its area, the work of the bulk
+    stress and the friction work W, each "reference and result"; and their unit. Empty without bulk
+    stress.
+    """
+    if not comparison.pulled:
+        return ()
+    scene = comparison.scene
+    cycles = (comparison.expected, comparison.found)
+    works_of_cycle = (
+        [loop_work(cycle) for cycle in cycles],
+        [bulk_work(cycle, scene.material) for cycle in cycles],
+        [comparison.reference.dissipation, comparison.result.dissipation],
+    )
+    works_in_words = [
+        f"{minus(f'{work_of_reference:.5g}')} and {minus(f'{work_of_result:.5g}')}"
+        for work_of_reference, work_of_result in works_of_cycle
+    ]
+    return (*works_in_words, energy_unit(scene))
 
 
 def _bulk_loop_panel(view: CycleView) -> Panel:

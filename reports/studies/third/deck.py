@@ -24,7 +24,7 @@ from halfplane_fe.supports import check_bulk_stress, check_supports, sheared
 from halfplane_fe.task import surface_grading
 from meshes import BodyMesh, MeshSettings
 from reports.charts.templating import template
-from scenes import Block, HalfPlane, InputError, Profile, Scene, Shape, freeze
+from scenes import Block, HalfPlane, InputError, LoadPath, Profile, Scene, Shape, freeze
 from scenes.array_types import Array
 from scenes.frozen import validated
 
@@ -308,15 +308,6 @@ def build_deck(
     )
     time = _instants(scene, settings)
     normal_load, tangential_load = path.at(time)
-    bulk_and_tilt: dict[str, Any] = {}
-    if (bulk := path.companion("bulk")) is not None:
-        bulk_and_tilt["bulk_stress"] = tuple(freeze(stress) for stress in bulk.at(time))
-    if (tilt_or_moment := path.companion("turning")) is not None:
-        tilt, moment = tilt_or_moment.at(time)
-        if path.moment_given:
-            bulk_and_tilt["moment"] = freeze(moment)
-        else:
-            bulk_and_tilt["tilt"] = freeze(tilt)
     approach = _approach(scene, settings, scales, _TOUCH * float(normal_load[1]))
     touch = float(_TOUCH * (time[1] - time[0]))
     return Deck(
@@ -330,8 +321,24 @@ def build_deck(
         freeze(tangential_load),
         touch,
         approach,
-        **bulk_and_tilt,
+        **_bulk_and_tilt(path, time),
     )
+
+
+def _bulk_and_tilt(path: LoadPath, time: Array) -> dict[str, Any]:
+    """Bulk stresses of the lower and the upper body, and tilt or moment, at the instants of a deck,
+    (n + 1,) each, by name; only those that the load path has.
+    """
+    histories: dict[str, Any] = {}
+    if (bulk := path.companion("bulk")) is not None:
+        histories["bulk_stress"] = tuple(freeze(stress) for stress in bulk.at(time))
+    if (tilt_and_moment := path.companion("turning")) is not None:
+        tilt, moment = tilt_and_moment.at(time)
+        if path.moment_given:
+            histories["moment"] = freeze(moment)
+        else:
+            histories["tilt"] = freeze(tilt)
+    return histories
 
 
 def _instants(scene: Scene, settings: DeckSettings) -> Array:
