@@ -21,6 +21,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -80,9 +81,11 @@ class Split(NamedTuple):
 
 
 def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) -> Split:
-    """Friction work of the spans over the whole contact [energy per unit thickness].
+    """Friction work of spans of a load path over the whole contact, its forward and reverse part
+    and its error [energy per unit thickness].
 
-    Of Q from 0 to k f P at constant P: (A f^2 P^2/(2 pi)) [(1 - k) ln(1 - k) + k - k^2/2].
+    A span is a time of slip in one direction, or of full stick. From Q = 0 to k f P at constant P
+    it is (A f^2 P^2/(2 pi)) [(1 - k) ln(1 - k) + k - k^2/2], A = 2/E*, E* = `modulus`.
 
     >>> from scenes.segments import straight_segments
     >>> from semi_analytic.hertz import HertzContact
@@ -146,8 +149,12 @@ def _over_spans(
     n_integrals: int,
     integrals_along: IntegralsAlong,
 ) -> Split:
-    """A/pi times the sums of `n_integrals` integrals along spans of the load path, A = 2/E*: by one
-    rule, or by halving where edges of contact or stick run unevenly or pass corners of the profile.
+    """Sums of integrals over the time of slip, times A/pi, of forward and of reverse slip, and
+    their error; A = 2/E*.
+
+    The load path is given in spans, times of slip in one direction. A span is integrated by one
+    rule. Where edges of contact or stick move unevenly, or pass corners of the profile, it is
+    halved until the sum no longer changes.
 
     Parameters
     ----------
@@ -155,6 +162,8 @@ def _over_spans(
         E* [stress]
     ranges
         the spans, with begin and end of each integral that has a part in them
+    n_integrals
+        number of integrals, such as one for each point
     integrals_along
         the integrals along some of these ranges, or parts of them
 
@@ -181,37 +190,22 @@ def _over_spans(
                 values[k, ranges[k].number] = integrals_of_span
     rough_spans = [k for k in np.flatnonzero(is_rough).tolist() if len(ranges[k].number)]
     if rough_spans:
-        # One size for all: a short span by itself may be all rounding, and would never converge to
-        # its own.
+        # One size for all: a short span by itself may be all round-off, and would never converge
+        # to its own.
         largest_sum = float(np.max(np.abs(np.sum(values, axis=0))))
         size_of_spans = np.maximum(largest_sum, np.max(np.abs(values), axis=1))
         # 1e-14 across corners, for many small kinks may hide from one halving.
         has_cuts = np.array([len(cuts) > 0 for cuts in cuts_of_spans])
         error_share = np.where(has_cuts, min(CONVERGED, 25 * contact.noise), CONVERGED)
+        allowed_errors = error_share * size_of_spans
         rough_ranges = [ranges[k] for k in rough_spans]
         span_number = np.repeat(rough_spans, [len(of_span.number) for of_span in rough_ranges])
         number = np.concatenate([of_span.number for of_span in rough_ranges])
-
-        def integrals_of_parts(which: Indices, begins: Array, ends: Array) -> Array:
-            """Integrals of these numbers (n,), of those in all spans in a row, from `begins` to
-            `ends`, (n,) each.
-            """
-            spans_of_parts = np.unique(span_number[which]).tolist()
-            places = [np.flatnonzero(span_number[which] == k) for k in spans_of_parts]
-            parts = [
-                SpanRanges(ranges[k].span, number[which[place]], begins[place], ends[place])
-                for k, place in zip(spans_of_parts, places, strict=True)
-            ]
-            integrals = np.zeros(len(which))
-            for place, of_part in zip(places, integrals_along(parts, crowded), strict=True):
-                integrals[place] = of_part
-            return integrals
-
         values[span_number, number], errors[span_number, number] = by_halving(
-            integrals_of_parts,
+            partial(_integrals_of_parts, ranges, integrals_along, span_number, number),
             np.concatenate([of_span.begin for of_span in rough_ranges]),
             np.concatenate([of_span.end for of_span in rough_ranges]),
-            (error_share * size_of_spans)[span_number],
+            allowed_errors[span_number],
             np.unique(np.concatenate([cuts_of_spans[k] for k in rough_spans])),
             first_estimate=values[span_number, number],
         )
@@ -222,6 +216,40 @@ def _over_spans(
         reverse=unit_compliance * np.sum(values[~is_forward], axis=0),
         error=unit_compliance * np.sum(errors, axis=0),
     )
+
+
+def _integrals_of_parts(
+    ranges: Sequence[SpanRanges],
+    integrals_along: IntegralsAlong,
+    span_number: Indices,
+    number: Indices,
+    which: Indices,
+    begins: Array,
+    ends: Array,
+) -> Array:
+    """Integrals along parts of spans, from `begins` to `ends` in time, (n,) each.
+
+    Parameters
+    ----------
+    ranges
+        the spans
+    integrals_along
+        integrates along parts of several spans at once
+    span_number, number
+        (m,) span and number in it of each integral that is cut into parts
+    which
+        (n,) of which of these m integrals each part is
+    """
+    spans_of_parts = np.unique(span_number[which]).tolist()
+    places = [np.flatnonzero(span_number[which] == k) for k in spans_of_parts]
+    parts = [
+        SpanRanges(ranges[k].span, number[which[place]], begins[place], ends[place])
+        for k, place in zip(spans_of_parts, places, strict=True)
+    ]
+    integrals = np.zeros(len(which))
+    for place, integrals_of_span in zip(places, integrals_along(parts, crowded), strict=True):
+        integrals[place] = integrals_of_span
+    return integrals
 
 
 def _growth(span: Span, times: Array) -> Array:
@@ -247,10 +275,12 @@ def uneven(contact: Contact, span: Span) -> bool:
 def pointwise_dissipation(
     contact: Contact, modulus: float, spans: Sequence[Span], x: Array
 ) -> Split:
-    """Friction work of the spans of a load path at |x| = `x` (k,): shape (k,) [energy per area].
+    """Friction work per area W(x) of spans of a load path at |x| = `x` (k,): its forward and
+    reverse part and its error, (k,) each [energy per area].
 
-    While Q grows at constant P it is f p(x) s(x), with the slip s = (f A/pi) [S(x, P) - S(x, P_c)],
-    S(x, P) the integral of arccosh(|x|/a) over the loads up to P, A = 2/E* and `modulus` E*.
+    A span is a time of slip in one direction, or of full stick. While Q grows at constant P, W(x)
+    is f p(x) s(x) with the slip s = (f A/pi) [S(x, P) - S(x, P_c)]. S(x, P) is the integral of
+    arccosh(|x|/a) over the loads up to P, P_c the load at the stick edge, A = 2/E*, E* = `modulus`.
 
     >>> from scenes.segments import straight_segments
     >>> from semi_analytic.hertz import HertzContact
@@ -293,9 +323,12 @@ def pointwise_dissipation(
 
 
 def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
-    """When, within a span of slip, points begin and end to slip, (k,) each: in contact and outside
-    the zone of stick. `edge_load` (k,) is the load at which the edge of contact is at the point.
-    end <= begin if never.
+    """When, within a span of slip in one direction, points begin and end to slip, (k,) each; the
+    end is not after the begin where a point never does.
+
+    A point slips while it is in contact and outside the stick zone. `edge_load` (k,) is the load at
+    which the edge of contact is at the point: it begins where the stick edge, or the contact,
+    reaches the point.
     """
     assert span.active is not None
     leg = span.leg
@@ -304,15 +337,15 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     end_instant = span.end
     piece_top = span.active.top
     piece_bottom = span.active.bottom
-    front_load = np.clip(edge_load, piece_bottom, piece_top)
-    level_at_front = level_on(span.active, span.direction, span.friction, front_load)
-    level_rise = level_at_front - float(
+    load_on_piece = np.clip(edge_load, piece_bottom, piece_top)
+    level_at_point = level_on(span.active, span.direction, span.friction, load_on_piece)
+    level_rise = level_at_point - float(
         change_from(span.active.anchor, leg, slip_level, begin_instant.time)
     )
-    time_passed = leg.time_of(slip_level, level_rise, begin_instant.time, end_instant.time)
-    time_passed = np.where(edge_load <= piece_bottom, end_instant.time, time_passed)
-    begin = np.where(edge_load >= piece_top, begin_instant.time, time_passed)
-    time_met = leg.time_of(
+    time_of_stick_edge = leg.time_of(slip_level, level_rise, begin_instant.time, end_instant.time)
+    time_of_stick_edge = np.where(edge_load <= piece_bottom, end_instant.time, time_of_stick_edge)
+    begin = np.where(edge_load >= piece_top, begin_instant.time, time_of_stick_edge)
+    time_of_contact_edge = leg.time_of(
         NORMAL_LOAD, edge_load - begin_instant.normal, begin_instant.time, end_instant.time
     )
     span_end = np.full(begin.shape, end_instant.time)
@@ -320,19 +353,21 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     # falls while it grows.
     load_growth = float(leg.change_of(NORMAL_LOAD, end_instant.time, begin_instant.time))
     if load_growth >= LEAST:
-        time_touched = np.where(edge_load >= end_instant.normal, end_instant.time, time_met)
-        return np.maximum(begin, time_touched), span_end
+        time_of_touch = np.where(
+            edge_load >= end_instant.normal, end_instant.time, time_of_contact_edge
+        )
+        return np.maximum(begin, time_of_touch), span_end
     is_met = edge_load < max(begin_instant.normal, end_instant.normal)
-    end = time_met if load_growth <= -LEAST else span_end
+    end = time_of_contact_edge if load_growth <= -LEAST else span_end
     return begin, np.where(is_met, end, begin)
 
 
 def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> LoopWork:
-    """Closed integral of Q dU over the spans of a steady cycle [energy per unit thickness], the
-    area of the hysteresis loop.
+    """Work of the tangential load in a steady cycle, the closed integral of Q dU over its spans
+    [energy per unit thickness]; and what the last digits of the displacement U may leave in it.
 
-    And what the last digits of the tangential displacement U may have left in it. Written as -int U
-    dQ, of which any multiple of the integral of Q dQ, which vanishes, may be taken away.
+    It is the area of the hysteresis loop, and equals the friction work. It is taken as -int U dQ,
+    from which any multiple of the closed integral of Q dQ, which is 0, may be subtracted.
 
     Of Q between -k f P and k f P at constant P: (2 A f^2 P^2/pi) [(1 - k) ln(1 - k) + k - k^2/2].
 
@@ -365,39 +400,42 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     integrals = Integrals(contact, np.zeros(1), "shift")
     # U is a sum of logarithms times loads up to f P, however little of it changes: its last digits,
     # all along Q.
-    size = 2 * abs(float(contact.log_distance(largest_load)))
+    displacement_size = 2 * abs(float(contact.log_distance(largest_load)))
     path_of_force = 0.0
     for span in spans:
         _normal, force = span.leg.loads(np.linspace(span.begin.time, span.end.time, 5))
         path_of_force += float(np.sum(np.abs(np.diff(force))))
-    rounding = _DIGITS_OF_SHIFT * spans[0].friction * size * path_of_force
+    roundoff = _DIGITS_OF_SHIFT * spans[0].friction * displacement_size * path_of_force
 
     def work(ranges: Sequence[SpanRanges], rule: QuadratureRule) -> list[Array]:
-        """-int U dQ along all ranges at once."""
+        """-int U dQ over the time of all ranges at once, (n,) for each range.
+
+        U is evaluated at the quadrature nodes of all of them together, over A/pi.
+        """
         nodes = [rule(of_span.begin, of_span.end) for of_span in ranges]
         times_of_spans = [
             (of_span.span, times.ravel()) for of_span, (times, _) in zip(ranges, nodes, strict=True)
         ]
-        shift = integrals.over(snapshot_of(times_of_spans))[:, 0]
+        displacement = integrals.over(snapshot_of(times_of_spans))[:, 0]
         ends = np.cumsum([len(times) for _, times in times_of_spans])
         works = []
         for of_span, (times, weights), end in zip(ranges, nodes, ends.tolist(), strict=True):
-            shift_of_span = shift[end - times.size : end].reshape(times.shape)
+            displacement_of_span = displacement[end - times.size : end].reshape(times.shape)
             force_rate = of_span.span.leg.rate_of(Combination(0.0, 1.0), times)
-            works.append(-np.sum(shift_of_span * force_rate * weights, axis=1))
+            works.append(-np.sum(displacement_of_span * force_rate * weights, axis=1))
         return works
 
     ranges = [_whole_span(span) for span in spans]
     total = _over_spans(contact, modulus, ranges, 1, work).total[0]
-    return LoopWork(float(total), 2 / (math.pi * modulus) * rounding)
+    return LoopWork(float(total), 2 / (math.pi * modulus) * roundoff)
 
 
 def _flat_at(contact: Contact, largest_load: float) -> Contact:
-    """The contact with the datum of U set so that ln(2 L/a) is nothing where the contact is
-    largest.
+    """The contact with the datum of the displacement U moved, so that its logarithm ln(2 L/a) is 0
+    where the contact is largest.
 
-    That keeps the digits of a closed integral where the logarithm hardly varies, as for a face that
-    is nearly all flat.
+    That keeps the digits of a closed integral of U where the logarithm hardly varies, as for a face
+    that is nearly all flat. `largest_load` is P there.
     """
     moved_contact = replace(contact, datum_length=float(contact.half_width(largest_load)) / 2)
     return (
@@ -412,12 +450,17 @@ Values = Callable[[Indices, Array, Array], Array]
 
 
 def _means(contact: Contact, records: Records, values: Values) -> tuple[Array, int]:
-    """Mean of a function of the loads along each record of slip, (m,), and how many nodes it took;
-    `values`(record numbers, P, P - P_c) gives it at nodes.
+    """Mean of a function of the loads along each record of slip, (m,), and how many quadrature
+    nodes it took.
 
-    P and P_c are linear along a record. The integrand is singular where either would be 0, beyond
-    an end, if they went on, and where it would be at the corner below: as d^(3/2) only, which nodes
-    that crowd to both ends resolve.
+    A record is a part of a load step in which P and P_c, the load at the stick edge, change
+    linearly. The integrand is singular where either would be 0 beyond an end. At the corner of the
+    profile below it goes as d^(3/2) only, which nodes that crowd to both ends resolve.
+
+    Parameters
+    ----------
+    values
+        the function of (record numbers, P, P - P_c) at nodes
     """
     smooth_parts = _split(contact, records)
     rule_of_part = _rule_numbers(
@@ -426,15 +469,15 @@ def _means(contact: Contact, records: Records, values: Values) -> tuple[Array, i
     means = np.zeros(len(records.row))
     node_count = 0
     for number, (rule, _) in enumerate(_RULES):
-        share, weights = rule(0.0, 1.0)
-        parts_of_kind = smooth_parts.take(np.flatnonzero(rule_of_part == number))
-        load_growth = parts_of_kind.load_after - parts_of_kind.load
-        slip_growth = parts_of_kind.slipped_after - parts_of_kind.slipped
-        load = parts_of_kind.load[:, None] + load_growth[:, None] * share
-        slipped_load = parts_of_kind.slipped[:, None] + slip_growth[:, None] * share
-        values_at_nodes = values(parts_of_kind.row, load, np.clip(slipped_load, 0.0, load))
-        means_of_parts = parts_of_kind.until * np.sum(weights * values_at_nodes, axis=1)
-        means += np.bincount(parts_of_kind.row, means_of_parts, len(means))
+        share_of_part, weights = rule(0.0, 1.0)
+        parts_of_rule = smooth_parts.take(np.flatnonzero(rule_of_part == number))
+        load_growth = parts_of_rule.load_after - parts_of_rule.load
+        slip_growth = parts_of_rule.slipped_after - parts_of_rule.slipped
+        load = parts_of_rule.load[:, None] + load_growth[:, None] * share_of_part
+        slipped_load = parts_of_rule.slipped[:, None] + slip_growth[:, None] * share_of_part
+        values_at_nodes = values(parts_of_rule.row, load, np.clip(slipped_load, 0.0, load))
+        means_of_parts = parts_of_rule.until * np.sum(weights * values_at_nodes, axis=1)
+        means += np.bincount(parts_of_rule.row, means_of_parts, len(means))
         node_count += load.size
     return means, node_count
 
@@ -460,8 +503,11 @@ _RULES: tuple[tuple[QuadratureRule, int], ...] = (
 
 
 def _rule_numbers(share_to_singularity: Array, share_to_corner: Array) -> Indices:
-    """Number of the rule for each of some integrands (m,), by the shares of the way to their
-    singularity and to the corner of the profile below them that they go along the range.
+    """Number of the quadrature rule for each of some integrands (m,): more nodes the nearer a
+    singularity, crowded nodes next to a corner of the profile.
+
+    A share is the part of the way to the singularity, or to the corner below, that the integrand's
+    range covers.
     """
     rule_number = np.searchsorted(_SHARES, share_to_singularity)
     is_beside_corner = share_to_corner > np.maximum(share_to_singularity, _SHARES[0])
@@ -470,8 +516,10 @@ def _rule_numbers(share_to_singularity: Array, share_to_corner: Array) -> Indice
 
 
 def _share_of_way(parts: Records, corners: Array) -> Array:
-    """Largest share, (m,), of the way to no load or to the corner of the profile below that P or
-    P_c, the load at the edge of stick, goes along each part.
+    """How near each part of slip records comes to a singularity: the largest share of the way to 0,
+    or to the corner of the profile below, that P or P_c goes, (m,).
+
+    P_c is the load at the stick edge; `corners` are loads at which the contact edge is at a corner.
     """
     share = np.zeros(len(parts.row))
     edge_load = parts.load - parts.slipped
@@ -497,12 +545,13 @@ def _share_to_zero(begin: Array, end: Array) -> Array:
 
 
 def _split(contact: Contact, records: Records) -> Records:
-    """Parts of the `records` of slip, along which neither the load P nor the load P_c at the stick
-    edge passes one at which the half-width a(P) of `contact` is not smooth.
+    """Cut `records` of slip, so that along each part the half-width a(P) of `contact` is smooth at
+    both P and P_c, the load at the stick edge.
 
-    In a part the field `row` is the number of the record that it is of, and `until` the share of
-    this record. The loads of the cuts are those of the profile's corners and, where P may hardly
-    grow anywhere, of half-widths so close that a(P) is smooth in between.
+    A record is a part of a load step in which P and P_c change linearly. Cuts are at the loads of
+    the profile's corners. Where P may hardly grow anywhere they are also at half-widths so close
+    that a(P) is smooth in between. In the parts returned `row` is the number of the record, and
+    `until` the share of it.
     """
     break_loads = contact.break_loads
     if contact.bends_anywhere and len(records.row):
@@ -516,29 +565,31 @@ def _split(contact: Contact, records: Records) -> Records:
         (records.load, records.load_after),
         (stick_edge_load, stick_edge_load_after),
     ):
-        growth = np.where(load_at_end != load_at_begin, load_at_end - load_at_begin, np.inf)[
+        load_change = np.where(load_at_end != load_at_begin, load_at_end - load_at_begin, np.inf)[
             :, None
         ]
-        shares_at_breaks.append(np.clip((break_loads - load_at_begin[:, None]) / growth, 0.0, 1.0))
+        shares_at_breaks.append(
+            np.clip((break_loads - load_at_begin[:, None]) / load_change, 0.0, 1.0)
+        )
     share_at_begin = np.concatenate(shares_at_breaks, axis=1)
     share_at_begin.sort(axis=1)
     share_at_end = np.append(share_at_begin[:, 1:], np.ones((len(share_at_begin), 1)), axis=1)
-    row, cut_number = np.nonzero(share_at_end > share_at_begin)
-    begin_share = share_at_begin[row, cut_number]
-    end_share = share_at_end[row, cut_number]
-    load = records.load[row]
-    load_growth = (records.load_after - records.load)[row]
-    slipped = records.slipped[row]
-    slip_growth = (records.slipped_after - records.slipped)[row]
+    record_number, cut_number = np.nonzero(share_at_end > share_at_begin)
+    begin_share = share_at_begin[record_number, cut_number]
+    end_share = share_at_end[record_number, cut_number]
+    load = records.load[record_number]
+    load_growth = (records.load_after - records.load)[record_number]
+    slipped = records.slipped[record_number]
+    slip_growth = (records.slipped_after - records.slipped)[record_number]
     return Records(
-        direction=records.direction[row],
+        direction=records.direction[record_number],
         load=load + begin_share * load_growth,
         load_after=load + end_share * load_growth,
         slipped=slipped + begin_share * slip_growth,
         slipped_after=slipped + end_share * slip_growth,
-        rise=records.rise[row] * (end_share - begin_share),
+        rise=records.rise[record_number] * (end_share - begin_share),
         until=end_share - begin_share,
-        row=row,
+        row=record_number,
     )
 
 
@@ -553,11 +604,16 @@ def slip_work(contact: Contact, records: Records) -> tuple[Array, int]:
 
 
 def work_error(contact: Contact, records: Records) -> float:
-    """Estimated error of the dissipation summed by `slip_work` over records [force^2 per
-    thickness^2].
+    """Estimated error of the sum of friction work over slip records [force^2 per thickness^2]; 0
+    for contacts with closed forms.
 
-    The largest error of kernel and rule in a sample of records, times the rise of all; 0 for
-    contacts with closed forms.
+    It is the largest error of the kernel int ln(a/c) d eta and of the quadrature rule in a sample
+    of records, times the growth of slip force over f of all.
+
+    Raises
+    ------
+    NotFoundError
+        Where the error is not a number.
     """
     if contact.closed_form or not len(records.row):
         return 0.0
@@ -567,18 +623,20 @@ def work_error(contact: Contact, records: Records) -> float:
     slipped = np.append(sample.slipped, sample.slipped_after)
     error_of_kernel = contact.quadrature_error("dissipation_kernel", load, slipped)
     error_of_rule = _RULE * contact.dissipation_kernel(load, slipped)
-    error_of_row = error_of_kernel + error_of_rule
-    if not np.all(np.isfinite(error_of_row)):
+    error_of_sample = error_of_kernel + error_of_rule
+    if not np.all(np.isfinite(error_of_sample)):
         raise NotFoundError(
             "the error of a slip area is not a number: neither is the dissipation of these rows"
         )
-    return float(np.max(error_of_row, initial=0.0) * np.sum(records.rise))
+    return float(np.max(error_of_sample, initial=0.0) * np.sum(records.rise))
 
 
 def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
-    """The integral of p arccosh(|x|/c) dw over all records of slip, at points |x| = `x` (k,): (k,)
-    [stress * force per thickness]. w is the level +-Q - f P, which grows in slip, p the pressure at
-    x and c the half-width of stick.
+    """Friction work per area over f A/pi of all records of slip at |x| = `x` (k,): the sum of int p
+    arccosh(|x|/c) dw, (k,) [stress times force per thickness].
+
+    A record is a part of a load step with slip. w is +-Q - f P, which grows in slip, p the pressure
+    at x and c the stick half-width.
     """
     density = np.zeros(len(x))
     parts = _split(contact, records)
@@ -590,13 +648,13 @@ def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
 
 
 def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
-    """The integral of p arccosh(|x|/c) dw over parts of slip records between corners of the
-    profile, at points |x| = `x` (k,): (k,) [stress * force per thickness]. w is the level +-Q - f
-    P, which grows in slip, p the pressure at x and c the half-width of stick.
+    """Friction work per area over f A/pi of parts of slip records between corners of the profile,
+    at |x| = `x` (k,): the sum of int p arccosh(|x|/c) dw [stress times force per thickness].
 
-    Along a part p has a root where P = P_x, P_x the load at which the edge of contact is at x, and
-    the arccosh one where P_c = P_x, a logarithm where P_c = 0: a pair of part and point takes as
-    many nodes as the nearest of these needs.
+    w is +-Q - f P, which grows in slip, p the pressure at x and c the stick half-width. p has a
+    root where P = P_x, the load at which the edge of contact is at x; the arccosh has one where P_c
+    = P_x, and a logarithm where P_c = 0. A pair of part and point takes as many nodes as the
+    nearest of these needs.
     """
     edge_loads = contact.load(x)
     load = parts.load[:, None]
@@ -607,20 +665,20 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
         load, load_growth, stick_edge_load, stick_edge_drop, edge_loads
     )
     part, point = np.nonzero(end_shares > begin_shares)
-    begin = begin_shares[part, point][:, None]
-    end = end_shares[part, point][:, None]
+    begin_share = begin_shares[part, point][:, None]
+    end_share = end_shares[part, point][:, None]
     places = x[point, None]
     load_at_place = edge_loads[point, None]
 
-    def loads_at(pairs: Indices, share: Array) -> tuple[Array, Array]:
+    def loads_at(pairs: Indices, shares_at_nodes: Array) -> tuple[Array, Array]:
         """P and P_c at shares of the part (n, m) for pairs (n,)."""
         numbers = part[pairs]
-        stick_loads = stick_edge_load[numbers] - stick_edge_drop[numbers] * share
-        return load[numbers] + load_growth[numbers] * share, np.maximum(stick_loads, 0.0)
+        stick_loads = stick_edge_load[numbers] - stick_edge_drop[numbers] * shares_at_nodes
+        return load[numbers] + load_growth[numbers] * shares_at_nodes, np.maximum(stick_loads, 0.0)
 
     all_pairs = np.arange(len(part))
-    load_at_begin, stick_load_at_begin = loads_at(all_pairs, begin)
-    load_at_end, stick_load_at_end = loads_at(all_pairs, end)
+    load_at_begin, stick_load_at_begin = loads_at(all_pairs, begin_share)
+    load_at_end, stick_load_at_end = loads_at(all_pairs, end_share)
     share_to_singularity = np.max(
         [
             _share_to_zero(load_at_begin - load_at_place, load_at_end - load_at_place),
@@ -636,8 +694,8 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
         pairs_of_rule = np.flatnonzero(rule_of_pair == number)
         for j in range(0, len(pairs_of_rule), _CHUNK // n_nodes):
             pairs = pairs_of_rule[j : j + _CHUNK // n_nodes]
-            share, weights = rule(begin[pairs, 0], end[pairs, 0])
-            load_at_nodes, stick_load = loads_at(pairs, share)
+            shares_at_nodes, weights = rule(begin_share[pairs, 0], end_share[pairs, 0])
+            load_at_nodes, stick_load = loads_at(pairs, shares_at_nodes)
             excess = np.maximum(load_at_place[pairs] - stick_load, 0.0)
             ratio = contact.arccosh_ratio(places[pairs], excess, contact.advance(stick_load))
             values_at_nodes = weights * contact.pressure(places[pairs], load_at_nodes) * ratio
@@ -653,21 +711,33 @@ def _shares_in_slip(
     stick_edge_drop: Array,
     edge_load: Array,
 ) -> tuple[Array, Array]:
-    """Between which shares of a part of a record, given by columns (n, 1), points slip, (n, k)
-    each: in contact and outside the zone of stick. `edge_load` (k,) is the load at which the edge
-    of contact is at a point; P_c falls by `stick_edge_drop`.
+    """Between which shares of a part of a load step points slip, (n, k) each: while they are in
+    contact and outside the stick zone.
+
+    Parameters
+    ----------
+    load, load_growth
+        (n, 1) P at the begin of each part, and its change
+    stick_edge_load, stick_edge_drop
+        (n, 1) P_c, the load at the stick edge, at the begin, and how much it falls
+    edge_load
+        (k,) load at which the edge of contact is at a point
     """
-    share_passed = np.clip(
+    share_at_stick_edge = np.clip(
         (stick_edge_load - edge_load) / np.where(stick_edge_drop > 0, stick_edge_drop, 1.0),
         0.0,
         1.0,
     )
-    begin_share = np.where(stick_edge_drop > 0, share_passed, 1.0)
+    begin_share = np.where(stick_edge_drop > 0, share_at_stick_edge, 1.0)
     begin_share = np.where(edge_load >= stick_edge_load, 0.0, begin_share)
-    share_met = np.clip((edge_load - load) / np.where(load_growth != 0, load_growth, 1.0), 0.0, 1.0)
-    end_share = np.where(load_growth < 0, share_met, 1.0)
+    share_at_contact_edge = np.clip(
+        (edge_load - load) / np.where(load_growth != 0, load_growth, 1.0), 0.0, 1.0
+    )
+    end_share = np.where(load_growth < 0, share_at_contact_edge, 1.0)
     end_share = np.where(edge_load < np.maximum(load, load + load_growth), end_share, 0.0)
-    return np.where(load_growth > 0, np.maximum(begin_share, share_met), begin_share), end_share
+    return np.where(
+        load_growth > 0, np.maximum(begin_share, share_at_contact_edge), begin_share
+    ), end_share
 
 
 class Loop:
@@ -688,8 +758,10 @@ class Loop:
         self._path_of_force = 0.0
 
     def add(self, block: StepBlock) -> None:
-        """Add the next block of steps to the closed integral of Q dU: U along each record by the
-        logarithmic kernel, at its ends and in the mean.
+        """Add the next block of load steps to the closed integral of Q dU of a cycle.
+
+        U, over A/pi, is summed record by record: its change over a record of slip, and its mean
+        along it, from the kernel int ln(2 L/a) dP. The integral is -int U dQ.
         """
         contact = self._contact
         records = block.records
@@ -697,23 +769,29 @@ class Loop:
         slope_of_slip = records.direction * self._friction
         load_growth = records.load_after - records.load
 
-        def shift_at(members: Indices, load: Array, slipped: Array) -> Array:
+        def displacement_at(record_numbers: Indices, load: Array, slipped: Array) -> Array:
             integral_to_load = contact.log_distance(load)
             integral_to_edge_load = contact.log_distance(np.maximum(load - slipped, 0.0))
             integral_to_edge_load = np.where(slipped > 0, integral_to_edge_load, integral_to_load)
-            part_of_slip = slope_of_slip[members, None] * (integral_to_load - integral_to_edge_load)
-            return slope[members, None] * integral_to_edge_load + part_of_slip
+            part_of_slip = slope_of_slip[record_numbers, None] * (
+                integral_to_load - integral_to_edge_load
+            )
+            return slope[record_numbers, None] * integral_to_edge_load + part_of_slip
 
         loads = np.stack([records.load, records.load_after], axis=1)
         slipped = np.stack([records.slipped, records.slipped_after], axis=1)
-        shift_at_begin, shift_at_end = shift_at(np.arange(len(slope)), loads, slipped).T
+        displacement_at_begin, displacement_at_end = displacement_at(
+            np.arange(len(slope)), loads, slipped
+        ).T
         force_in_slip = records.direction * (records.rise + self._friction * load_growth)
         force_change = np.where(records.direction == 0, slope * load_growth, force_in_slip)
-        shift_so_far = self._shift + np.cumsum(shift_at_end - shift_at_begin)
-        mean_shift, _ = _means(contact, records, shift_at)
-        self._total -= float(np.sum(force_change * (shift_so_far - shift_at_end + mean_shift)))
+        displacement_after = self._shift + np.cumsum(displacement_at_end - displacement_at_begin)
+        mean_displacement, _ = _means(contact, records, displacement_at)
+        self._total -= float(
+            np.sum(force_change * (displacement_after - displacement_at_end + mean_displacement))
+        )
         self._path_of_force += float(np.sum(np.abs(force_change)))
-        self._shift = float(shift_so_far[-1])
+        self._shift = float(displacement_after[-1])
 
     @property
     def value(self) -> LoopWork:
@@ -750,22 +828,23 @@ def by_halving(
     marks: ArrayLike = (),
     first_estimate: Array | None = None,
 ) -> Converged:
-    """Integrals of m integrands, number k from begin[k] to end[k].
+    """Integrals of m integrands, number k from begin[k] to end[k], by halving their ranges until
+    the sum no longer changes.
 
     Parameters
     ----------
     work
-        work(which (n,), low (n,), high (n,)) gives the integral of integrand which[k] from
-        low[k] to high[k], (n,), by one rule
+        work(which (n,), low (n,), high (n,)) gives the integral of integrand which[k] from low[k]
+        to high[k], (n,), by one rule
     begin, end
         (m,)
     allowed_error
         (m,) or one: the change at which a part has converged, `CONVERGED` of their size where
-        rounding leaves as much. A part of 2^-17 of its range, or one that is not finite, is
-        left as it is, and so are too many at once; the error shows that.
+        round-off leaves as much. A part of 2^-17 of its range, or one that is not finite, is left
+        as it is, and so are too many at once; the error shows that.
     marks
-        (j,) ascending, where a part is cut rather than in its middle: the integrands are not
-        smooth there
+        (j,) ascending, where a part is cut rather than in its middle: the integrands are not smooth
+        there
     first_estimate
         (m,) the integrals from `begin` to `end` by the rule of `work`, where they are known
 
@@ -788,16 +867,16 @@ def by_halving(
     if integrals_before is None:
         integrals_before = work(numbers, begins, ends)
     while len(numbers):
-        cut = (begins + ends) / 2
+        place_of_cut = (begins + ends) / 2
         # The mark next above the middle, else the one below it, else the middle itself: parts next
         # to nothing would change nothing.
-        number_of_cut = np.searchsorted(all_marks, cut)
+        number_of_cut = np.searchsorted(all_marks, place_of_cut)
         margin = (ends - begins) / 16
         for nearest_mark in (all_marks[number_of_cut - 1], all_marks[number_of_cut]):
             is_inside = (nearest_mark > begins + margin) & (nearest_mark < ends - margin)
-            cut = np.where(is_inside, nearest_mark, cut)
+            place_of_cut = np.where(is_inside, nearest_mark, place_of_cut)
             n_halvings = np.where(is_inside, -1, n_halvings)
-        halves = work(np.tile(numbers, 2), np.r_[begins, cut], np.r_[cut, ends])
+        halves = work(np.tile(numbers, 2), np.r_[begins, place_of_cut], np.r_[place_of_cut, ends])
         left_halves, right_halves = np.split(halves, 2)
         changes = np.abs(left_halves + right_halves - integrals_before)
         is_last = (n_halvings == _HALVINGS) | (len(numbers) > _MOST * len(integrals) + _FEW)
@@ -805,8 +884,8 @@ def by_halving(
         np.add.at(integrals, numbers[is_done], (left_halves + right_halves)[is_done])
         np.add.at(errors, numbers[is_done], changes[is_done])
         is_halved_further = ~is_done
-        new_begins = np.r_[begins[is_halved_further], cut[is_halved_further]]
-        ends = np.r_[cut[is_halved_further], ends[is_halved_further]]
+        new_begins = np.r_[begins[is_halved_further], place_of_cut[is_halved_further]]
+        ends = np.r_[place_of_cut[is_halved_further], ends[is_halved_further]]
         begins = new_begins
         numbers = np.tile(numbers[is_halved_further], 2)
         integrals_before = np.r_[left_halves[is_halved_further], right_halves[is_halved_further]]
