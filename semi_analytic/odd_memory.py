@@ -109,11 +109,12 @@ class OddWork:
     declined: str = ""
 
     def added(self, numbers: ArrayLike) -> Estimate:
-        """Work that four numbers add.
+        """Friction work that tilt and bulk strain add in a cycle, with its uncertainty, from the
+        four numbers o = (alpha_P, alpha_Q, e_P, e_Q) of tilt and strain per load: o . matrix o.
 
-        Its uncertainty is that of the points, and of the next order: half of the sum of all |terms|
-        times the one-sidedness. Fitted to 500 random ellipses and polygons on grids: what was left
-        is a third of that at most, but once 0.99.
+        The uncertainty is that of the quadrature, and of the next order: half of the sum of all
+        |terms| times the share by which one side slips more. Fitted to 500 random ellipses and
+        polygons on grids: the true error was a third of that at most, but once 0.99.
 
         Raises
         ------
@@ -165,29 +166,39 @@ class OddAnswer:
     works: tuple[Estimate, ...]
 
     def centres(self, time: Array) -> tuple[Array, Array]:
-        """Centres of contact and of stick at instants (n,), to the first order, (n,) each."""
+        """Centres of the contact and of the stick zone at instants (n,), (n,) each [length], to the
+        first order in tilt and bulk strain.
+
+        A symmetric contact would have both at 0. Each instant is taken on the span of stick or slip
+        that holds it.
+        """
         spans = self.history.spans
-        ends = np.array([span.end.time + span.delay for span in spans])
+        ends_of_spans = np.array([span.end.time + span.delay for span in spans])
         start = spans[0].begin.time + spans[0].delay
-        path_time, slack = within(time, float(start), float(ends[-1]), self.history.period)
+        path_time, slack = within(time, float(start), float(ends_of_spans[-1]), self.history.period)
         number_of_span = np.minimum(
-            np.searchsorted(ends, path_time - slack, side="left"), len(spans) - 1
+            np.searchsorted(ends_of_spans, path_time - slack, side="left"), len(spans) - 1
         )
         contact_centres = np.zeros(len(time))
         stick_centres = np.zeros(len(time))
         for k in np.unique(number_of_span):
             span = spans[k]
             is_inside = number_of_span == k
-            leg_times = np.clip(path_time[is_inside] - span.delay, span.begin.time, span.end.time)
-            contact_rows, stick_rows = centres(span, self.radius, leg_times)
+            times_in_segment = np.clip(
+                path_time[is_inside] - span.delay, span.begin.time, span.end.time
+            )
+            contact_rows, stick_rows = centres(span, self.radius, times_in_segment)
             contact_centres[is_inside] = contact_rows @ self.numbers
             stick_centres[is_inside] = stick_rows @ self.numbers
         return contact_centres, stick_centres
 
 
 def odd_answer(scene: Scene, effects: BodyEffects) -> OddAnswer:
-    """What tilt and bulk strain of the bodies add to half-planes along the path of a scene: the
-    work in each cycle, and the centres of contact and stick, in the second order.
+    """Friction work that tilt and bulk strain of finite bodies add in each cycle of a scene, and
+    the shift of contact and stick zone, in the second order of these small numbers.
+
+    Half-planes are followed along the path; the work is a quadratic form of tilt and strain per
+    load.
 
     Raises
     ------
@@ -209,18 +220,22 @@ def odd_answer(scene: Scene, effects: BodyEffects) -> OddAnswer:
     estimates = [getattr(effects, name) for name in ODD_NUMBERS]
     odd_numbers = np.array([float(estimate.value) for estimate in estimates])
     uncertainties = np.array([float(estimate.uncertainty) for estimate in estimates])
-    works = []
+    works_of_cycles = []
     for spans, span_before, next_span in _cycles(history):
-        work = odd_work(spans, profile.radius, modulus, span_before, next_span)
-        added_work = work.added(odd_numbers)
-        error_of_numbers = 2 * float(np.abs(odd_numbers) @ np.abs(work.matrix) @ uncertainties)
-        works.append(Estimate(added_work.value, added_work.uncertainty + error_of_numbers))
-    return OddAnswer(history, profile.radius, odd_numbers, tuple(works))
+        work_form = odd_work(spans, profile.radius, modulus, span_before, next_span)
+        added_work = work_form.added(odd_numbers)
+        error_of_numbers = 2 * float(np.abs(odd_numbers) @ np.abs(work_form.matrix) @ uncertainties)
+        works_of_cycles.append(
+            Estimate(added_work.value, added_work.uncertainty + error_of_numbers)
+        )
+    return OddAnswer(history, profile.radius, odd_numbers, tuple(works_of_cycles))
 
 
 def _cycles(history: History) -> Iterator[tuple[tuple[Span, ...], Span | None, Span | None]]:
-    """Each cycle of a history, or the whole path where it does not repeat: its spans, the span
-    before them and the span after them, None where there is none. The steady cycle follows itself.
+    """Each cycle of a friction history, or the whole path where it does not repeat: its spans of
+    stick and slip, the span before them and the one after them, None where there is none.
+
+    The steady cycle follows itself.
     """
     earlier_spans = history.loading
     for number, spans in enumerate(history.cycles):
@@ -244,15 +259,15 @@ def odd_work(
     """Friction work of a cycle, or of a whole path, that is quadratic in tilt and bulk strain.
 
     They make tractions that are odd in x, so that work has no first order in them. With o = (tilt
-    per P, tilt per Q, bulk strain per P, bulk strain per Q) the work is o . matrix o: the matrix
+    per P, tilt per Q, bulk strain per P, bulk strain per Q) the work is o . matrix o. The matrix
     (4, 4) is taken twice, with all points of the quadrature and with half of them. Where an odd
-    number is so large that one side of the contact slips alone, no matrix holds: rows that tell it
+    number is so large that one side of the contact slips alone, no matrix holds: rows that show it
     are returned too, and NaN with the reason where there is no matrix at all.
 
     Parameters
     ----------
     spans
-        stretches of the cycle, or of the path, in which the memory curve keeps its structure
+        parts of the cycle, or of the path, in full stick or with slip in one direction
     radius, modulus
         R of the parabola, E*
     span_before, next_span
@@ -271,11 +286,11 @@ def odd_work(
 
 
 def centres(span: Span, radius: float, time: Array) -> tuple[Array, Array]:
-    """Centres of contact and of stick at times (n,) of a span's leg, (n, 4) each: rows times the
-    numbers (alpha_P, alpha_Q, e_P, e_Q) of tilt and strain per load are lengths.
+    """Rows that give the centres of contact and of the stick zone of a tilted parabola at times
+    (n,) of a span, (n, 4) each: row . (alpha_P, alpha_Q, e_P, e_Q) is a length.
 
-    First order, of a parabola. The centre of stick is that of contact where all of it sticks, NaN
-    where none does.
+    These are the tilt and the bulk strain per normal and per tangential load; first order. The
+    centre of stick is that of contact where all of it sticks, NaN where none does.
     """
     normal_load, tangential_load = span.leg.loads(time)
     contact_centre = -radius * _tilt(normal_load, tangential_load)
@@ -283,8 +298,8 @@ def centres(span: Span, radius: float, time: Array) -> tuple[Array, Array]:
         return contact_centre, contact_centre
     if span.active is None:
         return contact_centre, np.full(contact_centre.shape, np.nan)
-    stick_front = _front(span, span.active, time, span.slipped(time), radius)
-    return contact_centre, contact_centre + stick_front.distance(radius)
+    stick_edge = _stick_edge_at(span, span.active, time, span.slipped(time), radius)
+    return contact_centre, contact_centre + stick_edge.distance(radius)
 
 
 @dataclass(frozen=True, eq=False)
@@ -299,10 +314,13 @@ class _Strokes:
     following: Span | None
 
     def matrix(self, points: int, panels: int) -> Array:
-        """Symmetric matrix (4, 4) of the work that tilt and strain add, over (alpha_P, alpha_Q,
-        e_P, e_Q), tilt and bulk strain per normal and per tangential load: summed over the spans of
-        slip, with `points` nodes a span along the spans, and `panels` panels for the parts of the
-        work at their ends.
+        """Symmetric matrix (4, 4) of the friction work that tilt and bulk strain add, over o =
+        (alpha_P, alpha_Q, e_P, e_Q), their values per normal and per tangential load: work = o .
+        matrix o.
+
+        It is the sum over the spans of slip, of the kinks of the memory curve that they pass, and
+        of the smooth ends of strokes. `points` are quadrature nodes a span, `panels` those of a
+        stroke's end.
         """
         work_matrix = np.zeros((4, 4))
         neighbours = (self.before, *self.spans, self.following)
@@ -360,8 +378,8 @@ def _products(weights: Array, left_factor: Array, right_factor: Array) -> Array:
 
 # ------------------------------------------------------------------------------ a front in a span
 @dataclass(frozen=True, eq=False)
-class _Front:
-    """The front of slip in the uppermost piece of the memory, at some instants.
+class _StickEdge:
+    """The stick edge in the uppermost piece of the memory curve, at some instants.
 
     Attributes
     ----------
@@ -370,7 +388,7 @@ class _Front:
     steepness
         mu, (n,)
     since_set
-        P and Q at the instant less P and Q when the memory at the front was set, (n,) each
+        P and Q at the instant less P and Q when the memory at the edge was set, (n,) each
     shift
         v by the numbers, (n, 4)
     """
@@ -386,10 +404,14 @@ class _Front:
         return np.asarray(radius * _tilt(*self.since_set) + self.shift)
 
 
-def _front(span: Span, piece: Piece, time: Array, slipped: Array, radius: float) -> _Front:
-    """The front of slip at times (n,) of a span, where the load P_c = P - `slipped` (n,) lies on a
-    `piece` of the memory curve: with P and Q since the memory there was set, and the shift of its
-    centre.
+def _stick_edge_at(
+    span: Span, piece: Piece, time: Array, slipped: Array, radius: float
+) -> _StickEdge:
+    """The stick edge at times (n,) of a span of slip, where its load P_c = P - `slipped` (n,) lies
+    on a `piece` of the memory curve; with the change of P and Q since the memory there was set.
+
+    Tilt and strain shift its centre by v = -R (a_s - a_s,m)/mu, a_s = f alpha - s eps. mu = f - s
+    M' is the steepness, s the direction of slip, m the instant at which the memory was set.
     """
     load = span.leg.loads(time)[0]
     memory_slope = piece.slope_at(load - slipped)
@@ -403,7 +425,7 @@ def _front(span: Span, piece: Piece, time: Array, slipped: Array, radius: float)
         # s M - f eta is the same at the front now and at the edge: Q less M(P_c) is s f (P - P_c)
         since_set = (slipped, span.direction * span.friction * slipped)
     shift = -radius * _drive(span.friction, span.direction, *since_set) / steepness[:, None]
-    return _Front(load, slipped, steepness, since_set, shift)
+    return _StickEdge(load, slipped, steepness, since_set, shift)
 
 
 def _is_slipped(piece: Piece, friction: float) -> bool:
@@ -420,20 +442,22 @@ def _set_loads(piece: Piece, friction: float, eta: Array) -> tuple[Array, Array]
 
 
 def _slope_rate(piece: Piece, eta: Array) -> Array:
-    """d sigma/d eta, the change of the slope sigma = dQ/dP of the memory with the load, at loads
-    eta (n,) of a piece of the memory curve: constant on a parabola, by differences of rates on an
-    arc of a load path.
+    """Change of the slope M' = dQ/dP of a `piece` of the memory curve with the load, at loads eta
+    (n,) [1/force per thickness].
+
+    A constant on a straight or parabolic piece; by differences of the rates of the loads on a
+    curved one.
     """
     if piece.arc is None:
         return np.full(np.shape(eta), 2 * piece.bend)
     leg = piece.anchor.leg
     time = front_time(piece, eta)
-    step = _STEP * (piece.arc[1] - piece.arc[0])
+    time_step = _STEP * (piece.arc[1] - piece.arc[0])
     slopes = []
-    for shifted_time in (time - step, time + step):
+    for shifted_time in (time - time_step, time + time_step):
         normal_rate, tangential_rate = leg.rates(shifted_time)
         slopes.append(tangential_rate / normal_rate)
-    return np.asarray((slopes[1] - slopes[0]) / (2 * step * leg.rates(time)[0]))
+    return np.asarray((slopes[1] - slopes[0]) / (2 * time_step * leg.rates(time)[0]))
 
 
 # ---------------------------------------------------------------------------------- terms of work
@@ -445,41 +469,49 @@ def _instants(span: Span, points: int) -> tuple[Array, Array]:
 
 
 def _of_span(span: Span, radius: float, points: int) -> Array:
-    """Matrix (4, 4) of terms 1 and 2 of the work over a span of slip, over (alpha_P, alpha_Q, e_P,
-    e_Q): both edges slip one way, through memory that grew in stick. By Gauss' rule of so many
-    points in time.
+    """Matrix (4, 4) of the friction work that tilt and strain add in a span of slip in one
+    direction, over (alpha_P, alpha_Q, e_P, e_Q): both edges slip alike, through memory that grew in
+    stick.
+
+        f (-N' D^2/(2R) - a_s' D (P - P_c)) dt,    D from the centre of contact to that of stick,
+        N = f P - s Q,    a_s = f alpha - s eps,    s the direction of slip
+
+    and the shift of the memory that grew in stick. By Gauss' rule of `points` nodes in time.
     """
     piece = span.active
     if piece is None:
         raise Declined("the contact slides as a whole")
     time, weights = _instants(span, points)
     slipped = span.slipped(time)
-    stick_front = _front(span, piece, time, slipped, radius)
+    stick_edge = _stick_edge_at(span, piece, time, slipped, radius)
     fall_rate = np.asarray(span.leg.rate_of(level(span.direction, span.friction), time))  # -N'
     drive_rate = _drive(span.friction, span.direction, *span.leg.rates(time))
-    distance = stick_front.distance(radius)
+    distance = stick_edge.distance(radius)
     friction_weights = span.friction * weights
     work_matrix = _products(friction_weights * fall_rate / (2 * radius), distance, distance)
     work_matrix = work_matrix - _products(friction_weights * slipped, drive_rate, distance)
     if _is_slipped(piece, span.friction):
         return work_matrix
-    eta = stick_front.load - slipped
+    eta = stick_edge.load - slipped
     memory_slope = piece.slope_at(eta)
     ones = np.ones(np.shape(eta))
     rotation = memory_slope[:, None] * _tilt(ones, memory_slope) - _strain(ones, memory_slope)
-    passing_rate = span.direction * friction_weights * slipped * fall_rate / stick_front.steepness
+    passing_rate = span.direction * friction_weights * slipped * fall_rate / stick_edge.steepness
     bend_term = _products(
-        passing_rate * _slope_rate(piece, eta) / (2 * radius), stick_front.shift, stick_front.shift
+        passing_rate * _slope_rate(piece, eta) / (2 * radius), stick_edge.shift, stick_edge.shift
     )
-    return work_matrix - bend_term - _products(passing_rate, stick_front.shift, rotation)
+    return work_matrix - bend_term - _products(passing_rate, stick_edge.shift, rotation)
 
 
 def _of_kink(span_before: Span, span: Span, radius: float) -> Array:
-    """Matrix (4, 4) of what a kink of the memory curve contributes to the friction work, over
-    (alpha_P, alpha_Q, e_P, e_Q), where the front of slip goes across it, from the piece of the
-    curve of `span_before` to that of `span`; zero where both are on one piece.
+    """Matrix (4, 4) of the friction work that tilt and strain add where the stick edge goes across
+    a kink of the memory curve, over (alpha_P, alpha_Q, e_P, e_Q).
 
-    `radius` is that of the parabola [length].
+        f (P - P_c) (d_o - d_i)^2 mu_o mu_i/(2R (mu_o - mu_i))
+
+    d are the centres and mu the steepness f - s M' on the outer and on the inner piece of the
+    curve, those of `span_before` and of `span`. Zero where both are on one piece. `radius` is R of
+    the parabola [length].
     """
     outer_piece = span_before.active
     inner_piece = span.active
@@ -490,7 +522,7 @@ def _of_kink(span_before: Span, span: Span, radius: float) -> Array:
     if inner_piece.top > outer_piece.bottom + tolerance:
         return zero_matrix  # the same piece goes on
     if inner_piece.top - inner_piece.bottom <= tolerance:
-        return zero_matrix  # stands for a front that stays at the upper end of what is at the limit
+        return zero_matrix  # the stick edge stays at the upper end of what is at the limit
     # Of a kink that stands for several, those between are at the limit: only both ends count.
     time = np.array([span.begin.time])
     slipped = span.begin.normal - np.array([outer_piece.bottom])
@@ -498,10 +530,10 @@ def _of_kink(span_before: Span, span: Span, radius: float) -> Array:
     centres = []
     steepness = []
     for piece in (outer_piece, inner_piece):
-        stick_front = _front(span, piece, time, slipped, radius)
+        stick_edge = _stick_edge_at(span, piece, time, slipped, radius)
         touching_centre = -radius * _tilt(*_set_loads(piece, span.friction, eta))
-        centres.append(touching_centre + stick_front.shift)
-        steepness.append(float(stick_front.steepness[0]))
+        centres.append(touching_centre + stick_edge.shift)
+        steepness.append(float(stick_edge.steepness[0]))
     product_of_steepness = steepness[0] * steepness[1]
     if abs(steepness[0] - steepness[1]) <= _SAME * span.friction or product_of_steepness <= 0:
         return zero_matrix
@@ -516,10 +548,10 @@ def _of_kink(span_before: Span, span: Span, radius: float) -> Array:
 
 
 def _require_no_return(span_before: Span, span: Span, radius: float) -> None:
-    """Raise Declined where slip in a span passes at once what an earlier stroke in its direction
-    left at the limit of friction, under other loads than then: tilt and strain are others too.
+    """Refuse a path on which slip comes back to what an earlier stroke in its direction left at the
+    Coulomb limit, under other loads than then: Declined, since tilt and strain are others too.
 
-    `span_before` ends where the span begins; `radius` is that of the parabola [length].
+    `span_before` ends where the `span` of slip begins; `radius` is that of the parabola [length].
     """
     friction = span.friction
     begin = span.begin
@@ -572,26 +604,29 @@ class _SmoothEnd:
 
 
 def _smooth_end(span: Span, time: float, edge_load: float, radius: float) -> _SmoothEnd | None:
-    """The end of a stroke of slip at a time of the leg of a span, with P_c = `edge_load` there;
-    None at a corner of the path, where the rate of the level s Q - f P does not vanish.
+    """The smooth end of a stroke of slip at a `time` in the load segment of a span, with P_c =
+    `edge_load` there; None where the stroke ends at a corner of the path.
+
+    At a smooth end the rate of s Q - f P, which grows in slip, vanishes; s is the direction of
+    slip. `radius` is R of the parabola [length].
     """
-    leg = span.leg
+    segment = span.leg
     combination = level(span.direction, span.friction)
     middle_time = (span.begin.time + span.end.time) / 2
     rates = [
-        abs(float(leg.rate_of(combination, rate_time)))
+        abs(float(segment.rate_of(combination, rate_time)))
         for rate_time in (span.begin.time, middle_time, time)
     ]
-    load = float(leg.loads(time)[0])
+    load = float(segment.loads(time)[0])
     if rates[2] > _AT_REST * max(rates) or edge_load >= load * (1 - _SAME):
         return None
-    time_step = _STEP * (leg.end - leg.start)
-    rate_after = float(leg.rate_of(combination, time + time_step))
-    rate_before = float(leg.rate_of(combination, time - time_step))
+    time_step = _STEP * (segment.end - segment.start)
+    rate_after = float(segment.rate_of(combination, time + time_step))
+    rate_before = float(segment.rate_of(combination, time - time_step))
     level_bend = (rate_before - rate_after) / (2 * time_step)  # N''
     if level_bend <= 0:
         return None
-    drive_rate = _drive(span.friction, span.direction, *leg.rates(time))
+    drive_rate = _drive(span.friction, span.direction, *segment.rates(time))
     return _SmoothEnd(load, edge_load, radius / level_bend * np.outer(drive_rate, drive_rate))
 
 
@@ -606,22 +641,29 @@ def _end_of_piece(
 
 
 def _of_stroke_end(span: Span, radius: float, panels: int) -> Array:
-    """Matrix (4, 4) of term 4 of the work, over (alpha_P, alpha_Q, e_P, e_Q), by the smooth end of
-    the stroke that ends with a span; zero at a corner of the path.
+    """Matrix (4, 4) of the friction work that tilt and strain add at the smooth end of the stroke
+    that ends with a `span`, over (alpha_P, alpha_Q, e_P, e_Q); zero at a corner of the path.
+
+    There the two sides of the contact come to rest one after the other, which leaves a force at
+    loads eta; it costs f times itself times (P - eta). `panels` is the number of quadrature panels.
     """
     edge_load = span.end.normal - float(span.slipped(span.end.time))
     smooth_end = _smooth_end(span, span.end.time, edge_load, radius)
     if smooth_end is None:
         return np.zeros((4, 4))
-    eta, force_left = smooth_end.left(panels)
+    eta, force_left_at_eta = smooth_end.left(panels)
     return np.asarray(
-        span.friction * float(np.sum(force_left * (smooth_end.load - eta))) * smooth_end.form
+        span.friction * float(np.sum(force_left_at_eta * (smooth_end.load - eta))) * smooth_end.form
     )
 
 
 def _of_passed_end(span: Span, radius: float, panels: int) -> Array:
-    """Matrix (4, 4) of term 4 of the work, over (alpha_P, alpha_Q, e_P, e_Q), where the front of
-    slip passes in a span what the smooth end of an earlier stroke, in the other direction, left.
+    """Matrix (4, 4) of the friction work that tilt and strain add where the stick edge passes, in a
+    span, what the smooth end of an earlier stroke in the other direction left.
+
+    Over (alpha_P, alpha_Q, e_P, e_Q). The force left at the load eta costs f times itself times (P
+    - eta) when the stick edge passes eta. `radius` is that of the parabola, `panels` the number of
+    quadrature panels.
     """
     piece = span.active
     if piece is None or not flat(piece, -span.direction, span.friction):
@@ -630,7 +672,7 @@ def _of_passed_end(span: Span, radius: float, panels: int) -> Array:
     if smooth_end is None:
         return np.zeros((4, 4))
     anchor = piece.anchor
-    eta, force_left = smooth_end.left(panels)
+    eta, force_left_at_eta = smooth_end.left(panels)
     edge_load_at_end = span.end.normal - float(span.slipped(span.end.time))
     edge_load_at_begin = span.begin.normal - float(span.slipped(span.begin.time))
     is_passed = (eta < edge_load_at_begin) & (eta >= edge_load_at_end)
@@ -641,19 +683,19 @@ def _of_passed_end(span: Span, radius: float, panels: int) -> Array:
     time = span.leg.time_of(slip_level, level_rise, span.begin.time, span.end.time)
     load = span.leg.loads(time)[0]
     return np.asarray(
-        span.friction * float(np.sum(force_left[is_passed] * (load - eta))) * smooth_end.form
+        span.friction * float(np.sum(force_left_at_eta[is_passed] * (load - eta))) * smooth_end.form
     )
 
 
 # ------------------------------------------------------------------------------- where it holds
 def _one_sided(span: Span, radius: float, modulus: float) -> Iterator[Array]:
-    """Ratios by the numbers of the bodies, rows (n, 4), all of which must stay below 1 for both
-    sides of the contact to slip alike, or to stick, in a span of the load path.
+    """Ratios that show whether both sides of the contact slip alike, or stick, in a span: rows (n,
+    4); row . (alpha_P, alpha_Q, e_P, e_Q) must stay below 1.
 
-    Rates: of N alone the edges would slip by (A/pi) N' arccosh(a/c), of a_s alone by a_s' sqrt(a^2
-    - c^2), in stick with a in place of both functions. Places: the distance of the centres of
-    contact and stick over the width of the slip zone. `radius` is that of the parabola, `modulus`
-    E*.
+    Rates: tilt and strain against what makes slip. Of N = f P - s Q alone the edges would slip by
+    (A/pi) N' arccosh(a/c), of a_s = f alpha - s eps alone by a_s' sqrt(a^2 - c^2). In stick a
+    stands in place of both functions. Places: the distance of the centres of contact and stick over
+    the width of the slip zone. `radius` is that of the parabola, `modulus` E*.
     """
     time, _ = _instants(span, _POINTS // 2)
     load = span.leg.loads(time)[0]
@@ -667,7 +709,7 @@ def _one_sided(span: Span, radius: float, modulus: float) -> Iterator[Array]:
         slipped = span.slipped(time)
         width_ratio = np.sqrt(np.clip(1 - slipped / load, _LEAST_STICK**2, 1 - _SAME))
         edge_function = half_width * np.sqrt(1 - width_ratio**2) / np.arccosh(1 / width_ratio)
-        centre_distance = _front(span, span.active, time, slipped, radius).distance(radius)
+        centre_distance = _stick_edge_at(span, span.active, time, slipped, radius).distance(radius)
         yield centre_distance / (half_width * (1 - width_ratio))[:, None]
     for sense in senses:
         level_rate = np.abs(span.leg.rate_of(level(sense, span.friction), time))
