@@ -128,8 +128,8 @@ class Rigged:
 
 
 def rigged(scene: Scene, effects: BodyEffects | None) -> Rigged:
-    """The scene with its normal contact and the compliance of contact, bodies and springs of its
-    rig.
+    """Prepare a scene with prescribed displacements: its normal contact, and the compliance of
+    contact, bodies and springs of the rig.
 
     Half-planes without `effects` get those of the rig's datum length alone.
 
@@ -184,8 +184,11 @@ class _Slide(NamedTuple):
 
 
 def slides_of(driven: Driven, rows: slice) -> list[_Slide]:
-    """The stretches of gross sliding in some rows of a followed actuator, those in one direction
-    that meet joined; the first of the rows ends the step before them.
+    """Spans of time in which the bodies slide as a whole, in some rows of a path driven by an
+    actuator: begin, end, distance and friction work of each.
+
+    Neighbouring rows that slide in one direction make one span. The first of the `rows` ends the
+    step before them. A slide below a tiny share of the actuator's range is none.
     """
     row_numbers = np.arange(len(driven.time))[rows]
     actuator_range = float(np.ptp(driven.actuator)) or 1.0
@@ -195,36 +198,42 @@ def slides_of(driven: Driven, rows: slice) -> list[_Slide]:
     for row_before, row in pairwise(row_numbers.tolist()):
         if not direction[row]:
             continue
-        slide = _Slide(
+        slide_in_step = _Slide(
             float(driven.time[row_before]),
             float(driven.time[row]),
             float(driven.slide[row]),
             float(driven.slide_work[row]),
         )
-        if slides and slides[-1].end == slide.begin and slides[-1].way * slide.way > 0:
+        if (
+            slides
+            and slides[-1].end == slide_in_step.begin
+            and slides[-1].way * slide_in_step.way > 0
+        ):
             slide_before = slides[-1]
             slides[-1] = _Slide(
                 slide_before.begin,
-                slide.end,
-                slide_before.way + slide.way,
-                slide_before.work + slide.work,
+                slide_in_step.end,
+                slide_before.way + slide_in_step.way,
+                slide_before.work + slide_in_step.work,
             )
         else:
-            slides.append(slide)
+            slides.append(slide_in_step)
     return slides
 
 
 # --------------------------------------------------------------------------------- the whole answer
 def of_rig(question: Question) -> Findings:
-    """The answer to a scene whose rig prescribes displacements: the loads are found by steps and by
-    steps twice as long, fields are those of corrected theory under them, and what both differ by is
-    stated as error.
+    """The answer to a scene whose rig prescribes displacements: loads, fields, friction work and
+    their errors.
+
+    The loads are found step by step, by steps and by steps twice as long; the difference is stated
+    as error. Fields are those of half-plane theory, corrected for finite bodies, under these loads.
 
     Raises
     ------
     InputError
-        For `straight_steps`, for materials, profiles or rigs that corrected theory does not
-        take, and for springs that leave more than one answer.
+        For `straight_steps`, for materials, profiles or rigs that corrected theory does not take,
+        and for springs that leave more than one answer.
     """
     started = clock.perf_counter()
     if question.straight_steps:
@@ -236,7 +245,6 @@ def of_rig(question: Question) -> Findings:
     fine_path, coarse_path, steady_from = _followed(rig, question.time)
     last_cycle, rows_of_answer = _rows_of(fine_path, question.scene, steady_from)
     bodies = _series(rig, fine_path)
-    coarse_bodies = _series(rig, coarse_path)
     history_done = clock.perf_counter()
 
     x = question.x
@@ -246,44 +254,28 @@ def of_rig(question: Question) -> Findings:
     time, row_numbers = instants_of(question, rows_of_answer, last_cycle)
     points = PointFields(bodies, distance)
     fields = grids_at(question, points, distance, row_numbers)
-    same_loads = _SameLoads.of(rig, fine_path, last_cycle)
-    odd_part = _odd_part(rig, fine_path, last_cycle, steady_from, same_loads)
-    odd_work = odd_part.work(_STEADY_CYCLE)
-    work = fine_path.work(last_cycle) + odd_work.value + same_loads.of_next_order
-    errors = _errors(fine_path, coarse_path, steady_from)
-    if work > 0:
-        error_of_bodies = odd_work.uncertainty + same_loads.uncertainty
-        errors["dissipation"] = errors.get("dissipation", 0.0) + error_of_bodies / work
-    if odd_part.left_out:
-        errors["dissipation"] = math.nan  # how much tilt and strain add is not known
-    loop_work = math.nan
-    # The displacement has the moment of the tilt, and not what makes the work in the second order.
-    if steady_from is not None and rows_of_answer.period is not None and odd_part == OddPart():
-        loop_work = bodies.loop_work(last_cycle)
-        coarse_cycle, _ = _rows_of(coarse_path, question.scene, steady_from)
-        if loop_work > 0:
-            errors["loop_work"] = abs(coarse_bodies.loop_work(coarse_cycle) / loop_work - 1)
+    cycle_energy = _energy_of(rig, fine_path, coarse_path, bodies, steady_from)
+    errors = cycle_energy.errors
     density = np.full(len(distance), np.nan)
     if question.wants("dissipation_density"):
         density = points.work(last_cycle)
     wants_work = question.wants("dissipation")
     series_of_instants = series_at(question, bodies, row_numbers)
     compliance_to_datum = _to_datum_of_answers(rig)
-    series_of_instants["tangential_displacement"] = (
-        series_of_instants["tangential_displacement"]
-        + compliance_to_datum * series_of_instants["tangential_load"]
-    )
-    series_of_instants["normal_approach"] = (
-        series_of_instants["normal_approach"]
-        + compliance_to_datum * series_of_instants["normal_load"]
-    )
+    for displacement, load in (
+        ("tangential_displacement", "tangential_load"),
+        ("normal_approach", "normal_load"),
+    ):
+        change_of_datum = compliance_to_datum * series_of_instants[load]
+        series_of_instants[displacement] = series_of_instants[displacement] + change_of_datum
+    work = cycle_energy.work if wants_work else math.nan
     values: dict[str, Any] = {
         **series_of_instants,
         **{name: np.take(grid, number_of_distance, axis=1) for name, grid in fields.items()},
         "permanent_stick_half_width": permanent_stick(bodies, last_cycle),
-        "dissipation": work if wants_work else math.nan,
-        "loop_work": loop_work if wants_work else math.nan,
-        "cycle_dissipation": np.array([work if wants_work else math.nan]),
+        "dissipation": work,
+        "loop_work": cycle_energy.loop_work if wants_work else math.nan,
+        "cycle_dissipation": np.array([work]),
         "dissipation_density": density[number_of_distance],
         "steady_from": None if steady_from is None else 0,
     }
@@ -293,7 +285,7 @@ def of_rig(question: Question) -> Findings:
         values=values,
         termination="end of path" if steady_from is None else "steady",
         message=_message(steady_from, question.scene),
-        notes=tuple(_notes(rig, fine_path, last_cycle, errors, odd_part)),
+        notes=tuple(_notes(rig, fine_path, last_cycle, errors, cycle_energy.odd_part)),
         errors={name: error for name, error in errors.items() if error},
         certificates=certificates_of(bodies, fields, row_numbers),
         counts={
@@ -307,6 +299,68 @@ def of_rig(question: Question) -> Findings:
         },
         scene=_scene_of_loads(question.scene, rows_of_answer, last_cycle),
     )
+
+
+class _Energy(NamedTuple):
+    """Energy of the last cycle of a rig.
+
+    Attributes
+    ----------
+    work
+        friction work [energy per thickness]
+    loop_work
+        closed integral of Q dU + P d(approach); NaN where it does not equal the work
+    odd_part
+        what tilt and bulk strain of the bodies add to the work
+    errors
+        relative, by the name of the value
+    """
+
+    work: float
+    loop_work: float
+    odd_part: OddPart
+    errors: dict[str, float]
+
+
+def _energy_of(
+    rig: Rigged,
+    fine_path: Driven,
+    coarse_path: Driven,
+    bodies: PathSeries,
+    steady_from: int | None,
+) -> _Energy:
+    """Friction work of the last cycle, or of a path without one, and the work of its loads, with
+    their errors.
+
+    Parameters
+    ----------
+    fine_path, coarse_path
+        loads that were found, by steps and by steps twice as long; the difference gives the errors
+    bodies
+        half-widths and displacements along the fine path
+    steady_from
+        number of the first steady cycle, None without one
+    """
+    last_cycle, rows = _rows_of(fine_path, rig.scene, steady_from)
+    same_loads = _SameLoads.of(rig, fine_path, last_cycle)
+    odd_part = _odd_part(rig, fine_path, last_cycle, steady_from, same_loads)
+    odd_work = odd_part.work(_STEADY_CYCLE)
+    work = fine_path.work(last_cycle) + odd_work.value + same_loads.of_next_order
+    errors = _errors(fine_path, coarse_path, steady_from)
+    if work > 0:
+        error_of_bodies = odd_work.uncertainty + same_loads.uncertainty
+        errors["dissipation"] = errors.get("dissipation", 0.0) + error_of_bodies / work
+    if odd_part.left_out:
+        errors["dissipation"] = math.nan  # how much tilt and strain add is not known
+    loop_work = math.nan
+    # The displacement has the moment of the tilt, and not what makes the work in the second order.
+    if steady_from is not None and rows.period is not None and odd_part == OddPart():
+        loop_work = bodies.loop_work(last_cycle)
+        coarse_cycle, _ = _rows_of(coarse_path, rig.scene, steady_from)
+        if loop_work > 0:
+            coarse_loop_work = _series(rig, coarse_path).loop_work(coarse_cycle)
+            errors["loop_work"] = abs(coarse_loop_work / loop_work - 1)
+    return _Energy(work, loop_work, odd_part, errors)
 
 
 class _SameLoads(NamedTuple):
@@ -328,8 +382,10 @@ class _SameLoads(NamedTuple):
 
     @classmethod
     def of(cls, rig: Rigged, driven: Driven, rows: slice) -> _SameLoads:
-        """What the loads that were found along a path make of the bodies of a rig in some rows,
-        beside half-planes; nothing for half-planes, and where the bodies slide as a whole.
+        """What the finite bodies change in the friction work of some rows of a path, under the
+        loads that were found, compared with half-planes under these loads.
+
+        Nothing for half-planes, and where the bodies slide as a whole. `driven` holds the loads.
         """
         if rig.scene.bodies.half_planes or _no_next_order(driven, rows):
             return cls()
@@ -361,11 +417,11 @@ def _odd_part(
     steady_from: int | None,
     same_loads: _SameLoads,
 ) -> OddPart:
-    """What tilt and bulk strain of the bodies add to the dissipation of the steady cycle, driven by
-    a rig.
+    """Friction work that tilt and bulk strain of the finite bodies add in the steady cycle of a
+    rig.
 
-    Nothing where the bodies have none; left out where no cycle is steady; on grids where there is
-    no memory curve of it.
+    Nothing where the bodies have none; left out where no cycle is steady. A numerical solution on
+    grids where the second order of these small numbers does not hold.
 
     Parameters
     ----------
@@ -394,11 +450,11 @@ def _odd_part(
 
 
 def _odd_part_on_grids(rig: Rigged, driven: Driven, last_cycle: slice, reason: str) -> OddPart:
-    """What tilt and bulk strain of the bodies add to the friction work of the last cycle, on grids
-    that follow the loads that were found; for the `reason` that the second order does not hold.
+    """Friction work that tilt and bulk strain of the finite bodies add in the last cycle of a rig,
+    by a numerical solution on grids under the loads that were found.
 
-    Where the contact slides as a whole, or grids do not take the loads, it is left out, and the
-    result says why.
+    Used where the second order does not hold, for the `reason`. Where the contact slides as a
+    whole, or grids do not take the loads, it is left out, and the result says why.
     """
     if np.any(driven.slide[last_cycle][1:] != 0):
         return OddPart(left_out=reason)
@@ -433,8 +489,11 @@ def _series(rig: Rigged, driven: Driven) -> PathSeries:
 
 
 def _followed(rig: Rigged, time: Array | None) -> tuple[Driven, Driven, int | None]:
-    """The path until a cycle ends in the state that it started from, by steps and by steps twice as
-    long; the index of that cycle, None where none does.
+    """Follow a rig until a cycle ends in the friction state that it started from, by steps and by
+    steps twice as long; with both paths the index of that cycle, None where none does.
+
+    Instants `time` that are asked for become rows of the fine path, and so do instants around the
+    ends of gross sliding.
     """
     scene = rig.scene
     has_cycle = scene.load.path_of_actuators().period is not None
@@ -469,8 +528,11 @@ def _steady_in_both(fine_path: Driven, coarse_path: Driven) -> int | None:
 
 
 def _near_ends_of_slides(driven: Driven) -> Array:
-    """Instants (k,) around those at which a slide ends while P varies: there the actuator turns
-    round against what the contact gives way, which no row of the path shows.
+    """Instants (k,) around those at which gross sliding ends while P varies, which the path should
+    have as rows.
+
+    There the actuator turns round against what the contact gives way. No row of the path shows that
+    instant by itself.
     """
     is_sliding = driven.slide != 0
     load = driven.followed.normal_load
@@ -479,13 +541,17 @@ def _near_ends_of_slides(driven: Driven) -> Array:
         :_MOST_ENDS
     ]
     begin_times = driven.time[last_sliding_rows - 1]
-    shares = np.linspace(0.0, 1.0, _ROWS_AT_END)[:, None]
-    return (begin_times + shares * (driven.time[last_sliding_rows + 1] - begin_times)).ravel()
+    shares_of_two_steps = np.linspace(0.0, 1.0, _ROWS_AT_END)[:, None]
+    return (
+        begin_times + shares_of_two_steps * (driven.time[last_sliding_rows + 1] - begin_times)
+    ).ravel()
 
 
 def _within_cycles(scene: Scene, time: Array, cycles: int) -> Array:
     """Instants (k,) of any cycle of the actuator's path, repeated in each of the `cycles` that are
     followed; those of the initial loading once.
+
+    Of a path that does not repeat they are returned as they are.
     """
     path = scene.load.path_of_actuators()
     if path.period is None:
@@ -498,8 +564,11 @@ def _within_cycles(scene: Scene, time: Array, cycles: int) -> Array:
 
 
 def steady_cycle(driven: Driven) -> int | None:
-    """Index of the first cycle that ends in the state it started from: whose memory curves at begin
-    and end agree; None where none does.
+    """Index of the first cycle that ends in the friction state it started from; None where none
+    does.
+
+    The state is the memory curve, locked-in tangential force over half-width. Those at begin and
+    end of the cycle must agree at many punches.
     """
     followed = driven.followed
     s_of_punches = np.linspace(0.0, followed.table.last, _PLACES)
@@ -512,9 +581,10 @@ def steady_cycle(driven: Driven) -> int | None:
 
 
 def _rows_of(driven: Driven, scene: Scene, steady_from: int | None) -> tuple[slice, PathRows]:
-    """Which rows of a driven path are answered, as a slice, and the loads over time up to its end.
+    """Which rows of a path driven by a rig the answer covers, as a slice, and the loads over time
+    up to the last of them.
 
-    Answered is the steady cycle, number `steady_from` from 0; of a path without one, all rows.
+    Covered is the steady cycle, number `steady_from` from 0; of a path without one, all rows.
     """
     period = scene.load.path_of_actuators().period
     followed = driven.followed
@@ -551,8 +621,11 @@ def _scene_of_loads(scene: Scene, rows: PathRows, last_cycle: slice) -> Scene:
 
 
 def _errors(fine_path: Driven, coarse_path: Driven, steady_from: int | None) -> dict[str, float]:
-    """Differences between a path by steps and by steps twice as long: of the friction work over W,
-    and of Q over the largest |Q|; of the cycle number `steady_from` where there is a steady one.
+    """Relative errors of friction work and of Q by the steps: differences between a path by steps
+    and by steps twice as long.
+
+    That of the work is over W of the steady cycle `steady_from`, or of the path where there is
+    none; that of Q over the largest |Q|.
     """
     errors = {}
     rows_of_fine = slice(0, None)
@@ -590,8 +663,8 @@ def _message(steady_from: int | None, scene: Scene) -> str:
 def _notes(
     rig: Rigged, driven: Driven, last_cycle: slice, errors: dict[str, float], odd_part: OddPart
 ) -> Iterator[str]:
-    """Sentences on what a reader of the answer must not miss: where displacements are prescribed,
-    what the bodies add and what of it is left out, what the spring takes, slides and separations.
+    """Sentences on what a reader of the answer to a rig must not miss: where displacements are
+    prescribed, what is left out, what the spring takes, slides and separations.
 
     Parameters
     ----------
@@ -643,8 +716,8 @@ def _notes(
 
 
 def _note_of_next_order(rig: Rigged, driven: Driven, last_cycle: slice) -> str:
-    """A sentence on the next order of the bodies: where it counts, and by how much it would change
-    the largest pressure and half-width.
+    """A sentence on the next order of the finite bodies' effects, beyond their curvatures: where it
+    counts, and by how much it would change the largest pressure and half-width.
 
     `rig` holds the contact with the effects of its bodies, `driven` the loads that were found, and
     `last_cycle` are their rows of the last cycle.
@@ -671,8 +744,10 @@ def _note_of_next_order(rig: Rigged, driven: Driven, last_cycle: slice) -> str:
 
 
 def notes_of_slides(scene: Scene, driven: Driven, last_cycle: slice) -> Iterator[str]:
-    """When the bodies slide as a whole and how far, in the last cycle and before it, or on the
-    path.
+    """Sentences on when the bodies slide as a whole, how far and with what friction work: in the
+    last cycle, and before it.
+
+    Of a path without cycles, along all of it. `driven` holds the slides row by row.
     """
     force_unit, length_unit, _ = scene.unit_words
     energy_unit = f"{force_unit}·{length_unit}/{length_unit}"

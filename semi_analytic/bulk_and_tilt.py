@@ -77,10 +77,14 @@ class OneCurve:
     neglected: Mapping[str, float] = field(default_factory=dict)
 
     def series(self, time: Array, load: Array) -> dict[str, Array]:
-        """Bulk stresses, tilt, moment, contact edges and normal approach at instants (n,) with the
-        normal loads (n,).
+        """Values of a contact with bulk stress and tilt at instants (n,), by name: both bulk
+        stresses, tilt, moment of the pressure, contact edges and normal approach.
+
+        `load` (n,) is P there. Either the tilt or the moment is prescribed; the other follows.
+
+        # notation: m, c centre and half-length of the contact
         """
-        # Somebody else's instant may be before the start by rounding.
+        # An instant may be before the start by round-off.
         path_time = np.maximum(time, self.path.start)
         contact = self.contact
         stress_of_lower, stress_of_upper = np.zeros((2, len(time)))
@@ -103,8 +107,10 @@ class OneCurve:
 
 
 def strain_of(materials: Materials) -> tuple[float, float]:
-    """What the bulk stress of the lower and of the upper body adds to eps: 1/E' and -1/E', E' =
-    E/(1 - nu^2) (plane strain).
+    """Bulk strain eps by a unit of bulk stress in the lower and in the upper body: 1/E' and -1/E',
+    with E' = E/(1 - nu^2) (plane strain) [1/stress].
+
+    eps is by how much the lower surface stretches more than the upper one.
 
     >>> from scenes import Elastic
     >>> strain_of(
@@ -121,16 +127,18 @@ def strain_of(materials: Materials) -> tuple[float, float]:
 
 
 def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
-    """A load path with bulk strain eps and tilt alpha whose memory of friction is one curve: where
-    alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q with one kappa, and contacts are nested.
-    `path` is that of the scene by default.
+    """Contact and loads of a path with bulk strain eps and tilt alpha on which one memory curve
+    holds what friction remembers; None where no single curve does.
 
-    At constant P large bulk strain has one curve as well, and so has bulk strain alone, as long as
-    the stick zones recede at both ends.
+    One curve is enough where alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q with one kappa,
+    and contacts are nested. `path` is that of the scene by default. At constant P large bulk strain
+    has one curve as well, and so has bulk strain alone, as long as the stick zones recede at both
+    ends.
 
-    While the load is pressed on at first, with no Q and no change of bulk strain, the tilt may do
-    what it will: nothing is sheared, and nothing is remembered. None where there is another memory,
-    or intervals are not nested.
+    While P is applied at first, with no Q and no change of bulk strain, the tilt may vary freely:
+    nothing is sheared, and nothing is remembered.
+
+    # notation: p, q, eps, alpha samples (n,) of P, Q, bulk strain and tilt along the path
 
     Raises
     ------
@@ -138,7 +146,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
         For a profile that bends down somewhere, a contact that leaves the profile.
     """
     path = path or scene.load.path()
-    legs = (*path.initial_loading, *path.cycle)
+    segments = (*path.initial_loading, *path.cycle)
     loading_count = len(path.initial_loading)
     convex_shape = convex_profile(scene.profile)
     compliance = 2 / composite_modulus(scene.material)
@@ -148,20 +156,16 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     upright_profile = TiltedProfile(
         NestedIntervals(convex_shape, compliance, 0.0, 0.0, math.inf), datum_length
     )
-    samples_of_legs = [
-        _sampled(leg, upright_profile if path.moment_given else None, strain_per_stress)
-        for leg in legs
+    samples_of_segments = [
+        _sampled(segment, upright_profile if path.moment_given else None, strain_per_stress)
+        for segment in segments
     ]
     load_sizes = LoadSizes.of(
-        np.concatenate(samples_of_legs, axis=1), convex_shape, compliance, friction
+        np.concatenate(samples_of_segments, axis=1), convex_shape, compliance, friction
     )
-    first_shearing_leg = 0
-    while first_shearing_leg < loading_count and _presses_only(
-        samples_of_legs[first_shearing_leg], load_sizes
-    ):
-        first_shearing_leg += 1
-    last_sample = samples_of_legs[-1][:, -1:]
-    p, q, eps, alpha = np.concatenate(samples_of_legs[first_shearing_leg:] or [last_sample], axis=1)
+    first_shearing = _first_shearing_segment(samples_of_segments[:loading_count], load_sizes)
+    last_sample = samples_of_segments[-1][:, -1:]
+    p, q, eps, alpha = np.concatenate(samples_of_segments[first_shearing:] or [last_sample], axis=1)
     largest_load = float(np.max(p))
     neglected: dict[str, float] = {}
     # At constant P the stick zones of a parabola are nested where contacts are not.
@@ -170,7 +174,7 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     first_strain = float(eps[0])
     strain_changes = np.ptp(eps) > load_sizes.strain_rounding
     has_shear_force = np.max(np.abs(q)) > load_sizes.shear_rounding
-    is_strain_alone = may_slip_apart and strain_changes and not has_shear_force
+    is_strain_alone = bool(may_slip_apart and strain_changes and not has_shear_force)
     if is_strain_alone:
         # A load in proportion to the bulk strain, of half f P at most, takes the place of Q.
         if np.any(q):
@@ -184,35 +188,80 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     intervals = NestedIntervals(
         convex_shape, compliance, relation.tilt_without_load, relation.slope, largest_load
     )
-    contact = TiltedProfile(intervals, datum_length)
-    if is_strain_alone or not contact.is_nested(largest_load):
-        if not may_slip_apart:
-            return None
-        contact_slipping_apart = _slipping_apart(
-            intervals,
-            datum_length,
-            friction,
-            largest_shear=float(np.max(np.abs(q))),
-            share_of_shear=0.0 if is_strain_alone else 1.0,
-        )
-        if contact_slipping_apart is None:
-            return None
-        contact = contact_slipping_apart
-    first_leg_by_strain = first_shearing_leg if is_strain_alone else len(legs)
-    legs_of_curve = [replace(leg, bulk=None, turning=None) for leg in legs[:first_leg_by_strain]]
-    for leg in legs[first_leg_by_strain:]:
-        leg_by_strain = _leg_by_strain(leg, strain_per_stress, first_strain, relation.slope)
-        if leg_by_strain is None:
-            return None
-        legs_of_curve.append(leg_by_strain)
+    contact = _contact_with_one_curve(
+        intervals,
+        datum_length,
+        friction,
+        largest_shear=float(np.max(np.abs(q))),
+        is_strain_alone=is_strain_alone,
+        may_slip_apart=bool(may_slip_apart),
+    )
+    if contact is None:
+        return None
+    first_by_strain = first_shearing if is_strain_alone else len(segments)
+    segments_of_curve: list[LoadSegment | None] = [
+        replace(segment, bulk=None, turning=None) for segment in segments[:first_by_strain]
+    ]
+    segments_of_curve += [
+        _leg_by_strain(segment, strain_per_stress, first_strain, relation.slope)
+        for segment in segments[first_by_strain:]
+    ]
+    known_segments = [segment for segment in segments_of_curve if segment is not None]
+    if len(known_segments) < len(segments):
+        return None
     return OneCurve(
         contact=contact,
-        path=LoadPath(tuple(legs_of_curve[:loading_count]), tuple(legs_of_curve[loading_count:])),
+        path=LoadPath(tuple(known_segments[:loading_count]), tuple(known_segments[loading_count:])),
         bulk=path.companion("bulk"),
         turning=path.companion("turning"),
         moment_given=path.moment_given,
         neglected=neglected,
     )
+
+
+def _contact_with_one_curve(
+    intervals: NestedIntervals,
+    datum_length: float,
+    friction: float,
+    largest_shear: float,
+    is_strain_alone: bool,
+    may_slip_apart: bool,
+) -> TiltedProfile | None:
+    """The contact whose memory of friction is one curve: that of nested contact intervals, or the
+    one of a parabola whose ends slip opposite ways; None where neither exists.
+
+    Parameters
+    ----------
+    intervals
+        contact intervals under the loads of the path
+    datum_length
+        distance at which displacements count as 0 [length]
+    largest_shear
+        the largest |Q|, or of the load in its place [force per thickness]
+    is_strain_alone
+        whether bulk strain alone shears the contact
+    may_slip_apart
+        whether the profile is a parabola, and P constant
+    """
+    contact = TiltedProfile(intervals, datum_length)
+    if not is_strain_alone and contact.is_nested(intervals.most):
+        return contact
+    if not may_slip_apart:
+        return None
+    share_of_shear = 0.0 if is_strain_alone else 1.0
+    return _slipping_apart(intervals, datum_length, friction, largest_shear, share_of_shear)
+
+
+def _first_shearing_segment(samples_of_loading: list[Array], load_sizes: LoadSizes) -> int:
+    """Number of the first segment of the initial loading that shears the contact, by Q or by a
+    change of bulk strain; the number of segments where none does.
+
+    `samples_of_loading` are P, Q, eps and alpha of each segment, (4, n).
+    """
+    for number, samples in enumerate(samples_of_loading):
+        if not _presses_only(samples, load_sizes):
+            return number
+    return len(samples_of_loading)
 
 
 class _AffineRelation(NamedTuple):
@@ -239,8 +288,11 @@ class _AffineRelation(NamedTuple):
     def fitted(
         cls, p: Array, q: Array, eps: Array, alpha: Array, load_sizes: LoadSizes
     ) -> _AffineRelation:
-        """The relation of samples (n,) of P, Q, bulk strain `eps` and tilt `alpha`, the tilt NaN
-        where none is known: kappa from eps over Q where Q changes, else from alpha over P.
+        """The slope kappa of alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q, fitted to samples
+        (n,) of a load path, and whether both hold to round-off.
+
+        kappa is that of eps over Q where Q changes, else of alpha over P. A tilt that is not known
+        is NaN.
 
         Parameters
         ----------
@@ -287,7 +339,9 @@ def _slipping_apart(
     share_of_shear: float,
 ) -> OppositeSlip | None:
     """The contact of a parabola at constant P whose ends slip opposite ways under bulk strain; None
-    where its stick zones are not nested up to `largest_shear`, or cannot be resolved.
+    where its stick zones are not nested, or cannot be resolved.
+
+    They must be nested up to the largest shear force of the path.
 
     Parameters
     ----------
@@ -342,10 +396,14 @@ class LoadSizes:
     def of(
         cls, samples: Array, shape: ConvexProfile, compliance: float, friction: float
     ) -> LoadSizes:
-        """Sizes from samples of P, Q, bulk strain and tilt along a path, (4, n), the tilt NaN where
-        none is known.
+        """Sizes by which bulk strain, tilt and Q of a load path are judged, from samples of P, Q,
+        bulk strain and tilt along it, (4, n).
 
-        `shape` is the profile, `compliance` A = 2/E*, `friction` f.
+        They are the tilt that lifts an edge and the strain that makes one slip, at the largest P,
+        and the round-off of each. An unknown tilt is NaN. `shape` is the profile, `compliance` A =
+        2/E*, `friction` f.
+
+        # notation: p, q, eps, alpha samples (n,) of P, Q, bulk strain and tilt
         """
         p, q, eps, alpha = samples
         has_tilt = np.isfinite(alpha)
@@ -368,8 +426,10 @@ class LoadSizes:
 
 
 def cycle_samples(scene: Scene) -> Array:
-    """P, Q, eps and alpha at instants of the cycle in order, all turning points among them, (4,
-    n).
+    """Loads at instants of a scene's cycle in order, all turning points among them, as rows (4, n):
+    P, Q, bulk strain and tilt.
+
+    A tilt that is not prescribed follows from the moment.
     """
     path = scene.load.path()
     upright_profile = None
@@ -385,25 +445,29 @@ def cycle_samples(scene: Scene) -> Array:
 
 
 def steady_curve(scene: Scene) -> OneCurve | None:
-    """The scene's cycle where the memory of the cycle alone is one curve, behind a loading that
-    presses first and shears then.
+    """Contact and loads of a scene's cycle where one memory curve holds what friction remembers of
+    the cycle alone, after an initial loading that presses first and shears then; None else.
 
     What changes in a steady cycle of like bodies does not depend on how it was reached, and so
     neither W nor W(x) does (Andersson, Barber and Ponter, 2014); the traction that stays locked in
     the permanent stick zone does.
     """
     path = scene.load.path()
-    strain = strain_of(scene.material)
+    strain_per_stress = strain_of(scene.material)
     if not path.cycle:
         return None
     _, forces, strains, _ = np.concatenate(
-        [_sampled(replace(leg, turning=None), None, strain) for leg in path.cycle], axis=1
+        [
+            _sampled(replace(segment, turning=None), None, strain_per_stress)
+            for segment in path.cycle
+        ],
+        axis=1,
     )
     path_start = path.start
     cycle_start = path.cycle_start
     middle_time = (path_start + cycle_start) / 2
-    first_leg = path.cycle[0]
-    load_at_cycle_start, force_at_cycle_start = map(float, first_leg.loads(cycle_start))
+    first_segment = path.cycle[0]
+    load_at_cycle_start, force_at_cycle_start = map(float, first_segment.loads(cycle_start))
     pressing = StraightSegment(path_start, middle_time, (0.0, 0.0), (load_at_cycle_start, 0.0))
     shearing = StraightSegment(
         middle_time,
@@ -411,10 +475,11 @@ def steady_curve(scene: Scene) -> OneCurve | None:
         (load_at_cycle_start, 0.0),
         (load_at_cycle_start, force_at_cycle_start),
     )
-    if first_leg.bulk is not None:
-        stress_of_lower, stress_of_upper = map(float, first_leg.bulk.loads(cycle_start))
+    if first_segment.bulk is not None:
+        stress_of_lower, stress_of_upper = map(float, first_segment.bulk.loads(cycle_start))
         stress_before = (
-            stress_of_lower - _slope_of(forces, strains) * force_at_cycle_start / strain[0]
+            stress_of_lower
+            - _slope_of(forces, strains) * force_at_cycle_start / strain_per_stress[0]
         )
         stresses_before = (stress_before, stress_of_upper)
         pressing = replace(
@@ -427,8 +492,8 @@ def steady_curve(scene: Scene) -> OneCurve | None:
                 middle_time, cycle_start, stresses_before, (stress_of_lower, stress_of_upper)
             ),
         )
-    if first_leg.turning is not None:
-        tilt, moment = map(float, first_leg.turning.loads(cycle_start))
+    if first_segment.turning is not None:
+        tilt, moment = map(float, first_segment.turning.loads(cycle_start))
         pressing = replace(
             pressing, turning=StraightSegment(path_start, middle_time, (0.0, 0.0), (tilt, moment))
         )
@@ -440,17 +505,25 @@ def steady_curve(scene: Scene) -> OneCurve | None:
 
 
 def _leg_by_strain(
-    leg: LoadSegment, strain: tuple[float, float], first_strain: float, slope: float
+    leg: LoadSegment, strain_per_stress: tuple[float, float], first_strain: float, slope: float
 ) -> LoadSegment | None:
-    """A leg of constant P with the load (eps - first_strain)/slope in place of Q; None where bulk
-    stress is neither a line nor a sum of waves over time.
+    """A segment of a load path at constant P in which a load in proportion to the bulk strain, (eps
+    - first_strain)/slope, takes the place of Q.
 
-    `strain` is the bulk strain eps by a unit bulk stress of the lower and of the upper body
-    [1/stress], `slope` that of eps over the load.
+    None where bulk stress is neither a line nor a sum of waves over time.
+
+    Parameters
+    ----------
+    leg
+        the segment of the path, with its bulk stresses
+    strain
+        bulk strain eps by a unit bulk stress of the lower and of the upper body [1/stress]
+    slope
+        of eps over the load that stands for Q
     """
 
     def load_of(stresses: Sequence[float]) -> float:
-        return (float(np.dot(strain, stresses)) - first_strain) / slope
+        return (float(np.dot(strain_per_stress, stresses)) - first_strain) / slope
 
     normal_load = float(leg.loads(leg.start)[0])
     bulk = leg.bulk
@@ -470,7 +543,7 @@ def _leg_by_strain(
     phasors = np.zeros((2, max(len(bulk.normal), len(bulk.tangential))), dtype=complex)
     for phasors_of_body, waves in zip(phasors, (bulk.normal, bulk.tangential), strict=True):
         phasors_of_body[: len(waves)] = [size * cmath.exp(-1j * phase) for size, phase in waves]
-    load_phasors = (np.array(strain) @ phasors / slope).tolist()
+    load_phasors = (np.array(strain_per_stress) @ phasors / slope).tolist()
     return HarmonicSegment(
         leg.start,
         leg.end,
@@ -501,12 +574,14 @@ class Eccentricity(NamedTuple):
 
 
 def eccentricity(scene: Scene) -> Eccentricity | None:
-    """Eccentricity of stick by bulk stress over the cycle, over the whole path where it has none;
-    None without bulk stress.
+    """How far bulk stress moves the stick zone out of the middle in a cycle, or along a path
+    without a cycle; None without bulk stress.
 
     Like bodies with bulk in one: e = sigma/(4 f p0) (Nowell and Hills 1987). It is a measure, and
     no bound: with P, Q or bulk out of phase the ends may slip opposite ways although bulk is
     moderate.
+
+    # notation: p, q, eps samples (n,) of P, Q and bulk strain
 
     >>> from scenes import load_scene
     >>> scene = load_scene("cattaneo-mindlin")
@@ -516,12 +591,12 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     path = scene.load.path()
     profile = scene.profile
     friction = scene.friction.coefficient
-    legs = path.cycle or path.initial_loading
-    if not path.has_bulk_or_tilt or all(leg.bulk is None for leg in legs):
+    segments = path.cycle or path.initial_loading
+    if not path.has_bulk_or_tilt or all(segment.bulk is None for segment in segments):
         return None
     strains = strain_of(scene.material)
     p, q, eps, _ = np.concatenate(
-        [_sampled(replace(leg, turning=None), None, strains) for leg in legs], axis=1
+        [_sampled(replace(segment, turning=None), None, strains) for segment in segments], axis=1
     )
     modulus = composite_modulus(scene.material)
     largest_load = float(np.max(p))
@@ -540,23 +615,22 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
 
 
 def followed_path(scene: Scene) -> LoadPath:
-    """P and Q of a scene whose memory of friction is one curve P_c -> Q_c: the scene's own path
-    where it has no bulk stress and no tilt, else the path of P and Q of its family of nested
-    contacts.
+    """P and Q of a scene on which one memory curve holds what friction remembers: the scene's own
+    path, or, with bulk stress and tilt, that of the contact that has one curve.
 
     Raises
     ------
     InputError
-        For another memory, a profile that bends down somewhere, a contact that leaves the
-        profile.
+        For a path with bulk stress or tilt that has no single curve, a profile that bends down
+        somewhere, a contact that leaves the profile.
     """
     path = scene.load.path()
     if not path.has_bulk_or_tilt:
         return path
-    family = one_curve(scene)
-    if family is None or not family.contact.share:
+    contact_and_path = one_curve(scene)
+    if contact_and_path is None or not contact_and_path.contact.share:
         raise InputError(NO_ONE_CURVE)
-    return family.path
+    return contact_and_path.path
 
 
 @dataclass(frozen=True, eq=False)
@@ -588,17 +662,17 @@ class PathLoads:
         return next((leg for leg in legs if time - delay <= leg.end), legs[-1]), delay
 
     def values(self, time: Array) -> Array:
-        """P, Q, bulk strain eps and tilt alpha at times (n,) within one leg of the path, as rows of
-        (4, n).
+        """P, Q, bulk strain eps and tilt alpha at times (n,) within one segment of the load path,
+        as rows of (4, n).
 
-        eps is the tangential strain that the bulk stresses make the bodies differ by; a tilt that
-        is not stated follows from the moment.
+        eps is by how much the bulk stresses stretch the lower surface more than the upper one. A
+        tilt that is not prescribed follows from the moment.
         """
-        leg, delay = self._place(float(np.mean(time)))
-        time_of_leg = time - delay
-        normal_load, tangential_load = leg.loads(time_of_leg)
-        stress_of_lower, stress_of_upper = _companion_loads(leg.bulk, time_of_leg)
-        tilt, moment = _companion_loads(leg.turning, time_of_leg)
+        segment, delay = self._place(float(np.mean(time)))
+        time_in_segment = time - delay
+        normal_load, tangential_load = segment.loads(time_in_segment)
+        stress_of_lower, stress_of_upper = _companion_loads(segment.bulk, time_in_segment)
+        tilt, moment = _companion_loads(segment.turning, time_in_segment)
         strain = self.strain[0] * stress_of_lower + self.strain[1] * stress_of_upper
         normal_load, tangential_load, strain, tilt, moment, _ = np.broadcast_arrays(
             normal_load, tangential_load, strain, tilt, moment, time
@@ -617,8 +691,8 @@ class PathLoads:
         return stresses
 
     def turns(self, leg: LoadSegment) -> list[float]:
-        """The end of a leg and the turning points of P, Q, eps, tilt and moment in it; one time for
-        all that turn together.
+        """The end of a segment of the load path and the turning points of P, Q, bulk strain, tilt
+        and moment in it; one time for all that turn together.
         """
         turning_points = leg.turning_points(NORMAL_LOAD)
         turning_points += leg.turning_points(TANGENTIAL_LOAD)
@@ -642,29 +716,41 @@ def _presses_only(samples: Array, sizes: LoadSizes) -> bool:
 
 
 def _sampled(
-    leg: LoadSegment, upright_profile: TiltedProfile | None, strain: tuple[float, float]
+    leg: LoadSegment, upright_profile: TiltedProfile | None, strain_per_stress: tuple[float, float]
 ) -> Array:
-    """P, Q, bulk strain eps and tilt alpha at instants of a leg, (4, n): enough to tell two legs
-    apart; alpha NaN where a moment has no load.
+    """P, Q, bulk strain eps and tilt alpha at instants of a segment of the load path, (4, n):
+    enough to distinguish two segments, turning points included.
 
-    `upright_profile` is the contact where the moment is stated; `strain` is eps by a unit bulk
-    stress of the lower and of the upper body [1/stress].
+    `upright_profile` is the contact where the moment is prescribed, from which the tilt follows;
+    alpha is NaN where a moment has no load. `strain` is eps by a unit bulk stress of the lower and
+    of the upper body [1/stress].
+
+    # notation: p, q values of P and Q
     """
-    parts = [part for part in (leg, leg.bulk, leg.turning) if part is not None]
-    most_turns = max(part.most_turns for part in parts)
-    n_instants = 3 if all(part.is_straight for part in parts) else _SAMPLES + 2 * most_turns
+    courses_of_loads = [course for course in (leg, leg.bulk, leg.turning) if course is not None]
+    most_turns = max(course.most_turns for course in courses_of_loads)
+    n_instants = (
+        3 if all(course.is_straight for course in courses_of_loads) else _SAMPLES + 2 * most_turns
+    )
     spread_times = leg.start + (leg.end - leg.start) * np.linspace(0, 1, n_instants)
     # The turning points too: the extreme loads and strains are among them.
     turning_times = leg.turning_points(NORMAL_LOAD) + leg.turning_points(TANGENTIAL_LOAD)
     if leg.bulk is not None:
-        turning_times += leg.bulk.turning_points(Combination(*strain))
+        turning_times += leg.bulk.turning_points(Combination(*strain_per_stress))
     time = np.unique(np.append(spread_times, turning_times))
     p, q = leg.loads(time)
     stress_of_lower, stress_of_upper = _companion_loads(leg.bulk, time)
     tilt, moment = _companion_loads(leg.turning, time)
     if upright_profile is not None and np.any(moment):
         tilt = np.where(p > 0, upright_profile.tilt_under(*np.broadcast_arrays(p, moment)), np.nan)
-    return np.stack([p, q, strain[0] * stress_of_lower + strain[1] * stress_of_upper, tilt])
+    return np.stack(
+        [
+            p,
+            q,
+            strain_per_stress[0] * stress_of_lower + strain_per_stress[1] * stress_of_upper,
+            tilt,
+        ]
+    )
 
 
 def _companion_loads(companion: LoadSegment | None, time: Array) -> tuple[Array, Array]:
@@ -690,10 +776,10 @@ def _slope_of(load: Array, values: Array, rounding: float = 0.0) -> float:
 
 
 def leaning_profile(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
-    """Loads of a scene over time, with bulk strain and tilt, and its profile tilted as they ask
-    for.
+    """Loads of a scene over time, with bulk strain and tilt, and its profile as a contact that can
+    be tilted.
 
-    The profile reaches to the largest normal load of the path.
+    The contact is set up to the largest normal load of the path.
     """
     shape = convex_profile(scene.profile)
     path = scene.load.path()
