@@ -127,7 +127,15 @@ class Compliance(NamedTuple):
         return np.asarray(-load * (of_pressure * load + of_shear * np.asarray(tangential_load)))
 
     def rate(self, half_width: Array | float, normal_load: Array | float) -> Array:
-        """d(U + Q/k_s)/dQ where a half-width sticks under P, without N_Q and T_P."""
+        """Compliance d(U + Q/k_s)/dQ of an actuator while the half-width c = `half_width` sticks
+        under P [1/stress].
+
+            (A/pi) ln(2 L/c) + c_t + T c^2/2 - T^2 G(c) c^2/8 + 1/k_s - R alpha_Q^2 P,
+            G(c) = (pi E*/4) c^2
+
+        T is the curvature of the faces per Q, c_t the compliance of the bodies, k_s the spring;
+        without the curvatures by the other load.
+        """
         half = np.asarray(half_width, dtype=float)
         squared_width = half**2
         face_curvature = self.curvatures.tangential
@@ -142,8 +150,10 @@ class Compliance(NamedTuple):
         return np.asarray(half_plane_rate + body_rate + self.tangential_spring - tilt_rate)
 
     def require_unique(self, largest_half_width: float, largest_load: float) -> None:
-        """InputError where the prescribed displacement U does not determine Q: where U falls while
-        Q grows, for some half-width that sticks up to `largest_half_width` at the load
+        """Refuse a rig for which the prescribed displacement U does not determine Q: InputError
+        where U falls while Q grows.
+
+        Looked for at all stick half-widths up to `largest_half_width`, at the normal load
         `largest_load`.
         """
         stick_half_width = largest_half_width * np.arange(1, _PLACES + 1) / _PLACES
@@ -180,8 +190,8 @@ def actuator_rows(
     fewest: bool = False,
     steps: int = _STEPS_A_CYCLE,
 ) -> ActuatorRows:
-    """Rows of the initial loading and some cycles: turning points, instants at which the bodies
-    part or meet, and equal steps between them.
+    """Instants at which a path of actuators is cut into straight steps: turning points, instants at
+    which the bodies part or meet, and equal steps between them; with what the actuators do there.
 
     Parameters
     ----------
@@ -195,19 +205,14 @@ def actuator_rows(
         whether one step is taken where P rests, which is exact
     steps
         of a cycle at least, turning points apart
+
+    Raises
+    ------
+    InputError
+        For more steps than can be followed.
     """
-    legs = list(path.legs(cycles))
-    instants = [legs[0].start]
+    instants = _events_of_actuators(path, cycles)
     n_cycles = max(cycles, 1) if path.period is not None else 1
-    for leg in legs:
-        turning_times = leg.turning_points(NORMAL_LOAD) + leg.turning_points(TANGENTIAL_LOAD)
-        monotonic_ends = sorted({leg.start, leg.end, *turning_times})
-        touch_times = [
-            _root(partial(_first_of, leg), begin, end)
-            for begin, end in pairwise(monotonic_ends)
-            if leg.loads(begin)[0] * leg.loads(end)[0] < 0
-        ]
-        instants += sorted({*monotonic_ends[1:], *touch_times})
     steps_between = max(math.ceil(steps * n_cycles / len(instants)), 1)
     if len(instants) < steps * n_cycles / _FEWEST_STEPS:
         steps_between = max(steps_between, _FEWEST_STEPS)
@@ -248,14 +253,37 @@ def actuator_rows(
     return ActuatorRows(time, np.maximum(normal_values, 0.0), displacement, ends)
 
 
+def _events_of_actuators(path: LoadPath, cycles: int) -> list[float]:
+    """Instants, ascending, between which the actuators of a rig move one way: turning points of
+    both, ends of segments of the path, and instants at which the bodies part or meet.
+    """
+    segments = list(path.legs(cycles))
+    instants = [segments[0].start]
+    for segment in segments:
+        turns_of_normal = segment.turning_points(NORMAL_LOAD)
+        turns_of_tangential = segment.turning_points(TANGENTIAL_LOAD)
+        monotonic_ends = sorted(
+            {segment.start, segment.end, *turns_of_normal, *turns_of_tangential}
+        )
+        touch_times = [
+            _root(partial(_first_of, segment), begin, end)
+            for begin, end in pairwise(monotonic_ends)
+            if segment.loads(begin)[0] * segment.loads(end)[0] < 0
+        ]
+        instants += sorted({*monotonic_ends[1:], *touch_times})
+    return instants
+
+
 def _first_of(leg: LoadSegment, time: float) -> float:
     """The first load of a leg at a time: P, or the approach of an actuator."""
     return float(leg.loads(time)[0])
 
 
 def _root(function: Callable[[float], float], begin: float, end: float) -> float:
-    """Where a function that has opposite signs at `begin` and `end` is 0, by the rule of Illinois:
-    false position, with half the value of an end that stays.
+    """Place between `begin` and `end` at which a function with opposite signs there is 0, by the
+    rule of Illinois.
+
+    That is false position, with half the value of an end that stays.
     """
     value_at_begin = function(begin)
     value_at_end = function(end)
@@ -283,13 +311,13 @@ def _root(function: Callable[[float], float], begin: float, end: float) -> float
 def loads_of_approach(
     contact: SymmetricContact, modulus: float, compliance: Compliance, approach: Array
 ) -> Array:
-    """P (n,) at approaches of the actuator (n,) [length]; 0 where the approach is not positive, the
-    bodies being apart.
+    """Normal load P (n,) that follows from approaches of an actuator (n,) [length]; 0 where the
+    approach is not positive, the bodies being apart.
 
     With kn = N P, N the curvature of the gap that a unit of P adds, each half-width a has its load
-    P = eta(a)/(1 - N G(a)), eta and G the loads of the punches of the profile and of x^2/2, and its
-    approach, of which a is the root; s is the place of the edge of contact in the table of punches.
-    What Q adds to the gap and P to the faces must be 0: P does not depend on Q then.
+    P = eta(a)/(1 - N G(a)) and its approach. a is found by bisection. eta and G are the loads of
+    the punches of the profile and of x^2/2. What Q adds to the gap and P to the faces must be 0: P
+    does not depend on Q then.
 
     Parameters
     ----------
@@ -318,22 +346,54 @@ def loads_of_approach(
             " positive where the bodies are pressed together"
         )
 
-    def load_and_approach(table: PunchTable, s: Array) -> tuple[Array, Array]:
-        """P and approach of the actuator for contacts up to s (n,)."""
-        load = table.load(s) / (1 - curvatures.normal * table.parabola(s))
-        punch_sums = [table.sums_at(place, compliance.datum_length) for place in s.tolist()]
-        logarithm, parabola_logarithm, second_moment, parabola_second = np.array(punch_sums).T
-        gap_curvature = curvatures.normal * load
-        moment = second_moment + gap_curvature * parabola_second
-        approach_of_profile = compliance.unit * (logarithm + gap_curvature * parabola_logarithm)
-        approach_of_load = (compliance.normal + compliance.normal_spring) * load
-        return load, approach_of_profile + approach_of_load + curvatures.normal * moment / 2
+    table = _table_of_approach(contact, modulus, compliance, largest_approach)
+    begin_s = np.zeros(len(approach))
+    end_s = np.full(len(approach), table.last)
+    for _ in range(_BISECTIONS):
+        middle_s = (begin_s + end_s) / 2
+        _, approach_at_middle = _load_and_approach(table, compliance, middle_s)
+        is_less = approach_at_middle <= approach
+        begin_s = np.where(is_less, middle_s, begin_s)
+        end_s = np.where(is_less, end_s, middle_s)
+    load, _ = _load_and_approach(table, compliance, (begin_s + end_s) / 2)
+    return np.where(approach > 0, load, 0.0)
 
+
+def _load_and_approach(table: PunchTable, compliance: Compliance, s: Array) -> tuple[Array, Array]:
+    """P [force per thickness] and approach of the actuator [length] for contacts whose edge is at
+    the places s (n,) of the `table` of flat punches, (n,) each.
+
+    P = eta(a)/(1 - N G(a)), eta and G the loads of the punches of the profile and of x^2/2, N the
+    curvature of the gap per P. The bodies and the spring add c_n P + P/k_n to the approach.
+    """
+    normal_curvature = compliance.curvatures.normal
+    load = table.load(s) / (1 - normal_curvature * table.parabola(s))
+    punch_sums = [table.sums_at(place, compliance.datum_length) for place in s.tolist()]
+    logarithm, parabola_logarithm, second_moment, parabola_second = np.array(punch_sums).T
+    gap_curvature = normal_curvature * load
+    moment = second_moment + gap_curvature * parabola_second
+    approach_of_profile = compliance.unit * (logarithm + gap_curvature * parabola_logarithm)
+    approach_of_load = (compliance.normal + compliance.normal_spring) * load
+    return load, approach_of_profile + approach_of_load + normal_curvature * moment / 2
+
+
+def _table_of_approach(
+    contact: SymmetricContact, modulus: float, compliance: Compliance, largest_approach: float
+) -> PunchTable:
+    """Table of the flat punches of a contact, wide enough for the largest approach of an actuator
+    [length].
+
+    Raises
+    ------
+    InputError
+        For an approach beyond the profile, and where the approach falls while P grows.
+    """
     extent = contact.extent if math.isfinite(contact.extent) else math.inf
     half_width = min(max(contact.least, 1e-6 * compliance.datum_length) * 1.01, extent)
     for _ in range(_DOUBLINGS):
         table = PunchTable(contact, modulus, half_width)
-        if load_and_approach(table, np.array([table.last]))[1][0] >= largest_approach:
+        _, approach_at_end = _load_and_approach(table, compliance, np.array([table.last]))
+        if approach_at_end[0] >= largest_approach:
             break
         if half_width >= extent:
             raise InputError(
@@ -347,7 +407,7 @@ def loads_of_approach(
             " check units"
         )
     s = np.linspace(0.0, table.last, 20 * 512 + 1)
-    sampled_approach = load_and_approach(table, s)[1]
+    _, sampled_approach = _load_and_approach(table, compliance, s)
     largest_fall = float(np.max(np.maximum.accumulate(sampled_approach) - sampled_approach))
     if largest_fall > _ERROR_OF_TABLE * np.ptp(sampled_approach):
         raise InputError(
@@ -355,14 +415,7 @@ def loads_of_approach(
             " while P grows, so that no P follows from it: state a longer rig.datum_length, of some"
             " heights of the bodies, or the bodies themselves"
         )
-    begin_s = np.zeros(len(approach))
-    end_s = np.full(len(approach), table.last)
-    for _ in range(_BISECTIONS):
-        middle_s = (begin_s + end_s) / 2
-        is_less = load_and_approach(table, middle_s)[1] <= approach
-        begin_s = np.where(is_less, middle_s, begin_s)
-        end_s = np.where(is_less, end_s, middle_s)
-    return np.where(approach > 0, load_and_approach(table, (begin_s + end_s) / 2)[0], 0.0)
+    return table
 
 
 # ------------------------------------------------------------------------------------ step by step
@@ -431,8 +484,11 @@ def follow_actuator(
     compliance: Compliance,
     rows: ActuatorRows,
 ) -> Driven:
-    """Q(t), slides and work from the displacement U_act(t) of an actuator, step by step from rest;
-    `rows.normal` are loads P.
+    """Follow a rig that prescribes P and the displacement U_act(t) of an actuator: Q(t), partial
+    slip and gross sliding, step by step from rest.
+
+    `rows` are the instants with P and U_act, `table` the flat punches of the contact, `friction` f,
+    `compliance` what moves the actuator beside slip.
 
     >>> import numpy as np
     >>> from semi_analytic.hertz import HertzContact
@@ -486,7 +542,7 @@ def follow_actuator(
         slide=np.array(slides),
         free=np.array(free_displacements),
         actuator=np.array(actuators),
-        ends=tuple(memory_row_of_row[instant_after] for instant_after in rows.ends),
+        ends=tuple(memory_row_of_row[row] for row in rows.ends),
     )
 
 
@@ -534,8 +590,11 @@ class _Stepper:
         self._second_moments = [0.0]
 
     def row(self, load: float, force: float) -> Row:
-        """P = `load` and Q = `force` with the curvatures that they add to gap and faces, the place
-        of the edge of contact, and the loads of the punches up to it.
+        """Everything that a step of the friction memory needs of the loads P = `load` and Q =
+        `force` at its end.
+
+        That is the curvatures that they add to gap and faces, the place of the edge of contact in
+        the table of flat punches, and the loads of the punches up to it.
         """
         curvatures = self._compliance.curvatures
         gap_curvature = curvatures.normal * load + curvatures.normal_under_shear * force
@@ -558,9 +617,12 @@ class _Stepper:
     def parts(
         self, begin: _Instant, end: _Instant, free_displacement: float
     ) -> tuple[_Instant, ...]:
-        """Ends of the parts of a step between two instants: of the whole step, or of two parts
-        where a slide of the bodies begins between. `free_displacement` of U_act is no elastic
-        displacement.
+        """Ends of the parts of a step between two instants: one part, or two where gross sliding
+        begins in between.
+
+        Sliding begins where the actuator's displacement exceeds what contact and spring take at the
+        Coulomb limit. `free_displacement` is the part of U_act by earlier sliding or separation
+        [length].
         """
         memory = self._memory
         if memory.is_unloaded(end.load) or memory.is_unloaded(begin.load):
@@ -594,9 +656,17 @@ class _Stepper:
     def step(
         self, state: State, end: _Instant, force_before: float, free_displacement: float
     ) -> _Found:
-        """The step to the instant `end`, by Newton's method for the Q at which U + Q/k_s is U_act
-        minus `free_displacement`; a slide of the bodies where Q is at the limit of friction, or
-        separation where P is 0.
+        """Solve one step of a rig, to the instant `end`: the tangential load Q that the actuator's
+        displacement makes, and the state of friction.
+
+        Q is found by Newton's method: U + Q/k_s is U_act minus `free_displacement`, what moved by
+        earlier sliding or separation. Where Q would exceed f P the bodies slide as a whole; where P
+        is 0 they separate. `force_before` is Q at the begin of the step.
+
+        Raises
+        ------
+        NotFoundError
+            Where no Q is found.
         """
         memory = self._memory
         if memory.is_unloaded(end.load):
@@ -616,12 +686,12 @@ class _Stepper:
         if direction * slide_distance >= -_ROUNDING * abs(target_displacement):
             return _Found(row_at_limit, sliding_step, slide=slide_distance)
         self._forget(n_pieces)
-        least_force, largest_force = sorted((force, direction * friction_limit))
+        lower_force, upper_force = sorted((force, direction * friction_limit))
         tolerance = _FOUND * memory.friction * memory.largest_load
         for _ in range(_MOST_STEPS):
             force_change = (target_displacement - displacement) / self._rate(step, end.load)
-            is_in_bracket = least_force <= force + force_change <= largest_force
-            new_force = force + force_change if is_in_bracket else (least_force + largest_force) / 2
+            is_in_bracket = lower_force <= force + force_change <= upper_force
+            new_force = force + force_change if is_in_bracket else (lower_force + upper_force) / 2
             force_change = new_force - force
             force = new_force
             step, displacement = self._reached(state, end.load, force)
@@ -629,9 +699,9 @@ class _Stepper:
                 return _Found(self.row(end.load, force), step)
             self._forget(n_pieces)
             if displacement < target_displacement:
-                least_force = force
+                lower_force = force
             else:
-                largest_force = force
+                upper_force = force
         raise NotFoundError(
             f"at time {end.time:.6g} no Q was found that moves the actuator by {end.actuator:.6g}"
         )
@@ -643,9 +713,10 @@ class _Stepper:
         return step, self._displacement(row, step)
 
     def _displacement(self, row: Row, step: Step) -> float:
-        """Tangential displacement of the actuator [length], U of the contact and what the bodies
-        and the tangential spring give way by, for the loads of a `row` and the memory curve at the
-        end of a `step`.
+        """Displacement of the actuator that the loads of a `row` make [length]: U of the contact,
+        plus what the bodies and the tangential spring give way by.
+
+        `step` holds the friction memory at its end, along which ln(2 L/c) and c^2/2 are integrated.
         """
         self._add_up()
         compliance = self._compliance
@@ -679,11 +750,12 @@ class _Stepper:
         return self._contact_at(load, gap_bend)
 
     def _add_up(self) -> None:
-        """Integrate along the memory curve M up to the top of each piece that is new.
+        """Integrate along the memory curve M up to the top of each new piece: ln(2 L/c) and c^2/2
+        over dM, for the displacement U and the moment of the shear.
 
-        A piece goes on from its parent, with dM = slope d(load of the profile) + parabola_slope
-        d(load of a parabola). The integrals are of ln(2 L/c), L the datum length, and of c^2/2, c
-        the half-width, over dM.
+        A piece begins at the top of its parent, with dM = slope d(load of the profile) +
+        parabola_slope d(load of a parabola). L is the datum length, c the half-width of a flat
+        punch.
         """
         pieces = self._memory.pieces
         for piece in pieces[len(self._sums_at_tops) :]:

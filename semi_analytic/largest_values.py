@@ -99,14 +99,16 @@ SEARCHED = ("slip", "dissipation_density", "edge_tension")
 
 
 def extremes(answer: ContactSolution, names: Sequence[str] = SEARCHED) -> Extremes:
-    """The largest values of the theory that an answer is of, to 1e-9 of themselves; the answer's
-    points play no part.
+    """The largest pressure, slip, friction work per area, half-width and edge tension of half-plane
+    theory through the last cycle of an answer, to 1e-9 of themselves.
+
+    The answer's points play no part.
 
     Parameters
     ----------
     answer
-        of half-plane theory to a scene, or to straight steps between its instants; its instants
-        say which cycle is the last
+        of half-plane theory to a scene, or to straight steps between its instants; its instants say
+        which cycle is the last
     names
         which of the largest values are looked for; the others are NaN where one memory curve is
         followed
@@ -139,10 +141,10 @@ def extremes(answer: ContactSolution, names: Sequence[str] = SEARCHED) -> Extrem
 
 def _extremes(answer: ContactSolution, names: tuple[str, ...]) -> Extremes:
     """The largest values of half-plane theory for the answer's scene through the last cycle;
-    `names` are those of `SEARCHED` that are wanted.
+    `names` are those that are wanted.
 
-    Of one memory curve they are found on it; of other scenes they are the largest at the default
-    points.
+    Where one memory curve holds what friction remembers, they are searched for on it. For other
+    scenes they are the largest at the default points.
     """
     scene = answer.scene
     contact = _contact(scene)
@@ -180,9 +182,11 @@ class _Search:
     """The maxima of one answer's theory over its last cycle."""
 
     def __init__(self, answer: ContactSolution, contact: Contact, has_cycle: bool) -> None:
-        """Collect what the largest values of an `answer` are sought between: the turning points of
-        its loads in time; in space the corners of the profile, the middle, and the edges of contact
-        at these times. `has_cycle` is whether the answer has a last cycle.
+        """Collect the instants and places between which a value of half-plane theory is smooth, for
+        the search of its largest value over the last cycle of an `answer`.
+
+        In time: turning points of the loads. In space: corners of the profile, the middle, and the
+        edges of contact at these instants. `has_cycle` is whether the answer has a last cycle.
         """
         self.scene = answer.scene
         self.contact = contact
@@ -205,10 +209,12 @@ class _Search:
         touching_edges = edges_at_turns[turning_loads > 0]
         corners = [side * mark for mark in contact.breaks for side in (-1.0, 1.0)]
         middle_places = [] if self.scene.unsymmetric else [0.0]
-        kinks = np.array(
+        places_of_kinks = np.array(
             [*touching_edges.ravel(), *corners, *middle_places, float(np.mean(self.edges))]
         )
-        kinks_in_contact = kinks[(kinks >= self.edges[0]) & (kinks <= self.edges[1])]
+        kinks_in_contact = places_of_kinks[
+            (places_of_kinks >= self.edges[0]) & (places_of_kinks <= self.edges[1])
+        ]
         if not self.scene.unsymmetric:
             kinks_in_contact = kinks_in_contact[
                 kinks_in_contact >= 0
@@ -216,7 +222,11 @@ class _Search:
         self.marks = np.unique(kinks_in_contact)
 
     def extremes(self, names: tuple[str, ...]) -> Extremes:
-        """Every maximum that is asked for; NaN for what needs a whole cycle where there is none."""
+        """Every largest value of the last cycle that `names` asks for, as one record; NaN for what
+        is not asked for, or needs a whole cycle where there is none.
+
+        Pressure and half-width are always found: both are largest at the largest load.
+        """
         pressure, pressure_place, half_width = self.pressure()
         slip = slip_place = density = density_place = tension = uncertainty = math.nan
         if self.has_cycle and "slip" in names:
@@ -265,15 +275,20 @@ class _Search:
         return largest_pressure, place, float(np.diff(self.edges)[0]) / 2
 
     def slip(self) -> tuple[float, float]:
-        """Largest range of the slip of a point while it is in contact [length], and the place of
-        that point; 0 without friction.
+        """Largest range of the slip of a point while it is in contact, and the place of that point
+        [length]; 0 without friction.
+
+        The range at a point is exact: between the turning points of the loads, and until the edge
+        passes the point, slip moves one way.
         """
         if not self.scene.friction.coefficient:
             return 0.0, 0.0
 
         def slip_ranges(x: Array) -> Array:
-            """Range of the slip over the cycle of each place x while it is in contact, at the turns
-            and the passings of the edge.
+            """Range of the slip over the cycle at each place x, (n,), while it is in contact.
+
+            It is taken at the turning points of the loads and at the instants at which an edge of
+            contact passes one of the places.
             """
             time = np.unique(np.concatenate([self.turns, self._passings(x)]))
             answer = self._solved(x, time, ("slip",))
@@ -293,6 +308,9 @@ class _Search:
     def _passings(self, x: Array) -> Array:
         """Instants at which an edge of contact passes one of the places (n,); none of a long record
         at many places.
+
+        On each part of the load path on which P goes one way, the edge passes x when P is the load
+        at which the edge is at x.
         """
         if self.on_straight_steps or (
             len(self.monotonic) > _LONG and len(x) > _MOST_CANDIDATES * _AROUND
@@ -300,9 +318,9 @@ class _Search:
             return np.empty(0)
         edge_load = np.asarray(self.contact.load(x if self.scene.unsymmetric else np.abs(x)))
         times = []
-        for leg, begin_time, end_time in self.monotonic:
+        for segment, begin_time, end_time in self.monotonic:
             load_at_begin, load_at_end = (
-                float(leg.loads(time)[0]) for time in (begin_time, end_time)
+                float(segment.loads(time)[0]) for time in (begin_time, end_time)
             )
             passed_loads = edge_load[
                 (edge_load > min(load_at_begin, load_at_end))
@@ -310,7 +328,7 @@ class _Search:
             ]
             if len(passed_loads):
                 times.append(
-                    leg.time_of(NORMAL_LOAD, passed_loads - load_at_begin, begin_time, end_time)
+                    segment.time_of(NORMAL_LOAD, passed_loads - load_at_begin, begin_time, end_time)
                 )
         return np.concatenate(times) if times else np.empty(0)
 
@@ -324,9 +342,11 @@ class _Search:
         return self._largest_about("dissipation_density_place", values)
 
     def _largest_about(self, name: str, values: Callable[[Array], Array]) -> tuple[float, float]:
-        """Largest value over x, and its place: between all marks, but on hundreds of straight
-        steps, whose edges are a mark each, between those about the place `name` of the largest
-        value on the path that the steps follow.
+        """Largest value of a function of x over the contact, and its place, searched for between
+        all kinks.
+
+        On hundreds of straight steps each edge is a kink. Then only those about the place `name` of
+        the largest value on the path that the steps follow are searched.
         """
         if not self.on_straight_steps or len(self.marks) <= _FIRST:
             return _largest(values, self.marks)
@@ -337,8 +357,10 @@ class _Search:
         return _largest(values, marks_about, settled_share=_SETTLED_ON_STEPS)
 
     def edge_tension(self) -> tuple[float, float]:
-        """Largest stress along a face at an edge of contact, 0 at least, and its uncertainty
-        [stress].
+        """Largest stress along a face at an edge of contact over the cycle, 0 at least, and its
+        uncertainty [stress].
+
+        It is searched for over time, between the turning points of the loads.
         """
         if self.scene.unsymmetric:
             return _largest_tension(self.scene, _between(self.turns, _INSTANTS))
@@ -359,27 +381,31 @@ class _Search:
 def _monotonic_parts(
     scene: Scene, start: float, end: float
 ) -> list[tuple[LoadSegment, float, float]]:
-    """The legs of the path from `start` to `end`, each cut where P turns; `start` may lie anywhere
-    in a cycle.
+    """Parts of a load path from `start` to `end` on which the normal load P goes one way: segment
+    of the path, begin and end time of each.
+
+    `start` may lie anywhere in a cycle. Parts of next to no duration are left out.
     """
     path = scene.load.path()
-    legs = list(path.initial_loading)
+    segments = list(path.initial_loading)
     if path.period is not None:
         first_cycle = math.floor((start - path.cycle_start) / path.period + _AT_EDGE)
         last_cycle = math.ceil((end - path.cycle_start) / path.period - _AT_EDGE)
         for number in range(max(first_cycle, 0), last_cycle):
-            legs += path.cycle_legs(number)
+            segments += path.cycle_legs(number)
     least_duration = _AT_EDGE * (end - start)
     parts = []
-    for leg in legs:
-        part_begin = max(leg.start, start)
-        part_end = min(leg.end, end)
+    for segment in segments:
+        part_begin = max(segment.start, start)
+        part_end = min(segment.end, end)
         turns = [
-            time for time in sorted(leg.turning_points(NORMAL_LOAD)) if part_begin < time < part_end
+            time
+            for time in sorted(segment.turning_points(NORMAL_LOAD))
+            if part_begin < time < part_end
         ]
         if part_end - part_begin > least_duration:
             parts += [
-                (leg, begin_time, end_time)
+                (segment, begin_time, end_time)
                 for begin_time, end_time in pairwise([part_begin, *turns, part_end])
             ]
     return parts
@@ -391,8 +417,12 @@ def _largest(
     first_count: int = _FIRST,
     settled_share: float = _SETTLED,
 ) -> tuple[float, float]:
-    """Largest value and its place, over the range of `marks`, between which the function is smooth;
-    two rounds in a row that change it by less than `settled_share` of itself end the search.
+    """Largest value of a function and its place, over the range of `marks`, between which the
+    function is smooth.
+
+    Places are taken closer and closer around the largest values. Two rounds in a row that raise the
+    largest by less than `settled_share` of itself end the search. `first_count` places are taken at
+    first.
 
     >>> top, place = _largest(lambda x: 1 - (x - 0.3) ** 2, np.array([0.0, 1.0]))
     >>> round(top, 12), round(place, 5)
@@ -448,8 +478,8 @@ class _Peak(NamedTuple):
     values: Array
 
     def vertex(self) -> float:
-        """Where the parabola through the three points is largest; the middle place where there is
-        none.
+        """Place at which the parabola through three points of a function is largest; the middle
+        place where it has no top.
 
         >>> _Peak(np.array([0.0, 1.0, 3.0]), np.array([0.0, 3.0, 3.0])).vertex()  # x (4 - x)
         2.0
@@ -495,8 +525,10 @@ def _peaks(places: Array, values: Array) -> list[_Peak]:
 # ------------------------------------------------------------------------------ no one memory curve
 @lru_cache(maxsize=8)
 def _of_default_points(scene: Scene) -> Extremes:
-    """The largest pressure, slip, W(x), half-width and edge tension at the points and instants that
-    theory takes where none are given: for scenes without a single memory curve.
+    """The largest pressure, slip, W(x), half-width and edge tension of a scene at the points and
+    instants that half-plane theory takes where none are given.
+
+    For scenes without a single memory curve, for which the search has no smooth function.
     """
     answer = solve(scene)
     rows = answer.last_cycle

@@ -90,8 +90,8 @@ def stress(
     source
         the scene, its name or file, or a solution of it
     x, y
-        (n_points,) places, or numbers that go with each other [length]; y points out of the
-        lower body: y <= 0 in the lower one, y >= 0 in the upper one, 0 on its face
+        (n_points,) places, or numbers that go with each other [length]; y points out of the lower
+        body: y <= 0 in the lower one, y >= 0 in the upper one, 0 on its face
     instants
         (n_instants,) times of the load path
     body
@@ -101,10 +101,10 @@ def stress(
     -------
     Array
         (n_instants, n_points, 4) s_xx, s_yy, s_xy and s_zz = nu (s_xx + s_yy), tension positive
-        [stress]. To about 1e-11 of the largest pressure; infinite at the tip of a sharp wedge.
-        With bulk stress, tilt or unequal sides the bulk stress is in it, and it is as exact as
-        the shear of `solve`, at most to about 1e-3 of f times the largest pressure. Unlike
-        materials as in `solve`.
+        [stress]. To about 1e-11 of the largest pressure; infinite at the tip of a sharp wedge. With
+        bulk stress, tilt or unequal sides the bulk stress is in it, and it is as exact as the shear
+        of `solve`, at most to about 1e-3 of f times the largest pressure. The coupling of unlike
+        materials is neglected.
 
     Raises
     ------
@@ -124,18 +124,9 @@ def stress(
     0.3003
     """
     scene = source.scene if isinstance(source, ContactSolution) else scene_of(source)
-    x_places = vector(x, "x")
-    y_places = vector(y, "y")
-    times = vector(instants, "instants")
+    x_places, y_places, times = _places_and_times(x, y, instants)
     if body not in ("lower", "upper"):
         raise InputError(f"body: {body!r} is neither 'lower' nor 'upper'")
-    if x_places is None or y_places is None or times is None:
-        raise InputError("stress: x, y and instants are needed")
-    if len(x_places) != len(y_places) and min(len(x_places), len(y_places)) > 1:
-        raise InputError(
-            f"x and y: {len(x_places)} and {len(y_places)} places; give as many of both"
-        )
-    x_places, y_places = np.broadcast_arrays(x_places, y_places)
     side = 1.0 if body == "lower" else -1.0
     if np.any(side * y_places > 0):
         raise InputError(
@@ -168,29 +159,50 @@ def stress(
     return stresses
 
 
+def _places_and_times(
+    x: ArrayLike, y: ArrayLike, instants: ArrayLike
+) -> tuple[Array, Array, Array]:
+    """Places x and y as arrays of one length, (n,) each [length], and instants as an array (m,);
+    InputError for what is missing or does not go together.
+    """
+    x_places = vector(x, "x")
+    y_places = vector(y, "y")
+    times = vector(instants, "instants")
+    if x_places is None or y_places is None or times is None:
+        raise InputError("stress: x, y and instants are needed")
+    if len(x_places) != len(y_places) and min(len(x_places), len(y_places)) > 1:
+        raise InputError(
+            f"x and y: {len(x_places)} and {len(y_places)} places; give as many of both"
+        )
+    x_places, y_places = np.broadcast_arrays(x_places, y_places)
+    return x_places, y_places, times
+
+
 def edge_tension(
     source: ContactSolution | Scene | str | Path, instants: ArrayLike
 ) -> tuple[Array, Array]:
-    """Stress s_xx of both faces at the edges of contact, and its uncertainty [stress].
+    """Stress s_xx along both faces at the edges of contact, where fretting cracks start, and its
+    uncertainty [stress], tension positive.
 
     Without bulk stress, tilt and unequal sides it is +-(2/pi) int_0^P M'(eta) d eta / sqrt(a(P)^2 -
-    a(eta)^2): tension at the left edge of the lower body and the right one of the upper for Q > 0
-    at constant P. Otherwise the bulk stress is in it.
+    a(eta)^2), M(eta) the tangential force carried up to the load eta. For Q > 0 at constant P that
+    is tension at the left edge of the lower body and at the right one of the upper. Otherwise the
+    bulk stress is in it.
 
     Parameters
     ----------
     source
-        the scene, its name or file, or a solution of it; of a solution that holds an instant
-        and has 60 points in the contact its own tractions are taken where the memory of
-        friction is no single curve
+        the scene, its name or file, or a solution of it; of a solution that holds an instant and
+        has 60 points in the contact its own tractions are taken where the memory of friction is no
+        single curve
     instants
         (n_instants,) times of the load path
 
     Returns
     -------
     values, uncertainties
-        (n_instants, 2, 2) by body (lower, upper) and edge (left, right); out of contact the
-        bulk stress alone
+        (n_instants, 2, 2) by body (lower, upper) and edge (left, right); out of contact the bulk
+        stress alone
 
     Examples
     --------
@@ -243,8 +255,11 @@ class _Panel(NamedTuple):
 def _tensions_of_curves(
     contact: SymmetricContact, snapshot: Snapshot, in_contact: Indices, edges: Array
 ) -> Array:
-    """Tension at an edge of contact by the memory curves M(eta) of instants, (n,) [stress]:
-    (2/pi) int_0^P M'(eta) d eta / sqrt(a(P)^2 - a(eta)^2), panel by panel.
+    """Tension along the face at an edge of contact at instants in contact, (n,) [stress]: (2/pi)
+    int_0^P M'(eta) d eta / sqrt(a(P)^2 - a(eta)^2).
+
+    M(eta) is the tangential force carried up to the load eta, the friction memory at each instant.
+    The integral is summed over panels of half-widths between kinks of M and corners of the profile.
 
     Parameters
     ----------
@@ -279,14 +294,14 @@ def _tensions_of_curves(
 def _panels_of_curves(
     contact: SymmetricContact, snapshot: Snapshot, in_contact: Indices, edges: Array
 ) -> list[_Panel]:
-    """Panels of half-widths over which the memory curves of the instants in contact are integrated,
-    cut at the breaks of the profile.
+    """Ranges of half-widths over which the memory curves of the instants in contact are integrated:
+    from kink to kink, cut at corners of the profile.
 
     Parameters
     ----------
     in_contact
-        (m,) numbers of the instants of the `snapshot`; a panel has the place of its instant
-        among these
+        (m,) numbers of the instants of the `snapshot`; a panel has the place of its instant among
+        these
     edges
         (m,) half-width of contact at each [length]
     """
@@ -320,10 +335,11 @@ def _panels_of_curves(
 def _with_tractions(
     source: ContactSolution | Scene | str | Path, times: Array
 ) -> list[tuple[ContactSolution, int]]:
-    """For each instant an answer that has p and q at it, and its row: the source itself where it
-    has places enough, or new ones.
+    """For each of some instants a half-plane answer that has pressure and shear there, and the row
+    of that instant: the source itself where it has points enough, or new answers.
 
-    New ones have places at the nodes of several of the contacts, and close to the edges of all.
+    New ones have points at quadrature nodes of several of the contacts, and close to the edges of
+    all.
     """
     answers: dict[float, tuple[ContactSolution, int]] = {}
     if isinstance(source, ContactSolution):
@@ -344,8 +360,8 @@ def _with_tractions(
 def _rows_with_tractions(
     answer: ContactSolution, times: Array
 ) -> dict[float, tuple[ContactSolution, int]]:
-    """Rows of an answer for those of the instants `times` at which it holds p and q at enough
-    places.
+    """Rows of an answer for those of the instants `times` at which it holds pressure and shear at
+    enough points of the contact, by instant.
 
     Empty where it has no tractions.
     """
@@ -387,13 +403,13 @@ def _tensions(answer: ContactSolution, row: int) -> tuple[Array, float]:
     """Stress s_xx of the lower body at its left and right edge of contact at the instant number
     `row` of an answer, without the bulk stress, (2,), and its uncertainty [stress].
 
-    They are +-(2/pi) int q/|x - edge| dx. With the distance to the edge = width sin^2(phi/2) the
+    It is +-(2/pi) int q/|x - edge| dx. With the distance to the edge = width sin^2(phi/2) the
     integral is int q cot(phi/2) d phi: straight between the points, and constant from the outermost
     one to the edge.
 
-    The uncertainty is three times what half of the points changes, four times the stated error of
-    the shear (a share of f times the largest pressure), and what straight lines between points
-    leave (`_BETWEEN`, such a share too).
+    The uncertainty is three times what half of the points changes, plus four times the stated error
+    of the shear, plus what straight lines between points leave. The last two are shares of f times
+    the largest pressure.
     """
     left_edge, right_edge = answer.contact_edges[row]
     points_in_contact = np.flatnonzero(
@@ -430,11 +446,15 @@ def _tensions(answer: ContactSolution, row: int) -> tuple[Array, float]:
 def _from_sines(
     answer: ContactSolution, row: int, profile: TiltedProfile, x: Array, y: Array, side: float
 ) -> Array:
-    """Stress s_xx, s_yy, s_xy of a body below y = 0 at places (n,), (n, 3), without the bulk
-    stress, at the instant number `row` of an answer: p exact, q/p straight between its points, both
-    as sine series across the contact, summed as potentials.
+    """Stress s_xx, s_yy, s_xy of a body below y = 0 at places (n,), (n, 3), from the tractions of
+    an answer at the instant number `row`, without the bulk stress.
 
-    `side` is 1 for the lower body and -1 for the upper one, whose shear acts the other way.
+    # notation: zeta = (x + i y - middle)/half-width, omega = zeta - sqrt(zeta^2 - 1); N, T
+    #           potentials of pressure and shear, N = pi sum A_k omega^k for p = sum A_k sin(k phi)
+
+    p is exact, q/p straight between the points of the answer. Both are sine series across the
+    contact, summed by Horner's rule. `side` is 1 for the lower body and -1 for the upper one, whose
+    shear acts the other way.
     """
     is_in_contact = answer.pressure[row] > 0
     if not is_in_contact.any():
@@ -480,9 +500,14 @@ def _from_potentials(
     y_normal_slope: Complex,
     y_tangential_slope: Complex,
 ) -> Array:
-    """Stresses s_xx, s_yy, s_xy of a body below y = 0 at points (n,), (n, 3), from the complex
-    potentials N of the pressure (`normal_potential`) and T of the shear (`tangential_potential`),
-    and from `y_normal_slope`, y N', and `y_tangential_slope`, y T', (n,) each.
+    """Stresses s_xx, s_yy, s_xy of a body below y = 0 at points (n,), (n, 3), by Muskhelishvili's
+    potentials N of the pressure and T of the shear.
+
+        pi s_xx = -Im N - 2 Re T - y (Re N' - Im T')
+        pi s_yy = -Im N          + y (Re N' - Im T')
+        pi s_xy =  Im T          + y (Im N' + Re T')
+
+    `y_normal_slope` is y N', `y_tangential_slope` y T', (n,) complex each.
     """
     part_of_depth = y_normal_slope.real - y_tangential_slope.imag
     part_of_pressure = -normal_potential.imag
@@ -495,8 +520,11 @@ def _from_potentials(
 
 
 def _lines(snapshot: Snapshot, k: int) -> Iterator[tuple[float, float, Slope]]:
-    """(lower load, upper load, M' of loads between) of the memory curve of instant k, from the top
-    to 0.
+    """Lower load, upper load and slope M' of each part of the memory curve at instant number k,
+    from the load P down to 0.
+
+    The memory curve M(eta) is the tangential force carried up to the load eta. Its uppermost part,
+    from the stick edge to P, is at the Coulomb limit.
     """
     load = float(snapshot.load[k])
     stick_edge_load = float(snapshot.load[k] - snapshot.slipped[k])
@@ -519,8 +547,12 @@ def _slope_of(piece: CurvePart, friction: float) -> Slope:
 def _potentials(
     contact: SymmetricContact, lines: Iterator[tuple[float, float, Slope]], x: Array, y: Array
 ) -> Complex:
-    """N, T, N' and T' at x + i y, y <= 0: (4, n). N' and T' are left 0 on the face, where they go
-    with y.
+    """Muskhelishvili's potentials N of pressure and T of shear, and their derivatives, at x + i y,
+    y <= 0: complex (4, n), summed over the flat punches of a contact.
+
+    `lines` are the parts of the memory curve, which say what share of the tangential load each
+    punch has. The derivatives are left 0 on the face, where they only occur times y. Places with x
+    < 0 follow by symmetry.
     """
     potentials = np.zeros((4, len(x)), dtype=complex)
     distance = np.abs(x)
@@ -560,9 +592,11 @@ def _add_panel(
     x: Array,
     y: Array,
 ) -> None:
-    """Add to the potentials (4, n) at places x, y the flat punches of half-widths between the two
-    `ends`, whose share of Q per load is `slope`; where |x| is one of these half-widths the panel is
-    cut there.
+    """Add to the potentials (4, n) at places x >= 0, y the flat punches with half-widths between
+    the two `ends`, whose share of Q per load is `slope`.
+
+    The potential of a punch has a root at |x| equal to its half-width: where that lies between the
+    ends the range is cut there.
     """
     begin_width, end_width = ends
     panel_width = end_width - begin_width
@@ -609,15 +643,17 @@ def _add(
     x: Array,
     y: Array,
 ) -> None:
-    """Add the sums over the nodes, the last axis of `weights`, to the potentials (4, n) at some
-    points: N and T of pressure and shear, and their derivatives times z.
+    """Add the sums over flat punches, the last axis of `weights`, to the potentials (4, n) at some
+    points: N of pressure, T of shear, and their derivatives.
+
+    A punch of half-width a and unit load adds 1/sqrt(z^2 - a^2), z = x + i y.
 
     Parameters
     ----------
     point_numbers
         (m,) numbers of the points
     weights
-        (2, nodes), or (2, m, nodes), of the flat punches at the nodes
+        (2, nodes), or (2, m, nodes): load, and share of Q, of the punches at the nodes
     distance_to_punch
         (m, nodes) a - x, of which z^2 - a^2 is formed without cancellation
     x, y
