@@ -117,12 +117,17 @@ class Bounds(NamedTuple):
 
 
 def bounds_of(loads: EllipseOfLoads, bends: BendColumns, eta: Array, parabola: Array) -> Bounds:
-    """Waves of load that bound what punches (m, k) do: forward slip, reverse slip, and the load
-    carried beyond them.
+    """Waves over a steady cycle that decide what each flat punch of a contact does: the Coulomb
+    bounds of forward and of reverse slip, and the normal load carried beyond it, for punches (m,
+    k).
+
+    With the curvatures kn, kt that finite bodies give to gap and faces
+
+        s B_s = s (Q - kt G) - f (P - eta - kn G),    s = +1 forward, -1 reverse
 
     A punch of half-width c carries eta, `eta`, of the profile, and G = (pi E*/4) c^2, `parabola`,
-    of a parabola of curvature 1; `bends` has the curvatures by which bodies change gap and faces
-    under P and Q.
+    of a parabola of curvature 1. `bends` has the curvatures by which bodies change gap and faces
+    per P and per Q.
     """
     f = loads.friction
     gap_by_normal = parabola * bends.normal
@@ -151,11 +156,11 @@ class WorkOfEllipses(NamedTuple):
 def works_of_ellipses(
     loads: EllipseOfLoads, bends: BendColumns, contact: SymmetricContact, modulus: float
 ) -> WorkOfEllipses:
-    """W of ellipses (m,) on one profile, its parts and the half-width of permanent stick; NaN where
-    the contact leaves the profile or would split.
+    """Friction work of a steady cycle times pi/A of load ellipses (m,) on one profile with the
+    curvatures of finite bodies, forward and reverse; and the half-width of permanent stick.
 
-    `bends` are the curvatures that the bodies add by P and by Q, `modulus` is the E* of `contact`,
-    and numbers are in its units.
+    NaN where the contact leaves the profile or would split. `bends` are the curvatures that the
+    bodies add by P and by Q, `modulus` is the E* of `contact`, and numbers are in its units.
 
     >>> from semi_analytic.hertz import HertzContact
     >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
@@ -167,21 +172,25 @@ def works_of_ellipses(
     0.05685
     """
     count = len(loads.friction)
-    columns = np.empty((3, count))
+    works_and_stick = np.empty((3, count))
     for first_member in range(0, count, _AT_ONCE):
         block = slice(first_member, first_member + _AT_ONCE)
-        columns[:, block] = _works_of_some(loads.take(block), bends.take(block), contact, modulus)
-    return WorkOfEllipses(*columns)
+        works_and_stick[:, block] = _works_of_some(
+            loads.take(block), bends.take(block), contact, modulus
+        )
+    return WorkOfEllipses(*works_and_stick)
 
 
 def _works_of_some(
     loads: EllipseOfLoads, bends: BendColumns, contact: SymmetricContact, modulus: float
 ) -> Array:
-    """Forward and reverse part of pi/A W and the half-width of permanent stick of ellipses (m, 1)
-    on one profile, (3, m): the integral over the flat punches that slip, between permanent stick
-    and the largest contact. NaN where the contact would split or leave the profile.
+    """Friction work of forward and of reverse slip times pi/A, and the half-width of permanent
+    stick, of load ellipses (m, 1) on one profile with the curvatures of finite bodies: (3, m).
 
-    `bends` are the curvatures that the bodies add by P and by Q, (m, 1); `modulus` is E*.
+    The work is the integral over the flat punches that slip, between permanent stick and the
+    largest contact; each is followed through a cycle by itself. NaN where the contact would split
+    or leave the profile. `bends` are the curvatures that the bodies add by P and by Q, (m, 1);
+    `modulus` is E*.
     """
 
     def bounds_at(half_width: Array) -> Bounds:
@@ -234,17 +243,17 @@ def _works_of_some(
     stiffness = (
         contact.stiffness(contact_edge) + math.pi * modulus / 2 * curvature_bound * contact_edge
     )
-    is_lost = ~(stiffness[:, 0] > 0) | np.isnan(least_contact_edge[:, 0])
-    works[:, is_lost] = np.nan
-    return np.stack([*works, np.where(is_lost, np.nan, permanent_stick[:, 0])])
+    is_refused = ~(stiffness[:, 0] > 0) | np.isnan(least_contact_edge[:, 0])
+    works[:, is_refused] = np.nan
+    return np.stack([*works, np.where(is_refused, np.nan, permanent_stick[:, 0])])
 
 
 def _root(values: Callable[[Array], Array], lower_bound: Array, upper_bound: Array) -> Array:
-    """Where rising functions of (m, 1) are 0, between `lower_bound` and `upper_bound`, (m, 1) each;
-    the lower bound where they are positive there, NaN where they are negative at the upper one.
+    """Places at which rising functions of (m, 1) are 0, between `lower_bound` and `upper_bound`,
+    (m, 1) each, by the Illinois rule: secants that keep the root between them.
 
-    `values` gives all functions at (m, 1) places. The Illinois rule: secants that keep the root
-    between them.
+    The lower bound where a function is positive there, NaN where it is negative at the upper one.
+    `values` gives all functions at (m, 1) places.
     """
     value_at_lower = values(lower_bound)
     value_at_upper = values(upper_bound)
@@ -282,9 +291,12 @@ def _root(values: Callable[[Array], Array], lower_bound: Array, upper_bound: Arr
 
 
 def _work_of_punches(bounds: Bounds, friction: Array) -> Array:
-    """Integrals of f times the load beyond a punch over |dF|, in forward and in reverse slip, (2,
-    m, k): a cycle of each punch whose memory F is clipped by two waves, the `bounds`, while the
-    load beyond it is positive.
+    """Integral of f times the load beyond a punch over |dF| in a steady cycle, in forward and in
+    reverse slip, for flat punches (m, k): (2, m, k).
+
+    F, the tangential force that a punch locks in, follows the larger of two waves of load, the
+    Coulomb `bounds`, while the load beyond the punch is positive. The cycle is cut where a wave
+    turns.
     """
     forward, reverse, beyond = bounds
     full_turn = 2 * math.pi
@@ -315,12 +327,13 @@ def _work_of_punches(bounds: Bounds, friction: Array) -> Array:
 
 
 def _primitive(wave: _Wave, beyond: _Wave, bound_level: Array) -> Array:
-    """Integral of the load carried beyond a punch over d(wave), up to where the rising wave has a
-    level, (m, k): a closed form.
+    """Integral of the load carried beyond a punch over d(wave), up to where the rising wave has
+    reached `bound_level`, (m, k), in closed form.
 
-    With theta before its maximum, Delta its phase minus that of the load, p and b mean and
-    amplitude of the load: A [p cos + b (cos Delta cos^2/2 - sin Delta (theta - sin cos)/2)] of
-    theta.
+        A [p cos(theta) + b (cos(D) cos^2(theta)/2 - sin(D) (theta - sin(theta) cos(theta))/2)]
+
+    The wave is at the angle theta before its maximum, A its amplitude, D its phase minus that of
+    the load; p and b are mean and amplitude of the load.
     """
     amplitude = np.maximum(wave.amplitude, _TINY)
     cosine = np.clip((bound_level - wave.mean) / amplitude, -1.0, 1.0)

@@ -71,11 +71,11 @@ class Event:
 
 
 def events(scene: Scene) -> tuple[Event, ...]:
-    """Every event of the initial loading and of the cycles up to the first steady one, in the order
-    of time.
+    """Every event of a load path, in the order of time: begin and end of slip and stick, extreme
+    loads, and when the stick edge passes what an earlier stroke left.
 
-    Events are the ends of the spans in which the memory keeps its structure, and the extreme loads.
-    An ellipse with an area gets the paper's letters, mirrored for a clockwise one.
+    Initial loading and cycles up to the first steady one are covered. An ellipse with an area gets
+    the paper's letters, mirrored for a clockwise one.
 
     Raises
     ------
@@ -122,7 +122,8 @@ def _as_one(first_event: Event, second_event: Event) -> Event:
 
 
 def event(scene: Scene, letter: str) -> Event:
-    """The event that the paper calls `letter`.
+    """The event of a scene's load path that the paper calls `letter`, such as "G", the end of
+    reverse slip.
 
     Raises
     ------
@@ -145,11 +146,12 @@ def event(scene: Scene, letter: str) -> Event:
 
 
 def _named(history: History) -> Iterator[Event]:
-    """Events of a history that bear no letter of the paper, in order of the spans.
+    """Events of a friction history without the paper's letters, in the order of its spans; several
+    may fall on one instant.
 
-    Starts and ends of slip states, fronts that pass a piece of the memory curve, extremes of the
-    loads, and the end; several may fall on one instant. A span is a stretch of time with one state
-    and one active piece of the curve.
+    Begins and ends of stick and slip, stick edges that pass a piece of the memory curve, extremes
+    of the loads, and the end. A span is a time in full stick or with slip in one direction, in
+    which one piece of the memory curve is being erased.
     """
     state_names = {0: "full stick", 1: "forward slip", -1: "reverse slip"}
     spans_of_cycles = [(f"cycle {number}", cycle) for number, cycle in enumerate(history.cycles, 1)]
@@ -183,8 +185,10 @@ def _named(history: History) -> Iterator[Event]:
 
 
 def _same_piece(first_piece: Curve, second_piece: Curve) -> bool:
-    """Whether two pieces of memory curves are parts of one piece: on one leg of an ellipse, or of
-    one line with equal anchor and slope.
+    """Whether two pieces of memory curves are parts of one: of one curved segment of the load path,
+    or of one line with equal anchor and slope.
+
+    None stands for a contact in which nothing sticks.
     """
     if first_piece is None or second_piece is None:
         return first_piece is second_piece
@@ -201,20 +205,21 @@ def _same_piece(first_piece: Curve, second_piece: Curve) -> bool:
 
 
 def _extremes(span: Span) -> Iterator[Event]:
-    """Events of P and Q that are largest or least at the beginning of a span or inside it.
+    """Events at which P or Q is largest or least, at the begin of a span of the load path or inside
+    it.
 
     An ellipse is looked at a little beyond its ends too, since the loads turn smoothly there.
     """
-    leg = span.leg
-    step = 1e-3 * (leg.end - leg.start)
-    wider_leg = leg
-    if is_plain_ellipse(leg):
-        wider_leg = replace(leg, start=leg.start - 0.1, end=leg.end + 0.1)
-    for load, load_name in ((NORMAL_LOAD, "P"), (TANGENTIAL_LOAD, "Q")):
-        for time in wider_leg.turning_points(load):
+    segment = span.leg
+    time_step = 1e-3 * (segment.end - segment.start)
+    wider_segment = segment
+    if is_plain_ellipse(segment):
+        wider_segment = replace(segment, start=segment.start - 0.1, end=segment.end + 0.1)
+    for combination, load_name in ((NORMAL_LOAD, "P"), (TANGENTIAL_LOAD, "Q")):
+        for time in wider_segment.turning_points(combination):
             if span.begin.time - _SAME <= time < span.end.time - _SAME:
-                change_after = float(leg.change_of(load, time + step, time))
-                change_before = float(leg.change_of(load, time - step, time))
+                change_after = float(segment.change_of(combination, time + time_step, time))
+                change_before = float(segment.change_of(combination, time - time_step, time))
                 change_of_slope = change_after + change_before
                 yield _at(
                     span, time, f"{load_name} {'largest' if change_of_slope < 0 else 'least'}"
@@ -222,25 +227,30 @@ def _extremes(span: Span) -> Iterator[Event]:
 
 
 def _at(span: Span, time: float, name: str) -> Event:
-    """The event `name` at the instant of a span that is nearest to a time of its leg."""
-    leg_time = min(max(time, span.begin.time), span.end.time)
-    normal_load, tangential_load = (float(load) for load in span.leg.loads(leg_time))
+    """The event `name` at the instant of a span of the load path nearest to a `time` of its
+    segment, with the loads there.
+
+    P_c, the load at the stick edge, is P minus the load of the slip zones.
+    """
+    time_in_segment = min(max(time, span.begin.time), span.end.time)
+    normal_load, tangential_load = (float(load) for load in span.leg.loads(time_in_segment))
     return Event(
         letter="",
         name=name,
-        time=leg_time + span.delay,
+        time=time_in_segment + span.delay,
         normal_load=normal_load,
         tangential_load=tangential_load,
-        front_load=normal_load - float(span.slipped(leg_time)),
+        front_load=normal_load - float(span.slipped(time_in_segment)),
     )
 
 
 def _letter_times(history: History) -> dict[str, float]:
-    """Times of the paper's letters A to M on the steady ellipse of loads; empty where there is
-    none, and for loads on a line, where C and D fall together, as do K and L.
+    """Times of the paper's letters A to M on the steady ellipse of loads, by letter; empty where
+    there is none.
 
-    Each letter is where u = Q - f P, v = Q + f P (by the sense of turning), P or Q is largest or
-    least; its time is the first such one after the letters before it.
+    Each letter is where u = Q - f P, v = Q + f P, P or Q is largest or least, mirrored for a
+    clockwise ellipse. Its time is the first such one after the letters before it. Loads on a line
+    have no letters: C and D would fall together, as would K and L.
     """
     if history.loop is None or history.steady_from is None:
         return {}
@@ -250,13 +260,13 @@ def _letter_times(history: History) -> dict[str, float]:
     area = ellipse.amplitude[0] * ellipse.amplitude[1] * math.sin(ellipse.phase_radians)
     if abs(area) <= 1e-12 * ellipse.amplitude[0] * ellipse.amplitude[1]:
         return {}
-    sense = 1 if area > 0 else -1
+    sense_of_turning = 1 if area > 0 else -1
     revolution = 2 * math.pi
-    combinations = {
-        "u": level(sense, friction),
-        "-v": level(-sense, friction),
+    loads_by_name = {
+        "u": level(sense_of_turning, friction),
+        "-v": level(-sense_of_turning, friction),
         "P": NORMAL_LOAD,
-        "Q": Combination(0.0, float(sense)),
+        "Q": Combination(0.0, float(sense_of_turning)),
     }
     # What is largest (+) or least (-) at each letter; v is least where -v is largest.
     extremes = {
@@ -274,7 +284,7 @@ def _letter_times(history: History) -> dict[str, float]:
     }
     times = {"A": history.loop.start}
     for letter, sought_extreme in extremes.items():
-        time = ellipse.largest_at(combinations[sought_extreme[:-1]])
+        time = ellipse.largest_at(loads_by_name[sought_extreme[:-1]])
         if sought_extreme.endswith("-"):
             time += math.pi
         revolutions_needed = math.ceil((max(times.values()) - time) / revolution - 1e-12)

@@ -18,11 +18,11 @@ _BELOW_ONE = 1 - 2.0**-53
 
 def log_excess(ratio: ArrayLike) -> Array:
     """-ln(1 - r) - r = r^2/2 + r^3/3 + ... for 0 <= r <= 1 to full relative accuracy, however small
-    r is.
+    r is: the share of slip in the friction work of Hertz contacts.
 
-    An r of 1 is known to its last digit only, and taken for one less in that: the logarithm of 0
-    would spoil an integral over r. With y = r/(2 - r): -ln(1 - r) = 2 artanh y and 2 y - r = r^2/(2
-    - r), so that nothing cancels.
+    An r of 1 is known to its last digit only, and one digit less is taken for it: the logarithm of
+    0 would spoil an integral over r. With y = r/(2 - r): -ln(1 - r) = 2 artanh y and 2 y - r =
+    r^2/(2 - r), so that nothing cancels.
 
     >>> float(log_excess(1e-9)) * 2e18, round(float(log_excess(0.5)), 12)
     (1.000000000..., 0.19314718056)
@@ -74,7 +74,8 @@ class HertzContact:
         return 4 * self.radius / (np.pi * self.modulus)
 
     def half_width(self, load: ArrayLike) -> Array:
-        """a(P) [length].
+        """Half-width of contact a(P) = sqrt(4 R P/(pi E*)) of a parabola of radius R on a
+        half-plane [length].
 
         >>> round(
         ...     float(
@@ -102,8 +103,8 @@ class HertzContact:
         return 2 * np.abs(np.asarray(half_width, dtype=float)) / self.stretch
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """p(x, P) = (E*/2R) sqrt(a^2 - x^2) >= 0 [stress], 0 outside the contact; equation (22) of
-        the paper.
+        """Hertz' pressure p(x, P) = (E*/2R) sqrt(a^2 - x^2) >= 0 [stress], 0 outside the contact;
+        equation (22) of the paper.
 
         >>> float(
         ...     HertzContact(modulus=100.0, radius=1.0, datum_length=1.0)
@@ -122,12 +123,12 @@ class HertzContact:
         return self.pressure(x, load) * (np.asarray(load, dtype=float) + 2 * self.load(x)) / 3
 
     def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """Slip outside the stick zone: S(x, eta) = int_0^eta arccosh(|x|/a) d eta' [force per
-        thickness], over loads with x open.
+        """What flat punches that end inside of x add to the slip there, in closed form: S(x, P) =
+        int arccosh(|x|/a(eta)) d eta over loads eta < min(P, P_x) [force per thickness].
 
-        S = eta arccosh(sqrt(P_x/eta)) + P_x - sqrt(P_x (P_x - eta)) for eta < P_x, and P_x beyond.
-
-        The gap closes where the edge comes: h = x^2/(2 R) = (A/pi) S(x, P_x).
+        P_x is the load at which the edge of contact is at x. S = P arccosh(sqrt(P_x/P)) + P_x -
+        sqrt(P_x (P_x - P)) for P < P_x, and P_x beyond. The gap closes where the edge comes: h =
+        x^2/(2 R) = (A/pi) S(x, P_x).
 
         >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
         >>> round(2 / np.pi * float(contact.slip_integral(0.6, contact.load(0.6))), 12)  # 0.6^2/2
@@ -142,7 +143,7 @@ class HertzContact:
 
     def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
         """Integral of eta' arccosh(|x|/a(eta')) d eta' over the loads from 0 to eta = `load` at
-        which x is outside the contact [force^2 per thickness^2].
+        which x is outside the contact, in closed form [force^2 per thickness^2].
 
         With P_x the load at which the edge of contact is at x: (eta^2/2) arccosh(sqrt(P_x/eta)) +
         (r/4) [2 P_x (r - s) - (2/3) (r^3 - s^3)], r = sqrt(P_x), s = sqrt(P_x - eta), in parts: the
@@ -186,8 +187,8 @@ class HertzContact:
         return np.zeros(np.broadcast_shapes(*(np.shape(values) for values in arguments)))
 
     def log_distance(self, load: ArrayLike) -> Array:
-        """int_0^P ln(2 L/a(eta)) d eta [force per thickness]: the relative tangential displacement
-        is A/pi times as much.
+        """int_0^P ln(2 L/a(eta)) d eta [force per thickness]: times A/pi the normal approach of two
+        half-planes against a datum at distance L.
 
         >>> contact = HertzContact(
         ...     modulus=100.0, radius=1.0, datum_length=0.5

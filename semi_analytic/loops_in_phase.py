@@ -121,8 +121,8 @@ class Way:
         )
 
     def recedes(self) -> bool:
-        """Whether the stick zone recedes at both ends, inside the contact, with slip of one
-        direction outside it.
+        """Whether the stick zone recedes at both ends all along this stroke, inside the contact,
+        with slip of one direction outside it: only then the solution of loads in phase holds.
         """
         load_rate, tilt_rate = self.rates
         shares_of_way = _SHARES
@@ -132,12 +132,12 @@ class Way:
             return False
         if np.pi * np.max(stick_half_width) * abs(tilt_rate) > -load_rate * self.compliance:
             return False
-        slack = _ROUNDING * np.max(contact_half_width)
+        round_off = _ROUNDING * np.max(contact_half_width)
         left_inside = np.all(
-            contact_middle - contact_half_width <= stick_middle - stick_half_width + slack
+            contact_middle - contact_half_width <= stick_middle - stick_half_width + round_off
         )
         right_inside = np.all(
-            stick_middle + stick_half_width <= contact_middle + contact_half_width + slack
+            stick_middle + stick_half_width <= contact_middle + contact_half_width + round_off
         )
         if not (left_inside and right_inside):
             return False
@@ -149,25 +149,31 @@ class Way:
         return all(bool(np.min(rate) >= most_negative) for rate in rates_at_edges)
 
     def work(self, count: int = WAY_NODES) -> float:
-        """Integral of f p |ds| over the slip zones and the way, the stroke from one end of the
-        cycle to the other [energy / thickness]; by `count` nodes along x and along the way.
+        """Friction work of this stroke, from one end of the cycle to the other: the integral of f p
+        |ds| over both slip zones and the stroke [energy per thickness].
+
+        `count` nodes are taken along x and along the stroke.
         """
         nodes, weights = _angles(count)
         share_of_way = nodes[:, None]
         stick_middle, stick_half_width = self.stick(share_of_way)
         contact_middle, half_width = self.contact(share_of_way)
         total_work = 0.0
-        for side in (-1, 1):
-            zone_begin = stick_middle + side * stick_half_width
-            zone_length = contact_middle + side * half_width - zone_begin
+        for sign_of_side in (-1, 1):
+            zone_begin = stick_middle + sign_of_side * stick_half_width
+            zone_length = contact_middle + sign_of_side * half_width - zone_begin
             power = self.friction_power(zone_begin + zone_length * nodes, share_of_way)
             total_work += float(weights @ (np.abs(zone_length) * power) @ weights)
         return total_work
 
     def locked(self, u: Array) -> Array:
-        """Change of the tangential displacement U and of the moment m_q since the stroke began, (2,
-        n), at shares u of the stroke: by normal approach and moment of the whole contact less twice
-        those of what sticks.
+        """Change of the tangential displacement U and of the shear's moment m_q = int x q dx since
+        the stroke began, (2, n), at shares u of the stroke.
+
+        By normal approach and moment of the pressure: those of the whole contact minus twice those
+        of the contact that the stick zone would be, times f and the direction of slip.
+
+        # notation: m, c centre and half-length of a contact
         """
 
         def carried(load: Array, tilt: Array) -> Array:
@@ -182,9 +188,11 @@ class Way:
         return self.direction * self.friction * change
 
     def density(self, x: Array, count: int = WAY_NODES) -> Array:
-        """Friction work per area at points (k,) along the way, the stroke from one end of the cycle
-        to the other: the integral of f p |ds| over its share u from 0 to 1 by `count` nodes, cut
-        where an edge of the slip zone passes the point.
+        """Friction work per area of this stroke at points x (k,): the integral of f p |ds| over its
+        share u from 0 to 1 [energy per area].
+
+        The stroke leads from one end of the cycle to the other. It is cut where an edge of the slip
+        zone passes the point; each part takes `count` nodes.
         """
 
         def depth_in_slip_zone(x: Array, share_of_way: Array) -> Array:
@@ -234,8 +242,11 @@ class Way:
 
 
 def ways_in_phase(scene: Scene) -> tuple[Way, Way] | None:
-    """Forward and reverse slip of a cycle whose loads are in phase and whose stick zone ends slip
-    in one sense; None of any other.
+    """The forward and the reverse stroke of a cycle in which P, Q, bulk strain and tilt are in
+    phase and both ends of the stick zone slip in one sense; None for any other cycle.
+
+    In phase means that all loads lie on one line between two turning points, gone through once each
+    way.
     """
     friction = scene.friction.coefficient
     if not scene.load.path().cycle or friction <= 0:
@@ -259,11 +270,11 @@ def ways_in_phase(scene: Scene) -> tuple[Way, Way] | None:
         return None
     if np.count_nonzero(signs_of_steps != np.roll(signs_of_steps, 1)) != 2:
         return None
-    ways = (
+    strokes = (
         Way(profile, compliance, friction, begin, change, 1),
         Way(profile, compliance, friction, end, -change, -1),
     )
-    return ways if all(way.recedes() for way in ways) else None
+    return strokes if all(stroke.recedes() for stroke in strokes) else None
 
 
 def loop_of(ways: tuple[Way, Way]) -> float:

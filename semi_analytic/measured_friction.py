@@ -236,13 +236,13 @@ def sliding_limit(
     tangential_amplitude: Array,
     phase: Array,
 ) -> Array:
-    """The largest |Q|/P of ellipses, the coefficient f below which they slide grossly; infinite
-    where P reaches 0. Loads are P = P0 + P1 cos t and Q = Q0 + Q1 cos(t - `phase`) [rad], with P0
-    `mean_normal_load`, P1 `normal_amplitude`, Q0 `mean_tangential_load`, Q1 `tangential_amplitude`:
-    arrays that broadcast.
+    """The largest |Q|/P of load ellipses: the coefficient f below which they slide grossly;
+    infinite where P reaches 0. Arrays broadcast.
 
-    Q - f P touches 0 where (f P0 - Q0)^2 = Q1^2 - 2 f P1 Q1 cos(phase) + f^2 P1^2, and so does Q +
-    f P with Q0 turned.
+    Loads are P = P0 + P1 cos t and Q = Q0 + Q1 cos(t - `phase`) [rad], with P0 `mean_normal_load`,
+    P1 `normal_amplitude`, Q0 `mean_tangential_load`, Q1 `tangential_amplitude`. Q - f P touches 0
+    where (f P0 - Q0)^2 = Q1^2 - 2 f P1 Q1 cos(phase) + f^2 P1^2, and so does Q + f P with Q0
+    turned.
 
     >>> float(
     ...     sliding_limit(*(np.array(value) for value in (3.0, 0.0, 0.5, 1.0, 0.3)))
@@ -271,10 +271,15 @@ def sliding_limit(
 def _of_ellipses(
     target: ArrayLike, profile_and_material: dict[str, Any], loads: dict[str, Any]
 ) -> FrictionBatch:
-    """Every coefficient of friction at which elliptic loads dissipate the `target`, W of a cycle.
+    """Every coefficient of friction at which elliptic loads dissipate the `target`, the measured W
+    of a cycle [energy per thickness].
 
-    `profile_and_material` are profile and material by these names, `loads` the numbers of the
-    ellipses by the names that batches of dissipation have for them.
+    Parameters
+    ----------
+    profile_and_material
+        profile and material by these names
+    loads
+        numbers or arrays of the ellipses, by the names of the arguments of `dissipation`
     """
     # One call without friction checks every argument and gives the shape of the loads and of the
     # profile's numbers.
@@ -293,8 +298,8 @@ def _of_ellipses(
         return np.broadcast_to(real_numbers(value, name), shape).flat[members]
 
     def work(friction: Array, members: NDArray[np.intp]) -> Array:
-        """Work per cycle of members of the batch, numbers (n,), each with its own coefficient
-        (n,).
+        """Friction work per cycle of members of the batch, numbers (n,), each with its own
+        coefficient of friction (n,): (n,).
         """
         loads_of_members = {name: of_members(name, value, members) for name, value in loads.items()}
         profile_of_members = profile
@@ -318,8 +323,8 @@ def _of_ellipses(
 
 
 def _of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
-    """Friction coefficients at which the work of a steady cycle of the scene is `target`, for loads
-    that are no ellipse: W by `solve` at each coefficient that is tried.
+    """Every coefficient of friction at which a steady cycle of the scene dissipates `target`, for
+    loads that are no ellipse: W by `solve` at each coefficient that is tried.
 
     The search begins at the least coefficient without gross sliding, the largest |Q|/P of the path.
     """
@@ -379,15 +384,18 @@ def _inverse(
     shape: tuple[int, ...],
     notes: tuple[str, ...],
 ) -> FrictionBatch:
-    """Every coefficient of friction at which W is the `target` of a member, with the reason where
-    there is none.
+    """Every coefficient of friction at which the friction work W of a cycle is the measured
+    `target`, with the reason where there is none.
+
+    Each member of a batch has its own curve W(f), which is sampled, refined at its turning points
+    and intersected.
 
     Parameters
     ----------
     work
         function that gives W by coefficients and the numbers of their members
     least_friction_of_member, no_slip
-        (m,) f_min and Q1/P1 of the members
+        (m,) f_min and Q1/P1 of the members; beyond Q1/P1 nothing slips
     shape
         shape of the members' arrays
     notes
@@ -410,6 +418,7 @@ def _inverse(
     least_work = np.min(np.where(is_known, curve.works, np.inf), axis=0)[member]
     most_work = np.max(np.where(is_known, curve.works, -np.inf), axis=0)[member]
     is_solvable = curve.is_solvable[member]
+    # The first condition that holds is the reason.
     conditions = {
         NoFriction.INVALID: ~(np.isfinite(flat_targets) & (flat_targets > 0)),
         NoFriction.LOADS: ~is_solvable,
@@ -448,10 +457,12 @@ def _inverse(
 
 
 def _sampled_work(work: Work, least_friction: Array, no_slip: Array) -> _WorkCurve:
-    """W at samples of f between f_min = `least_friction` and the largest f that is looked at, (m,)
-    each; dense next to f_min, and up to 100 times the larger of f_min and Q1/P1 = `no_slip`.
+    """Friction work W at samples of the coefficient f between the least without gross sliding and
+    the largest that is looked at, for each member of a batch.
 
-    `work` gives W by coefficients f and the numbers of their members.
+    Samples are dense next to f_min = `least_friction` (m,), and go up to 100 times the larger of
+    f_min and Q1/P1 = `no_slip`, then further apart. `work` gives W by coefficients f and the
+    numbers of their members.
     """
     n_members = len(least_friction)
     is_solvable = np.isfinite(least_friction) & (least_friction > 0)
@@ -475,8 +486,11 @@ def _sampled_work(work: Work, least_friction: Array, no_slip: Array) -> _WorkCur
 
 
 def _with_turning_points(curve: _WorkCurve, work: Work) -> _WorkCurve:
-    """The curve with the turning points of W among its samples: one may lie between two samples and
-    hide two roots.
+    """The sampled curve of friction work W over the coefficient f, with the turning points of W
+    among its samples.
+
+    A turning point may lie between two samples and hide two roots. `work` gives W by coefficients
+    and the numbers of their members.
     """
     # `scipy.optimize` alone does not load it
     from scipy.optimize import elementwise  # noqa: PLC0415
@@ -502,11 +516,15 @@ def _with_turning_points(curve: _WorkCurve, work: Work) -> _WorkCurve:
     number_in_column = np.arange(len(sample)) - np.searchsorted(
         np.sort(member_of_turn), np.sort(member_of_turn)
     )
-    order = np.argsort(member_of_turn, kind="stable")
+    order_by_member = np.argsort(member_of_turn, kind="stable")
     log_f_at_turn = np.full((int(number_in_column.max()) + 1, works.shape[1]), np.nan)
     work_at_turn = log_f_at_turn.copy()
-    log_f_at_turn[number_in_column, member_of_turn[order]] = turning_point.x[order]
-    work_at_turn[number_in_column, member_of_turn[order]] = (sign * turning_point.f_x)[order]
+    log_f_at_turn[number_in_column, member_of_turn[order_by_member]] = turning_point.x[
+        order_by_member
+    ]
+    work_at_turn[number_in_column, member_of_turn[order_by_member]] = (sign * turning_point.f_x)[
+        order_by_member
+    ]
     log_f = np.concatenate([log_f, log_f_at_turn])
     works = np.concatenate([works, work_at_turn])
     ascending = np.argsort(log_f, axis=0)
@@ -519,9 +537,11 @@ def _with_turning_points(curve: _WorkCurve, work: Work) -> _WorkCurve:
 def _roots_of(
     curve: _WorkCurve, work: Work, member: NDArray[np.intp], target: Array
 ) -> tuple[Array, NDArray[np.intp], NDArray[np.bool_]]:
-    """Every f at which W of a member is its target: roots (n, k), as many as the target with most
-    of them has, NaN behind the last of each; their number, (n,); and whether the search for one did
-    not converge, (n,).
+    """Every coefficient f at which the friction work W of a member is its target: (n, k), NaN
+    behind the last root of each; the number of roots, and whether the search did not converge, (n,)
+    each.
+
+    Between two samples of W on either side of the target there is one root.
 
     Parameters
     ----------
@@ -541,9 +561,9 @@ def _roots_of(
     is_known = np.isfinite(works[:, member])
     crosses = (is_above[:-1] != is_above[1:]) & is_known[:-1] & is_known[1:] & is_valid
     sample, number_of_target = np.nonzero(crosses)
-    order = np.lexsort((sample, number_of_target))
-    sample = sample[order]
-    number_of_target = number_of_target[order]
+    order_by_target = np.lexsort((sample, number_of_target))
+    sample = sample[order_by_target]
+    number_of_target = number_of_target[order_by_target]
     n_roots = np.bincount(number_of_target, minlength=len(target))
     roots = np.full((len(target), max(1, int(n_roots.max(initial=0)))), np.nan)
     is_unsettled = np.zeros(len(target), dtype=bool)

@@ -62,8 +62,8 @@ def rounding_of_slip(share: float) -> float:
 
 
 def rounding_of_shift(friction: float, moments: Array, shifts: Array) -> float:
-    """Relative error of the tangential displacement by the last digits of f int ln(2 L/a) d eta, a
-    sum that cancels; 0 where it is below what closed forms promise, or nothing shifts.
+    """Relative error of the tangential displacement by round-off of its logarithmic integrals, sums
+    that cancel; 0 where it is below what closed forms promise, or nothing moves.
 
     Parameters
     ----------
@@ -235,7 +235,8 @@ def front_time(piece: Piece, front: ArrayLike) -> Array:
 
 
 def values(curve: Curve, eta: ArrayLike) -> Array:
-    """M(eta) of a memory curve at eta in [0, P], any shape.
+    """Tangential force M(eta) that a memory curve carries up to loads eta in [0, P], any shape
+    [force per thickness].
 
     >>> from scenes import StraightSegment
     >>> leg = StraightSegment(
@@ -254,8 +255,8 @@ def values(curve: Curve, eta: ArrayLike) -> Array:
 
 
 def unload_to(curve: Curve, load: float) -> Curve:
-    """The curve with everything above `load` taken away: what unloading along the curve itself
-    leaves.
+    """The memory curve M(eta) without its part above `load`: what unloading along the curve itself
+    leaves. None where nothing is left.
 
     >>> from scenes import StraightSegment
     >>> leg = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
@@ -273,7 +274,8 @@ def unload_to(curve: Curve, load: float) -> Curve:
 
 
 def load_in_stick(curve: Curve, leg: LoadSegment, begin: float, end: Instant) -> Piece:
-    """The curve with a stretch of `leg`, travelled in full stick, on top.
+    """The memory curve M(eta) after loading in full stick: the path of P and Q itself, from the
+    time `begin` to `end` on a load segment `leg`, becomes its uppermost piece.
 
     >>> from scenes import StraightSegment
     >>> leg = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
@@ -281,19 +283,20 @@ def load_in_stick(curve: Curve, leg: LoadSegment, begin: float, end: Instant) ->
     >>> piece.top, piece.slope, values(piece, [1.0]).tolist()
     (2.0, 0.5, [0.5])
     """
-    form = leg.slope_and_bend(end.time)
-    if form is None:
+    slope_and_bend = leg.slope_and_bend(end.time)
+    if slope_and_bend is None:
         return Piece(curve, end.normal, end, 0.0, 0.0, (begin, end.time))
-    slope, bend = form
+    slope, bend = slope_and_bend  # else an arc, whose slope is that of the path
     return Piece(curve, end.normal, end, slope, bend)
 
 
 def slip_to(curve: Curve, direction: int, friction: float, end: Instant, slipped: float) -> Curve:
-    """The curve after slip up to `end` whose front is at P - P_c = `slipped` inside the uppermost
-    piece of `curve`.
+    """The memory curve M(eta) after slip in one direction up to the instant `end`: its upper part
+    becomes a line at the Coulomb limit, slope +-f.
 
-    The Masing rule: after a reversal at constant P the front returns at half the speed, P - P_c =
-    dQ/(2 f), and below it the curve is what it was.
+    `slipped` is P - P_c, P_c the load at the stick edge, which lies in the uppermost piece of
+    `curve`. The Masing rule: after a reversal at constant P the stick edge returns at half the
+    speed, P - P_c = dQ/(2 f), and below it the curve is what it was.
 
     >>> from scenes import StraightSegment
     >>> forward = Piece(
@@ -347,11 +350,12 @@ def level_on(piece: Piece, direction: int, friction: float, eta: ArrayLike) -> A
 def slipped_load(
     piece: Piece, direction: int, friction: float, leg: LoadSegment, time: ArrayLike
 ) -> Array:
-    """P - P_c at `time` on `leg` while the front of slip in `direction` is inside `piece`, free of
-    cancellation.
+    """Load P - P_c of the slip zones at `time` on a load segment, while the stick edge is inside
+    one piece of the memory curve M(eta), without cancellation [force per thickness].
 
-    The front is where s M(eta) - f eta equals the path's s Q - f P. On a line through the anchor
-    `a` that gives P - P_c = s [(Q - Q_a) - slope (P - P_a)] / (f - s slope).
+    The stick edge is where s M(eta) - f eta equals the path's s Q - f P, s the direction of slip.
+    On a line through the anchor `a` of the piece that gives P - P_c = s [(Q - Q_a) - slope (P -
+    P_a)] / (f - s slope).
 
     >>> from scenes import StraightSegment
     >>> leg = StraightSegment(0.0, 1.0, (1.0, 0.0), (1.0, 0.3))
@@ -378,8 +382,11 @@ def slipped_load(
 def _slipped_on_arc(
     piece: Piece, direction: int, friction: float, leg: LoadSegment, time: ArrayLike
 ) -> Array:
-    """P - P_c at `time` on `leg` while the front of slip in `direction` is inside an arc, a curved
-    stretch of the path that was travelled in full stick.
+    """Load P - P_c of the slip zones at `time` on a load segment, while the stick edge is inside a
+    curved piece of the memory curve, made by loading in full stick.
+
+    On the segment that made the piece the time at which the edge's load was reached is a mirror
+    image; else it is searched for along the arc.
     """
     arc_begin, arc_end = _whole_arc(piece)
     slip_level = level(direction, friction)
@@ -398,8 +405,10 @@ def _slipped_on_arc(
 
 
 def same(curve: Curve, other_curve: Curve, friction: float, tolerance: float = 1e-12) -> bool:
-    """Whether two curves agree within `tolerance` f P at their knots and at three loads in between
-    any two.
+    """Whether two memory curves M(eta) are the same state of friction: within `tolerance` f P of
+    each other.
+
+    They are compared at their knots and at three loads between any two; f is `friction`.
 
     >>> same(None, None, 0.5)
     True
@@ -458,14 +467,18 @@ class Snapshot:
 
     @cached_property
     def groups(self) -> tuple[tuple[CurvePart, NDArray[np.intp]], ...]:
-        """(piece, its instants) for every piece that is there."""
+        """Pieces of memory curves that are the uppermost sticking one at some instants, each with
+        the numbers of these instants.
+
+        Instants without one, where the contact slips throughout, are left out.
+        """
         order = np.argsort(self.active_number, kind="stable")
         numbers, starts = np.unique(self.active_number[order], return_index=True)
-        groups = []
+        pieces_with_instants = []
         for number, (start, end) in zip(
             numbers.tolist(), pairwise([*starts.tolist(), len(order)]), strict=True
         ):
             piece = self.actives[number]
             if piece is not None:
-                groups.append((piece, order[start:end]))
-        return tuple(groups)
+                pieces_with_instants.append((piece, order[start:end]))
+        return tuple(pieces_with_instants)

@@ -42,9 +42,11 @@ _MEMBERS = 10_000
 
 
 def loads_of(left: Array, right: Array) -> tuple[Array, Array]:
-    """Bulk strain e < 0 (scaled) and Q/(f P) under which the contact -1 < x < 1 slips, in opposite
-    senses, up to the depth d1 = `left` from its left end and d2 = `right` from its right end, (n,)
-    each.
+    """Bulk strain and tangential load under which a parabola's ends slip in opposite senses, up to
+    given depths of slip; Nowell and Hills' problem at constant P, (n,) each.
+
+    The contact is -1 < x < 1. It slips up to the depth d1 = `left` from its left end and d2 =
+    `right` from its right end. Returned are the scaled bulk strain e < 0 and Q/(f P).
 
     >>> e, q = loads_of(
     ...     np.array([0.5]), np.array([0.5])
@@ -54,7 +56,7 @@ def loads_of(left: Array, right: Array) -> tuple[Array, Array]:
     """
     stick_middle = (left - right) / 2
     stick_half_width = 1 - (left + right) / 2
-    # xi = b1 - d1 v^2
+    # notation: xi = b1 - d1 v^2 places in the left slip zone, b1 the left stick edge, v the nodes
     nodes, weights = graded(np.zeros(left.shape), np.ones(left.shape))
     depth = left[..., None] * (1 - nodes * nodes)
     xi = depth - 1
@@ -73,9 +75,11 @@ def loads_of(left: Array, right: Array) -> tuple[Array, Array]:
 
 
 def slip_depths(e: Array, force: Array) -> tuple[Array, Array]:
-    """Depths d1 and d2 of slip at the left and the right end of the contact -1 < x < 1 at constant
-    P, under bulk strain e < 0 (scaled) and Q/(f P) = `force`, (n,) each, that grow in proportion
-    from nothing.
+    """Depths d1 and d2 of slip at the left and the right end of the contact -1 < x < 1 of a
+    parabola at constant P, (n,) each.
+
+    The scaled bulk strain `e` < 0 and Q/(f P) = `force`, (n,) each, grow in proportion from
+    nothing; the ends slip in opposite senses.
 
     Raises
     ------
@@ -85,8 +89,8 @@ def slip_depths(e: Array, force: Array) -> tuple[Array, Array]:
     loads = np.stack([e, force])
     with np.errstate(invalid="ignore", divide="ignore"):
         depths = _depths(loads)
-        fault = np.abs(np.stack(loads_of(*depths)) - loads)
-    if not np.all(fault <= 1e-11 * np.abs(loads).max(axis=0)):
+        residual = np.abs(np.stack(loads_of(*depths)) - loads)
+    if not np.all(residual <= 1e-11 * np.abs(loads).max(axis=0)):
         raise ArithmeticError("no stick zone with slip of opposite sense at both ends")
     left, right = depths
     return left, right
@@ -94,16 +98,18 @@ def slip_depths(e: Array, force: Array) -> tuple[Array, Array]:
 
 def _depths(loads: Array) -> Array:
     """Depths of slip (2, n) at the left and the right end of the contact -1 < x < 1 under `loads`
-    (2, n), bulk strain e < 0 and Q/(f P), by Newton's method with the loads growing in parts; NaN,
-    or no solution, where the method fails.
+    (2, n), scaled bulk strain e < 0 and Q/(f P), by Newton's method.
+
+    The loads grow in parts, each from the solution of the part before. NaN, or no solution, where
+    the method fails.
     """
     e, force = loads
     depth = np.stack([-e - force / 2, -e + force / 2]) / _PARTS
     for part in range(1, _PARTS + 1):
         load_share = part / _PARTS
         for _ in range(_STEPS):
-            load_fault = np.stack(loads_of(*depth)) - load_share * loads
-            step = _newton_step(depth, load_fault)
+            residual_of_loads = np.stack(loads_of(*depth)) - load_share * loads
+            step = _newton_step(depth, residual_of_loads)
             # Never more than half the way to an end of contact, or to where both slip zones meet.
             longest_step = np.minimum(depth / 2, np.maximum(2 - depth.sum(axis=0), 0.0) / 4)
             depth = depth - np.clip(step, -longest_step, longest_step)
@@ -115,9 +121,11 @@ def _depths(loads: Array) -> Array:
     return depth
 
 
-def _newton_step(depth: Array, fault: Array) -> Array:
-    """Newton's change of the slip depths at both ends of the contact, (2, n), for faults (2, n) of
-    the loads e and Q/(f P) that the depths give; derivatives by central differences.
+def _newton_step(depth: Array, residual: Array) -> Array:
+    """Newton's change of the slip depths at both ends of the contact, (2, n), for residuals (2, n)
+    of the two loads, bulk strain and Q/(f P), that the depths give.
+
+    Derivatives are central differences; the system of two equations is solved in closed form.
     """
     rates = []
     for end_number in (0, 1):
@@ -126,10 +134,10 @@ def _newton_step(depth: Array, fault: Array) -> Array:
         loads_before = np.stack(loads_of(*(depth - difference)))
         rates.append((loads_after - loads_before) / (2 * difference[end_number]))
     (e_by_left, force_by_left), (e_by_right, force_by_right) = rates
-    fault_of_e, fault_of_force = fault
+    residual_of_e, residual_of_force = residual
     determinant = e_by_left * force_by_right - e_by_right * force_by_left
-    step_of_left = force_by_right * fault_of_e - e_by_right * fault_of_force
-    step_of_right = e_by_left * fault_of_force - force_by_left * fault_of_e
+    step_of_left = force_by_right * residual_of_e - e_by_right * residual_of_force
+    step_of_right = e_by_left * residual_of_force - force_by_left * residual_of_e
     return np.stack([step_of_left, step_of_right]) / determinant
 
 
@@ -216,12 +224,12 @@ class OppositeSlip(TiltedProfile):
         return bool(np.all(np.diff(ends[:, 0]) >= -slack) and np.all(np.diff(ends[:, 1]) <= slack))
 
     def load(self, half_width: ArrayLike) -> Array:
-        """The load P_x of the smaller contact whose edge lies at each place x = `half_width`
-        [force per thickness], by bisection.
+        """The load P_x = P - |Q|/f of the force at which the stick edge passes each place x =
+        `half_width`, by bisection [force per thickness].
 
-        The stick zone under |Q| is the contact under the smaller load P - |Q|/f: P_x is P - |Q|/f
-        of the force at which the edge of the stick zone passes x. Out of contact it exceeds P, in
-        proportion to the distance from the edge; it is 0 where nothing slips up to the largest Q.
+        At constant P the stick zone under |Q| takes the place of the contact under the smaller load
+        P - |Q|/f. Out of contact the value exceeds P, in proportion to the distance from the edge;
+        it is 0 where nothing slips up to the largest Q.
         """
         largest_load, middle, contact_half_width = self._contact
         relative_place = (np.asarray(half_width, dtype=float) - middle) / contact_half_width
@@ -262,13 +270,14 @@ class OppositeSlip(TiltedProfile):
     def _to_the_top(
         self, x: ArrayLike, load: ArrayLike, kernel: Literal["inverse_root", "arccosh_ratio"]
     ) -> Array:
-        """Integral over eta of a kernel K(x, eta) from `load` to the largest load P, at places x.
+        """Integral over loads eta from `load` to the largest load P of a kernel K(x, eta) at places
+        x: shear or slip of a unit of load on each stick zone.
 
-        "inverse_root" (shear) is integrated over the loads at which x is inside the contact, eta >
-        P_x; "arccosh_ratio" (slip) over those at which it is open, eta < P_x; P_x is the load that
-        brings the edge to x. The stretches between neighbouring loads are integrated one by one and
-        summed from P down: those close to P_x by the rule for singular ends, the others by Gauss'
-        rule.
+        "inverse_root" (shear) is integrated over the loads at which x is inside the zone, eta >
+        P_x; "arccosh_ratio" (slip) over those at which it is outside, eta < P_x. P_x is the load at
+        which the zone's edge is at x. The ranges between neighbouring loads are integrated one by
+        one and summed from P down: those close to P_x by the rule for singular ends, the others by
+        Gauss' rule.
         """
         largest_load = self.intervals.most
         least_load = largest_load - self._deepest
@@ -289,24 +298,22 @@ class OppositeSlip(TiltedProfile):
             end_loads = np.minimum(load_above, edge_load)
             distance_to_edge_load = np.minimum(edge_load, largest_load) - end_loads
             is_integrated = end_loads > begin_loads
-        stretch_integrals = np.zeros(is_integrated.shape)
+        range_integrals = np.zeros(is_integrated.shape)
         is_near = distance_to_edge_load < 3 * (load_above - load_below)
-        for members_of_rule, rule in (
+        for pairs_of_rule, rule in (
             (is_integrated & is_near, graded),
             (is_integrated & ~is_near, _by_gauss),
         ):
-            stretch, point_number = np.nonzero(members_of_rule)
-            for first_member in range(0, len(stretch), _MEMBERS):
-                members = (
-                    stretch[first_member : first_member + _MEMBERS],
-                    point_number[first_member : first_member + _MEMBERS],
+            range_number, point_number = np.nonzero(pairs_of_rule)
+            for first_pair in range(0, len(range_number), _MEMBERS):
+                pairs = (
+                    range_number[first_pair : first_pair + _MEMBERS],
+                    point_number[first_pair : first_pair + _MEMBERS],
                 )
-                eta, weight = rule(begin_loads[members], end_loads[members])
-                kernel_at_nodes = getattr(self, kernel)(
-                    different_places[members[1], None], 0.0, eta
-                )
-                stretch_integrals[members] = np.sum(weight * kernel_at_nodes, axis=-1)
-        integrals = np.cumsum(stretch_integrals[::-1], axis=0)[::-1]
+                eta, weight = rule(begin_loads[pairs], end_loads[pairs])
+                kernel_at_nodes = getattr(self, kernel)(different_places[pairs[1], None], 0.0, eta)
+                range_integrals[pairs] = np.sum(weight * kernel_at_nodes, axis=-1)
+        integrals = np.cumsum(range_integrals[::-1], axis=0)[::-1]
         return np.asarray(
             integrals[row_of_load.ravel(), column_of_place.ravel()].reshape(places.shape)
         )
