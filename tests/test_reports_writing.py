@@ -12,6 +12,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import semi_analytic
 from reports import Report, compare, figure, write
@@ -32,6 +33,7 @@ from reports.charts.plate import (
     Plate,
     Rule,
     Segments,
+    _png,
     stacks,
 )
 from reports.charts.templating import harmless, marked, style_of, table_text
@@ -376,6 +378,17 @@ def test_formulas_in_tables_are_text(formula: str) -> None:
 
 # -------------------------------------------------------------------- charts: on the page and alone
 NASTY = "<b>$x_1$ & \\frac{1}{2}"
+
+
+def test_a_picture_of_numbered_colours_is_read_by_another_library():
+    """Its PNG is written without Pillow, which takes longer to import than the picture to draw."""
+    pixels = np.arange(15, dtype=np.uint8).reshape(3, 5) % 4
+    colours = ("#ff0000", "#00ff00", "#0000ff", "#123456")
+    with Image.open(io.BytesIO(_png(pixels, colours))) as picture:
+        assert picture.mode == "P"
+        np.testing.assert_array_equal(np.asarray(picture), pixels)
+        palette = np.reshape(picture.getpalette(), (-1, 3))[: len(colours)]
+    assert ["#{:02x}{:02x}{:02x}".format(*colour) for colour in palette] == list(colours)
 
 
 def plate(name: str = "all") -> Plate:

@@ -10,6 +10,8 @@ from __future__ import annotations
 import base64
 import io
 import math
+import struct
+import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
@@ -695,14 +697,21 @@ def _path_of(
         is_on_chord = twice_the_area <= tolerance * np.hypot(chord_x, chord_y)
         dropped_places = middle_place[is_on_chord & ~starts[middle_place] & ~starts[place_after]]
         kept_places = kept_places[~np.isin(kept_places, dropped_places)]
-    path_text = ""
-    for number in kept_places.tolist():
-        place = f"{x[number]:g} {y[number]:g}"
-        if is_alone[number]:
-            path_text += f"M{place}L{place}"
-        else:
-            path_text += f"M{place}" if starts[number] else f"L{place}"
-    return path_text
+    # as Python's numbers, which are formatted in half the time of numpy's
+    columns = zip(
+        x[kept_places].tolist(),
+        y[kept_places].tolist(),
+        starts[kept_places].tolist(),
+        is_alone[kept_places].tolist(),
+        strict=True,
+    )
+    steps = []
+    for place_x, place_y, starts_line, stands_alone in columns:
+        place = f"{place_x:g} {place_y:g}"
+        steps.append(f"M{place}" if starts_line else f"L{place}")
+        if stands_alone:
+            steps.append(f"L{place}")
+    return "".join(steps)
 
 
 def _places_that_show(x: Array, y: Array, is_known: NDArray[np.bool_]) -> NDArray[np.int_]:
@@ -734,16 +743,35 @@ def _png(
     >>> _png(np.zeros((1, 1), np.uint8), ["#ffffff"])[:8]
     b'\\x89PNG\\r\\n\\x1a\\n'
     """
+    if colours:
+        return _png_of_numbers(pixels, colours)
     from PIL import Image
 
     picture = Image.fromarray(pixels)
     stream = io.BytesIO()
-    if colours:
-        picture.putpalette(b"".join(bytes.fromhex(colour.removeprefix("#")) for colour in colours))
-    elif not all_colours:
+    if not all_colours:
         picture = picture.quantize(255)
     picture.save(stream, "PNG", optimize=not all_colours)
     return stream.getvalue()
+
+
+def _png_of_numbers(pixels: NDArray[np.uint8], colours: Sequence[str]) -> bytes:
+    """A picture whose pixels, (n, m), are numbers of `colours`, as the bytes of a PNG file: header,
+    palette, compressed rows, end (ISO/IEC 15948). To import Pillow takes longer than to draw it.
+    """
+    height, width = pixels.shape
+    eight_bits_of_a_palette = (8, 3)
+    usual_methods = (0, 0, 0)  # compression, filter, no interlacing
+    header = struct.pack(">2L5B", width, height, *eight_bits_of_a_palette, *usual_methods)
+    palette = b"".join(bytes.fromhex(colour.removeprefix("#")) for colour in colours)
+    unfiltered = np.zeros((height, 1), np.uint8)  # each row begins with the number of its filter
+    rows = zlib.compress(np.hstack([unfiltered, pixels]).tobytes())
+    chunks = [(b"IHDR", header), (b"PLTE", palette), (b"IDAT", rows), (b"IEND", b"")]
+    parts = [b"\x89PNG\r\n\x1a\n"]
+    for name, content in chunks:
+        checksum = zlib.crc32(name + content)
+        parts += [struct.pack(">L", len(content)), name, content, struct.pack(">L", checksum)]
+    return b"".join(parts)
 
 
 @dataclass(frozen=True)

@@ -313,8 +313,8 @@ def _cells(column: Sequence[Any] | NDArray[Any]) -> list[str]:
     """A column as cells of CSV; a number that stands in it often is written once and used again."""
     if isinstance(column, np.ndarray) and column.dtype.kind in "fiu":
         values, places = np.unique(column, return_inverse=True, equal_nan=True)
-        texts = [_number_cell(value) for value in values.tolist()]
-        return [texts[place] for place in places.ravel().tolist()]
+        texts = np.array([_number_cell(value) for value in values.tolist()], dtype=object)
+        return list(texts[places.ravel()])
     return [_quoted(_cell(value)) for value in column]
 
 

@@ -69,6 +69,8 @@ def of_stretch(text: str, scene: Scene) -> str:
     ... )
     ('one value; whole record', 'over the path')
     """
+    if "cycle" not in text:
+        return text
     stretch_name = stretch(scene)
     if stretch_name == "last cycle":
         return text

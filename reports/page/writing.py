@@ -472,7 +472,7 @@ def _tables(texts: Mapping[str, str]) -> dict[str, str]:
     """
     short_texts = {name: text for name, text in texts.items() if len(text) <= _LETTERS}
     return {
-        name: base64.b64encode(zlib.compress(text.encode(), 9)).decode()
+        name: base64.b64encode(zlib.compress(text.encode())).decode()
         for name, text in short_texts.items()
     }
 
