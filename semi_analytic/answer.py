@@ -103,8 +103,10 @@ class Question:
 
 
 def checked_fields(fields: str | Iterable[str], cycles: Cycles) -> frozenset[str]:
-    """The fields that are asked for; InputError for one that is not among `FIELDS`, or for other
-    `cycles` than there are.
+    """The names of the fields that a caller of `solve` asks for; InputError for one that does not
+    exist, or for other `cycles` than "all" and "steady".
+
+    Who asks for the closed integral of Q dU gets the friction work too.
     """
     if cycles not in ("all", "steady"):
         raise InputError(f"cycles: {cycles!r} is neither 'all' nor 'steady'")
@@ -112,13 +114,14 @@ def checked_fields(fields: str | Iterable[str], cycles: Cycles) -> frozenset[str
     unknown_names = sorted(names - set(FIELDS))
     if unknown_names:
         raise InputError(f"fields: {unknown_names[0]!r} is not among {', '.join(FIELDS)}")
-    # The closed integral is held against W: it is a second route to it.
+    # The closed integral is a second route to W, and is compared with it.
     return names | {"dissipation"} if "loop_work" in names else names
 
 
 def vector(values: ArrayLike | None, name: str) -> Array | None:
-    """Finite numbers (n,), one alone too, None where none are given; InputError with their `name`
-    for anything else.
+    """Numbers that a caller gave as an array (n,), one alone too; None where none are given.
+
+    InputError with their `name` for anything else than finite numbers in one row.
     """
     if values is None:
         return None
@@ -189,7 +192,8 @@ class Findings:
 
 
 def solution_of(question: Question, findings: Findings) -> ContactSolution:
-    """The read-only answer of half-plane theory from what was found.
+    """The solution that `solve` returns, read-only, from what half-plane theory found for a
+    question.
 
     Fields that the question did not ask for, and whatever the findings name as skipped, stand in
     `work.skipped` with the reason.
@@ -263,7 +267,7 @@ def neglected_coupling(material: Materials) -> Iterator[str]:
 
 @cache
 def _versions() -> dict[str, str]:
-    """Versions of what the numbers depend on."""
+    """Versions of Python and of the packages that the numbers of a solution depend on, by name."""
     try:
         halfplane_version = metadata.version("halfplane")
     except metadata.PackageNotFoundError:

@@ -27,10 +27,12 @@ from semi_analytic.memory import PROMISED
 _INSTANTS = 400
 
 
-def in_phase(question: Question, ways: tuple[Way, Way]) -> Findings:
-    """The answer to a `question` for the second cycle of loads in phase under bulk stress and tilt,
-    which is steady: what of it does not depend on the initial loading, so neither shear nor slip.
-    `ways` are the forward and the reverse stroke of the cycle.
+def in_phase(question: Question, strokes: tuple[Way, Way]) -> Findings:
+    """Half-plane answer for the steady cycle of loads in phase under bulk stress and tilt:
+    pressure, edges, state and friction work.
+
+    It is the second cycle. What depends on the initial loading is NaN: shear, slip and the
+    tangential displacement. `ways` are the forward and the reverse stroke of the cycle.
     """
     started = clock.perf_counter()
     scene = question.scene
@@ -40,7 +42,7 @@ def in_phase(question: Question, ways: tuple[Way, Way]) -> Findings:
     period = path.cycle[-1].end - path.cycle_start
     is_forward = _rises(time, tangential_load, period)
     contact_middle, contact_half_width = tilted_contact.under(normal_load, tilt)
-    stick_middle, stick_half_width = _stick_zones(ways, tangential_load, is_forward)
+    stick_middle, stick_half_width = _stick_zones(strokes, tangential_load, is_forward)
     contact_edges = np.stack(
         [contact_middle - contact_half_width, contact_middle + contact_half_width], axis=-1
     )
@@ -69,11 +71,11 @@ def in_phase(question: Question, ways: tuple[Way, Way]) -> Findings:
     if question.wants("normal_approach"):
         approach = tilted_contact.approach(contact_middle, contact_half_width, normal_load, tilt)
     if question.wants("dissipation"):
-        work, errors["dissipation"] = _work_of(ways)
+        work, errors["dissipation"] = _work_of(strokes)
     if question.wants("loop_work"):
-        loop = loop_of(ways)
+        loop = loop_of(strokes)
     if question.wants("dissipation_density"):
-        density, errors["dissipation_density"] = _density_of(ways, x)
+        density, errors["dissipation_density"] = _density_of(strokes, x)
     permanent_stick_edges = stick_edges[np.argmax(tangential_load)]
     stress_of_lower, stress_of_upper = loads.stresses(time)
     return Findings(

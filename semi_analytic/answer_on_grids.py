@@ -46,8 +46,8 @@ class GridAnswer:
     """
 
     def __init__(self, question: Question) -> None:
-        """Follow the load path of a question on grids, at its points, or at some across the contact
-        where it has none.
+        """Follow the load path of a question by a numerical solution on grids, at its points, or at
+        some across the contact where it has none.
         """
         self._started = clock.perf_counter()
         scene = question.scene
@@ -74,7 +74,8 @@ class GridAnswer:
         )
 
     def findings(self, steady_cycle: Findings | None) -> Findings:
-        """Fields, estimated errors, notes and the reason of the end of a path followed on grids.
+        """The answer of a path that was followed on grids: fields, estimated errors, notes and how
+        the path ended.
 
         W, W(x) and permanent stick are those of `steady_cycle`, the cycle found without the initial
         loading, where it is known. A cycle that is not steady gets a note of how far its W may be
@@ -101,10 +102,10 @@ class GridAnswer:
             errors |= dict(steady_cycle.errors)
         notes = [*neglected_coupling(question.scene.material), self._note(steady_cycle)]
         if path.period is not None and not is_steady:
-            remainder_share = followed.remainder / work_of_last_cycle
+            unsteady_share = followed.remainder / work_of_last_cycle
             notes.append(
                 f"the last cycle, number {len(followed.works)}, is not steady: by the trend its"
-                f" dissipation is within {remainder_share:.1e} of the steady one"
+                f" dissipation is within {unsteady_share:.1e} of the steady one"
             )
         termination = "end of path"
         message = "the path was followed to its end"
@@ -127,8 +128,10 @@ class GridAnswer:
         )
 
     def _note(self, steady_cycle: Findings | None) -> str:
-        """The note on an answer by grids: number of cells and increments, and to what W and the
-        edges of stick are known; with `steady_cycle`, that W does not come from grids.
+        """The sentence that an answer by grids carries: number of cells and increments, and how
+        well W and the edges of stick are known.
+
+        With `steady_cycle` it states that W does not come from grids.
         """
         followed = self.followed
         cells = followed.counts["cells"]
@@ -156,8 +159,10 @@ class GridAnswer:
         return slice(int(np.searchsorted(self.followed.time, last_cycle * (1 + 1e-12))), None)
 
     def _values(self) -> dict[str, Any]:
-        """Loads, fields and dissipations as the grids give them; NaN, and open, for what was not
-        asked for.
+        """Loads, fields and friction work as the grids give them, by the names of an answer; NaN,
+        and open, for what was not asked for.
+
+        The displacement counts from the datum of the profile, the grids' own from a length of 1.
         """
         question = self.question
         followed = self.followed

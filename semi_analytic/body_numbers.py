@@ -27,7 +27,8 @@ NUMBERS = (
 
 
 def checked_effects(effects: BodyEffects | None) -> BodyEffects | None:
-    """The stated effects of finite bodies, or None where all of their numbers are 0.
+    """The numbers by which finite bodies differ from half-planes, checked; None where all of them
+    are 0, so that the bodies are half-planes.
 
     Raises
     ------

@@ -53,14 +53,14 @@ def hysteresis(
     datum_length: float | None = None,
     effects: BodyEffects | None = None,
 ) -> Hysteresis:
-    """Stiffness and damping of the last cycle of a solution that holds the tangential displacement
-    and the dissipation.
+    """Secant stiffness and damping ratio of the loop of Q over the displacement U in the last cycle
+    of a solution.
 
     Parameters
     ----------
     solution
         of finite bodies, which counts U from their supports, or of half-planes, which needs one of
-        the other two
+        the other two; it holds the tangential displacement and the dissipation
     datum_length
         L, distance from the load at which the surface of a half-plane is taken not to move
         [length]; `scene.profile.datum_length` is that of the solution
@@ -94,24 +94,26 @@ def hysteresis(
         )
     if len(cycle) < 3:
         raise InputError("hysteresis: the times of the solution hold no whole cycle")
-    added_part = added_compliance(solution, "hysteresis", datum_length, effects)
-    displacement = solution.tangential_displacement + added_part * solution.tangential_load
-    force = np.ptp(solution.tangential_load[cycle]) / 2
-    shift = np.ptp(displacement[cycle]) / 2
+    compliance_to_datum = added_compliance(solution, "hysteresis", datum_length, effects)
+    displacement = solution.tangential_displacement + compliance_to_datum * solution.tangential_load
+    force_amplitude = np.ptp(solution.tangential_load[cycle]) / 2
+    displacement_amplitude = np.ptp(displacement[cycle]) / 2
     if not np.all(np.isfinite(solution.tangential_displacement)) or not math.isfinite(
         solution.dissipation
     ):
         raise InputError("hysteresis: ask for the fields tangential_displacement and dissipation")
-    if not force > 0:
+    if not force_amplitude > 0:
         raise InputError(
             "hysteresis: the tangential load does not move in the last cycle: there is no loop"
         )
     return Hysteresis(
         dissipation=solution.dissipation,
-        force_amplitude=float(force),
-        shift_amplitude=float(shift),
-        secant_stiffness=float(force / shift),
-        damping_ratio=float(solution.dissipation / (2 * math.pi * force * shift)),
+        force_amplitude=float(force_amplitude),
+        shift_amplitude=float(displacement_amplitude),
+        secant_stiffness=float(force_amplitude / displacement_amplitude),
+        damping_ratio=float(
+            solution.dissipation / (2 * math.pi * force_amplitude * displacement_amplitude)
+        ),
     )
 
 
@@ -121,11 +123,10 @@ def added_compliance(
     datum_length: float | None,
     effects: BodyEffects | None,
 ) -> float:
-    """What the compliance dU/dQ of an actuator has beside that of the solution [1/stress].
+    """What the tangential compliance dU/dQ of an actuator has beside that of a solution [1/stress].
 
-    For half-planes the tangential compliance c_t of `effects`, or (A/pi) ln(L/L_solution) of a
-    stated datum length L, A = 2/E*; 0 for finite bodies, whose U counts from their supports.
-    `caller` begins the messages.
+    For half-planes it is c_t of `effects`, or (A/pi) ln(L/L_solution) of a stated datum length L, A
+    = 2/E*; 0 for finite bodies, whose U counts from their supports. `caller` begins the messages.
 
     Raises
     ------
@@ -164,13 +165,15 @@ def compliance(
     datum_length: float | None = None,
     effects: BodyEffects | None = None,
 ) -> tuple[Array, Array]:
-    """Compliance dU/dQ of the contact of half-planes at constant P, (n_steps,) [1/stress], twice:
-    while slip goes on, infinite where nothing sticks, and right after a reversal of Q.
+    """Tangential compliance dU/dQ of the contact of half-planes at constant P, (n_steps,)
+    [1/stress], twice: while slip goes on, infinite where nothing sticks, and right after a reversal
+    of Q.
 
-    U, the tangential displacement, needs a reference: either `datum_length` L, the distance from
-    the load at which the surface does not move [length], or the `effects` of finite bodies, whose
-    tangential compliance c_t is added. InputError for both or neither, for solutions with bulk
-    stress or tilt, and for those of finite bodies.
+    It is (A/pi) ln(2 L/c) with the stick half-width c, or with the contact half-width after a
+    reversal. U, the tangential displacement, needs a reference: either `datum_length` L, the
+    distance from the load at which the surface does not move [length], or the `effects` of finite
+    bodies, whose tangential compliance c_t is added. InputError for both or neither, for solutions
+    with bulk stress or tilt, and for those of finite bodies.
 
     >>> from scenes import load_scene
     >>> from semi_analytic import solve
@@ -187,16 +190,16 @@ def compliance(
     is_plain_theory = solution.engine == "semi_analytic" and "effects" not in solution.settings
     if not is_plain_theory and not solution.scene.bodies.half_planes:
         raise InputError("compliance: the formula is that of half-planes; solve by theory")
-    added = added_compliance(solution, "compliance", datum_length, effects)
+    compliance_to_datum = added_compliance(solution, "compliance", datum_length, effects)
     unit_compliance = 2 / (math.pi * composite_modulus(solution.scene.material))
     twice_datum_length = 2 * solution.scene.profile.datum_length
     with np.errstate(divide="ignore"):
         compliance_in_slip = (
             unit_compliance * np.log(twice_datum_length / np.nan_to_num(solution.stick_half_width))
-            + added
+            + compliance_to_datum
         )
         compliance_after_reversal = unit_compliance * np.log(
             twice_datum_length / np.nan_to_num(solution.contact_half_width)
         )
-        compliance_after_reversal = compliance_after_reversal + added
+        compliance_after_reversal = compliance_after_reversal + compliance_to_datum
     return freeze(compliance_in_slip), freeze(compliance_after_reversal)

@@ -28,18 +28,18 @@ def shear_modulus(material: Elastic) -> float:
 
 
 def coupling_constant(materials: Materials) -> float:
-    """Dundurs' beta in plane strain: 0 where normal and shear tractions do not feel each other, in
-    magnitude at most 1/2.
+    """Dundurs' beta in plane strain, by which pressure shears the faces of unlike materials apart;
+    0 where normal and shear tractions are uncoupled, in magnitude at most 1/2.
 
-    beta = [(1 - 2 nu1)/G1 - (1 - 2 nu2)/G2] / [2 (1 - nu1)/G1 + 2 (1 - nu2)/G2], body 1 being the
-    upper one.
+        beta = [(1 - 2 nu1)/G1 - (1 - 2 nu2)/G2] / [2 (1 - nu1)/G1 + 2 (1 - nu2)/G2]
+
+    # notation: G shear modulus, nu Poisson's ratio; 1 the upper body, 2 the lower one
 
     >>> soft = Elastic(young_modulus=2.0, poisson_ratio=0.0)
     >>> stiff = Elastic(young_modulus=2e9, poisson_ratio=0.0)
     >>> round(coupling_constant(Materials(upper=soft, lower=stiff)), 6)
     0.5
     """
-    # notation: G shear modulus, nu Poisson's ratio; 1 the upper body, 2 the lower one
     nu_1 = materials.upper.poisson_ratio
     nu_2 = materials.lower.poisson_ratio
     g_1 = shear_modulus(materials.upper)

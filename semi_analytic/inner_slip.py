@@ -58,11 +58,13 @@ _ROUNDING = 1e-9
 
 
 def _of_punches(x: Array, half_widths: Array, modulus: float) -> tuple[Array, Array]:
-    """Shear, and slip but for a constant, at points x (k,) by hat functions of the density of flat
-    punches over their half-width: a hat is 1 at one half-width and straight to 0 at those beside
-    it, (k, m) each; the last of the m + 1 half-widths has the density of the one before.
+    """Shear and slip at points x (k,) by a density mu of flat punches over their half-width, for
+    each of m hat functions as density: (k, m) each; the slip but for a constant.
 
-    `modulus` is E*.
+        r(x) = (E*/2) int_x^a mu c dc/sqrt(c^2 - x^2),    w(x) = int_0^x mu c arccosh(x/c) dc
+
+    A hat is 1 at one of the m + 1 half-widths and falls straight to 0 at its neighbours; the last
+    half-width has the density of the one before. `modulus` is E*.
     """
     x_column = x[:, None]
     larger_width = np.maximum(half_widths, x_column)
@@ -73,13 +75,13 @@ def _of_punches(x: Array, half_widths: Array, modulus: float) -> tuple[Array, Ar
         arcsine_term = np.where(
             x_column > 0, np.arcsin(np.minimum(smaller_width / x_column, 1.0)), 0.0
         )
-    # Of a punch within x nothing counts for r.
+    # A punch within x makes no shear there.
     is_beyond = half_widths > x_column
     shear = np.where(is_beyond, root_of_squares, 0.0)  # int c dc/sqrt(c^2 - x^2)
     shear_moment = (
         larger_width * shear + np.where(is_beyond, x_column**2 * arccosh_term, 0.0)
     ) / 2  # int c^2
-    # Of a punch beyond x only its part within x counts for w.
+    # Of a range of punches beyond x only its part within x makes slip there.
     root_of_squares = np.where(is_beyond, 0.0, root_of_squares)
     arccosh_term = np.where(is_beyond, 0.0, arccosh_term)
     slip = (
@@ -148,12 +150,19 @@ class InnerSlip:
         return np.asarray(self.zone == _ON)
 
     def at(self, x: Array) -> SlipAtPoints:
-        """What slips further at distances x (k,) from the middle."""
+        """Extra shear and slip at distances x (k,) from the middle, and which of the points slip in
+        it.
+
+        They come from the slip zone inside the contact, in which the shear would else exceed f p. A
+        point between two punches counts as slipping where both of them do.
+        """
         shear_by_slopes, slip_by_slopes = _of_punches(x, self.half_widths, self.modulus)
-        number = np.searchsorted(self.half_widths, x, side="right") - 1
-        is_inside = number < len(self.zone)
+        punch_below = np.searchsorted(self.half_widths, x, side="right") - 1
+        is_inside = punch_below < len(self.zone)
         slips_beyond = np.append(self.slips[1:], False)
-        slips_on_both_sides = (self.slips & slips_beyond)[np.minimum(number, len(self.zone) - 1)]
+        slips_on_both_sides = (self.slips & slips_beyond)[
+            np.minimum(punch_below, len(self.zone) - 1)
+        ]
         return SlipAtPoints(
             shear=shear_by_slopes @ self.slopes,
             slip=self.shift + slip_by_slopes @ self.slopes,
@@ -188,18 +197,25 @@ def inner_slip(
     edge_of_stick: float,
     modulus: float,
 ) -> InnerSlip:
-    """The least slip after which |q| is at most f p.
+    """The least extra slip inside the contact after which the shear nowhere exceeds the Coulomb
+    limit, |q| <= f p.
+
+    Where a stroke of slip ends while the curvature of the faces still changes, the edge comes to
+    rest first; points further in slip on. The zone is found on a row of flat punches, which is
+    divided around its ends.
 
     Parameters
     ----------
     tractions
-        q and f p of the memory curve at points
+        q and f p at points, before the extra slip
     sense
-        sigma of the slip inside; that at the edge is of the other sense
+        direction of the slip inside, +1 or -1; that at the edge is of the other one
     half_width, ends
-        a; (k,) half-widths at which slip of the memory curve begins or ends: q has a root there
+        a; (k,) half-widths at which slip begins or ends before the extra slip: q has a root there
     edge_of_stick
         the half-width outside of which the edge slips; a where it rests
+    modulus
+        E* [stress]
 
     Raises
     ------
@@ -219,9 +235,8 @@ def inner_slip(
     for _ in range(_DIVISIONS):
         half_widths = _divided(half_widths, solution.slips, slip_ends)
         finer_solution = _solved(step, half_widths, solution)
-        if (
-            finer_solution is None
-        ):  # what is left beyond the limit is looked at by whoever has the fields
+        if finer_solution is None:
+            # What is left beyond the limit is seen by the check of the Coulomb limit.
             return solution
         solution = finer_solution
     return solution
@@ -252,11 +267,12 @@ def _of_force(half_widths: Array) -> Array:
 def _solved(
     step: _Step, half_widths: Array, coarser_solution: InnerSlip | None
 ) -> InnerSlip | None:
-    """Slip inside the contact by flat punches of given half-widths (n,): the slip zone, at first
-    that of a coarser solution, is corrected until no point is beyond the limit and none slips
-    backward; None where that has no end.
+    """Extra slip inside the contact by flat punches of given half-widths (n,), with the slip zone
+    in which it brings |q| to f p; None where no zone settles.
 
-    `step` has the tractions before the slip, its sense and the modulus.
+    The zone, at first that of a coarser solution, is corrected until no point is beyond the limit
+    and none slips backward. `step` has the tractions before the slip, its direction and the
+    modulus.
     """
     points = half_widths[:-1]
     shear_by_slopes, slip_by_slopes = _of_punches(points, half_widths, step.modulus)
@@ -269,39 +285,48 @@ def _solved(
     matrix = np.zeros((n_points + 1, n_points + 1))
     matrix[n_points, :n_points] = _of_force(half_widths)
     right_side = np.zeros(n_points + 1)
-    zone = np.where(excess > excess_tolerance, _ON, _RESTS)
+    zone_of_points = np.where(excess > excess_tolerance, _ON, _RESTS)
     if coarser_solution is not None:
-        zone = coarser_solution.zone[
+        zone_of_points = coarser_solution.zone[
             np.searchsorted(coarser_solution.half_widths, points, side="right") - 1
         ]
-    zone = np.where(is_at_edge, _BACK, zone)
+    zone_of_points = np.where(is_at_edge, _BACK, zone_of_points)
     for trial in range(_MOST_ZONES):
-        is_resting = zone == _RESTS
+        is_resting = zone_of_points == _RESTS
         matrix[:n_points, :n_points] = np.where(
             is_resting[:, None], slip_by_slopes, shear_by_slopes
         )
         matrix[:n_points, n_points] = is_resting
-        right_side[:n_points] = np.where(zone == _ON, -step.sense * excess, 0.0)
+        right_side[:n_points] = np.where(zone_of_points == _ON, -step.sense * excess, 0.0)
         right_side[:n_points] += np.where(
-            (zone == _BACK) & ~is_at_edge, step.sense * excess_of_reverse, 0.0
+            (zone_of_points == _BACK) & ~is_at_edge, step.sense * excess_of_reverse, 0.0
         )
         *slopes, shift = np.linalg.solve(matrix, right_side)
         added_shear = step.sense * (shear_by_slopes @ slopes)
         slip = step.sense * (slip_by_slopes @ slopes + shift)
         round_off = _ROUNDING * float(np.max(np.abs(slip)))
-        turns_back = (zone == _ON) & (slip < -round_off)
-        turns_back |= (zone == _BACK) & (slip > round_off) & ~is_at_edge
-        new_zone = np.where(turns_back, _RESTS, zone)
-        new_zone = np.where(is_resting & (excess + added_shear > excess_tolerance), _ON, new_zone)
-        new_zone = np.where(
-            is_resting & (excess_of_reverse - added_shear > excess_tolerance), _BACK, new_zone
+        turns_back = (zone_of_points == _ON) & (slip < -round_off)
+        turns_back |= (zone_of_points == _BACK) & (slip > round_off) & ~is_at_edge
+        new_zone_of_points = np.where(turns_back, _RESTS, zone_of_points)
+        new_zone_of_points = np.where(
+            is_resting & (excess + added_shear > excess_tolerance), _ON, new_zone_of_points
         )
-        if np.array_equal(new_zone, zone):
+        new_zone_of_points = np.where(
+            is_resting & (excess_of_reverse - added_shear > excess_tolerance),
+            _BACK,
+            new_zone_of_points,
+        )
+        if np.array_equal(new_zone_of_points, zone_of_points):
             return InnerSlip(
-                step.modulus, half_widths, np.array(slopes), float(shift), step.sense, zone
+                step.modulus,
+                half_widths,
+                np.array(slopes),
+                float(shift),
+                step.sense,
+                zone_of_points,
             )
-        changed_punches = np.flatnonzero(new_zone != zone)
+        changed_punches = np.flatnonzero(new_zone_of_points != zone_of_points)
         if trial > _AT_ONCE:
             changed_punches = changed_punches[:1]
-        zone[changed_punches] = new_zone[changed_punches]
+        zone_of_points[changed_punches] = new_zone_of_points[changed_punches]
     return None

@@ -52,9 +52,10 @@ def ratio_of_next_order(effects: BodyEffects, half_width: float) -> float:
 
 
 def left_of_curvatures(effects: BodyEffects, half_width: float) -> dict[str, float]:
-    """What is uncertain of the change that each curvature of the bodies makes, as a share of that
-    change: by the error of its number, and by the order after the next. By the curvature in words.
+    """What is uncertain of the change that each curvature of finite bodies makes, as a share of
+    that change, by the curvature in words.
 
+    It is the error of the curvature's number, and what the order after the next may add;
     `half_width` is that of the contact [length].
 
     >>> effects = BodyEffects(

@@ -42,16 +42,17 @@ _NO_WAVE = 1e-7
 def odd_part_of_rig(
     scene: Scene, effects: BodyEffects, driven: Driven, last_cycle: slice
 ) -> OddAnswer:
-    """What tilt and bulk strain of the bodies make of the dissipation of the steady cycle, the rows
-    `last_cycle` of a path with displacements prescribed.
+    """Friction work that tilt and bulk strain of finite bodies add in the steady cycle of a rig, in
+    the second order of these small numbers.
 
-    `effects` are the numbers of the bodies, `driven` the loads that were found.
+    The cycle is the rows `last_cycle` of a path with displacements prescribed; `effects` are the
+    numbers of the bodies, `driven` the loads that were found.
 
     Raises
     ------
     Declined
-        Where the second order does not hold for the loads; where the bodies slide as a whole,
-        or part.
+        Where the second order does not hold for the loads; where the bodies slide as a whole, or
+        part.
     """
     if np.any(driven.followed.normal_load[last_cycle] <= 0):
         raise Declined("the bodies part")
@@ -60,8 +61,14 @@ def odd_part_of_rig(
     return odd_answer(loads_of_cycle(scene, driven, last_cycle), effects)
 
 
-def loads_of_cycle(scene: Scene, driven: Driven, last_cycle: slice, steps: int = _STEPS) -> Scene:
-    """The scene under the loads of a cycle that are found, in the place of its displacements.
+def loads_of_cycle(
+    scene: Scene, driven: Driven, last_cycle: slice, most_steps: int = _STEPS
+) -> Scene:
+    """The scene of a rig with the loads P and Q that were found in its last cycle, in the place of
+    the displacements.
+
+    Loads at constant P are a polygon of the turning points of Q, those of harmonic displacements
+    sums of harmonics, others straight steps.
 
     Parameters
     ----------
@@ -82,7 +89,7 @@ def loads_of_cycle(scene: Scene, driven: Driven, last_cycle: slice, steps: int =
     elif isinstance(scene.load, EllipseLoad | HarmonicLoad):
         load_of_cycle = _harmonics(time, load, force)
     else:
-        load_of_cycle = _steps(load, force, steps)
+        load_of_cycle = _steps(load, force, most_steps)
     return scene.vary(load=load_of_cycle, rig=Rig(), cycles=2)
 
 
@@ -100,8 +107,10 @@ def _turning_points(load: Array, force: Array) -> PolygonLoad:
 
 
 def _harmonics(time: Array, normal_load: Array, tangential_load: Array) -> HarmonicLoad:
-    """One period of P and Q over time as a harmonic load: means, amplitudes and phases of the first
-    harmonics by Fourier's transform; waves too small to matter have amplitude 0.
+    """One period of P and Q over time, (n,) each, as a harmonic load: means, amplitudes and phases
+    of the first harmonics by Fourier's transform.
+
+    Waves too small to matter have amplitude 0.
     """
     instants = time[0] + (time[-1] - time[0]) * np.arange(_INSTANTS) / _INSTANTS
 

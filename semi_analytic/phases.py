@@ -19,7 +19,8 @@ Result = TypeVar("Result")
 
 
 def phase_in_radians(phase_degrees: ArrayLike | None, phase_radians: ArrayLike | None) -> ArrayLike:
-    """The lag of Q behind P in radians; a quarter of a revolution where neither is given.
+    """The lag of Q behind P in radians, from a lag given in degrees or in radians; a quarter of a
+    revolution where neither is given.
 
     Raises
     ------
@@ -39,8 +40,8 @@ def phase_in_radians(phase_degrees: ArrayLike | None, phase_radians: ArrayLike |
 
 
 def accepts_phase(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
-    """The function, which for one release also takes `phase`, the old name of `phase_radians`, with
-    a DeprecationWarning.
+    """Decorator: the function also takes `phase`, the old name of `phase_radians`, for one release,
+    with a DeprecationWarning.
     """
 
     @wraps(function)

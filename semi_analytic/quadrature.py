@@ -53,8 +53,8 @@ _FROM_NEARER_END = np.minimum(ROOTS.up, ROOTS.down)
 
 
 def graded(begin: ArrayLike, end: ArrayLike, every: int = 1) -> tuple[Array, Array]:
-    """Nodes and weights on [begin, end], a new last axis: trapezoidal rule in s of begin + (end -
-    begin)/(1 + exp(-s)).
+    """Quadrature nodes and weights on [begin, end], a new last axis, for integrands singular at or
+    next to the ends: the trapezoidal rule in s of begin + (end - begin)/(1 + exp(-s)).
 
     A singularity beyond an end lies on the line Im s = pi, however near the end it is, so that
     roots and logarithms at the ends and next to them cost nothing: about 1e-14 of the largest value
@@ -74,8 +74,8 @@ def graded(begin: ArrayLike, end: ArrayLike, every: int = 1) -> tuple[Array, Arr
 
 @cache
 def gauss(count: int) -> tuple[Array, Array]:
-    """Nodes and weights of Gauss' rule on [0, 1], (count,) each, read-only: exact for polynomials
-    up to degree 2 count - 1.
+    """Nodes and weights of Gauss' quadrature rule on [0, 1], (count,) each, read-only: exact for
+    polynomials up to degree 2 count - 1.
 
     >>> nodes, weights = gauss(3)
     >>> round(float(np.sum(weights * nodes**5)), 15)
@@ -89,11 +89,11 @@ def gauss(count: int) -> tuple[Array, Array]:
 
 
 def crowded(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
-    """Nodes and weights on [begin, end], a new last axis: Gauss' rule of 24 nodes in t of 3 t^2 - 2
-    t^3, which crowd to both ends.
+    """Quadrature nodes and weights on [begin, end], a new last axis, for integrands with roots at
+    the ends: Gauss' rule of 24 nodes in t of 3 t^2 - 2 t^3, which crowd to both ends.
 
-    For roots at the ends; an eighth of the nodes of `graded`, for what is halved until that changes
-    nothing.
+    An eighth of the nodes of a rule for any singular ends; for ranges that are halved until that
+    changes nothing.
 
     >>> nodes, weights = crowded(0.0, 4.0)
     >>> round(float(np.sum(weights * np.sqrt(nodes))), 12)  # 2/3 4^(3/2)
@@ -117,8 +117,11 @@ class Nodes(NamedTuple):
 
 
 def panels(begin: ArrayLike, end: ArrayLike, breaks: Iterable[ArrayLike] = ()) -> Nodes:
-    """A rule for singular ends on [begin, end], cut at those of `breaks` (ascending, arrays like
-    `end`) that lie inside.
+    """Quadrature nodes and weights on [begin, end] for integrands singular at both ends and at
+    `breaks`, where the range is cut.
+
+    Those breaks count that lie inside; they ascend, arrays like `end`. Distances of the nodes from
+    both ends of the range come without cancellation.
     """
     begin_places, end_places = np.broadcast_arrays(
         np.asarray(begin, dtype=float), np.asarray(end, dtype=float)

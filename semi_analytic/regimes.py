@@ -59,7 +59,8 @@ def fretting_map(
     *,
     effects: BodyEffects | None = None,
 ) -> FrettingMap:
-    """The regime of a rig over stroke and normal load.
+    """Fretting map of a rig: partial slip, mixed or gross sliding, with friction work and sliding
+    distance, over factors of stroke and normal load.
 
     Parameters
     ----------
@@ -112,7 +113,7 @@ def fretting_map(
     shape = factors[0].shape
     regimes = np.empty(shape, dtype=np.int8)
     dissipation = np.empty(shape)
-    ways_of_sliding = np.empty(shape)
+    slide_distances = np.empty(shape)
     largest_forces = np.empty(shape)
     for index_in_map in np.ndindex(shape):
         stroke_factor, load_factor = (float(values[index_in_map]) for values in factors)
@@ -136,11 +137,11 @@ def fretting_map(
             regime = Regime.MIXED
         regimes[index_in_map] = regime
         dissipation[index_in_map] = driven.work(cycle)
-        ways_of_sliding[index_in_map] = sum(abs(one_slide.way) for one_slide in slides_of_cycle)
+        slide_distances[index_in_map] = sum(abs(slide.way) for slide in slides_of_cycle)
         largest_forces[index_in_map] = np.max(np.abs(driven.followed.tangential_load[cycle]))
     return FrettingMap(
         freeze(regimes, np.int8),
         freeze(dissipation, float),
-        freeze(ways_of_sliding, float),
+        freeze(slide_distances, float),
         freeze(largest_forces, float),
     )

@@ -119,8 +119,8 @@ def solve(
 
 
 def _findings(question: Question) -> Findings:
-    """What half-plane theory finds for a question: each scene by the cheapest method that holds for
-    it.
+    """What half-plane theory finds for a question: values, errors and notes, by the cheapest method
+    that holds for its scene.
 
     In this order: rigs; finite bodies; one memory curve; the steady cycle alone; grids.
     """
@@ -135,9 +135,9 @@ def _findings(question: Question) -> Findings:
         return with_effects(question)
     if not scene.unsymmetric:
         return by_memory(question, None)
-    family = one_curve(scene)
-    if family is not None:
-        return by_memory(question, family)
+    contact_and_path = one_curve(scene)
+    if contact_and_path is not None:
+        return by_memory(question, contact_and_path)
     if question.straight_steps:
         raise InputError(
             "straight_steps: without one memory curve half-plane theory takes the scene's own path;"
@@ -151,8 +151,10 @@ def _findings(question: Question) -> Findings:
 
 
 def _on_grids(question: Question) -> Findings:
-    """The answer on grids, with the work of the steady cycle from another way where there is
-    one.
+    """The answer to a question by a numerical solution on grids, for scenes without a single memory
+    curve.
+
+    The work of the steady cycle is taken from a method without grids where there is one.
     """
     answer = GridAnswer(question)
     fields_of_work = question.fields & (OF_WORK | {"loop_work"})
@@ -165,26 +167,29 @@ def _on_grids(question: Question) -> Findings:
 
 
 def _steady_alone(question: Question) -> Findings | None:
-    """The steady cycle found without the initial loading, for scenes with one memory curve in that
-    cycle, or with loads in phase; None for others.
+    """The steady cycle of a question without its initial loading, where one memory curve holds for
+    that cycle, or the loads are in phase; None for others.
+
+    A steady cycle does not depend on how it was reached. What does, like the moment of the shear,
+    is NaN.
     """
     scene = question.scene
-    memory_family = steady_curve(scene)
-    if memory_family is not None:
+    cycle_with_one_curve = steady_curve(scene)
+    if cycle_with_one_curve is not None:
         method_name = "one memory curve"
-        findings = by_memory(question, memory_family)
+        findings = by_memory(question, cycle_with_one_curve)
     else:
-        ways_of_loads = ways_in_phase(scene)
-        if ways_of_loads is None:
+        strokes = ways_in_phase(scene)
+        if strokes is None:
             return None
         method_name = "quadratures of loads in phase"
-        findings = in_phase(question, ways_of_loads)
+        findings = in_phase(question, strokes)
     note = (
         f"the steady cycle by {method_name}; the initial loading has another memory and was not"
         " followed: the number of cycles until then and the moment of the shear are not known,"
         ' `cycles="all"` finds them on grids'
     )
-    loading_leg_count = len(scene.load.path().initial_loading)
+    loading_segment_count = len(scene.load.path().initial_loading)
     unknown_values = np.full(len(findings.time), np.nan)
     return replace(
         findings,
@@ -194,7 +199,7 @@ def _steady_alone(question: Question) -> Findings | None:
         notes=(*findings.notes, note),
         skipped={
             **findings.skipped,
-            "initial loading": (loading_leg_count, "the steady cycle does not depend on it"),
+            "initial loading": (loading_segment_count, "the steady cycle does not depend on it"),
         },
     )
 

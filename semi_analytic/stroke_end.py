@@ -54,14 +54,18 @@ class LeftOver(NamedTuple):
 
 @lru_cache(maxsize=256)
 def left_over(stick_ratio: float, panels: int) -> LeftOver:
-    """What the smooth end of a stroke leaves.
+    """Tangential force that the smooth end of a slip stroke leaves where tilt or bulk strain still
+    changes: its odd memory, over half-widths c' of flat punches from the stick edge to the edge.
+
+    One side of the slip zone comes to rest before the other. The even part of the shear left there
+    is integrated as int r x/sqrt(x^2 - c'^2) dx.
 
     Parameters
     ----------
     stick_ratio
-        c/a, above 0 and below 1
+        c/a, stick over contact half-width, above 0 and below 1
     panels
-        on each side, finer at both ends
+        number of panels of the slip zone on each side, finer at both ends
     """
     angles = np.linspace(0.0, np.pi, panels + 1)
     borders = stick_ratio + (1 - stick_ratio) * (1 - np.cos(angles)) / 2
@@ -81,12 +85,14 @@ def left_over(stick_ratio: float, panels: int) -> LeftOver:
 
 
 def _density(stick_ratio: float, panel_begin: Array, panel_end: Array) -> Array:
-    """Density of the force that a stroke leaves, L^-T (y^2/z)/2, on panels (n,) in the order in
-    which they come to rest; L is the Cholesky factor of their influence matrix, y and z are L^-1
-    times a root and an arc of x.
+    """Density of the force that a stroke of slip leaves, on panels (n,) of the slip zone in the
+    order in which they come to rest.
 
-    Panels go from `panel_begin` to `panel_end`, over the half-width of contact; `stick_ratio` is
-    that of stick over it.
+        L^-T (y^2/z)/2,    y = L^-1 sgn(x) sqrt(x^2 - c^2),    z = L^-1 arccosh(|x|/c)
+
+    L is the Cholesky factor of the influence of shear outside of a stretch |x| < c that sticks.
+    Panels go from `panel_begin` to `panel_end`, over the half-width of contact; `stick_ratio` is c
+    over it.
     """
     panel_x = (panel_begin + panel_end) / 2
     width = panel_end - panel_begin

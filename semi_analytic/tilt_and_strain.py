@@ -65,8 +65,10 @@ class FollowingLoads(PathLoads):
         return np.stack([normal_load, tangential_load, strain, tilt])
 
     def turns(self, leg: LoadSegment) -> list[float]:
-        """Times of the end of a leg and of the turning points of P, Q, bulk strain and tilt in it,
-        one for all that turn together; strain and tilt are sums of what P and Q add.
+        """End of a segment of the load path and turning points of P, Q, bulk strain and tilt in it,
+        one time for all that turn together.
+
+        Strain and tilt are sums of what P and Q add, so that they may turn where neither load does.
         """
         different_times = super().turns(leg)
         effects = self.effects
@@ -86,7 +88,8 @@ class FollowingLoads(PathLoads):
 
 
 def change_by_tilt_and_strain(scene: Scene, effects: BodyEffects) -> Estimate:
-    """W of half-planes with the odd numbers of the effects over W without them, minus 1.
+    """Relative change of the friction work W of half-planes by the tilt and bulk strain that finite
+    bodies add: W with them over W without, minus 1.
 
     Of the last cycle, or of the whole path where none repeats. By the second order where that holds
     and is as good as the grids, in some 30 ms; else by grids, in a second or two. The uncertainty
@@ -141,9 +144,11 @@ def work_of_half_planes(scene: Scene) -> float:
 
 
 def _by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
-    """Relative change of the friction work of half-planes by tilt and bulk strain that the bodies'
-    numbers add, on grids: one path followed with these numbers and without. InputError for a path
-    of too many segments.
+    """Relative change of the friction work of half-planes by the tilt and bulk strain of finite
+    bodies, by a numerical solution on grids: one path followed with them and without.
+
+    InputError for a path of too many segments. `effects` hold tilt and strain per load, with their
+    uncertainties.
     """
     path = scene.load.path()
     segments = len(path.initial_loading) + len(path.cycle)
@@ -155,15 +160,15 @@ def _by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
     path_loads, profile = leaning_profile(scene)
     zeros: dict[str, Any] = dict.fromkeys(ODD_NUMBERS, ZERO)
     effects_without = replace(effects, **zeros)
-    loads_of_courses = []
+    loads_with_and_without = []
     for odd_effects in (effects, effects_without):
         fields_of_path = {item.name: getattr(path_loads, item.name) for item in fields(path_loads)}
-        loads_of_courses.append(FollowingLoads(**fields_of_path, effects=odd_effects))
+        loads_with_and_without.append(FollowingLoads(**fields_of_path, effects=odd_effects))
     edges = np.concatenate(
-        [edges_along(course_loads, profile) for course_loads in loads_of_courses]
+        [edges_along(course_loads, profile) for course_loads in loads_with_and_without]
     )
     span = (float(np.min(edges)), float(np.max(edges)))
-    works = [
+    works_with_and_without = [
         cycle_works(
             course_loads,
             span,
@@ -172,9 +177,12 @@ def _by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
             composite_modulus(scene.material),
             _REQUEST,
         )
-        for course_loads in loads_of_courses
+        for course_loads in loads_with_and_without
     ]
-    change = float(np.mean(works[0][:, -1]) / np.mean(works[1][:, -1])) - 1
+    change = (
+        float(np.mean(works_with_and_without[0][:, -1]) / np.mean(works_with_and_without[1][:, -1]))
+        - 1
+    )
     relative_uncertainty = sum(
         abs(getattr(effects, name).uncertainty / getattr(effects, name).value)
         for name in ODD_NUMBERS
