@@ -32,7 +32,8 @@ In the order in which a scene passes through::
     energy.py                              balance, friction work, step error, admissibility checks
     between_nodes.py                       what edges between nodes add to the dissipation, which is
                                            taken off
-    edges.py                               edges of contact and stick, states as a reader sees them
+    edges.py                               edges of contact and stick at every instant, by fits
+    reported_states.py                     states of the nodes as a reader sees them
     permanent_stick.py                     ends of the permanent stick zone, by friction work
     task.py, solution.py, answer.py        scene, mesh, settings and scales in one; `solve`; the
                                            arrays of the answer; cost of a penalty layer

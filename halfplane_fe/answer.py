@@ -25,13 +25,13 @@ from halfplane_fe.edges import (
     contact_uncertainty,
     fitted_contact_edges,
     fitted_stick_edges,
-    reported_states,
     roughness_of,
     stick_edges,
     stick_uncertainty,
 )
 from halfplane_fe.law import slip_sign
 from halfplane_fe.permanent_stick import working_nodes
+from halfplane_fe.reported_states import reported_states
 from halfplane_fe.run import PathRun
 from halfplane_fe.scales import Scales
 from scenes import OPEN, STICK, Interrupted, Record, Scene, freeze

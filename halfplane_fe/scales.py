@@ -22,7 +22,7 @@ from halfplane_fe.actuators import (
     path_of,
 )
 from halfplane_fe.contact import BesideTheFaces, ContactProblem, InterfaceState, nodal
-from halfplane_fe.edges import contact_edges, reported_states, stick_edges
+from halfplane_fe.edges import contact_edges, stick_edges
 from halfplane_fe.interface import (
     Interface,
     condensed_pair,
@@ -33,6 +33,7 @@ from halfplane_fe.interface import (
 )
 from halfplane_fe.mirror import half, mirrored, unfolded
 from halfplane_fe.path import has_bulk_stress
+from halfplane_fe.reported_states import reported_states
 from halfplane_fe.run import Pace, PathRun, run_path
 from halfplane_fe.supports import face_room, shapes_alike, sheared
 from halfplane_fe.systems import Layer

@@ -18,7 +18,6 @@ from halfplane_fe.contact import InterfaceState
 from halfplane_fe.edges import (
     fitted_stick_edges,
     stick_edges,
-    visible_states,
 )
 from halfplane_fe.face_stress import (
     Nodal,
@@ -29,6 +28,7 @@ from halfplane_fe.face_stress import (
     tractions_with_uncertainty,
 )
 from halfplane_fe.interface import couple, without_local_difference
+from halfplane_fe.reported_states import visible_states
 from meshes import MeshSettings
 from problems import COARSE, FEW_STEPS, PROBLEMS, fe_run
 from scene_cases import scene_of
