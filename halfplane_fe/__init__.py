@@ -30,11 +30,10 @@ In the order in which a scene passes through::
     run.py                                 over the whole path; shakedown and ratcheting: what
                                            revolutions have left to go
     energy.py                              balance, friction work, step error, admissibility checks
-    between_nodes.py                       what edges between nodes add to the dissipation, which is
-                                           taken off
+    between_nodes.py                       edges between nodes: where the permanent stick zone ends,
+                                           what they add to the dissipation, which is taken off
     edges.py                               edges of contact and stick at every instant, by fits
     reported_states.py                     states of the nodes as a reader sees them
-    permanent_stick.py                     ends of the permanent stick zone, by friction work
     task.py, solution.py, answer.py        scene, mesh, settings and scales in one; `solve`; the
                                            arrays of the answer; cost of a penalty layer
     answer_uncertainty.py, answer_notes.py how uncertain each value is; what a reader must know of

@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfplane_fe.between_nodes import NO_ZONE, StickZone
 from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
 from halfplane_fe.edges import (
     ContactEdges,
@@ -30,7 +31,6 @@ from halfplane_fe.edges import (
     stick_uncertainty,
 )
 from halfplane_fe.law import slip_sign
-from halfplane_fe.permanent_stick import working_nodes
 from halfplane_fe.reported_states import reported_states
 from halfplane_fe.run import PathRun
 from halfplane_fe.scales import Scales
@@ -73,9 +73,6 @@ def answer_arrays(
     density = cycle_works[-1] / weights if len(cycle_works) else np.zeros_like(weights)
     states_of_all = reported_states(problem, run.states, run.cycle_starts)
     edges, permanent_edges = _edges_of_run(scene, problem, run, states_of_all)
-    if len(cycle_works) and edges_are_sharp(scene, problem):
-        nodes_at_work = working_nodes(problem.interface.x, density, permanent_edges)
-        permanent_edges = nodes_at_work.confine(permanent_edges)
     edges = {name: values * scales.half_width for name, values in edges.items()}
     loads = np.array([(state.normal_load, state.tangential_load) for state in states]) * scales.load
     shifts = np.array([state.shift for state in states])
@@ -124,6 +121,12 @@ def _edges_of_run(
         problem, states, surface_states[run.stored], has_no_slip_zone[run.stored], scene
     )
     permanent_edges = _permanent_stick(scene, problem, run, surface_states, edges["stick_edges"])
+    if edges_are_sharp(scene, problem):
+        zone = zone_by_nodes(run)
+        permanent_edges = zone.confine(permanent_edges)
+        time = np.array([state.time for state in states])
+        in_cycle = in_last_cycle(scene, time, loads[run.stored, 0])
+        _hold_permanent_stick(edges, permanent_edges, zone, time, in_cycle)
     return edges, permanent_edges
 
 
@@ -363,6 +366,46 @@ def _permanent_stick(
     slip = np.array([run.states[k].slip for k in np.flatnonzero(in_cycle)])
     left_end, right_end = creeping_zone(scene, x, slip, is_closed)
     return np.array([np.fmin(permanent[0], left_end), np.fmax(permanent[1], right_end)])
+
+
+def zone_by_nodes(run: PathRun) -> StickZone:
+    """The permanent stick zone by the nodes of the last revolution, scaled; one that is not known
+    where there was no whole revolution.
+    """
+    is_whole = run.failure is None and bool(run.excess)
+    return run.excess[-1].stick_zone if is_whole else NO_ZONE
+
+
+def _hold_permanent_stick(
+    edges: dict[str, Array], permanent_edges: Array, zone: StickZone, time: Array, in_cycle: Mask
+) -> None:
+    """Give the stick edges (k, 2) of the last cycle the permanent zone where slip turns, and no
+    less at other instants.
+
+    Parameters
+    ----------
+    edges
+        by name, stick edges and their uncertainty: changed in place
+    permanent_edges
+        (2,) of the zone
+    zone
+        the same by the nodes
+    time, in_cycle
+        (k,) instants, and whether they are in the last cycle
+    """
+    stick_edges = edges["stick_edges"]
+    uncertainty = edges["stick_edge_uncertainty"]
+    is_placed = permanent_edges == zone.places
+    uncertainty_of_placed = zone.uncertainty(permanent_edges, np.full(2, np.inf))
+    for column, outermost in enumerate((np.fmin, np.fmax)):
+        if is_placed[column]:
+            turns = in_cycle & np.isin(time, zone.turns[column])
+            stick_edges[turns, column] = permanent_edges[column]
+            uncertainty[turns, column] = uncertainty_of_placed[column]
+        sticks = in_cycle & np.isfinite(stick_edges[:, column])
+        stick_edges[sticks, column] = outermost(
+            stick_edges[sticks, column], permanent_edges[column]
+        )
 
 
 def creeping_zone(

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from halfplane_fe.answer import creeping_zone, edges_are_sharp, in_last_cycle
+from halfplane_fe.answer import creeping_zone, edges_are_sharp, in_last_cycle, zone_by_nodes
+from halfplane_fe.between_nodes import StickZone
 from halfplane_fe.contact import ContactProblem
 from halfplane_fe.interface import least_depth
-from halfplane_fe.permanent_stick import working_nodes
 from halfplane_fe.resolution import Revolution
 from halfplane_fe.run import PathRun
 from halfplane_fe.scales import COARSE_CYCLES, contact_modulus, needs_shear
@@ -134,7 +134,10 @@ def value_uncertainties(
     edge_uncertainty = arrays["contact_edge_uncertainty"][step_of_largest_contact]
     estimates["largest_half_width"] = _OF_BOTH_EDGES * float(np.mean(edge_uncertainty))
     estimates["permanent_stick_half_width"] = _of_permanent_stick(
-        scene, arrays, is_sharp=edges_are_sharp(scene, problem)
+        scene,
+        arrays,
+        zone_by_nodes(run).in_unit(task.scales.half_width),
+        is_sharp=edges_are_sharp(scene, problem),
     )
     return estimates
 
@@ -232,9 +235,11 @@ def _spacing_at_edges(x: Array, edges: Array) -> Array:
     return np.asarray(np.max(x[node_after] - x[node_after - 1], axis=1))
 
 
-def _of_permanent_stick(scene: Scene, arrays: Mapping[str, Any], is_sharp: bool) -> float:
+def _of_permanent_stick(
+    scene: Scene, arrays: Mapping[str, Any], zone: StickZone, is_sharp: bool
+) -> float:
     """Uncertainty of the permanent stick half-width [length]: of the stick edges that bound it, and
-    of the nodes that do friction work beside it where its edges are sharp.
+    of the `zone` by the nodes beside them where its edges are sharp.
 
     The zone ends at the innermost edge of the last cycle. With edges e +- u, that edge is between
     the innermost e - u and the innermost e + u. Between coupled bodies, and under bulk stress or
@@ -258,11 +263,10 @@ def _of_permanent_stick(scene: Scene, arrays: Mapping[str, Any], is_sharp: bool)
     if not is_sharp:
         slip = arrays["slip"][in_cycle]
         is_closed = arrays["state"][in_cycle] != OPEN
-        zone = creeping_zone(scene, arrays["x"], slip, is_closed, _CREEP_OF_MESH)
-        beyond = np.fmax((zone - places) * outwards, 0.0)
+        creeping_edges = creeping_zone(scene, arrays["x"], slip, is_closed, _CREEP_OF_MESH)
+        beyond = np.fmax((creeping_edges - places) * outwards, 0.0)
         return float(np.mean(np.maximum(by_stick_zones, beyond)))
-    nodes = working_nodes(arrays["x"], arrays["dissipation_density"], places)
-    return float(np.mean(nodes.uncertainty(places, by_stick_zones)))
+    return float(np.mean(zone.uncertainty(places, by_stick_zones)))
 
 
 def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -> float:

@@ -1,5 +1,5 @@
-r"""Edges between nodes: what W of a revolution has in excess because edges of contact and stick go
-from node to node.
+r"""Edges between nodes: where the edge of permanent stick stands between two nodes, and what W of a
+revolution has in excess because edges of contact and stick go from node to node.
 
 While a set of nodes is in contact the forces are linear in P. While a set sticks they are linear in
 Q. Along the loads the discrete answer is a chain of chords, with a corner wherever a node touches
@@ -19,6 +19,8 @@ zero. Then D and the difference V of the two values fix it all:
 The place of the edge follows from the answer, as two distances in the load that moves it. The way
 from the last node is its slip (or pressure) over the rate. The way to the next node is what that
 lacks of the cone (or its gap) over the rate. The corner is the jump of the rates, which gives A.
+An edge meets a corner node 0.042 elements before it is there, on its way outwards, and a mid-side
+node D - 1/2 before that.
 
 While an edge moves on, g has no mean. What counts is where edges stand:
 
@@ -36,21 +38,33 @@ that slows down as it comes to its turn on a smooth path, and of increments.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
+from halfplane_fe.interface import Interface
 from halfplane_fe.law import slip_sign
 from scenes import OPEN, STICK
 from scenes.array_types import Array, Mask, States
 
-# D and V: least squares on Hertz' compression pressed through 40 elements.
+# D and V, and the distance of an edge from a corner node outwards when it meets that, in elements:
+# least squares on Hertz' compression pressed through 40 elements.
 _D = 0.566
 _V = 0.0335
+_CORNER_IS_MET = 0.042
+_V_OF_BOTH = (_D**3 + (1 - _D) ** 3) / 6
+_JUMP_OF_MIDDLE = 0.5 + _V * (1 / _D + 1 / (1 - _D))
 # rms of g over the edge's places.
 _RMS = 0.0155
+# Share of the distance of two nodes by which an edge of permanent stick between them, placed by the
+# loads, is uncertain: 0.02 rms on 159 random half-planes, seeds 301 to 303, both presets.
+_PLACED = 0.06
+# Distances of nodes from the middle between two beyond which an edge is not theirs.
+_SAME_EDGE = 4.0
 # Weight of a mid-side node over that of its neighbours, in elements of one size: 2, from one size
 # to the next more or less.
 _SIMPSON = (1.8, 2.2)
@@ -62,6 +76,162 @@ _TURNED = 1e-6
 TAKEN_OFF = "edges between nodes, taken off the dissipation"
 # Nodes of a zone below which its edge is not far from another one.
 _ZONE = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Edge:
+    """An edge of contact or of stick between two nodes, by the load that has taken it there.
+
+    Forces, gap and slip of both nodes place it to a fiftieth of their distance. Which of them slips
+    or touches places it to half of that.
+
+    Attributes
+    ----------
+    interface
+        whose nodes they are
+    side
+        1 on the right of x = 0, -1 on the left
+    node, next_node
+        which it met last, and which it meets next
+    load_from_node, load
+        that has taken it from the one node to where it is, and that takes it to the other
+    """
+
+    interface: Interface
+    side: int
+    node: int
+    next_node: int
+    load_from_node: float
+    load: float
+
+    @property
+    def is_moved(self) -> bool:
+        """Whether the load takes it from the one node to the other."""
+        return 0 < self.load < math.inf
+
+    def share(self, change_of_load: float = 0.0) -> float:
+        """Of the way from the one node to the other: where the edge is after a change of load."""
+        return float(np.clip(self.load_from_node + change_of_load, 0.0, self.load) / self.load)
+
+    @property
+    def place(self) -> float:
+        """Where it is, over the half-width."""
+        place_at_node, place_at_next = (
+            place_at_node_of(self.interface, node, self.side)
+            for node in (self.node, self.next_node)
+        )
+        return place_at_node + self.share() * (place_at_next - place_at_node)
+
+    def excess_per_work(self, share: ArrayLike) -> Array:
+        """g of the module, the dimensionless work in excess, at a share of the way."""
+        at_corner = (_V_OF_BOTH - _V) / 2
+        at_middle = (_V_OF_BOTH + _V) / 2
+        v_of_node, v_of_next = (
+            (at_corner, at_middle) if self._is_at_corner else (at_middle, at_corner)
+        )
+        t = np.asarray(share)
+        return np.asarray(v_of_node + (v_of_next - v_of_node) * t - self._way**2 * t * (1 - t) / 2)
+
+    @property
+    def load_per_jump(self) -> float:
+        """Load over the jump of the rates at the node, which makes work of g."""
+        jump_of_node = 1 - _JUMP_OF_MIDDLE if self._is_at_corner else _JUMP_OF_MIDDLE
+        return self.load / (self._way * jump_of_node)
+
+    @property
+    def _is_at_corner(self) -> bool:
+        return _is_corner(self.interface, self.node)
+
+    @property
+    def _way(self) -> float:
+        """d of the module, in elements."""
+        is_inwards = (self.next_node - self.node) * self.side < 0
+        return _D if self._is_at_corner == is_inwards else 1 - _D
+
+
+def place_at_node_of(interface: Interface, node: int, side: int) -> float:
+    """Place of an edge on one side of x = 0, 1 or -1, when it meets a node."""
+    x = interface.x
+    before_node = _CORNER_IS_MET if _is_corner(interface, node) else _CORNER_IS_MET + _D - 0.5
+    return float(x[node] - side * before_node * abs(x[node + 1] - x[node - 1]))
+
+
+def _is_corner(interface: Interface, node: int) -> bool:
+    """Whether a node of quadratic elements is a corner, not a mid-side one."""
+    return bool(interface.weights[node] < interface.weights[node - 1])
+
+
+class StickZone(NamedTuple):
+    """Where what sticks through a revolution ends, left and right, by its nodes and by the loads at
+    the turns of slip.
+
+    Attributes
+    ----------
+    last_node, first_node
+        (2,) places of the edge when it meets the last node that sticks, and when it meets the first
+        one that slips; NaN where these are not known
+    places
+        (2,) of the edge between them by the loads; NaN where no load takes it from the one to the
+        other
+    turns
+        instants, left and right, at which the stick zone is this one: the turns of slip
+    """
+
+    last_node: Array
+    first_node: Array
+    places: Array
+    turns: tuple[tuple[float, ...], tuple[float, ...]] = ((), ())
+
+    def in_unit(self, length: float) -> StickZone:
+        """The zone with its places times a length."""
+        return self._replace(
+            last_node=self.last_node * length,
+            first_node=self.first_node * length,
+            places=self.places * length,
+        )
+
+    def mirrored(self) -> StickZone:
+        """The zone with a left end that is the image of the right one."""
+        outwards = np.array([-1.0, 1.0])
+        return StickZone(
+            last_node=outwards * self.last_node[1],
+            first_node=outwards * self.first_node[1],
+            places=outwards * self.places[1],
+            turns=(self.turns[1], self.turns[1]),
+        )
+
+    def confine(self, edges: Array) -> Array:
+        """(2,) the places by the loads; without one the edge by the stick zones of the instants,
+        where it lies between the two nodes, or else the middle between them.
+
+        Edges more than some nodes away are none of this zone, which may creep at its rim.
+        """
+        middle = (self.last_node + self.first_node) / 2
+        is_same = np.abs(edges - middle) <= _SAME_EDGE * self.spacing
+        at_nodes = np.where(self.holds(edges), edges, middle)
+        by_nodes = np.where(np.isfinite(self.places), self.places, at_nodes)
+        return np.where(is_same, by_nodes, edges)
+
+    def uncertainty(self, edges: Array, by_stick_zones: Array) -> Array:
+        """(2,) of the confined edges: by the stick zones of the instants, but no more than what the
+        two nodes leave open, and a share of their distance where the loads place the edge.
+        """
+        by_nodes = np.maximum(np.abs(edges - self.last_node), np.abs(edges - self.first_node))
+        confined = np.where(self.holds(edges), np.minimum(by_nodes, by_stick_zones), by_stick_zones)
+        return np.where(edges == self.places, _PLACED * self.spacing, confined)
+
+    def holds(self, edges: Array) -> Mask:
+        """(2,) whether an edge lies between its two nodes."""
+        farthest = np.maximum(np.abs(edges - self.last_node), np.abs(edges - self.first_node))
+        return np.asarray(farthest <= self.spacing)
+
+    @property
+    def spacing(self) -> Array:
+        """(2,) from the one place to the other."""
+        return np.abs(self.first_node - self.last_node)
+
+
+NO_ZONE = StickZone(np.full(2, np.nan), np.full(2, np.nan), np.full(2, np.nan))
 
 
 class Excess(NamedTuple):
@@ -77,12 +247,15 @@ class Excess(NamedTuple):
         how many there are
     is_unplaced
         whether a zone sticks all along, and none of its edges is counted
+    stick_zone
+        what sticks all along
     """
 
     value: float
     scatter: float
     edges: int
     is_unplaced: bool = False
+    stick_zone: StickZone = NO_ZONE
 
 
 def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
@@ -104,21 +277,21 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     stick_zone = np.flatnonzero(sticks_all_along)
     if len(stick_zone) < _ZONE or np.diff(stick_zone).max() > 1:
         return no_excess
-    at_stick_edges: list[_EdgeWork] = []
+    at_stick_edges: dict[int, _AtTurns] = {}
     at_contact_edges: list[_EdgeWork] = []
     for side in (1, -1):
         at_stick_edge = _at_stick_edge(problem, states, slip, sticks_all_along, side)
         if at_stick_edge is None:
             continue
-        at_stick_edges.append(at_stick_edge)
+        at_stick_edges[side] = at_stick_edge
         at_contact_edge = _at_contact_edge(problem, states, slip, side)
         if at_contact_edge is not None:
             at_contact_edges.append(at_contact_edge)
-    all_edges = at_stick_edges + at_contact_edges
+    all_edges = [*(edge.work for edge in at_stick_edges.values()), *at_contact_edges]
     problem.work[TAKEN_OFF] = len(all_edges)
     # the two edges of a zone mostly stand alike in their elements: their scatters add up
     scatter_of_all = math.hypot(
-        sum(edge.scatter for edge in at_stick_edges),
+        sum(edge.work.scatter for edge in at_stick_edges.values()),
         sum(edge.scatter for edge in at_contact_edges),
     )
     return Excess(
@@ -126,7 +299,29 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
         scatter=scatter_of_all,
         edges=len(all_edges),
         is_unplaced=not all_edges,
+        stick_zone=_stick_zone(problem, sticks_all_along, at_stick_edges),
     )
+
+
+def _stick_zone(
+    problem: ContactProblem, sticks: Mask, at_stick_edges: Mapping[int, _AtTurns]
+) -> StickZone:
+    """Ends of the nodes (n,) that stick through a revolution, with what is known at its turns by
+    the side, 1 or -1.
+    """
+    last_node = np.full(2, np.nan)
+    first_node = np.full(2, np.nan)
+    places = np.full(2, np.nan)
+    turns: list[tuple[float, ...]] = [(), ()]
+    for column, side in enumerate((-1, 1)):
+        last_stuck = int(np.flatnonzero(sticks)[-1 if side > 0 else 0])
+        if _regular(problem, last_stuck + side):
+            last_node[column] = place_at_node_of(problem.interface, last_stuck, side)
+            first_node[column] = place_at_node_of(problem.interface, last_stuck + side, side)
+        if side in at_stick_edges:
+            places[column] = at_stick_edges[side].place
+            turns[column] = at_stick_edges[side].turns
+    return StickZone(last_node, first_node, places, (turns[0], turns[1]))
 
 
 class _EdgeWork(NamedTuple):
@@ -136,15 +331,25 @@ class _EdgeWork(NamedTuple):
     scatter: float
 
 
+class _AtTurns(NamedTuple):
+    """An edge of permanent stick at the turns of slip: its work in excess, its place, and the
+    instants of the turns.
+    """
+
+    work: _EdgeWork
+    place: float
+    turns: tuple[float, ...]
+
+
 def _at_stick_edge(
     problem: ContactProblem,
     states: Sequence[InterfaceState],
     slip: Array,
     sticks: Mask,
     side: int,
-) -> _EdgeWork | None:
-    """Work in excess, by the place of an edge between two nodes, at the edge of permanent stick on
-    one side of x = 0; None where it does not count.
+) -> _AtTurns | None:
+    """The edge of permanent stick on one side of x = 0 at the turns of slip: its place between two
+    nodes, and the work in excess by that; None where it does not count.
 
     Locked-in shear brings a node beside the edge nearer to the cone at one turn of the slip, and
     further from it at the other. So its distances at both turns are added.
@@ -186,6 +391,7 @@ def _at_stick_edge(
     )
     work_in_excess = 0.0
     scatter = 0.0
+    places: list[float] = []
     n_loads = len(states[0].loads)
     for sign, turning_state in states_at_turns.items():
         # Nodes that have only reached the cone stick.
@@ -201,12 +407,11 @@ def _at_stick_edge(
         )
         cone_rate = problem.friction * pressure_rates[last_stuck] - sign * shear_rates[last_stuck]
         load_from_node = _load_to(slip_range, slip_rates[node])
-        load_between_nodes = load_from_node + _load_to(force_to_cone, cone_rate)
-        if not 0 < load_between_nodes < math.inf:
+        load = load_from_node + _load_to(force_to_cone, cone_rate)
+        edge = Edge(problem.interface, side, node, last_stuck, load_from_node, load)
+        if not edge.is_moved:
             return None
-        excess_per_work, unit_work = _chord(
-            problem, node, True, load_from_node / load_between_nodes, load_between_nodes
-        )
+        places.append(edge.place)
         opposite_slides = 0 <= opposite_node < len(is_sliding) and bool(is_sliding[opposite_node])
         nodes = (node, opposite_node) if opposite_slides else (node,)
 
@@ -214,10 +419,15 @@ def _at_stick_edge(
             return np.asarray(nodal(problem.rates(states, n_loads)[1])[0])
 
         slip_jump = _jump(slip_by_load, states_at_turn, nodes, STICK)
-        edge_work = problem.friction * float(turning_state.pressure @ slip_jump) * unit_work
-        work_in_excess -= edge_work * float(excess_per_work)
+        work_of_jump = problem.friction * float(turning_state.pressure @ slip_jump)
+        edge_work = work_of_jump * edge.load_per_jump
+        work_in_excess -= edge_work * float(edge.excess_per_work(edge.share()))
         scatter += abs(edge_work) * _RMS
-    return _EdgeWork(work_in_excess, scatter)
+    return _AtTurns(
+        work=_EdgeWork(work_in_excess, scatter),
+        place=sum(places) / len(places),
+        turns=tuple(state.time for state in states_at_turns.values()),
+    )
 
 
 def _at_contact_edge(
@@ -272,20 +482,19 @@ def _at_contact_edge(
             return None
         _, pressure_rates, _, gap_rates = rates_by_load(start.state)
         load_from_node = _load_to(start.pressure[node], pressure_rates[node])
-        load_between_nodes = load_from_node + _load_to(start.gap[next_node], gap_rates[next_node])
-        if not 0 < load_between_nodes < math.inf:
+        load = load_from_node + _load_to(start.gap[next_node], gap_rates[next_node])
+        edge = Edge(problem.interface, side, node, next_node, load_from_node, load)
+        if not edge.is_moved:
             return None
-        load_at_end = load_from_node + end.loads[0] - start.loads[0]
-        share_at_start, share_at_end = (
-            np.clip([load_from_node, load_at_end], 0.0, load_between_nodes) / load_between_nodes
-        )
-        shares = np.array([share_at_start, (share_at_start + share_at_end) / 2, share_at_end])
-        excess_per_work, unit_work = _chord(problem, node, False, shares, load_between_nodes)
+        share_at_start = edge.share()
+        share_at_end = edge.share(end.loads[0] - start.loads[0])
+        shares = [share_at_start, (share_at_start + share_at_end) / 2, share_at_end]
         nodes = (node, opposite_node) if _regular(problem, opposite_node) else (node,)
         pressure_jump = _jump(pressure_by_load, start.state, nodes, OPEN)
-        edge_work = problem.friction * float(node_slips @ pressure_jump) * unit_work
+        work_of_jump = problem.friction * float(node_slips @ pressure_jump)
+        edge_work = work_of_jump * edge.load_per_jump
         # Simpson's rule along the increment
-        work_in_excess -= edge_work * float(excess_per_work @ [1, 4, 1]) / 6
+        work_in_excess -= edge_work * float(edge.excess_per_work(shares) @ [1, 4, 1]) / 6
         work_of_stays[node] = work_of_stays.get(node, 0.0) + abs(edge_work)
     # The way from node to node has no mean: what counts is the longest stay between two.
     return _EdgeWork(work_in_excess, max(work_of_stays.values(), default=0.0) * _RMS)
@@ -327,26 +536,3 @@ def _regular(problem: ContactProblem, node: int) -> bool:
     return least_spacing * max(corner_weights) <= min(middle_weights) and max(
         middle_weights
     ) <= largest_spacing * min(corner_weights)
-
-
-def _chord(
-    problem: ContactProblem, node: int, inwards: bool, share: Array | float, distance: float
-) -> tuple[Array, float]:
-    """For an edge that is a `share` t of the way between a node and the next, inwards or outwards:
-    the dimensionless work in excess there, and the load over the jump of the rates that makes it
-    work.
-
-    `distance` is the load that takes the edge from the one node to the next.
-    """
-    is_corner = bool(problem.interface.weights[node] < problem.interface.weights[node - 1])
-    v_of_both = (_D**3 + (1 - _D) ** 3) / 6
-    v_of_corner = (v_of_both - _V) / 2
-    v_of_middle = (v_of_both + _V) / 2
-    jump_of_middle = 0.5 + _V * (1 / _D + 1 / (1 - _D))
-    place_of_node = _D if is_corner == inwards else 1 - _D
-    v_of_node = v_of_corner if is_corner else v_of_middle
-    v_of_next = v_of_middle if is_corner else v_of_corner
-    jump_of_node = 1 - jump_of_middle if is_corner else jump_of_middle
-    t = np.asarray(share)
-    excess_per_work = v_of_node + (v_of_next - v_of_node) * t - place_of_node**2 * t * (1 - t) / 2
-    return excess_per_work, distance / (place_of_node * jump_of_node)

@@ -160,4 +160,7 @@ def unfolded(run: PathRun, faces: Interface) -> PathRun:
         run,
         states=[unfolded_state(state) for state in run.states],
         cycle_density=[density[images.place] * images.share for density in run.cycle_density],
+        excess=[
+            of_cycle._replace(stick_zone=of_cycle.stick_zone.mirrored()) for of_cycle in run.excess
+        ],
     )

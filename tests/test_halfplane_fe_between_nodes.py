@@ -14,7 +14,7 @@ import pytest
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import between_nodes, scales
-from halfplane_fe.between_nodes import Excess, excess
+from halfplane_fe.between_nodes import Edge, Excess, StickZone, excess
 from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
 from halfplane_fe.mirror import half
 from halfplane_fe.run import PathRun
@@ -66,9 +66,8 @@ def test_the_chords_of_the_compression_are_those_of_the_formula(
         _, pressure, _, gap = nodal(state.values)
         by_load = nodal(problem.rates(state.state, 2)[0])
         way = pressure[node] / by_load[1][node], -gap[node + 1] / by_load[3][node + 1]
-        chords.append(
-            float(between_nodes._chord(problem, node, False, way[0] / sum(way), sum(way))[0])
-        )
+        edge = Edge(problem.interface, 1, node, node + 1, way[0], sum(way))
+        chords.append(float(edge.excess_per_work(edge.share())))
     # The line in P is the datum's; 30 elements that end are a little stiffer than a half-plane of
     # them.
     load = np.array([state.normal_load for state in states])
@@ -173,6 +172,39 @@ def test_what_is_taken_off_and_counted_is_what_the_last_revolution_had() -> None
     assert abs(last.value) > 1e-6 * works[-1]
     unit = answer.scales.load**2 / answer.scales.modulus
     assert answer.dissipation == pytest.approx((works[-1] - last.value) * unit, rel=1e-12)
+
+
+def test_the_permanent_stick_zone_ends_between_its_last_node_and_the_next() -> None:
+    """Where the loads place its edge; else in the middle, if the stick zones misread it."""
+    last_node = np.array([-0.5, 0.5])
+    first_node = np.array([-0.55, 0.55])
+    placed = StickZone(last_node, first_node, np.array([-0.51, np.nan]))
+    edges = np.array([-0.45, 0.53])
+    confined = placed.confine(edges)
+    assert confined.tolist() == [-0.51, 0.53]
+    stated = placed.uncertainty(confined, np.array([0.2, 0.2]))
+    assert stated == pytest.approx([between_nodes._PLACED * 0.05, 0.03])
+    assert placed.uncertainty(confined, np.array([0.2, 0.01]))[1] == 0.01
+    unplaced = StickZone(last_node, first_node, np.full(2, np.nan))
+    assert unplaced.confine(edges) == pytest.approx([-0.525, 0.53])
+    assert unplaced.mirrored().confine(edges) == pytest.approx([-0.525, 0.53])
+    far = np.array([-0.2, 0.2])  # the edge of another zone
+    assert placed.confine(far).tolist() == far.tolist()
+    assert placed.uncertainty(far, np.array([0.3, 0.3])).tolist() == [0.3, 0.3]
+
+
+@pytest.mark.parametrize("name", ["cattaneo-mindlin", "hertz-paper", "flat-rounded-paper"])
+def test_the_loads_place_the_edge_of_permanent_stick_between_two_nodes(name: str) -> None:
+    """Within a tenth of their distance (measured: 0.04), which the states of the nodes leave open;
+    the stick zone is the same where slip turns.
+    """
+    answer = halfplane_fe.solve(name, MeshSettings.coarse())
+    half_width = answer.permanent_stick_half_width
+    expected = semi_analytic.solve(answer.scene, x=[0.0]).permanent_stick_half_width
+    spacing = answer.settings["element_size"] / 2
+    assert half_width == pytest.approx(expected, abs=0.1 * spacing)
+    assert answer.uncertainties["permanent_stick_half_width"] < 0.1 * spacing
+    assert answer.stick_half_width[answer.last_cycle].min() == pytest.approx(half_width, rel=1e-12)
 
 
 UNLIKE = Materials(

@@ -18,8 +18,8 @@ import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings, answer_uncertainty
 from halfplane_fe.answer import creeping_zone
+from halfplane_fe.between_nodes import NO_ZONE
 from halfplane_fe.edges import uncertainty_at_jumps
-from halfplane_fe.permanent_stick import working_nodes
 from halfplane_fe.scales import COARSE_CYCLES
 from halfplane_fe.uncertainty import (
     RULES,
@@ -233,21 +233,6 @@ def norm(x: Array, values: Array) -> Array:
     return np.asarray(np.sqrt(np.trapezoid(values**2, x, axis=-1)))
 
 
-def test_the_permanent_stick_zone_ends_just_before_the_first_node_that_works() -> None:
-    """An edge that one instant misread is put there; an edge far from it is of another kind."""
-    x = np.linspace(-1.0, 1.0, 41)
-    density = np.where(np.abs(x) > 0.52, np.abs(x) - 0.5, 0.0)  # the first nodes at +-0.55
-    nodes = working_nodes(x, density, np.array([-0.45, 0.53]))
-    assert nodes.places == pytest.approx([-0.55, 0.55])
-    assert nodes.confine(np.array([-0.45, 0.53])) == pytest.approx([-0.517, 0.53])
-    stated = nodes.uncertainty(np.array([-0.52, 0.53]), np.array([0.2, 0.01]))
-    assert stated == pytest.approx([0.65 * 0.05, 0.01])
-    far = working_nodes(x, density, np.array([-0.2, 0.2]))
-    assert np.isnan(far.places).all()
-    assert far.confine(np.array([-0.2, 0.2])).tolist() == [-0.2, 0.2]
-    assert far.uncertainty(np.array([-0.2, 0.2]), np.array([0.3, 0.3])).tolist() == [0.3, 0.3]
-
-
 @pytest.fixture(scope="module")
 def paper() -> FiniteElementSolution:
     return halfplane_fe.solve(load_scene("hertz-paper"), COARSE, SolverSettings(steps_per_cycle=12))
@@ -454,7 +439,7 @@ def test_the_permanent_stick_of_a_mirrored_answer_is_equally_uncertain() -> None
     }
     mirrored["stick_edges"] = -arrays["stick_edges"][:, ::-1]
     first, second = (
-        answer_uncertainty._of_permanent_stick(theory.scene, of, is_sharp=False)
+        answer_uncertainty._of_permanent_stick(theory.scene, of, NO_ZONE, is_sharp=False)
         for of in (arrays, mirrored)
     )
     assert first == pytest.approx(second, rel=1e-12)
