@@ -287,15 +287,15 @@ def _draw_fit(scene: Scene, file: Path) -> None:
 
 
 def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
-    """The answer of `check` for a scene that prescribes displacements, as a rig does: loads,
-    sliding and dissipation that follow from them by half-plane theory, and remarks.
+    """What the command `check` reports on a scene that prescribes displacements: the loads, sliding
+    and dissipation that follow from them by half-plane theory, and remarks.
 
-    `source` is the scene as the user named it.
+    Parameters
+    ----------
+    source
+        file or name of the scene, for messages
     """
-    import numpy as np
-
     from reports.checking import engines_for
-    from reports.comparison.laws import ratio_of_answer
     from reports.comparison.words import bodies_in_words, question, read_in_words
     from reports.input_words import stated_content, stated_in_words
     from reports.inputs import not_stated
@@ -308,15 +308,15 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
         )
     load_engines(Stages(quiet=True), ["semi_analytic.solution"])
     engines = engines_for(scene, source)
-    refusals_in_words = engines.in_words(source)
-    tables_read = read_in_pairs(scene)
+    # file of a table -> pairs of a quantity and words on the column it was read from
+    columns_by_table = read_in_pairs(scene)
     notes = [question(scene), *filter(None, [bodies_in_words(scene), stated_in_words(scene)])]
-    notes += [read_in_words(name, pairs) for name, pairs in tables_read.items()]
-    remarks = [f"{refusals_in_words}.", *filter(None, [not_stated(scene)])]
+    notes += [read_in_words(table, pairs) for table, pairs in columns_by_table.items()]
+    remarks = [f"{engines.in_words(source)}.", *filter(None, [not_stated(scene)])]
     content = {
         "passed": True,
         "remarks": remarks,
-        "read_as": tables_read,
+        "read_as": columns_by_table,
         "engines": engines.reasons,
         "largest_contact": None,
         "nearest_to_sliding": None,
@@ -324,27 +324,20 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
         "uncertainty_of_inputs": stated_content(scene),
     }
     if engines.refusal_of_theory:
-        last_sentence = (
-            f"{source}: the scene is well formed. `halfplane fe {source}` finds its loads."
-        )
+        verdict = f"{source}: the scene is well formed. `halfplane fe {source}` finds its loads."
     else:
         solution = _answer_of_theory(scene, source)
-        last_sentence = _loads_in_words(solution, source)
+        verdict = _loads_in_words(solution, source)
         notes += [f"{note[:1].upper()}{note[1:]}." for note in solution.record.notes]
-        content["rig"] = {
-            "dissipation": solution.dissipation,
-            "largest_half_width": float(solution.contact_half_width.max()),
-            "largest_tangential_load": float(np.abs(solution.tangential_load).max()),
-            "largest_sliding_ratio": ratio_of_answer(solution),
-        }
-    content |= {"sentence": last_sentence, "notes": notes}
-    parts = [last_sentence, *(f"Remark: {remark}" for remark in remarks), *notes]
+        content["rig"] = _values_of_rig(solution)
+    content |= {"sentence": verdict, "notes": notes}
+    parts = [verdict, *(f"Remark: {remark}" for remark in remarks), *notes]
     return Answer(WITHIN, parts, lambda: content, scene.name)
 
 
 def _loads_in_words(solution: ContactSolution, source: str) -> str:
-    """Sentences of `check` on a scene that prescribes displacements: between what values P and Q go
-    in the solution, how near they come to gross sliding, and which command writes the answer.
+    """The sentence of `check` on a scene with prescribed displacements: the range of Q, the largest
+    P, and how near the contact comes to sliding.
     """
     from reports.comparison.laws import ratio_of_answer
     from reports.units import number
@@ -362,6 +355,22 @@ def _loads_in_words(solution: ContactSolution, source: str) -> str:
         f" {force}/{length}, and P up to {largest_normal_load}.{ratio_in_words} `halfplane exact"
         f" {source}` writes the answer, and a scene with these loads."
     )
+
+
+def _values_of_rig(solution: ContactSolution) -> dict[str, float | None]:
+    """Values that `check` reports of half-plane theory under prescribed displacements: W, and the
+    largest half-width, |Q| and |Q|/(f P).
+    """
+    import numpy as np
+
+    from reports.comparison.laws import ratio_of_answer
+
+    return {
+        "dissipation": solution.dissipation,
+        "largest_half_width": float(solution.contact_half_width.max()),
+        "largest_tangential_load": float(np.abs(solution.tangential_load).max()),
+        "largest_sliding_ratio": ratio_of_answer(solution),
+    }
 
 
 def _answer_of_theory(scene: Scene, source: str) -> ContactSolution:

@@ -400,23 +400,31 @@ class Judgement:
         return not self._is_contradicted(fit)
 
     def _is_factor_of_shear(self, fit: Fit, fit_before: Fit) -> bool:
-        """Whether the shear of the file is the right one times a factor: the integrals of the shear
-        over x follow the fitted factor, and next to nothing is left of the difference from
-        `fit_before`.
+        """Whether the shear tractions of a result are right but for one constant factor, as a fit
+        of likely causes has it.
 
-        Another coefficient of friction would leave these integrals as they are, and another Q would
-        move the edges of stick.
+        Two signs are asked for: next to nothing is left of the difference in shear, and the
+        integrals of the shear over x follow the fitted factor. Another coefficient of friction
+        would leave these integrals as they are; another Q would move the edges of stick.
+
+        Parameters
+        ----------
+        fit
+            fit of the result with this factor among the causes
+        fit_before
+            fit with the causes known before, whose difference from the result is the measure
         """
         if share_left(fit, fit_before, (SHEAR,)) > _ALONE:
             return False
         weight = self.discrepancy.weight
-        sums = np.sum(weight * self.discrepancy.result_tractions[SHEAR], axis=1)
-        sums_predicted = np.sum(weight * fit.predicted[SHEAR], axis=1)
-        square_of_sums = float(sums_predicted @ sums_predicted)
-        if not square_of_sums:
+        # integrals of the shear over x, one for each instant
+        integrals = np.sum(weight * self.discrepancy.result_tractions[SHEAR], axis=1)
+        predicted_integrals = np.sum(weight * fit.predicted[SHEAR], axis=1)
+        sum_of_squares = float(predicted_integrals @ predicted_integrals)
+        if not sum_of_squares:
             return False
         factor = float(np.exp(fit.sizes[fit.causes.index(SHEAR_FACTOR)]))
-        ratio = float(sums @ sums_predicted) / square_of_sums
+        ratio = float(integrals @ predicted_integrals) / sum_of_squares
         return abs(ratio - 1) <= _UNMOVED * abs(factor - 1)
 
     def _is_contradicted(self, fit: Fit) -> bool:

@@ -91,10 +91,11 @@ def find_branches(
     shift: Array, load: Array, time: Array, resolution: float, source: str
 ) -> Branches:
     """Divide a measured loop into its branches: for each row whether it lies on the branch on which
-    Q rises, and how many cycles are over there; with the turning points of Q.
+    Q rises, and how many cycles have passed there; with the turning points of Q.
 
-    A crossing is where Q passes the middle of its range. Between two of them lies a turning point.
-    Less than two cycles are laid end to end twice, so that each turning point lies between two.
+    A crossing is where Q passes the middle of its range. One turning point lies between each two.
+    A record of less than two cycles is repeated once, so that each turning point has a crossing on
+    both of its sides.
 
     Parameters
     ----------
@@ -111,76 +112,146 @@ def find_branches(
         Where Q does not go up and down, or where the rows cover less than a cycle.
     """
     noise = max(row_noise(load), resolution / math.sqrt(12))
-    least_load, largest_load = _range(load, noise)
+    range_of_load = _range(load, noise)
+    _refuse_scatter(load, noise, range_of_load, source)
+    record = _record_with_three_crossings(shift, load, time, noise, range_of_load, source)
+    crossing_times = _crossing_times(
+        record.load, record.time, record.rows_before, record.rows_after, sum(range_of_load) / 2
+    )
+    _refuse_few_rows(record, source)
+    highest, highest_after_centre = _mean_turning_point(record, crossing_times, True, noise)
+    lowest, lowest_after_centre = _mean_turning_point(record, crossing_times, False, noise)
+    turns = _times_of_turns(
+        crossing_times, record.rises_at_crossing, highest_after_centre, lowest_after_centre
+    )
+    # Q falls at the first crossing, and so the turning point before it is a highest one
+    first_turn_is_top = not bool(record.rises_at_crossing[0])
+    if record.is_repeated:
+        # The two turning points in the middle of a record that was repeated are known best: they
+        # are taken again in the two periods before and after. The list now begins with the second
+        # turning point of the record, which is of the other kind.
+        turns = np.concatenate([turns[1:3] + record.period * lap for lap in range(-2, 3)])
+        first_turn_is_top = not first_turn_is_top
+    branch = np.asarray(np.searchsorted(turns, time, side="right") - 1)
+    begins_at_top = (branch % 2 == 0) == first_turn_is_top
+    load_at_begin = np.where(begins_at_top, highest.load, lowest.load)
+    share_of_branch = np.clip(np.abs(load - load_at_begin) / (highest.load - lowest.load), 0.0, 1.0)
+    # an integer at each lowest turning point; which of them is 0 does not matter
+    branches_since_bottom = branch + share_of_branch + (1 if first_turn_is_top else 0)
+    return Branches(branches_since_bottom / 2, ~begins_at_top, highest, lowest, noise)
+
+
+@dataclass(frozen=True, eq=False)
+class _Record:
+    """Rows of a loop with three crossings or more of the middle of Q, repeated where needed.
+
+    Attributes
+    ----------
+    load, time
+        (n,) Q and time of the rows
+    rows_before, rows_after, rises_at_crossing
+        (k,) last row before and first row after each crossing, and whether Q rises there
+    period
+        length of the cycle in time; infinite where the rows are not repeated
+    """
+
+    load: Array
+    time: Array
+    rows_before: NDArray[np.intp]
+    rows_after: NDArray[np.intp]
+    rises_at_crossing: NDArray[np.bool_]
+    period: float = math.inf
+
+    @property
+    def is_repeated(self) -> bool:
+        """Whether these are one measured cycle and its copy."""
+        return math.isfinite(self.period)
+
+
+def _refuse_scatter(
+    load: Array, noise: float, range_of_load: tuple[float, float], source: str
+) -> None:
+    """InputError where most of the range of Q (n,) is scatter of the rows, of sigma `noise`."""
+    least_load, largest_load = range_of_load
     if noise > _SCATTER * (largest_load - least_load) / 2:
         raise InputError(
             f"{source}: its Q goes up and down to {200 * noise / np.ptp(load):.0f} % of its"
             f" amplitude only (limit {100 * _SCATTER:.0f} %), the rest is scatter: give the rows in"
             " the order of time, and whole cycles"
         )
-    rows_before, rows_after, rises_at_crossing = _crossings(load, least_load, largest_load)
-    cyclic_load = load
-    cyclic_time = time
-    period = math.inf
-    copies = 1
-    if len(rows_before) < 3:  # less than two cycles: the first one follows itself round
-        closing_row = _closing_row(shift, load, rows_before, rises_at_crossing, noise)
-        if closing_row is None:
-            covered_cycles = float(
-                np.sum(np.abs(np.diff(_turned(load, rows_before, rows_after))))
-                / (2 * (largest_load - least_load))
-            )
-            raise InputError(
-                f"{source}: its rows cover {covered_cycles:.2g} of a cycle: a loop needs a whole"
-                " one"
-            )
-        cyclic_load, cyclic_time, period = _cycle_twice(load, time, closing_row)
-        copies = 2
-        rows_before, rows_after, rises_at_crossing = _crossings(
-            cyclic_load, least_load, largest_load
+
+
+def _record_with_three_crossings(
+    shift: Array,
+    load: Array,
+    time: Array,
+    noise: float,
+    range_of_load: tuple[float, float],
+    source: str,
+) -> _Record:
+    """The rows as they are where they hold two cycles; else their first cycle, laid end to end
+    twice. InputError naming `source` where they hold less than one cycle.
+
+    Parameters
+    ----------
+    shift, load, time
+        (n,) U, Q and time of the rows
+    noise
+        sigma of Q
+    range_of_load
+        least and largest Q, without what noise adds
+    """
+    rows_before, rows_after, rises_at_crossing = _crossings(load, *range_of_load)
+    if len(rows_before) >= 3:
+        return _Record(load, time, rows_before, rows_after, rises_at_crossing)
+    closing_row = _closing_row(shift, load, rows_before, rises_at_crossing, noise)
+    if closing_row is None:
+        least_load, largest_load = range_of_load
+        travel_of_load = np.sum(np.abs(np.diff(_turned(load, rows_before, rows_after))))
+        covered_cycles = float(travel_of_load / (2 * (largest_load - least_load)))
+        raise InputError(
+            f"{source}: its rows cover {covered_cycles:.2g} of a cycle: a loop needs a whole one"
         )
-    crossing_times = _crossing_times(
-        cyclic_load, cyclic_time, rows_before, rows_after, (least_load + largest_load) / 2
-    )
-    n_half_cycles = len(rows_before) - 1
-    is_too_short = len(crossing_times) < 3
-    if is_too_short or 2 * (rows_after[-1] - rows_before[0]) / n_half_cycles < _FEWEST_OF_CYCLE:
+    cyclic_load, cyclic_time, period = _cycle_twice(load, time, closing_row)
+    return _Record(cyclic_load, cyclic_time, *_crossings(cyclic_load, *range_of_load), period)
+
+
+def _refuse_few_rows(record: _Record, source: str) -> None:
+    """InputError where fewer than `_FEWEST_OF_CYCLE` rows make a cycle, in the mean."""
+    n_half_cycles = len(record.rows_before) - 1
+    rows_between = record.rows_after[-1] - record.rows_before[0]
+    is_too_short = len(record.rows_before) < 3
+    if is_too_short or 2 * rows_between / n_half_cycles < _FEWEST_OF_CYCLE:
         raise InputError(
             f"{source}: a loop needs at least {_FEWEST_OF_CYCLE} rows a cycle, in the order of time"
         )
-    # of the two crossings beside a turning point
-    centres = (crossing_times[1:] + crossing_times[:-1]) / 2
-    is_top = rises_at_crossing[:-1]
-    turning_points = {
-        is_top_turn: _turning_point(
-            cyclic_load,
-            cyclic_time,
-            centres[is_top == is_top_turn],
-            np.diff(crossing_times)[is_top == is_top_turn],
-            is_top_turn,
-            noise,
-            copies,
-        )
-        for is_top_turn in (True, False)
-    }
-    highest, highest_after_centre = turning_points[True]
-    lowest, lowest_after_centre = turning_points[False]
 
-    turns = _times_of_turns(
-        crossing_times, rises_at_crossing, highest_after_centre, lowest_after_centre
+
+def _mean_turning_point(
+    record: _Record, crossing_times: Array, is_top: bool, noise: float
+) -> tuple[TurningPoint, float]:
+    """The highest (`is_top`) or the lowest turning point of Q, in the mean over all of them in the
+    record; and how much later it comes than the centre of the two crossings beside it.
+
+    Parameters
+    ----------
+    crossing_times
+        (k,) times at which Q passes the middle of its range
+    noise
+        sigma of Q
+    """
+    centres = (crossing_times[1:] + crossing_times[:-1]) / 2
+    # after a crossing at which Q rises comes a highest one
+    is_of_kind = record.rises_at_crossing[:-1] == is_top
+    return _turning_point(
+        record.load,
+        record.time,
+        centres[is_of_kind],
+        np.diff(crossing_times)[is_of_kind],
+        is_top,
+        noise,
+        2 if record.is_repeated else 1,
     )
-    first_is_top = not bool(rises_at_crossing[0])
-    # the record begins again: the turning points of the second time round belong to the first too
-    if math.isfinite(period):
-        first_is_top = not first_is_top
-        turns = np.concatenate([turns[1:3] + period * lap for lap in range(-2, 3)])
-    branch = np.asarray(np.searchsorted(turns, time, side="right") - 1)
-    begins_at_top = (branch % 2 == 0) == first_is_top
-    is_rising = ~begins_at_top
-    load_at_start = np.where(begins_at_top, highest.load, lowest.load)
-    share_of_range = np.clip(np.abs(load - load_at_start) / (highest.load - lowest.load), 0.0, 1.0)
-    cycles_since_bottom = (branch + share_of_range + (1 if first_is_top else 0)) / 2
-    return Branches(cycles_since_bottom, is_rising, highest, lowest, noise)
 
 
 def _cycle_twice(load: Array, time: Array, closing_row: int) -> tuple[Array, Array, float]:

@@ -26,7 +26,7 @@ _MOST_ALIKE = 0.95
 _ALIKE_COLUMNS = 1e-8
 # Blocks of neighbours whose means show a smooth part of the distances, and their least rows.
 _BLOCKS = 40
-_ROWS_OF_BLOCK = 25
+_FEWEST_OF_BLOCK = 25
 # Rows of which the branch is certain: this share of a branch is left out at both of its ends.
 _AT_TURN = 0.1
 # Pairs of rows a cycle apart that a drift is found from.
@@ -71,7 +71,8 @@ class Misfit:
 
 def misfit_of(distances: Array, shift_noise: float, least_deviations: float = BY_CHANCE) -> Misfit:
     """How much of the distances of rows from a fit is no scatter: the correlation of neighbouring
-    rows, and the systematic part in units of U, by that correlation or by the means of blocks.
+    rows, and the systematic part in units of U. The latter follows from that correlation; with
+    many rows also from the means of blocks of rows, and the smaller of both is taken.
 
     Parameters
     ----------
@@ -99,8 +100,8 @@ def misfit_of(distances: Array, shift_noise: float, least_deviations: float = BY
     variance = sum_of_squares / len(deviation_from_mean)
     systematic_variance = correlation * variance
     rows_of_block = len(deviation_from_mean) // _BLOCKS
-    if rows_of_block >= _ROWS_OF_BLOCK:
-        # Many rows show more than their neighbours do: a smooth part stays in the means of blocks.
+    if rows_of_block >= _FEWEST_OF_BLOCK:
+        # Scatter vanishes from the mean of many rows, and a smooth deviation stays in it.
         block_means = (
             deviation_from_mean[: _BLOCKS * rows_of_block]
             .reshape(_BLOCKS, rows_of_block)

@@ -299,9 +299,12 @@ def _sharp_punch(discrepancy: Discrepancy) -> ProblemFit | None:
 
 
 def _sphere(discrepancy: Discrepancy) -> ProblemFit | None:
-    """Fit of a sphere, p = p0 sqrt(1 - xi^2) with p0/a = 2 E*/(pi R), whose P = 2 pi a^2 p0/3 is a
-    force (Johnson 1985, 4.2); a cylinder has p0/a = E*/(2 R). None where the profile is no
-    parabola. `discrepancy` holds the tractions of result and reference.
+    """Fit of a result's pressure by that of a sphere in place of the scene's cylinder: does the
+    result solve the axisymmetric problem?
+
+    Sphere: p = p0 sqrt(1 - xi^2), p0/a = 2 E*/(pi R), and P = 2 pi a^2 p0/3 is a force (Johnson
+    1985, 4.2). A cylinder has p0/a = E*/(2 R). xi = x/a, with the half-width a that fits best at
+    each instant. None where the profile is no parabola, and where no half-widths can be fitted.
     """
     profile = discrepancy.scene.profile
     if not isinstance(profile, Hertz):

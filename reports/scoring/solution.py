@@ -617,19 +617,27 @@ def _end_of_zone(
     return zero_of_line
 
 
-def _root_of_parabola(depth: Array, square: Array) -> float | None:
-    """How far outwards the parabola through `square` (m,) > 0 over the `depth` (m,) behind the
-    outermost point is 0, in units of the depth; fitted by least squares of relative deviations.
+def _root_of_parabola(depth: Array, squared_pressure: Array) -> float | None:
+    """Distance outwards from the outermost point to the zero of a parabola fitted to p^2, which
+    falls to 0 at an edge of contact.
 
-    None where it does not fall outwards, has no zero, or does not fit.
+    The fit is by least squares of relative deviations. None where the parabola does not fall
+    outwards, has no zero, or does not fit.
+
+    Parameters
+    ----------
+    depth
+        (m,) distance of each point inwards from the outermost one, in any unit: that of the answer
+    squared_pressure
+        (m,) p^2 > 0 at these points
     """
-    coefficients = np.polyfit(depth, square, 2, w=1 / square)
+    coefficients = np.polyfit(depth, squared_pressure, 2, w=1 / squared_pressure)
     a, b, c = coefficients
-    residual = np.std(np.polyval(coefficients, depth) / square)
+    residual = np.std(np.polyval(coefficients, depth) / squared_pressure)
     discriminant = b**2 - 4 * a * c
     if not (b > 0 and discriminant > 0 and residual < _ROUGH):
         return None
-    return float(2 * c / (b + np.sqrt(max(discriminant, 0.0))))
+    return float(2 * c / (b + np.sqrt(discriminant)))
 
 
 # -------------------------------------------------------------------- units and signs that can't be

@@ -354,24 +354,23 @@ class _Sheet:
 
         Parameters
         ----------
+        name
+            beginning of the names of the two panels
         mask
             (n,) points of the sweep that belong to the map
         columns
             names of the two axes
         """
-        for number_of_panel, (column, other_column) in enumerate((columns, columns[::-1])):
-            values = np.unique(self.numbers(other_column)[mask])
-            chosen_rows = np.unique(
-                np.linspace(0, len(values) - 1, min(len(values), _LOOKS)).round()
-            )
-            masks = [
-                (
-                    f"{_plain(other_column)} = {number(value)}",
-                    mask & (self.numbers(other_column) == value),
-                )
-                for value in values[chosen_rows.astype(int)].tolist()
+        for index, (column, other_column) in enumerate((columns, columns[::-1])):
+            coordinate = self.numbers(other_column)
+            values = np.unique(coordinate[mask])
+            n_lines = min(len(values), _LOOKS)
+            chosen = np.unique(np.linspace(0, len(values) - 1, n_lines).round()).astype(int)
+            lines = [
+                (f"{_plain(other_column)} = {number(value)}", mask & (coordinate == value))
+                for value in values[chosen].tolist()
             ]
-            yield self.line(f"{name}-along-{number_of_panel}", masks, column, named=True)
+            yield self.line(f"{name}-along-{index}", lines, column, named=True)
 
     def _has_words(self, column: str) -> bool:
         """Whether a coordinate has values that are no numbers."""
