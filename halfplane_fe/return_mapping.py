@@ -118,15 +118,17 @@ class ReturnMapping:
     _systems: dict[int, Systems] = field(default_factory=dict, init=False)
 
     def equilibrium(self, start: Start, most_steps: int) -> Equilibrium | None:
-        """State of the faces at the end of an increment, by the stiffest penalty with which the
-        loops converge; None where none does.
+        """Nodal values and states of the contact at the end of an increment, by return mapping;
+        None where it converges with no penalty.
+
+        Penalties are tried from the stiffest one on, each a tenth of the one before.
 
         Parameters
         ----------
         start
-            values, states and change of loads of the increment
+            values and node states before the increment, and the change of its loads
         most_steps
-            of Newton in one inner loop
+            most Newton steps at constant multipliers
         """
         newton_steps = 0
         for number, softness in enumerate(self._softnesses()):
@@ -145,8 +147,11 @@ class ReturnMapping:
         return None
 
     def _softnesses(self) -> Iterator[Layer]:
-        """Compliances of the trial tractions, one after the other as they are tried: that of the
-        penalty, or none for the penalty method; then each ten times as soft as the one before.
+        """Compliances (inverse penalties) of the nodes for the trial tractions, in the order in
+        which they are tried, each ten times as soft as the one before.
+
+        The first is that of the augmented Lagrangian's penalty. The penalty method has a layer of
+        springs between the faces already: its first is zero.
         """
         if self.penalty is None:
             yield Layer(np.zeros_like(self.layer.normal), np.zeros_like(self.layer.tangential))
@@ -160,8 +165,8 @@ class ReturnMapping:
             yield Layer(stiffest.normal * factor, stiffest.tangential * factor)
 
     def _systems_with(self, number: int, softness: Layer) -> Systems:
-        """The linear systems of faces with the compliance of the layer and `softness` on top, kept
-        under `number`, that of the softness.
+        """The linear systems of the contact with a compliance of the nodes, the layer's plus
+        `softness`; cached under the `number` of that softness.
         """
         systems = self._systems.get(number)
         if systems is None:
@@ -209,20 +214,23 @@ class _Iteration:
         self._latest_states = self.start.states
 
     def converges(self, most_steps: int) -> bool:
-        """Whether the return mapping converges: the inner loop, Newton's method at constant
-        multipliers, and the outer loop that updates these; `most_steps` Newton steps in each inner
-        loop.
+        """Run both loops of the augmented Lagrangian from the start of the increment; whether they
+        converge. The nodal values are left in `self.values`.
+
+        The inner loop is Newton's method at constant multipliers, `most_steps` steps at most. The
+        outer loop replaces the multipliers by the tractions found, until these change no more. The
+        penalty method has no multipliers: one inner loop is all.
 
         Raises
         ------
         SingularSet
-            If the states leave the bodies free to move.
+            If so few nodes hold that the bodies are free to move.
         """
         pressure = self._pressure.copy()
         shear = self._shear.copy()
         tractions_at_start = Tractions(pressure, shear, pressure, shear, self.start.states, np.inf)
         self._newton_step(tractions_at_start, self.start.change_of_loads)
-        multipliers = self.start.values[3:].reshape(4, -1)[1:3].copy()
+        multipliers = self.start.values[3:].reshape(4, -1)[1:3].copy()  # p and q of the nodes
         without_multipliers = not (self.softness.normal.any() or self.softness.tangential.any())
         while self.updates < _MOST_UPDATES:
             mapped_tractions = self._inner_loop(most_steps)
@@ -237,10 +245,10 @@ class _Iteration:
         return False
 
     def _inner_loop(self, most_steps: int) -> Tractions | None:
-        """Tractions at which Newton's method, at constant multipliers, has converged; None where
-        the sets of states repeat, or after `most_steps`.
+        """Newton's method at constant multipliers: the tractions on which it converges; None where
+        a set of node states comes back (it would go round for ever), or after `most_steps`.
         """
-        sets_met: set[bytes] = set()
+        sets_met: set[bytes] = set()  # node states of all steps so far
         for _ in range(most_steps):
             mapped_tractions = self._mapped()
             if mapped_tractions.error <= 1.0:
@@ -254,11 +262,13 @@ class _Iteration:
         return None
 
     def _with_sticking(self, mapped_tractions: Tractions) -> Tractions:
-        """The mapping with nodes that stick in the next step of Newton although they are to slide.
+        """Let some nodes stick in the next Newton step that are to slide by their trial tractions,
+        so that the steps converge; the mapped tractions with their states and shear changed.
 
-        A sliding node that turns round sticks first: from forward to reverse slip at one go, sets
-        chase each other. Where all are to slide, the one that is least beyond the Coulomb limit
-        sticks: Q < f P.
+        - A node that slides one way and is to slide the other way sticks first: changed at one
+          go, it would be changed back.
+        - Where all nodes are to slide, the one least beyond the Coulomb limit sticks: Q < f P, so
+          one has to.
         """
         is_sliding = mapped_tractions.states > STICK
         is_sticking_first = (
@@ -282,9 +292,11 @@ class _Iteration:
         )
 
     def _mapped(self) -> Tractions:
-        """Trial tractions from pressure, shear, gap and slip of the present state, and what the
-        return mapping makes of them: pressure at least 0, shear within friction, states of the
-        nodes.
+        """Return mapping at the present values of the nodes: trial tractions p - g/c_n and
+        q + s/c_t, moved into p >= 0 and |q| <= f p, with the states of the nodes that follow.
+
+        # notation: g gap and s slip of the increment as iterated (with what the multipliers add);
+        c_n, c_t compliances of the nodes, the inverse penalties
         """
         compliance = self.systems.layer
         trial_pressure = self._pressure - self._gap / compliance.normal
@@ -312,16 +324,17 @@ class _Iteration:
         return largest_force / tolerance if tolerance > 0 else np.inf
 
     def _newton_step(self, mapped_tractions: Tractions, change_of_loads: Array) -> None:
-        """Solve p = project(...), q = project(...), linear about the iterate, and the loads.
+        """One Newton step: change the values of the nodes so that the linearised return mapping is
+        met, and the loads have changed by `change_of_loads`.
 
-        With the derivatives that the states of the mapping have, this asks of a node
+        With p_m, q_m the mapped tractions and p_t, q_t the trial ones, a node has to meet
 
-            open     p = P,              q = Q
-            closed   G = c (P - trial)
-            stick    dS = c (Q - trial)
-            slip     q -+ f p = Q -+ f P
+            open     p = p_m,                 q = q_m
+            closed   gap = c_n (p_m - p_t)
+            stick    slip increment = c_t (q_m - q_t)
+            slip     q -+ f p = q_m -+ f p_m
 
-        P and Q being the mapped tractions.
+        # notation: c_n, c_t compliances of the nodes (inverse penalties), f coefficient of friction
         """
         compliance = self.systems.layer
         states = mapped_tractions.states
@@ -330,24 +343,24 @@ class _Iteration:
         gap_under_pressure = compliance.normal * (
             mapped_tractions.pressure - mapped_tractions.trial_pressure
         )
-        changes_of_normal_rows = np.where(
+        # One equation of each node in either direction: what its left side still has to change by.
+        normal_changes = np.where(
             is_open, mapped_tractions.pressure - self._pressure, gap_under_pressure - self._gap
         )
-        changes_of_tangential_rows = np.zeros_like(changes_of_normal_rows)
+        tangential_changes = np.zeros_like(normal_changes)
         signed_friction = slip_sign(states) * self.faces.friction
         if self.faces.tangential:
             slip_in_stick = self._slip_at_start + compliance.tangential * (
                 mapped_tractions.shear - mapped_tractions.trial_shear
             )
             shear_beyond_cone = mapped_tractions.shear - signed_friction * mapped_tractions.pressure
-            changes_of_tangential_rows = np.where(
+            tangential_changes = np.where(
                 states == STICK,
                 slip_in_stick - self._slip,
                 shear_beyond_cone - (self._shear - signed_friction * self._pressure),
             )
-        row_changes = np.concatenate([changes_of_normal_rows, changes_of_tangential_rows])
         *values_by_loads, values_by_changes = self.systems.corrections(
-            states, len(change_of_loads), row_changes
+            states, len(change_of_loads), np.concatenate([normal_changes, tangential_changes])
         )
         self.newton_steps += 1
         self.values += values_by_changes
@@ -357,7 +370,7 @@ class _Iteration:
         else:
             self.values += change_of_loads[:-1] @ np.array(values_by_loads[:-1])
             self._turn(values_by_loads[-1], moment)
-        # What the rows ask for is met to the last digit: the penalty would magnify its rounding.
+        # The equations are met to the last digit: the penalty would magnify their rounding.
         self._gap[~is_open] = gap_under_pressure[~is_open]
         self._pressure[is_open] = mapped_tractions.pressure[is_open]
         if self.faces.tangential:
@@ -380,8 +393,10 @@ class _Iteration:
         return -float(self.faces.interface.work_of_imposed(pressure, shear)[2])
 
     def _updated(self, multipliers: Array, mapped_tractions: Tractions) -> float:
-        """Replace the multipliers (2, n) by the mapped tractions: their change, over what is
-        tolerated.
+        """Update the multipliers (2, n) of pressure and shear in place, to the mapped tractions;
+        returns their largest change, over what is tolerated.
+
+        Iterated gap and slip contain the multipliers, so that these change with them.
         """
         change_of_normal = mapped_tractions.pressure - multipliers[0]
         change_of_tangential = mapped_tractions.shear - multipliers[1]
@@ -392,10 +407,12 @@ class _Iteration:
         return self._over_tolerance(change_of_normal, change_of_tangential)
 
     def answer(self) -> tuple[Array, States]:
-        """Values and states at the end.
+        """Values (3 + 4 n,) and states (n,) of the contact after the loops have converged, with
+        round-off removed: no gap of closed nodes, no force on open ones.
 
-        Nodes that are within the tolerance of two states have the one of the start: tractions
-        are equal, but an event is found by the side on which a node has been.
+        A node within the tolerance of two states has the one that it had at the start of the
+        increment. Its tractions are the same in both, but later events (a node opens or slips) are
+        found by the state that it had.
         """
         compliance = self.systems.layer
         friction = self.faces.friction

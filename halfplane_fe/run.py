@@ -85,7 +85,15 @@ class Trend:
 
 
 def trend(values: Sequence[float]) -> Trend:
-    """The trend of a series by its last four values, one a revolution from the first one on.
+    """How a quantity that changes from revolution to revolution goes on: steady, geometric or
+    algebraic, with its limit and what is left of the way there, by its last four values.
+
+    With d_k the k-th difference, r the ratio of the last two, m the power of the decay k^-m:
+
+        geometric   left = d_k r/(1 - r)
+        algebraic   left = d_k/[(k/(k - 1))^m - 1],   r = ((k - 3/2)/(k - 1/2))^(m + 1)
+
+    `values` has one value a revolution, from the first one on.
 
     >>> trend([5.0, 3.0, 2.5, 2.375]).kind, trend([1.5, 1.25, 1.125, 1.0625])
     ('geometric', Trend(kind='geometric', left=-0.0625, limit=1.0))
@@ -104,25 +112,26 @@ def trend(values: Sequence[float]) -> Trend:
     ratio = differences[-1] / differences[-2]
     if not (0 < ratio_before < 1 and 0 < ratio < 1):
         return unclear
+    # The ratio of a geometric series stays; that of an algebraic one rises towards 1.
     if ratio <= ratio_before * (1 + _RISES / (k * (k - 2))):
         left = last_difference * ratio / (1 - ratio)
         return Trend("geometric", left, values[-1] + left)
-    power = float(np.log(ratio) / np.log((k - 1.5) / (k - 0.5))) - 1
-    power = min(power, _STEEPEST)
-    if power < _SLOWEST:
+    m = float(np.log(ratio) / np.log((k - 1.5) / (k - 0.5))) - 1
+    m = min(m, _STEEPEST)
+    if m < _SLOWEST:
         return unclear
-    left = last_difference / ((k / (k - 1)) ** power - 1)
+    left = last_difference / ((k / (k - 1)) ** m - 1)
     return Trend("algebraic", left, values[-1] + left)
 
 
 def ratchets(drifts: Sequence[float], travel: float) -> bool:
-    """Whether U goes on drifting: the last of its changes from start to end of each revolution is
-    no step on a way to zero.
+    """Whether the contact ratchets: the tangential displacement U drifts by as much in each
+    revolution, instead of less and less.
 
     Parameters
     ----------
     drifts
-        one a revolution
+        change of U from start to end of each revolution
     travel
         largest minus smallest U of the last revolution; a thousandth of it is no drift
 
@@ -245,13 +254,16 @@ class PathRun:
 
     @property
     def ratchets(self) -> bool:
-        """Whether each revolution leaves the upper body further along by the same distance."""
+        """Whether the contact ratchets: each revolution leaves the upper body further along by the
+        same distance, so that the displacement U grows without end.
+        """
         path_repeats = bool(self.cycle_starts)
         last_revolution_failed = len(self.cycle_change) < len(self.cycle_starts)
         if not path_repeats or last_revolution_failed:
             return False
         ends_of_cycles = [*self.cycle_starts, len(self.states) - 1]
         drifts = np.diff([self.states[index].shift for index in ends_of_cycles]).tolist()
+        # Where the last revolution is steady to round-off, its drift alone counts, and stays.
         if self.cycle_change[-1] <= _EQUAL:
             drifts = [drifts[-1], drifts[-1]]
         last_cycle = self.states[self.cycle_starts[-1] :]
@@ -270,8 +282,20 @@ class PathRun:
         leg: LoadSegment | None,
         units: tuple[float, ...],
     ) -> None:
-        """Add some increments of a curved leg, or of straight ones, with their energies and checks;
-        all of them or, where Ctrl-C comes in between, none.
+        """Append solved increments to the run, with their energies, checks of the law of contact,
+        and friction work; all of them or, where Ctrl-C comes in between, none.
+
+        Parameters
+        ----------
+        problem
+            the contact problem
+        increments
+            that follow the last state of the run
+        leg
+            the curved segment of the load path that they are on; None on straight ones, where the
+            loads enclose no area with their chords
+        units
+            what each load is divided by
         """
         if not increments:
             return
@@ -286,7 +310,7 @@ class PathRun:
         energies = vars(increment_energies(problem, states, solved_states, area)).copy()
         dissipation = energies.pop("dissipation")  # of each increment and node
         block = certificates(problem, states) | energies | {"dissipation": dissipation.sum(axis=1)}
-        # at once: Ctrl-C comes before or after it
+        # All attributes at once: Ctrl-C comes before or after it.
         vars(self).update(
             states=self.states + states[1:],
             blocks=[*self.blocks, block],
@@ -304,17 +328,19 @@ class PathRun:
             self._first_of_stretch = last_state
 
     def close_cycle(self, edge_excess: Excess) -> None:
-        """End a revolution and take off what edges between nodes add to its dissipation, of
-        increments and nodes in proportion.
+        """End a revolution: correct its friction work, of increments and of nodes, by one factor
+        for edges of contact and stick that lie between nodes, and store it.
+
+        `edge_excess` is what the mesh adds to the work, since edges jump from node to node.
         """
         work = float(self.density.sum())
         factor = 1 - edge_excess.value / work if work > 0 else 1.0
         first_of_cycle = self.cycle_starts[-1]
-        end = len(self.iterations)
+        first_of_block = len(self.iterations)
         for number in reversed(range(len(self.blocks))):
             block = self.blocks[number]
-            end -= len(block["loop"])  # now the first increment of the block
-            if end < first_of_cycle:
+            first_of_block -= len(block["loop"])
+            if first_of_block < first_of_cycle:
                 break
             corrected_sums = {name: block[name] * factor for name in ("dissipation", "loop")}
             self.blocks[number] = block | corrected_sums
@@ -322,8 +348,10 @@ class PathRun:
         self.excess.append(edge_excess)
 
     def _thin(self, first_state: int, last_state: int) -> None:
-        """Drop states of a stretch, or earlier ones, where too many are stored; its last one stays:
-        the next increment starts from it.
+        """Free memory on a long path: take pressure, shear and gap off states from `first_state` up
+        to, not including, `last_state`, and off earlier ones where too many are still stored.
+
+        The next increment starts from the last state, which stays complete.
         """
         thinning = self._thinning
         thinning.ends[last_state] = len(thinning.ends)
@@ -339,9 +367,11 @@ class PathRun:
                 thinning.n_stored -= sum(self._drop(stored) for stored in earlier_steps)
 
     def _drop(self, index: int) -> bool:
-        """Take pressure, shear and gap off a state, if it is not to keep them; whether it was so.
+        """Take pressure, shear and gap off the state of this index, unless it is to be stored;
+        whether they were taken off.
 
-        The largest P and the ends of the last cycle stay.
+        Stored are the first state, that of the largest P, the ends of the last cycle, and those
+        that the thinning of a long path keeps.
         """
         if index in (0, self._thinning.largest, *self.cycle_starts[-2:]):
             return False
@@ -382,7 +412,9 @@ class Pace:
     of_kinks: bool = False
 
     def units(self, problem: ContactProblem) -> tuple[float, ...]:
-        """What each of the five loads of `path` is divided by, or the movement in its place."""
+        """What each load is divided by: P, Q, both bulk stresses, tilt or moment; of P and Q, where
+        an actuator's movement stands in their place, what that is divided by.
+        """
         bulk_stress = self.load / self.half_width
         tilt = bulk_stress / self.modulus
         moment = self.load * self.half_width
@@ -403,19 +435,28 @@ def run_path(
     uncertainty: Callable[[PathRun], float] = lambda _run: np.inf,
     keep_all: bool = False,
 ) -> PathRun:
-    """Follow `path` for at most `cycles` revolutions; stop once a revolution repeats.
+    """Follow a load path increment by increment: initial loading, then at most `cycles`
+    revolutions, until one repeats the one before.
 
-    A revolution repeats where its nodal forces do, and what is left of the dissipation's way is
-    less than its uncertainty. A ConvergenceError or Ctrl-C ends the run and becomes its `failure`;
+    A revolution repeats where its nodal forces do, and the friction work W is closer to its limit
+    than W is uncertain. A ConvergenceError or Ctrl-C ends the run and becomes its `failure`;
     everything solved before it stays.
 
     Parameters
     ----------
+    problem
+        the contact problem, scaled
+    path
+        loads over time
+    pace
+        units of the loads, and how finely the path is stepped
+    progress
+        called with (done, total, text) as work goes on
     uncertainty
-        that mesh and steps give the dissipation, scaled; where it is unknown, NaN: `REPEATS` of
-        the dissipation
+        function from the run to the uncertainty of W by mesh and steps, scaled; NaN where it is
+        unknown: then 5e-4 of W
     keep_all
-        whether all states of a long path are stored
+        whether all states of a long path stay complete, instead of being thinned out
     """
     # Thinned only where theory on the straight steps between the instants is theory on the path
     # itself, whichever of them are kept.
@@ -497,9 +538,18 @@ class _Follower:
     def follow(
         self, legs: tuple[LoadSegment, ...], n_increments_of_longest: float, title: str
     ) -> None:
-        """Follow some legs, with so many regular increments in the longest of them.
+        """Solve the increments along some segments of the load path and append them to the run.
 
-        What was solved before an error or Ctrl-C is added to the run too.
+        What was solved before an error or Ctrl-C is appended too.
+
+        Parameters
+        ----------
+        legs
+            segments of the load path, each between two vertices or a whole curve
+        n_increments_of_longest
+            regular increments of the longest segment; shorter ones have fewer
+        title
+            of this part of the path, for reports of progress
         """
         pieces = self._stretches(legs, n_increments_of_longest)
         units = self.pace.units(self.problem)
@@ -528,8 +578,8 @@ class _Follower:
     def _stretches(
         self, legs: tuple[LoadSegment, ...], n_increments_of_longest: float
     ) -> list[Stretch]:
-        """The pieces of the legs between their turning points; a shorter leg has fewer increments
-        in proportion.
+        """Cut segments of the load path at their turning points, each part with the ends of its
+        regular increments; a shorter segment has fewer of them, in proportion to its duration.
         """
         # Where U is given, U turns round, and not Q - f P.
         tangential_load_given = self.problem.actuators.tangential is None
@@ -608,12 +658,12 @@ class _Batch:
 
 
 def _reference_dissipation(run: PathRun, pace: Pace, friction: float) -> float:
-    """What the step tolerance refers to: the dissipation of the revolution before, or the one
-    expected, or a share of f^2 P^2/E*.
+    """Friction work of a revolution, scaled, that the tolerated error of increments refers to: that
+    of the revolution before, or the one expected, but at least 3e-3 f^2 P^2/E*.
 
-    Rounded down to a power of two: what the initial loading left in the revolution before shall not
-    choose other increments. In units of f^2: Q in proportion to f has the same increments, whatever
-    f is.
+    It is rounded down to a power of two, so that what little the initial loading left in the
+    revolution before does not change the increments. It is in units of f^2, so that a Q in
+    proportion to f has the same increments, whatever f is. `friction` is f.
     """
     unit = max(friction**2, 1e-300)  # without friction there is no step error
     expected_work = float(run.cycle_density[-1].sum()) if run.cycle_density else pace.dissipation
@@ -622,8 +672,8 @@ def _reference_dissipation(run: PathRun, pace: Pace, friction: float) -> float:
 
 
 def _change(state_before: InterfaceState, state_after: InterfaceState, friction: float) -> float:
-    """Largest change of a nodal p, or of a nodal q over f, over the largest p: with little friction
-    all of q is little.
+    """Largest change of a nodal force between two states, over the largest nodal p: of p, or of q
+    over f (over 1 if f > 1), since with little friction all of q is small.
     """
     change_of_pressure = np.abs(state_after.pressure - state_before.pressure).max()
     change_of_shear = np.abs(state_after.shear - state_before.shear).max()

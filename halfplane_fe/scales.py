@@ -144,9 +144,11 @@ def contact_modulus(lower: Elastic, upper: Elastic) -> float:
 
 
 def from_datum(scene: Scene, run: PathRun, ratio: float) -> PathRun:
-    """The run with approach and shift counted from a datum length `ratio` times that of its bodies.
+    """Convert normal approach and tangential displacement of a run to another datum length, the
+    distance from a force at which a half-plane's surface counts as unmoved.
 
-    The energies of the record stay those of the datum that the run had.
+    The new datum is `ratio` times the run's. Displacements change by a compliance times P or Q; the
+    energies in the run stay those of its own datum.
     """
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     displacement_per_load = compliance_beyond(scene, ratio) * modulus
@@ -197,7 +199,11 @@ def on_half(scene: Scene, faces: Interface) -> bool:
 
 
 def find_scales(scene: Scene, work: Counter[str]) -> Scales:
-    """Run the scene on a coarse mesh of its own size; `work` counts the condensations.
+    """Length and load scales of a contact, by following its load path on a coarse mesh: half-width,
+    edges, largest load, friction work.
+
+    The size of the coarse mesh follows from the contact itself, found in a few normal solutions.
+    Where the approach is prescribed, the load is estimated first. `work` counts condensations.
 
     Raises
     ------
@@ -212,9 +218,16 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
 
 
 def _load_of_approach(scene: Scene, work: Counter[str]) -> float:
-    """The load (over thickness) at which the actuator has its largest prescribed approach, between
-    half-planes whose datum is as far from the contact as the bodies are deep; found by a root of
-    the logarithm of the load.
+    """Estimate of the largest normal load [force per thickness] where an actuator prescribes the
+    approach: the load that presses two half-planes together by the largest approach.
+
+    The half-planes count as unmoved as far from the contact as the bodies are deep. Root of the
+    approach over the logarithm of the load, by bracketing. `work` counts condensations.
+
+    Raises
+    ------
+    InputError
+        Where no load within a factor of e^20 has this approach.
     """
     approach = largest_load(scene)
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
@@ -227,7 +240,7 @@ def _load_of_approach(scene: Scene, work: Counter[str]) -> float:
     coarse_pair = _CoarsePair(half_planes, 1.0, modulus, work)
 
     def excess_approach(logarithm: float) -> float:
-        """Approach of the actuator at a load, beyond the one that is looked for."""
+        """Approach of the actuator at the load of this logarithm, minus the prescribed one."""
         coarse_pair.load = float(np.exp(logarithm))
         size = _fitting_size(coarse_pair)
         pressed_state = _pressed(coarse_pair, size)[1]
@@ -236,17 +249,12 @@ def _load_of_approach(scene: Scene, work: Counter[str]) -> float:
         return (pressed_state.approach + compliance) * coarse_pair.load / modulus - approach
 
     first_logarithm = float(np.log(modulus * approach))
-    for half_width_of_bracket in range(1, _MOST_WIDTHS):
-        if (
-            excess_approach(first_logarithm - half_width_of_bracket)
-            < 0
-            < excess_approach(first_logarithm + half_width_of_bracket)
-        ):
-            bracket = (
-                first_logarithm - half_width_of_bracket,
-                first_logarithm + half_width_of_bracket,
-            )
-            return float(np.exp(scipy.optimize.brentq(excess_approach, *bracket, xtol=_LITTLE)))
+    for half_range in range(1, _MOST_WIDTHS):
+        lower_end = first_logarithm - half_range
+        upper_end = first_logarithm + half_range
+        if excess_approach(lower_end) < 0 < excess_approach(upper_end):
+            logarithm = scipy.optimize.brentq(excess_approach, lower_end, upper_end, xtol=_LITTLE)
+            return float(np.exp(logarithm))
     raise InputError(
         f"load.approach: no load presses the bodies together by {approach:.6g}; check profile and"
         " units"
@@ -261,8 +269,16 @@ def on_half_planes(scene: Scene, datum: float) -> Scene:
 
 
 def _scales_at(scene: Scene, load: float, work: Counter[str]) -> Scales:
-    """Scales of the scene by a run on a coarse mesh, whose loads are over `load`, the size of the
-    largest; the side of the bodies that may touch grows until it holds the contact.
+    """Length and load scales of a contact by a run along its load path on a coarse mesh, whose fine
+    part of the face is enlarged until the contact stays within it.
+
+    `load` is the largest normal load, which loads are divided by [force per thickness]. `work`
+    counts condensations.
+
+    Raises
+    ------
+    InputError
+        Where the contact reaches past the end of the narrower face.
     """
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     pair = _CoarsePair(scene, load, modulus, work)
@@ -288,8 +304,18 @@ def _scales_at(scene: Scene, load: float, work: Counter[str]) -> Scales:
 def _scales_of_run(
     pair: _CoarsePair, face_half_width: float, problem: ContactProblem, run: PathRun
 ) -> Scales:
-    """Scales by a run whose lengths are over `face_half_width`, half the width of the side that may
-    touch: half-width and reach of the contact, innermost edge, largest pressure, friction work.
+    """Read the scales of a contact off a run on a coarse mesh: half-width and reach of the contact,
+    innermost place of an edge, largest load and pressure, friction work of the last revolution.
+
+    Parameters
+    ----------
+    pair
+        the coarse bodies, with the load and modulus that the run is scaled by
+    face_half_width
+        half the width of the part of the face that may touch, which lengths of the run are over
+        [length]
+    problem, run
+        the contact problem, and its states along the load path
     """
     scene = pair.scene
     load = pair.load
@@ -303,14 +329,15 @@ def _scales_of_run(
     )
     innermost_edge = 0.0
     if path_of(scene).period is not None:
-        # the first one too: the hook that it locks in stays
+        # The first revolution too: the kink of q that it leaves where edges turned stays for good.
         rows_of_cycles = slice(run.cycle_starts[0] + 1, None)
         surface_states = reported_states(problem, run.states, run.cycle_starts)[rows_of_cycles]
         innermost_edge = _innermost_edge(
             problem, run.states[rows_of_cycles], surface_states == STICK, anywhere=scene.unsymmetric
         )
+    # Rounded down, so that no last digit of the coarse run moves the mesh.
     innermost_edge = np.floor(_ROUGH * innermost_edge / half_width) / _ROUGH * half_width
-    # the pressure's slope is infinite there, a coarse mesh 0.1 % off
+    # Fine elements begin at a kink of the profile: the slope of the pressure is infinite there.
     first_kink = min(scene.profile.kinks, default=np.inf)
     return Scales(
         half_width=face_half_width * half_width,
@@ -362,11 +389,11 @@ class RoomForContact:
 
 
 def estimate_room(scene: Scene, work: Counter[str]) -> RoomForContact:
-    """Whether bodies have room for the contact, for a part of the cost of finding all scales.
+    """Quick estimate of the largest contact on bodies of finite size, and a check that their faces
+    are wide enough for it.
 
-    The half-width of the side that may touch follows from the contact itself. Then the bodies go
-    through one revolution of few increments; of a record, through its rows of extreme loads. `work`
-    counts what was done.
+    One revolution of a dozen increments is followed on a coarse mesh; of a record of measured loads
+    the rows of extreme loads. `work` counts condensations.
 
     Raises
     ------
@@ -396,8 +423,11 @@ def estimate_room(scene: Scene, work: Counter[str]) -> RoomForContact:
 
 
 def _size_near_contact(pair: _CoarsePair) -> float:
-    """Half-width of the side that may touch of which the contact at the largest load takes a good
-    part, found from the contact on another such side.
+    """Half-width [length] of the part of the face to be meshed finely, so that the contact at the
+    largest load takes 0.3 of it or more, but not all.
+
+    It is twice the half-width of the contact that was found with another such part. Where that
+    would come near the end of the face, the whole face is taken. `pair` are the coarse bodies.
     """
     face_half_width = min(_size_on_half_planes(pair), pair.room)
     for _ in range(_ENLARGEMENTS):
@@ -412,10 +442,11 @@ def _size_near_contact(pair: _CoarsePair) -> float:
 
 
 def _with_extreme_rows(scene: Scene) -> Scene:
-    """The scene with the rows of extreme loads alone, where its load is a record of many rows.
+    """Shorten a scene whose loads are a record of more than 16 rows to the rows of extreme loads,
+    at which the contact is largest.
 
-    Of P, Q, |Q|/P, bulk stress and tilt the rows of the largest and the smallest value stay, with
-    the first and the last row.
+    Of P, Q, Q/P, bulk stress and tilt the rows of the largest and the smallest value stay, with the
+    first and the last row.
     """
     load = scene.load
     if not isinstance(load, TimeSeriesLoad) or len(load.kept_rows()) <= _MOST_ROWS:
@@ -464,8 +495,11 @@ class _CoarsePair:
         self._made: tuple[float, Interface] | None = None
 
     def faces(self, half_width: float) -> Interface:
-        """The coupled faces in the scene's units of length, where the side that may touch has this
-        half-width.
+        """Contact compliance of the coarse bodies, whose nodes that may touch lie on |x| up to
+        `half_width` [length]; in the scene's units.
+
+        The last one is cached. Half-planes are meshed once, with a half-width of 1: their
+        compliance does not depend on the size, so that only places are scaled.
         """
         size_of_mesh = 1.0 if self.scene.bodies.half_planes else half_width
         if self._made is None or self._made[0] != size_of_mesh:
@@ -473,11 +507,9 @@ class _CoarsePair:
             faces = couple(*condensed_pair(self.scene, bodies, size_of_mesh, self.work))
             self._made = size_of_mesh, without_local_difference(faces, self.scene) or faces
         interface = self._made[1]
-        return (
-            interface
-            if size_of_mesh == half_width
-            else interface.scaled(size_of_mesh / half_width, 1.0)
-        )
+        if size_of_mesh == half_width:
+            return interface
+        return interface.scaled(size_of_mesh / half_width, 1.0)
 
     def problem(
         self,
@@ -486,17 +518,19 @@ class _CoarsePair:
         tangential: bool,
         actuators: Actuators = LOADS_ARE_GIVEN,
     ) -> ContactProblem:
-        """The contact problem of the coarse pair of faces, lengths over `size` and loads over those
-        of the pair.
+        """Scaled contact problem of the coarse bodies: lengths over `size`, forces over the largest
+        load, compliances over 1/E*.
 
         Parameters
         ----------
+        size
+            half-width of the part of the face that may touch [length]
         unscaled
-            the interface of the pair, in the units of the scene
+            contact compliance of the bodies, in the scene's units
         tangential
             whether friction is solved, else normal contact alone
         actuators
-            what is prescribed: loads by default
+            which loads are prescribed as movements: none by default
         """
         interface = unscaled.scaled(size, 1 / self.modulus)
         height = initial_gap(self.scene, unscaled) * self.modulus / self.load
@@ -530,8 +564,18 @@ def _touches_an_end(run: PathRun) -> bool:
 def _coarse_run(
     pair: _CoarsePair, face_half_width: float, steps: int, cycles: int = COARSE_CYCLES
 ) -> tuple[ContactProblem, PathRun]:
-    """The contact problem and the run of the load path on faces of a half-width, in `steps`
-    increments a revolution, `cycles` revolutions at most; the faces are those of the coarse `pair`.
+    """Follow the load path of a scene on a coarse mesh; the contact problem and its states.
+
+    Parameters
+    ----------
+    pair
+        the coarse bodies
+    face_half_width
+        half the width of the part of the face that may touch [length]
+    steps
+        increments of a revolution
+    cycles
+        revolutions at most
 
     Raises
     ------
@@ -549,7 +593,7 @@ def _coarse_run(
         else problem
     )
     pace = Pace(pair.load, steps, np.inf, face_half_width, pair.modulus)
-    # All states, for their edges decide about the mesh; there are few nodes.
+    # All states are stored, for their edges decide about the mesh; there are few nodes.
     run = run_path(
         solved_problem,
         path_of(pair.scene),
@@ -564,13 +608,22 @@ def _coarse_run(
 
 
 def _fitting_size(pair: _CoarsePair) -> float:
-    """Half-width of the side that may touch of which the contact at the largest load takes a good
-    part.
+    """Half-width [length] of the part of the face to be meshed finely, so that the contact at the
+    largest load takes 0.6 to 0.85 of it.
+
+    It is tripled or divided by three until it is bracketed, then bisected in its logarithm. The
+    narrower face limits it. `pair` are the coarse bodies.
+
+    Raises
+    ------
+    InputError
+        Where the contact takes all of the narrower face, or no half-width is found.
     """
     too_small = 0.0
     too_large = np.inf
     face_half_width = min(_size_on_half_planes(pair), pair.room)
-    for _ in range(400):  # a factor of 3 each, then halved: more than floating-point numbers have
+    # Factors of 3, then halved steps: 400 are more than floating-point numbers have.
+    for _ in range(400):
         contact_fraction = _contact_fraction(pair, face_half_width)
         if _FRACTION[0] <= contact_fraction <= _FRACTION[1]:
             return face_half_width
@@ -596,9 +649,10 @@ def _fitting_size(pair: _CoarsePair) -> float:
 
 
 def _size_on_half_planes(pair: _CoarsePair) -> float:
-    """Half-width of the side that may touch of which the contact at the largest load takes a good
-    part, if the bodies were half-planes: near that of the bodies and cheap to find; a first guess
-    if they are half-planes.
+    """First guess of the half-width [length] of the part of the face to be meshed finely: the one
+    that suits the contact if both bodies were half-planes, which is cheap to find.
+
+    Where they are half-planes, it is the datum length of the profile. `pair` are the coarse bodies.
     """
     if pair.scene.bodies.half_planes:
         return pair.scene.profile.datum_length
@@ -607,8 +661,8 @@ def _size_on_half_planes(pair: _CoarsePair) -> float:
 
 
 def _contact_fraction(pair: _CoarsePair, size: float) -> float:
-    """What the contact takes, at the largest load, of a side that may touch of this half-width; 1
-    where all nodes touch.
+    """Half-width of the contact at the largest load over that of the part of the face that may
+    touch (`size` [length]); 1 where all its nodes touch.
     """
     problem, pressed_state = _pressed(pair, size)
     if pressed_state.closed.all():
@@ -643,10 +697,11 @@ def _contact_edges(problem: ContactProblem, states: Sequence[InterfaceState]) ->
 def _innermost_edge(
     problem: ContactProblem, states: Sequence[InterfaceState], sticks: Mask, anywhere: bool
 ) -> float:
-    """The least half-width of the contact or of its stick zone, 0 where nothing sticks.
+    """Innermost place, over some instants, to which an edge of contact or of stick comes: the least
+    half-width of either zone, 0 where nothing sticks; scaled.
 
-    Where the stick zone may be `anywhere`, the least distance of an edge from x = 0, and 0 where
-    one is on the other side of it.
+    Where the zones may be unsymmetric (`anywhere`), it is the least distance of an edge from x = 0,
+    and 0 where an edge crosses it. `sticks` (n_states, n) are the nodes that stick.
     """
     contact_zones = _contact_edges(problem, states)
     is_closed = np.stack([state.closed for state in states])

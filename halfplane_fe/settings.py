@@ -55,8 +55,13 @@ class SolverSettings:
     max_iterations: int = 100
 
     def __post_init__(self) -> None:
-        """InputError for an unknown method, or for a stiffness, number of steps or iterations, or
-        tolerance outside its range.
+        """Refuse settings of the contact solver outside their ranges.
+
+        Raises
+        ------
+        InputError
+            With what is allowed, for the first at fault: method, stiffnesses of trial tractions
+            (over E*/h), steps per cycle, step tolerance, iterations of an increment.
         """
         if self.method not in get_args(Method):
             raise InputError(
@@ -85,7 +90,10 @@ class SolverSettings:
 
     @property
     def stiffnesses(self) -> tuple[float, float]:
-        """Normal and tangential stiffness, over E*/h: those that are set, or the method's own.
+        """Normal and tangential stiffness of trial tractions, or of the penalty layer, over E*/h:
+        as they are set, or by the method's default.
+
+        # notation: E* contact modulus, h surface element at the contact edges
 
         >>> SolverSettings().stiffnesses
         (1000.0, 1000.0)

@@ -160,29 +160,35 @@ def solve(
     scales: Scales | None = None,
     bodies: Bodies = "meshed",
 ) -> ContactSolution:
-    """Solve a scene by finite elements, on the mesh's own points and the stepping's own instants.
+    """Solve a frictional contact by finite elements along its load path: pressure, shear, slip,
+    edges and friction work, at the nodes of the mesh and at the instants of the increments.
+
+    Both bodies are meshed and condensed to their contact nodes, coupled there, and followed
+    increment by increment until a cycle repeats.
 
     Parameters
     ----------
     scene
-        the question, or its name in the library, or the path of its file
+        bodies, materials, profile, friction and loads; or the name of a scene of the library, or
+        the path of a scene file
     mesh, settings
-        how it is cut and iterated; defaults serve the paper's scenes
+        of the meshes, and of the contact solver and its increments; defaults serve the paper's
+        scenes
     progress
         called with (done, total, text) as work goes on
     scales
-        those of an earlier solution of the same scene, on whatever mesh: spares the coarse run,
-        moves no number
+        of an earlier solution of the same scene, on any mesh: spares the run on a coarse mesh,
+        changes no number
     bodies
-        "meshed"; or "kernel": half-planes with the remainder kernels of the bodies, which a coarse
-        mesh of each gives (`kernel_bodies`). The answer to this is a KernelSolution: it has no
-        meshes and no fields inside the bodies
+        "meshed"; or "kernel": half-planes plus the smooth compliance that the size of each body
+        adds, from a coarse mesh of it. The result is then a KernelSolution, without fields inside
+        the bodies
 
     Raises
     ------
     InputError
-        For a scene that does not pass its own check; with "kernel" for bodies that `body_effects`
-        refuses.
+        For a scene that finite elements do not take; with "kernel" for faces other than flats, arcs
+        and flats between arcs, for rollers with free sides, and for bulk stress.
     InadmissibleLoadError
         If the path has gross sliding or separation, with instant and loads.
     ConvergenceError
@@ -194,7 +200,7 @@ def solve(
     >>> round(float(fe.contact_half_width.max()), 2)  # a = 1 mm by Hertz
     1.0
     """
-    # Threads of BLAS gain nothing on matrices of a few hundred rows, and forty-fold time was seen
+    # Threads of BLAS gain nothing on matrices of a few hundred rows, and take forty times as long
     # where they share busy cores.
     with threadpool_limits(limits=1, user_api="blas"):
         report = progress or (lambda _step, _of_steps, _text: None)
@@ -227,17 +233,23 @@ def _solve(
     *,
     by_kernels: bool,
 ) -> ContactSolution:
-    """Solve a scene: scales by a coarse run, meshes, condensed bodies, the coupled interface, the
-    load path, and the answer with its uncertainties; errors carry the part that was solved.
+    """Solve a scene in its stages: scales by a run on a coarse mesh, meshes, condensed compliances,
+    coupling of both bodies, load path, and the solution with uncertainties and notes.
+
+    Where the load path is not followed to its end, the error that is raised carries the solution up
+    to there.
 
     Parameters
     ----------
-    known_scales
-        scales of an earlier solution, which spare the coarse run
-    by_kernels
-        half-planes with the kernels of the bodies, instead of meshed bodies
+    mesh, settings
+        of the meshes, and of the contact solver
     report
         called with (done, total, text) as work proceeds
+    known_scales
+        scales of an earlier solution, which spare the run on a coarse mesh
+    by_kernels
+        half-planes plus the smooth compliance that the size of each body adds, instead of meshed
+        bodies
     """
     watch = _Watch()
     check_loads(scene)
@@ -297,10 +309,11 @@ def _of_kernels(answer: FiniteElementSolution, kernels: KernelPair) -> FiniteEle
 
 
 def _of_last_cycle(answer: FiniteElementSolution, notes: tuple[str, ...]) -> FiniteElementSolution:
-    """The answer to a scene that states the loads of the last cycle alone, with further notes.
+    """Complete the solution of a rig, whose loads were found along with it: its scene states the
+    loads of the last cycle, which has to close.
 
-    The loads of a cycle that is not quite steady do not close, and those of the scene do: the last
-    instant states the loads of the first.
+    Loads of a cycle that is not quite steady do not close. The last instant then states the loads
+    of the first, and a sentence says by how much they differ. `notes` are further sentences.
     """
     loads = {
         "normal_load": answer.normal_load.copy(),
@@ -316,8 +329,7 @@ def _of_last_cycle(answer: FiniteElementSolution, notes: tuple[str, ...]) -> Fin
             notes = (
                 *notes,
                 f"rig: P and Q at the end of the cycle differ by {share_of_load:.1g} of the largest"
-                " P from"
-                " those at its begin, which its last instant states",
+                " P from those at its begin, which its last instant states",
             )
         for load in loads.values():
             load[last_step] = load[first_step]
@@ -349,14 +361,18 @@ class _Faces(NamedTuple):
 def _solve_path(
     task: Task, faces: _Faces, datum_length: float, work: Counter[str], report: Progress
 ) -> tuple[ContactProblem, PathRun]:
-    """Follow the load path on faces without the part of N - T that only the mesh makes, N and T the
-    normal and the tangential compliance; on the faces as they are where there is none, or where the
-    contact does not converge without it.
+    """Follow the load path of a scene on its meshed bodies; the contact problem and its states.
+
+    The compliance of the faces is tried first without the error that the mesh adds between nearby
+    nodes. Where that error cannot be told apart, or the contact does not converge without it, the
+    compliance is taken as it is. Faces that are their own mirror image are solved on one half.
 
     Parameters
     ----------
     task
-        scene, meshes, settings and scales
+        the scene, its meshes, settings, and the scales of its variables
+    faces
+        contact compliance of the bodies, as meshed and without the mesh's error
     datum_length
         distance from a force at which a half-plane's surface counts as unmoved [length]
     work
@@ -420,13 +436,23 @@ class _Watch:
 def _contact_problem(
     task: Task, unscaled_faces: Interface, datum: float, work: Counter[str]
 ) -> ContactProblem:
-    """The problem of the contact between two meshed faces, scaled by half-width, E* and load: gap,
-    friction, and the stiffnesses of the method.
+    """Scaled contact problem of two meshed bodies: compliance, initial gap, friction, and the
+    stiffnesses by which the solver decides about the states of nodes.
 
-    Penalty puts them into an elastic layer between the faces. Other methods have no layer: a trial
-    traction, which says whether a node opens or slips, is the traction plus a stiffness times the
-    gap or the slip. `datum` is the length from which half-planes count displacements; `work` counts
-    what is done.
+    Lengths are over the contact half-width, forces over the largest load, compliances over 1/E*.
+    The penalty method puts the stiffnesses into an elastic layer between the faces. Other methods
+    have no layer: they weight gap and slip in trial tractions.
+
+    Parameters
+    ----------
+    task
+        the scene, its meshes, settings, and the scales of its variables
+    unscaled_faces
+        contact compliance of the bodies in the scene's units
+    datum
+        distance from a force at which a half-plane's surface counts as unmoved [length]
+    work
+        counters of the solution
     """
     scene = task.scene
     scales = task.scales
@@ -477,26 +503,26 @@ def _solution(
     run: PathRun,
     seconds: Mapping[str, float],
 ) -> FiniteElementSolution:
-    """The answer of a run in the scene's units: fields, edges, friction work, their uncertainties,
-    the record with its notes, and what was done.
+    """Solution in the scene's units from the contact states along a load path: tractions, slip,
+    edges, friction work, their uncertainties, notes for the reader, and the effort.
 
     Parameters
     ----------
     task
-        scene, meshes, settings and scales
+        the scene, its meshes, settings, and the scales of its variables
     condensed
-        lower and upper body, condensed to their faces
+        compliance of the lower and upper body, condensed to the nodes of their faces
     problem, run
-        the contact problem and its states along the path
+        the contact problem and its states along the path, scaled
     seconds
-        time of each stage
+        name of a stage -> its time [s]
     """
     scene = task.scene
     scales = task.scales
     arrays = answer_arrays(scene, problem, run, scales)
     work_uncertainty = dissipation_uncertainty(task, run, arrays)
     uncertainties_of_values = value_uncertainties(task, problem, run, arrays)
-    # After that of permanent stick, which ends where no edge jumps to.
+    # Only after the uncertainty of permanent stick: that zone ends where no edge jumps to.
     arrays["stick_edge_uncertainty"] = freeze(
         np.maximum(
             arrays["stick_edge_uncertainty"],

@@ -17,14 +17,18 @@ if TYPE_CHECKING:
 
 
 def require_solvable(scene: Scene, mesh: MeshSettings | None = None) -> RoomForContact | None:
-    """Raise where `solve` would refuse a scene before it meshes it: by its loads, and of real
-    bodies by an estimate of the largest contact on a coarse mesh.
+    """Check in about a second whether finite elements can solve a scene: its loads, its supports,
+    and, of bodies of finite size, whether their faces are wide enough for the contact.
+
+    The contact is estimated on a coarse mesh.
 
     Parameters
     ----------
+    scene
+        to be checked
     mesh
-        settings of the mesh that `solve` is to make, None for the default ones: whether the bodies
-        can be meshed so finely is checked too
+        settings of the mesh of a later solution, None for the default ones: whether the bodies can
+        be meshed so finely is checked too
 
     Returns
     -------
@@ -34,9 +38,9 @@ def require_solvable(scene: Scene, mesh: MeshSettings | None = None) -> RoomForC
     Raises
     ------
     InputError
-        For a load path, supports or a face too narrow for the contact that `solve` refuses.
+        For loads or supports that finite elements do not take, for a face too narrow.
     ConvergenceError
-        Where its coarse run does not converge.
+        Where the solution on the coarse mesh does not converge.
     """
     check_loads(scene)
     if scene.bodies.half_planes:

@@ -12,11 +12,12 @@ from scenes import Block, InputError, Pad, Scene, Shape, sampled
 
 
 def check_bulk_stress(scene: Scene) -> None:
-    """Refuse bulk stress in bodies without ends that can be pulled.
+    """Refuse a bulk stress (along x, far from the contact) in bodies without ends that could be
+    pulled.
 
     Half-planes have their ends far away. A block with free sides is a specimen between grips: its
-    stress is the mean of both ends. Walls hold a guided one. A pad or a cylinder is part of an
-    indenter, whose stress along x the contact and the base make.
+    stress is the mean of both ends. The sides of a guided block are held by walls. A pad or a
+    cylinder is part of an indenter, whose stress along x comes from contact and base.
 
     Raises
     ------
@@ -43,13 +44,15 @@ def has_ends(body: Shape) -> bool:
 
 
 def check_supports(scene: Scene) -> None:
-    """Refuse bodies that a tangential load would push off their supports.
+    """Refuse bodies that a tangential load would push off their supports: blocks and pads on
+    rollers with free sides.
+
+    A block whose ends are pulled by a bulk stress is held there.
 
     Raises
     ------
     InputError
-        For a block or pad on rollers with free sides under a tangential load, but for a block whose
-        ends a bulk stress pulls: they hold the load too.
+        With supports that would hold the body.
     """
     is_sheared = sheared(scene)
     for name, body in (("lower", scene.bodies.lower), ("upper", scene.bodies.upper)):

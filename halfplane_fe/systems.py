@@ -97,8 +97,8 @@ def _lu_solve(factors: LuFactors, right: Array) -> Array:
 
 
 def _few_rows_times(rows: Array, matrix: Array) -> Array:
-    """(k, n) product of k rows (k, m) and a matrix (m, n): row by row if they are few, for the
-    product of two matrices begins with a copy of both.
+    """Product (k, n) of a matrix of few rows (k, m) and a matrix (m, n), row by row where k <= 3:
+    numpy's product of two matrices would begin with a copy of both.
     """
     if len(rows) > _FEW_ROWS:
         return np.asarray(rows @ matrix)
@@ -277,18 +277,31 @@ class _Nested:
         total: Array,
         compliance_of_rig: float | None,
     ) -> tuple[Array, Array, Array]:
-        """Forces F (n, m) that add up to a total, the rigid motion r (m,), and C F - r (n, m).
+        """Solve for nodal forces of m load cases where the first nodes are held at known
+        displacements and the other nodes carry known forces.
+
+        With the compliance C (n, n) of all nodes, forces F, and a rigid motion r of the body, the
+        displacement of a node is (C F - r). The inverse of the first k rows and columns of C is
+        X_k^T X_k for every k, X_k being those of one triangular matrix.
 
         Parameters
         ----------
         n_held
-            the first nodes, whose C F - r is known; of the others F is known
+            number of the first nodes, whose displacement is known; of the others F is known
         n_touching
-            nodes beyond which the known F is most often 0
+            number of nodes beyond which the known F is most often 0
         known_values
-            (n, m) what is known of each node
+            (n, m) the known displacement or force of each node
         total
-            (m,) sum of F; with a compliance c of the rig, r + c times that sum
+            (m,) sum of F; where an actuator with the compliance c moves the body, r + c times
+            that sum
+        compliance_of_rig
+            c; None where the load is given
+
+        Returns
+        -------
+        forces, rigid_motion, displacements
+            F (n, m), r (m,), C F - r (n, m).
         """
         forces = known_values.copy()
         displacements = known_values.copy()
@@ -342,6 +355,9 @@ class Systems:
     actuators: Actuators = LOADS_ARE_GIVEN
 
     def __post_init__(self) -> None:
+        """Assemble the matrix of all equations; where pressure and shear do not act on each other,
+        factorise both compliances for sets of nodes that are nested by ascending x.
+        """
         faces = self.interface
         self.normal = faces.normal + np.diag(self.layer.normal)
         self.tangential = faces.tangential + np.diag(self.layer.tangential)
@@ -360,7 +376,7 @@ class Systems:
         self._bases: list[_Base] = []  # what was used last comes last
         self._factorised: dict[bytes, _Base] = {}  # of `corrections`, by states
         self._nested: list[_Nested] = []
-        # p does not depend on q then
+        # Pressure does not depend on shear then.
         if faces.coupling is None and faces.flat and faces.imposed is None:
             self._nested = [
                 _Nested(compliance, factor)
@@ -368,14 +384,19 @@ class Systems:
             ]
 
     def _assembled(self) -> Array:
-        """(2 n + 2, 2 n + 5) gap, slip and the two loads by z, as if all nodes stuck, and by bulk
-        stresses and tilt.
+        """Matrix of the linear equations of the contact as if all n nodes stuck, (2 n + 2,
+        2 n + 5).
+
+        Rows: gap of the nodes, slip of the nodes, P, Q. Columns: p and q of the nodes, normal
+        approach, tangential displacement, both bulk stresses, tilt. Where an actuator's movement
+        stands in the place of a load, its row is c times the load plus the rigid motion, c being
+        the compliance between actuator and contact.
         """
         faces = self.interface
         n = len(faces.x)
         n_x, n_y = faces.normals
         matrix = np.zeros((2 * n + 2, 2 * n + 5))
-        # rows; as columns those of pressure and shear
+        # One range numbers the rows of gap and the columns of pressure; likewise slip and shear.
         gap = pressure = slice(0, n)
         slip = shear = slice(n, 2 * n)
         matrix[gap, pressure] = self.normal
@@ -396,12 +417,12 @@ class Systems:
         else:
             matrix[2 * n + 1, pressure] = -n_x
             matrix[2 * n + 1, shear] = n_y
-        for number, compliance in enumerate(self.actuators):
-            of_shear = number == 1
-            if compliance is not None and not (of_shear and self._held_still):
-                row = matrix[2 * n + number]
+        for direction, compliance in enumerate(self.actuators):  # normal, tangential
+            is_tangential = direction == 1
+            if compliance is not None and not (is_tangential and self._held_still):
+                row = matrix[2 * n + direction]
                 row *= compliance
-                row[2 * n + number] = 1.0
+                row[2 * n + direction] = 1.0
         return matrix
 
     def answers(
@@ -411,24 +432,33 @@ class Systems:
         rows: Indices | None = None,
         changes: Array | None = None,
     ) -> Array:
-        """(n_loads, 3 + 4 n) derivatives of the values of interface states by the loads, and a row
-        for changes that are given.
+        """Derivatives of the contact's values by its loads while the n nodes keep their states, and
+        the values' response to given changes of single equations.
+
+        The values are approach, displacement U and tilt, then slip, p, q and gap of the nodes. A
+        node has two equations, by its state: p = 0 or gap = 0; q = 0, constant slip, or q = +-f p.
 
         Parameters
         ----------
         states
-            which the nodes keep
+            (n,) open, stick or slip
         n_loads
             2 (P and Q) or 5 (bulk stresses and tilt too)
         rows
-            numbers of rows, that of the gap i and that of the slip n + i
+            numbers of equations whose right side changes: i is the normal one of node i, n + i the
+            tangential one
         changes
-            (len(rows),) of these rows while no load changes: one more row of what is returned
+            (len(rows),) these changes, at constant loads
+
+        Returns
+        -------
+        ndarray
+            (n_loads, 3 + 4 n), with one more row for the changes if there are any
 
         Raises
         ------
         SingularSet
-            If the states leave the bodies free to move.
+            If so few nodes hold that the bodies are free to move.
 
         Examples
         --------
@@ -448,8 +478,8 @@ class Systems:
         return self._values_from_base(states, n_loads, rows, changes)
 
     def _is_nested(self, states: States) -> bool:
-        """Whether the first nodes stick, the next ones slide and the last are open, and answers
-        need no base then.
+        """Whether, by ascending x, the first nodes stick, the next ones slide and the last are
+        open, as on one half of a symmetric contact: a faster solution then exists.
         """
         if not self._nested:
             return False
@@ -461,10 +491,22 @@ class Systems:
     def _values_of_nested(
         self, states: States, n_loads: int, rows: Indices | None, changes: Array | None
     ) -> Array:
-        """`answers` of states of which the first nodes stick, the next slip and the last are open.
+        """Derivatives of the contact's values by its loads, (n_loads, 3 + 4 n), where the first
+        nodes stick, the next slide, the last are open, and p does not depend on q.
 
-        Pressure does not depend on shear: of the normal problem the touching nodes are held. Of the
-        tangential one those that stick are held, and the sliding ones carry q = (+-f) p.
+        Two problems follow each other. In the normal one touching nodes are held. In the tangential
+        one sticking nodes are held, and sliding ones carry q = (+-f) p. The values are approach, U
+        and tilt, then slip, p, q and gap of the nodes.
+
+        Parameters
+        ----------
+        states
+            (n,) open, stick or slip
+        n_loads
+            2, of P and Q
+        rows, changes
+            equations whose right side changes at constant loads (i normal, n + i tangential), and
+            by how much: one more row of what is returned; None for none
         """
         n = len(states)
         n_touching = int(np.count_nonzero(states))
@@ -482,7 +524,7 @@ class Systems:
             n_touching, n_touching, prescribed_normal, normal_load, self.actuators.normal
         )
         if self.shears:
-            # T q moves the faces against the slip
+            # Shear of the contact moves the faces against the slip.
             prescribed_tangential[:n_sticking] *= -1
             friction_of_states = slip_sign(states) * self.friction
             prescribed_tangential += friction_of_states[:, None] * pressure
@@ -499,13 +541,28 @@ class Systems:
     def _values_from_base(
         self, states: States, n_loads: int, rows: Indices | None, changes: Array | None
     ) -> Array:
-        """`answers` of any states, by an update of a base."""
+        """Derivatives of the contact's values by its loads, (n_loads, 3 + 4 n), for any states of
+        the nodes, from those of a similar set of states by an update of low rank.
+
+        The values are approach, U and tilt, then slip, p, q and gap of the n nodes.
+
+        Parameters
+        ----------
+        states
+            (n,) open, stick or slip
+        n_loads
+            2 (P and Q) or 5 (bulk stresses and tilt too)
+        rows, changes
+            equations whose right side changes at constant loads (i normal, n + i tangential), and
+            by how much: one more row of what is returned; None for none
+        """
         n = len(states)
         base, differs = self._base_for(states)
         given = np.zeros((0, 2 * n))
         if rows is not None:
             differs[rows] = True
-            differs[n + rows[rows < n]] = True  # an open node with a given p does not slide
+            # An open node with a given p has q = 0, not q = (+-f) p.
+            differs[n + rows[rows < n]] = True
             given = np.zeros((1, 2 * n))
             given[0, rows] = changes
         rows_apart = differs.nonzero()[0]
@@ -525,22 +582,28 @@ class Systems:
     def _updated(
         self, base: _Base, row_states: States, rows: Indices, unit_cases: Indices, given: Array
     ) -> _Update:
-        """A set as reached from a base: amplitudes of the base's unit cases with which the rows in
-        which the two differ read what is given (Sherman-Morrison-Woodbury).
+        """Responses of the contact for one set of node states from cached ones for another set, the
+        base, by an update of low rank (Sherman-Morrison-Woodbury).
+
+        The base's response to a unit right side of each equation in which the sets differ is added
+        with an amplitude, so that the equations of the new set are met:
 
             readings of unit_cases + amplitudes @ readings of rows = given (0 in unit_cases)
             responses = responses to unit_cases + amplitudes @ responses to rows
 
         Parameters
         ----------
+        base
+            the set whose responses are cached
         row_states
-            (2 n,) of the set, see `_Base`
+            (2 n,) states of the n nodes in the new set, for their normal equations, then for their
+            tangential ones
         rows
-            (m,) in which set and base differ, and those in which values are given
+            (m,) equations in which the sets differ, or whose right side is given
         unit_cases
-            (k,) loads, or rows in which set and base do not differ: the first k cases
+            (k,) loads, or equations common to both sets: the first k cases
         given
-            (c, m) what the set prescribes in `rows` in c further cases
+            (c, m) right sides of the equations `rows` in c further cases
         """
         n_units = len(unit_cases)
         cases = np.concatenate([unit_cases, rows])
@@ -561,21 +624,26 @@ class Systems:
     def _readings(
         self, base: _Base, row_states: States, rows: Indices, cases: Indices, responses: Array
     ) -> Array:
-        """(c, m) what a set prescribes in m rows, as it is in c unit cases of a base.
+        """Left sides of m equations of one set of node states, evaluated in c responses of another
+        set, the base: (c, m).
 
-        In a normal row that is p of an open node, else the gap; in a tangential one the slip of a
-        node that sticks, else q - (+-f) p.
+        In a normal equation that is p of an open node, else the gap; in a tangential one the slip
+        of a node that sticks, else q - (+-f) p.
 
         Parameters
         ----------
+        base
+            the set whose responses they are
         row_states
-            (2 n,) of the set, see `_Base`
+            (2 n,) states of the n nodes in the set whose equations are meant, for normal equations,
+            then for tangential ones
         rows
-            (m,) to be read
+            (m,) numbers of the equations: i normal, n + i tangential
         cases
-            (c,) of the base: rows and loads
+            (c,) equation or load whose right side is 1 in each response of the base
         responses
-            (c, 2 n + 3) to these cases
+            (c, 2 n + 3) what the base does not prescribe: gap or p, slip or q of each node, then
+            approach, U, tilt
         """
         n = len(self.normal)
 
@@ -602,16 +670,20 @@ class Systems:
         return readings
 
     def corrections(self, states: States, n_loads: int, changes: Array) -> Array:
-        """`answers`, with changes of all rows: by the factors of the set itself.
+        """Derivatives of the contact's values by its loads while the nodes keep their states, and
+        their response to changes of all equations, by a factorisation of this set's own equations.
+
+        The values are approach, U and tilt, then slip, p, q and gap of the n nodes.
 
         Parameters
         ----------
         states
-            which the nodes keep
+            (n,) open, stick or slip
         n_loads
             2 (P and Q) or 5 (bulk stresses and tilt too)
         changes
-            (2 n,) of all rows while no load changes
+            (2 n,) changes of the right sides at constant loads: of p or gap of each node, then of
+            slip or q - (+-f) p
 
         Returns
         -------
@@ -621,7 +693,7 @@ class Systems:
         Raises
         ------
         SingularSet
-            If the states leave the bodies free to move.
+            If so few nodes hold that the bodies are free to move.
         """
         n = len(states)
         self.work["linear solves"] += 1
@@ -638,27 +710,37 @@ class Systems:
             del self._factorised[next(iter(self._factorised))]
         rows_of_loads = np.arange(2 * n, 2 * n + n_loads)
         case_of_changes = n_loads
-        z = np.zeros((2 * n + 5, n_loads + 1))
-        z[rows_of_loads[2:], np.arange(2, n_loads)] = 1.0
-        z[base.free, case_of_changes] = changes[base.free]
-        right = -self.matrix[base.held] @ z
-        right[base.place_in_held[rows_of_loads[:2]], np.arange(2)] += 1.0
-        of_nodes = base.held < 2 * n
-        right[of_nodes, case_of_changes] += changes[base.held[of_nodes]]
+        # Columns are load cases, then the changes; rows p, q, approach, U, bulk stresses, tilt.
+        unknowns = np.zeros((2 * n + 5, n_loads + 1))
+        unknowns[rows_of_loads[2:], np.arange(2, n_loads)] = 1.0
+        unknowns[base.free, case_of_changes] = changes[base.free]
+        right_side = -self.matrix[base.held] @ unknowns
+        right_side[base.place_in_held[rows_of_loads[:2]], np.arange(2)] += 1.0
+        is_of_node = base.held < 2 * n
+        right_side[is_of_node, case_of_changes] += changes[base.held[is_of_node]]
         assert base.equations is not None  # for the type checker: it has no origin
-        z[base.held] = _lu_solve(base.equations.of_held, right)
-        z[n : 2 * n] += base.traction[:, None] * z[:n]
-        displacements = self.matrix[: 2 * n] @ z
+        unknowns[base.held] = _lu_solve(base.equations.of_held, right_side)
+        # So far q - (+-f) p stands where a node slides.
+        unknowns[n : 2 * n] += base.traction[:, None] * unknowns[:n]
+        displacements = self.matrix[: 2 * n] @ unknowns
         values = np.empty((n_loads + 1, 3 + 4 * n))
-        values[:, :3] = z[[2 * n, 2 * n + 1, 2 * n + 4]].T  # approach, shift, tilt
+        values[:, :3] = unknowns[[2 * n, 2 * n + 1, 2 * n + 4]].T  # approach, U, tilt
         values[:, 3 : 3 + n] = displacements[n:].T  # slip
-        values[:, 3 + n : 3 + 3 * n] = z[: 2 * n].T  # pressure and shear
+        values[:, 3 + n : 3 + 3 * n] = unknowns[: 2 * n].T  # pressure and shear
         values[:, 3 + 3 * n :] = displacements[:n].T  # gap
         return values
 
     def _base_for(self, states: States) -> tuple[_Base, Mask]:
-        """A base for a set, and the rows (2 n,) in which they differ: the base from which the set
-        was reached before, the nearest one or, where it is far, the set itself.
+        """Choose the set of node states whose cached responses those of a new set `states` (n,) are
+        computed from, the base; and the equations (2 n,) in which the two differ.
+
+        It is the base from which the new set was reached before, else the one that differs in the
+        fewest equations. Where that is far, the new set becomes a base itself.
+
+        Raises
+        ------
+        SingularSet
+            Where no node sticks and nothing else holds the bodies.
         """
         # An update of a base makes a pivot of rounding from the zero that this is.
         if not (self._holds_without_stick or STICK in states):
@@ -673,12 +755,13 @@ class Systems:
             factorised_bases = [base for base in self._bases if base.origin is None]
             origin = self._nearest(factorised_bases, _kinds(row_states), _MOST_ROWS_APART)
             base = self._new_base(row_states, origin)
-        # what was used last comes last, and an origin after what has come from it
-        for used in (base, base.origin):
-            if used in self._bases:
-                self._bases.remove(used)
-            if used is not None:
-                self._bases.append(used)
+        # Bases are dropped from the front: what was used last comes last, and the base from which
+        # this one is computed after it.
+        for used_base in (base, base.origin):
+            if used_base in self._bases:
+                self._bases.remove(used_base)
+            if used_base is not None:
+                self._bases.append(used_base)
         base.sets_reached.add(key)
         return base, (base.kinds & kinds) == 0
 
@@ -686,8 +769,11 @@ class Systems:
     def _nearest(
         bases: Sequence[_Base], kinds: NDArray[np.int8], most_rows_apart: int
     ) -> _Base | None:
-        """The base that differs in the fewest rows from a set of rows of these kinds (2 n,), if
-        they are few enough.
+        """Of several sets of node states, the one that differs in the fewest equations from a new
+        set, if these are `most_rows_apart` or fewer; else None.
+
+        `kinds` (2 n,) are the equations of the new set as bits: two equations differ if they have
+        no bit in common.
         """
         if not bases:
             return None
@@ -696,7 +782,13 @@ class Systems:
         return bases[rows_apart.index(least_rows)] if least_rows <= most_rows_apart else None
 
     def _new_base(self, row_states: States, origin: _Base | None) -> _Base:
-        """A base without responses, and with factors if it has no origin."""
+        """Prepare a set of node states whose responses are to be cached: which displacements and
+        forces it prescribes, and where each value of a contact state comes from.
+
+        Its equations are factorised, unless its responses are to be computed from those of an
+        `origin`, another such set. `row_states` (2 n,) are the states of the n nodes for their
+        normal equations, then for their tangential ones.
+        """
         n = len(self.normal)
         states = row_states[:n]
         sticks = (states == STICK) & self.shears
@@ -732,9 +824,20 @@ class Systems:
         )
 
     def _factorise(self, states: States, held: Indices, free: Indices) -> _HeldEquations:
-        """The equations of the rows of a set, by the forces of those that are held."""
+        """LU factors of the equations of a set of node states: displacements of the held equations
+        by their forces; and displacements of the others by these forces.
+
+        Parameters
+        ----------
+        states
+            (n,) open, stick or slip
+        held
+            (k,) equations that prescribe a displacement (gap or slip), then P and Q
+        free
+            (n_free,) equations that prescribe a force
+        """
         self.work["factorisations"] += 1
-        # Sliding nodes take their q along with p.
+        # Of a sliding node q = (+-f) p is no unknown: its effect is added to that of p.
         sliding_nodes = slip_sign(states).nonzero()[0]
         traction = slip_sign(states[sliding_nodes]) * self.friction
         places_of_pressure = np.searchsorted(held, sliding_nodes)
@@ -750,7 +853,13 @@ class Systems:
         return _HeldEquations(_lu(displacements_by_held(held)), displacements_by_held(free))
 
     def _solve_cases(self, base: _Base, required: Indices) -> None:
-        """Have the responses of a base to these unit cases: rows, and loads (from 2 n on)."""
+        """Compute and cache responses of a set of node states, the base, to unit right sides of
+        single equations or unit loads, where they are not cached yet.
+
+        Responses of neighbouring nodes are computed along with them, since edges of contact and
+        stick travel from node to node. `required` are numbers: i normal, n + i tangential, 2 n and
+        above loads. Old bases are dropped beyond a number of bytes.
+        """
         missing_cases = required[base.case_number[required] < 0]
         if not len(missing_cases):
             return
@@ -779,14 +888,17 @@ class Systems:
     def _responses_by_equations(
         self, base: _Base, equations: _HeldEquations, cases: Indices
     ) -> Array:
-        """(c, 2 n + 3) responses of a base to c unit cases, by its own equations.
+        """Responses (c, 2 n + 3) of a set of node states to c unit right sides, by its factorised
+        equations.
 
-        Of a free row the unit case prescribes a force, which moves all rows; of a held row it
-        prescribes the displacement, 1. The forces of the held rows follow, and with them the free
-        displacements:
+        In an equation that prescribes a force (free) that is a unit force, which moves all nodes;
+        in one that prescribes a displacement (held) it is a unit displacement. Forces of the held
+        equations follow, and with them the free displacements:
 
-            of_held @ forces = prescribed displacement - displacements_by_force of held rows
-            free_displacements = free_by_held @ forces + displacements_by_force of free rows
+            of_held @ forces = prescribed displacement - displacements_by_force of held ones
+            free_displacements = free_by_held @ forces + displacements_by_force of free ones
+
+        `cases` are numbers of equations (i normal, n + i tangential) and, from 2 n on, loads.
         """
         n = len(self.normal)
         place_in_held = base.place_in_held[cases]
@@ -802,16 +914,18 @@ class Systems:
         forces = _lu_solve(equations.of_held, held_displacements)
         free_displacements = equations.free_by_held @ forces + displacements_by_force[base.free]
         responses = np.empty((len(cases), 2 * n + 3))
-        responses[:, base.held] = forces.T  # the rigid motion follows the forces in both
+        responses[:, base.held] = forces.T  # approach and U come last in both
         responses[:, base.free] = free_displacements.T
         responses[:, 2 * n + 2] = cases == 2 * n + 4  # the tilt
         return responses
 
     def _responses_by_origin(self, base: _Base, origin: _Base, cases: Indices) -> Array:
-        """(c, 2 n + 3) responses of a base to c unit cases, by an update of those of its origin.
+        """Responses (c, 2 n + 3) of a set of node states, the base, to c unit right sides, from
+        those of another set, its origin, by an update of low rank.
 
-        Of a row that one of the two holds and the other does not, the amplitude in the origin is
-        the response in the base.
+        Where one of the two prescribes a displacement and the other the force, the amplitude that
+        the update finds for the origin is the response of the base. `cases` are numbers of
+        equations (i normal, n + i tangential) and, from 2 n on, loads.
         """
         n = len(self.normal)
         rows_apart = ((origin.kinds & base.kinds) == 0).nonzero()[0]

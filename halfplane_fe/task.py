@@ -59,15 +59,22 @@ class Task:
 def surface_grading(
     mesh: MeshSettings, scales: Scales, profile: Profile, ratio: float = 1.0
 ) -> SurfaceGrading:
-    """Sizes of the surface elements of a body: fine from just inside the innermost edge that
-    contact or stick reaches to just outside the largest contact; sizes times `ratio`. Finer still
-    at x = 0 where the profile has a tip.
+    """Element sizes along the face of a body: finest where edges of contact and stick travel, from
+    just inside the innermost to just outside the outermost place they reach.
 
-    `scales` are what the coarse run found: half-width of the contact, and how far in and out its
-    edges go.
+    Parameters
+    ----------
+    mesh
+        settings; sizes are over the contact half-width a
+    scales
+        of a run on a coarse mesh: a, and the innermost and outermost place of an edge [length]
+    profile
+        initial gap; where it has a tip at x = 0, elements there are halved several times
+    ratio
+        factor on all sizes, of the upper body's elements over the lower one's
     """
-    # notation: a, the contact half-width at the largest load. The coarse run knows edges to a few
-    # hundredths of it.
+    # notation: a contact half-width at the largest load; the coarse run knows edges to a few
+    # hundredths of it
     a = scales.half_width
     inner_end = scales.inner - 0.06 * a
     outer_end = scales.reach + 0.06 * a + 2 * mesh.edge_element_size * a
@@ -82,7 +89,10 @@ def surface_grading(
 
 
 def room_for_contact(scene: Scene, mesh: MeshSettings | None) -> RoomForContact:
-    """How large the contact gets on bodies, by a coarse run, and whether they can be meshed for it.
+    """Largest contact on bodies of finite size, by a run on a coarse mesh, and a check that the
+    bodies can be meshed finely enough for it.
+
+    `mesh` are the settings of that fine mesh, None for the default ones.
 
     Raises
     ------

@@ -35,18 +35,23 @@ class _NormalForces(NamedTuple):
 def pressure_at_known_shear(
     systems: Systems, height: Array, load: float, is_closed: Mask, rounding: float
 ) -> tuple[Array, float, Mask]:
-    """Nodal normal forces p (n,), normal approach delta and closed nodes of unilateral contact at
-    a given `load`, where the tangential forces are known.
+    """Unilateral contact under a given normal `load`, the tangential forces being known: nodal
+    normal forces p (n,), normal approach delta, and which nodes touch. Active-set method.
 
-    With the gap g = height - n_y delta + N p, N the normal compliance `systems.normal` and n_y the
-    normals' share along the load: g >= 0, p >= 0, g p = 0, sum n_y p = load. Active-set method.
+    With the gap g = height - n_y delta + N p:   g >= 0, p >= 0, g p = 0, sum n_y p = load.
+
+    # notation: N normal compliance `systems.normal`, n_y component of the faces' normal along y
 
     Parameters
     ----------
+    systems
+        compliances of the contact nodes
     height
-        (n,) initial gap with the parts of the known tangential forces and shift in it
+        (n,) initial gap, with what known tangential forces and displacement add to it
+    load
+        normal load, scaled
     is_closed
-        (n,) closed nodes to start from
+        (n,) nodes that are assumed to touch first
     rounding
         size of a negative p or g that counts as round-off
 
@@ -75,8 +80,8 @@ def pressure_at_known_shear(
     n_y = systems.interface.normals[1]
 
     def step(is_closed: Mask) -> tuple[_NormalForces, Array, Mask]:
-        """Forces with these nodes closed, by how much each node violates its inequality, and the
-        closed nodes that the violations ask for.
+        """For a set of closed nodes: forces that meet the equations, by how much each node violates
+        its inequality (p >= 0 of closed ones, g >= 0 of open ones), and the next set.
         """
         if not is_closed.any():
             raise SingularSet("no node holds the normal load")
@@ -100,12 +105,28 @@ def pressure_at_known_shear(
 def shear_at_known_pressure(
     systems: Systems, pressure: Array, known_slip: Array, load: float | None, rounding: float
 ) -> tuple[Array, float, States]:
-    """Nodal tangential forces q (n,), tangential shift U and states of friction at known normal
-    forces p = `pressure`: |q| <= f p, slip only where |q| = f p and along q, sum n_y q = load.
+    """Friction at known normal forces (Tresca): nodal tangential forces q (n,), tangential
+    displacement U, and the nodes' states open, stick or slip.
 
-    The slip is n_y U - T q - known_slip, T the tangential compliance `systems.tangential`. The sum
-    of n_y q grows with U from -f P to f P, so U is found by bracketing; without a `load` it is
-    zero.
+    With the slip increment s = n_y U - T q - known_slip:   |q| <= f p, s = 0 where |q| < f p, else
+    s along q, and sum n_y q = load. The sum grows with U from -f P to f P, so that U is found by
+    bracketing.
+
+    # notation: T tangential compliance `systems.tangential`, n_y component of the faces' normal
+    # along y, f coefficient of friction
+
+    Parameters
+    ----------
+    systems
+        compliances of the contact nodes, and f
+    pressure
+        (n,) known normal forces p
+    known_slip
+        (n,) slip at the start of the increment minus what p and imposed loads add
+    load
+        tangential load, scaled; None where U = 0 is prescribed instead
+    rounding
+        size of a violation that counts as round-off
 
     >>> from halfplane_fe.interface import Interface
     >>> from halfplane_fe.systems import Layer
@@ -189,15 +210,25 @@ class _ShearAtShift:
 def _bounded(
     systems: Systems, limit: Array, known_slip: Array, states: States, rounding: float
 ) -> tuple[Array, States]:
-    """Nodal tangential forces q and states of |q| <= limit, by an active-set method from `states`.
+    """Friction at known limits and a known rigid displacement: nodal tangential forces q (n,) and
+    the nodes' states open, stick or slip. Active-set method, from given `states`.
 
-    The slip is s = -T q - known_slip, T the tangential compliance: s = 0 where |q| < limit, s >= 0
-    at the upper bound, s <= 0 at the lower one.
+    With the slip increment s = -T q - known_slip:   s = 0 where |q| < limit, s >= 0 at q = limit,
+    s <= 0 at q = -limit. T is the tangential compliance `systems.tangential`.
+
+    Parameters
+    ----------
+    limit
+        (n,) f p of the nodes
+    known_slip
+        (n,) slip at the start of the increment minus what is not caused by q
+    rounding
+        size of a violation that counts as round-off
     """
 
     def step(states: States) -> tuple[Array, Array, States]:
-        """Forces with these states, by how much each node violates its inequality, and the states
-        that the violations ask for.
+        """For given node states: forces that meet the equations, by how much each node violates its
+        inequality (|q| <= limit of sticking ones, slip along q of sliding ones), and next states.
         """
         sticks = states == STICK
         slips_forward = states == SLIP_FORWARD
@@ -224,16 +255,26 @@ def _bounded(
 def _converged(
     step: Callable[[NodeSet], tuple[Forces, Array, NodeSet]], states: NodeSet
 ) -> tuple[Forces, NodeSet]:
-    """Repeat `step` (states -> forces, violations, next states) until the states of the nodes stay;
-    once they recur, only the node of the largest violation changes. The forces and states at the
-    end.
+    """Active-set iteration: repeat a step until the states of the nodes stay; forces and states at
+    the end.
+
+    When a set of states comes back, only the node of the largest violation changes in that step, so
+    that the iteration does not go round for ever.
+
+    Parameters
+    ----------
+    step
+        function from node states to forces that meet their equations, the violation of each node's
+        inequality, and the next states
+    states
+        (n,) to begin with
 
     Raises
     ------
     ConvergenceError
-        Where the states still change after `_ITERATIONS` steps.
+        Where the states still change after 200 steps.
     """
-    sets_met: set[bytes] = set()
+    sets_met: set[bytes] = set()  # all sets of states so far
     for _ in range(_ITERATIONS):
         forces, violation, next_states = step(states)
         changes = next_states != states
