@@ -18,12 +18,15 @@ products are numbers.
 
 
 def real_numbers(values: Any, name: str) -> NDArray[np.float64]:
-    """Numbers of any shape as an array of floats; what a masked array hides, and None, are NaN.
+    """Convert what a Python caller passes as numbers into an array of floats, of any shape; masked
+    entries and None become NaN.
 
     Parameters
     ----------
+    values
+        a number, nested lists or an array
     name
-        of the argument, for the sentence
+        of the argument, for the message of a refusal
 
     Raises
     ------
@@ -40,7 +43,7 @@ def real_numbers(values: Any, name: str) -> NDArray[np.float64]:
     """
     try:
         unmasked_values = np.asarray(np.ma.getdata(values))
-    except (TypeError, ValueError, OverflowError) as reason:  # rows of unequal length, for one
+    except (TypeError, ValueError, OverflowError) as reason:  # such as rows of unequal length
         raise _refused(values, name, "an array of real numbers is needed") from reason
     if unmasked_values.dtype.kind == "c":
         raise _refused(values, name, "real numbers are needed, not complex ones")

@@ -186,8 +186,8 @@ class TShape(_Sided):
 
     @model_validator(mode="after")
     def _stem_below_a_wider_flange(self) -> Self:
-        """ValueError where the stem is not narrower than the flange, or the flange as high as the
-        body.
+        """Refuse a T-shape whose stem is as wide as its flange, or whose flange is as high as the
+        body (ValueError with what is allowed).
         """
         if self.stem_width >= self.width:
             raise ValueError(
@@ -234,8 +234,8 @@ class ShoulderedPad(_Sided):
 
     @model_validator(mode="after")
     def _pad_on_a_wider_shoulder(self) -> Self:
-        """ValueError where the shoulder is not wider than the pad, or as deep below the contact as
-        the base.
+        """Refuse a pad on a shoulder that is not wider than the pad, or that lies as deep below
+        the contact as the base (ValueError with what is allowed).
         """
         if self.shoulder_width <= self.width:
             raise ValueError(
@@ -281,8 +281,8 @@ class Bodies(Frozen):
 
     @model_validator(mode="after")
     def _fit_together(self) -> Self:
-        """ValueError for two bodies whose faces cannot meet: two of which each would give the
-        profile, or a pad wider than what it faces.
+        """Refuse two bodies that make no contact problem: a pad on another curved body, since one
+        profile cannot be the face of both, or a pad wider than the body it faces (ValueError).
         """
         kinds_of_bodies = (self.lower.kind, self.upper.kind)
         kinds_with_a_profile = [kind for kind in kinds_of_bodies if kind in (*_PADS, "cylinder")]

@@ -87,8 +87,8 @@ class BodyEffects:
     factorisations: int = 0
 
     def __repr__(self) -> str:
-        """Six lines: compliances, curvatures, the next order, tilt and bulk strain that the bodies
-        add, without uncertainties.
+        """Six lines of text on what the finite size of two bodies adds to half-planes: compliances,
+        curvatures, the next order, tilt and strain, without uncertainties.
 
         >>> BodyEffects(datum_length=1000.0, normal_curvature=Estimate(8.5e-8, 1e-12))
         BodyEffects: what the bodies add to half-planes with a datum length of 1000

@@ -70,6 +70,9 @@ class Powers:
     """
 
     def __init__(self, coefficients: Array) -> None:
+        """Convert Chebyshev series (k, n) of n pieces to sums of powers on eight parts of each
+        piece; powers that are round-off on every part are dropped.
+        """
         coefficients_on_parts = _ON_PARTS[..., : len(coefficients)] @ coefficients
         is_needed = np.any(
             np.abs(coefficients_on_parts)
@@ -82,8 +85,11 @@ class Powers:
         ).reshape(n_powers, -1)
 
     def __call__(self, number: NDArray[np.intp], t: Array) -> Array:
-        """Value of the series of these pieces at t, both of one shape; beyond the ends of a piece
-        too.
+        """Values at places t of the series with these numbers, by Horner's rule on the part of the
+        piece in which t lies.
+
+        `number` and `t` have one shape, that of the result. t is in [-1, 1]; outside, the powers of
+        the first or last part are continued.
         """
         place_in_parts = (np.ravel(t) + 1) * (_PARTS / 2)
         part_number = np.clip(place_in_parts.astype(np.intp), 0, _PARTS - 1)
@@ -119,7 +125,9 @@ class Pieces:
     coefficients: Array
 
     def __call__(self, x: ArrayLike) -> Array:
-        """Value at x, any shape; outside, the value of the first or last series."""
+        """Value of the function at x, any shape; outside its range, that of the first or last
+        piece's series continued.
+        """
         x_array = np.asarray(x, dtype=float)
         number = np.clip(
             np.searchsorted(self.edges, x_array, side="right") - 1, 0, len(self.edges) - 2
@@ -142,10 +150,17 @@ class Pieces:
 
 
 def clenshaw(coefficients: Array, number: NDArray[np.intp], t: Array) -> Array:
-    """Sums of Chebyshev series, coefficients[k, number] T_k(t) over k, at places t of series with
-    these numbers; shape of t.
+    """Values of Chebyshev series at places t, by Clenshaw's recurrence: the sum over k of
+    coefficients[k, number] T_k(t), in the shape of t.
 
-    `coefficients` is (n_terms, n_series), `number` has the shape of t, which lies in [-1, 1].
+    Parameters
+    ----------
+    coefficients
+        (n_terms, n_series)
+    number
+        which series counts at each place, in the shape of t
+    t
+        places in [-1, 1]
     """
     pieces = np.ravel(number)
     places = np.ravel(t)
@@ -167,13 +182,23 @@ def clenshaw(coefficients: Array, number: NDArray[np.intp], t: Array) -> Array:
 
 
 def difference(coefficients: Array, t: Any, t_before: Any) -> Any:
-    """(sum c_k T_k(t) - sum c_k T_k(since)) / (t - since), free of cancellation; coefficients (n,),
-    shape of t. Of two floats a float, in a tenth of the time.
+    """Divided difference of a Chebyshev series F between two places, (F(t) - F(t_before)) /
+    (t - t_before), without cancellation however close they are.
+
+    Differences D_k of T_k follow by recurrence from T_(k+1) = 2 t T_k - T_(k-1):
+
+        D_(k+1) = 2 (t D_k + T_k(t_before)) - D_(k-1)
+
+    Parameters
+    ----------
+    coefficients
+        (n,) of F = sum c_k T_k
+    t, t_before
+        places in [-1, 1], any shape; of two floats a float, in a tenth of the time
 
     >>> float(difference(np.array([0.0, 0.0, 1.0]), np.array(0.3), np.array(0.3)))  # T_2' = 4 t
     1.2
     """
-    # Divided differences D_k of T_(k+1) = 2 t T_k - T_(k-1); `value` is T_k(since).
     sum_of_places = t + t_before
     unit = 1.0 if isinstance(sum_of_places, float) else np.ones_like(sum_of_places)
     difference_before = 0.0 * unit
@@ -193,12 +218,21 @@ def difference(coefficients: Array, t: Any, t_before: Any) -> Any:
 
 
 def fit(function: Function, edges: ArrayLike, scale: float | None = None) -> Pieces:
-    """A function by series on pieces between `edges` (n,), cut further until each is resolved to
-    rounding.
+    """Approximate a function to rounding by Chebyshev series on intervals: those between `edges`,
+    halved until each series is accurate.
 
-    Resolved means: to 1e-13 of the largest value on the piece, to 1e-15 of that on the next one, or
-    to 4e-15 of `scale`. A corner inside a piece is found by halving, becomes an edge, and the
-    pieces next to it are computed again.
+    Accurate means: to 1e-13 of the largest value on the interval, to 1e-15 of that on the next one,
+    or to 4e-15 of `scale`. A corner of the function leaves a run of very short intervals. It is
+    then located, becomes an end of two intervals, and all is fitted again.
+
+    Parameters
+    ----------
+    function
+        takes an array of places, returns one of values
+    edges
+        (n,) ascending places, the ends of the first intervals
+    scale
+        size of values beside which errors are negligible
 
     Raises
     ------
@@ -230,25 +264,43 @@ class Unresolved(ValueError):
 
 
 def halved(function: Function, edges: Array, scale: ArrayLike | None = None) -> Pieces:
-    """A function by Chebyshev series on pieces between `edges` (n + 1,), halved until each is
-    resolved to rounding; next to a corner pieces get as short as need be.
+    """Approximate a function by Chebyshev series on intervals, halving all those whose series is
+    not accurate to rounding yet, in turns.
 
-    `scale` is one number or one for each piece between `edges`, (n,). Each turn halves all pieces
-    that are left, and no piece gets shorter than 1e-14 of the first ones: 47 turns at most.
+    No interval gets shorter than 1e-14 of the first ones, so that a corner ends the halving after
+    47 turns at most.
+
+    Parameters
+    ----------
+    function
+        takes an array of places, returns one of values
+    edges
+        (n + 1,) ascending places, the ends of the first intervals
+    scale
+        size of values beside which errors are negligible: one number, or (n,)
+
+    Raises
+    ------
+    Unresolved
+        Where values are no numbers, or one of the first intervals needs more than 400 parts.
     """
+
+    def values_between(begins: Array, ends: Array) -> Array:
+        """(m, DEGREE + 1) values of the function at the Chebyshev points of m intervals."""
+        places = begins[:, None] + (ends - begins)[:, None] * (1 + NODES) / 2
+        return np.asarray(function(places), dtype=float)
+
     begins = edges[:-1]
     ends = edges[1:]
-    first_piece = np.arange(len(edges) - 1)
+    first_piece = np.arange(len(edges) - 1)  # which first interval each one is a part of
     shortest = np.maximum(
         _SHORTEST * (ends - begins), 4e-16 * np.maximum(np.abs(begins), np.abs(ends))
     )
-    values = np.asarray(
-        function(begins[:, None] + (ends - begins)[:, None] * (1 + NODES) / 2), dtype=float
-    )
+    values = values_between(begins, ends)
     largest_values = np.max(np.abs(values), axis=1)
     scales = np.zeros(len(begins)) if scale is None else np.asarray(scale, dtype=float)
-    # What is next to a piece counts too: a piece may be flat.
-    value_floor = np.maximum(
+    # The values on the next interval count too: a function may be zero on one.
+    negligible_value = np.maximum(
         1e-15 * np.maximum(largest_values, np.append(largest_values[1:], 0.0)), 4e-15 * scales
     )
     begins_resolved = [begins[:0]]
@@ -257,7 +309,9 @@ def halved(function: Function, edges: Array, scale: ArrayLike | None = None) -> 
     while len(begins):
         coefficients = series(values)
         n_pieces = n_pieces + np.bincount(first_piece, minlength=len(n_pieces))
-        tail_limits = np.maximum(1e-13 * np.max(np.abs(values), axis=1), value_floor[first_piece])
+        tail_limits = np.maximum(
+            1e-13 * np.max(np.abs(values), axis=1), negligible_value[first_piece]
+        )
         is_rough = (tail(coefficients) > tail_limits) & (ends - begins > shortest[first_piece])
         rough_pieces = np.flatnonzero(
             ~np.all(np.isfinite(values), axis=1) | (is_rough & (n_pieces[first_piece] > _PIECES))
@@ -272,13 +326,8 @@ def halved(function: Function, edges: Array, scale: ArrayLike | None = None) -> 
         middle = (begins + ends) / 2
         begins = np.append(begins, middle)
         ends = np.append(middle, ends)
-        values = (
-            np.asarray(
-                function(begins[:, None] + (ends - begins)[:, None] * (1 + NODES) / 2), dtype=float
-            )
-            if len(begins)
-            else values
-        )
+        if len(begins):
+            values = values_between(begins, ends)
     ascending = np.argsort(np.concatenate(begins_resolved))
     return Pieces(
         np.append(np.concatenate(begins_resolved)[ascending], edges[-1]),
@@ -287,8 +336,10 @@ def halved(function: Function, edges: Array, scale: ArrayLike | None = None) -> 
 
 
 def _short_runs(pieces: Pieces, edges: Array) -> list[tuple[int, int]]:
-    """(first, last + 1) of each run of pieces that halving left short: there is a corner among
-    them.
+    """Runs of neighbouring intervals that halving has left far shorter than the first ones, as next
+    to a corner of the function: (first, last + 1) of each run.
+
+    `edges` are the ends of the first intervals, `pieces` the halved ones.
     """
     piece_lengths = np.diff(pieces.edges)
     lengths_between_edges = np.diff(edges)[
@@ -307,14 +358,23 @@ def _short_runs(pieces: Pieces, edges: Array) -> list[tuple[int, int]]:
 
 
 def _corner(function: Function, pieces: Pieces, run: tuple[int, int]) -> float:
-    """Place of the corner of `function` within a run of short pieces, `run` the indices of its
-    first and last edge: where smooth fits from the left and from the right of the run cross, or
-    where their slopes do if they only touch.
+    """Place of a corner of a function, where halving has left a run of very short intervals.
+
+    Smooth fits from the left and from the right of the run are continued into it. The corner is
+    where they cross, or, if they only touch, where their slopes are equal. Of several such places
+    the one nearest to the shortest interval counts.
+
+    Parameters
+    ----------
+    pieces
+        the halved intervals
+    run
+        indices of the first and of the last end of an interval in the run
     """
     begin, end = (float(pieces.edges[index]) for index in run)
     shortest_piece = run[0] + int(np.argmin(np.diff(pieces.edges[run[0] : run[1] + 1])))
     middle_of_shortest = float(pieces.edges[shortest_piece] + pieces.edges[shortest_piece + 1]) / 2
-    # fitted over 50 lengths of the run, or as far as the pieces reach
+    # Each fit is over 50 lengths of the run, or as far as the function is given.
     width = min(
         50 * (end - begin),
         begin - float(pieces.edges[0]) or np.inf,
@@ -330,11 +390,8 @@ def _corner(function: Function, pieces: Pieces, run: tuple[int, int]) -> float:
     jump_series = chebyshev.Chebyshev.interpolate(
         lambda x: right_fit(x) - left_fit(x), 3, [begin, end]
     )
-    root_places = (
-        (jump_series if jump_series(begin) * jump_series(end) < 0 else jump_series.deriv())
-        .roots()
-        .real
-    )
+    fits_cross = jump_series(begin) * jump_series(end) < 0
+    root_places = (jump_series if fits_cross else jump_series.deriv()).roots().real
     return float(
         min(
             root_places,
@@ -345,8 +402,8 @@ def _corner(function: Function, pieces: Pieces, run: tuple[int, int]) -> float:
 
 
 def values_of(function: Any) -> Callable[[Array], Array]:
-    """A function that takes an array of any shape and returns values of its shape: by the given
-    `function`, called point by point if it can't take arrays.
+    """Make a user's `function` of one variable take arrays of any shape: the returned function
+    calls it once with the array, or point by point where it cannot take arrays.
     """
 
     def over(x: Array) -> Array:

@@ -44,8 +44,11 @@ class ClockColumn:
         self._midnights = 0
 
     def seconds(self, text: str) -> float | None:
-        """Seconds since the first row; None for a text that is no time. A time of day that goes
-        back by more than half a day is one of the next day.
+        """Seconds from the first row of a column to a clock time such as "12:30:05,25" or
+        "29.11.2026 12:30:05 PM"; None for a text that is no time.
+
+        A time of day without a date that goes back by more than half a day is one of the next day.
+        Time zones count; so do dates, in any of the usual orders.
 
         Raises
         ------
@@ -66,27 +69,30 @@ class ClockColumn:
             hours_and_minutes = match["zone"][1:].replace(":", "")
             offset = 3600.0 * int(hours_and_minutes[:2]) + 60.0 * int(hours_and_minutes[2:])
             seconds += sign * offset
-        date_in_words = match["date"] or ""
+        date_text = match["date"] or ""
         if not self.first_text:
             self.first_text = text
-            self._first_date = date_in_words
+            self._first_date = date_text
             self._first_seconds = self._last_seconds = seconds
         days = 0
-        if date_in_words and date_in_words != self._first_date:
-            days = _day(date_in_words) - _day(self._first_date)
-        elif not date_in_words:
+        if date_text and date_text != self._first_date:
+            days = _day(date_text) - _day(self._first_date)
+        elif not date_text:
             if seconds < self._last_seconds - _SECONDS_OF_DAY / 2:
                 self._midnights += 1
             self._last_seconds = seconds
             days = self._midnights
-        # to the tenth of a nanosecond: what subtraction leaves is no time
+        # To the tenth of a nanosecond: beyond is round-off of the subtraction.
         return round(days * _SECONDS_OF_DAY + (seconds - self._first_seconds), 10)
 
 
 @lru_cache(maxsize=64)
 def _day(text: str) -> int:
-    """The number of a day; ValueError where day and month can't be told from each other, and for
-    what is no date.
+    """Number of the day of a date such as 2026-11-29, 29.11.2026 or 11/30/2026, counted as Python's
+    `date.toordinal`.
+
+    ValueError for what is no date, and for dates with slashes whose day and month can't be told
+    from each other.
 
     >>> _day("30.11.2026") - _day("2026-11-29"), _day("11/30/2026") - _day("29/11/2026")
     (1, 1)

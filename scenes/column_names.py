@@ -207,8 +207,8 @@ def aliases_of(column: str) -> tuple[str, ...]:
 
 
 def plain(name: str) -> str:
-    """A column's name without case, accents, blanks, underscores, quotes and what stands in
-    brackets behind it.
+    """Reduce the name of a column to letters and digits, so that spellings of one name compare
+    equal: without case, accents, blanks, underscores, quotes, and a unit in brackets.
 
     A single letter keeps its case: P is a load and p a pressure.
 

@@ -113,17 +113,19 @@ class InadmissibleLoadError(InputError):
         where: str = "",
         rule: str = "",
     ) -> None:
-        """Refuse loads for a `reason`, gross sliding or separation.
+        """Compose the message for a load path on which the bodies slide as a whole or separate:
+        times, loads, and what to do.
 
         Parameters
         ----------
+        reason
+            "gross sliding" or "separation"
         begin, worst_instant
-            instant at which the fault begins, and the one at which it is greatest; the first by
-            default
+            instant at which the fault begins, and the one at which it is greatest; by default one
         friction
-            f, for the sentence on gross sliding
+            coefficient f, which the message on gross sliding names
         where
-            part of the path, in words
+            part of the load path, in words
         rule
             what is required instead; by default that of the reason
         """
@@ -133,16 +135,14 @@ class InadmissibleLoadError(InputError):
         self.normal_load = begin.normal_load
         self.tangential_load = begin.tangential_load
         self.worst_time = worst_instant.time
-        words_of_begin = (
-            f" from time {begin.time:.6g} on," if worst_instant.time != begin.time else ""
-        )
-        place = f" {where}" if where else ""
-        loads = f"P = {worst_instant.normal_load:.6g}, Q = {worst_instant.tangential_load:.6g}"
+        begin_text = f" from time {begin.time:.6g} on," if worst_instant.time != begin.time else ""
+        place_text = f" {where}" if where else ""
+        loads_text = f"P = {worst_instant.normal_load:.6g}, Q = {worst_instant.tangential_load:.6g}"
         if reason == "gross sliding" and friction is not None:
-            loads += f", f = {friction:g}"
+            loads_text += f", f = {friction:g}"
         super().__init__(
-            f"load: {reason}{words_of_begin}{place} at time {worst_instant.time:.6g} with {loads}:"
-            f" {rule or _RULES[reason]}"
+            f"load: {reason}{begin_text}{place_text} at time {worst_instant.time:.6g} with"
+            f" {loads_text}: {rule or _RULES[reason]}"
         )
 
 

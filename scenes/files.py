@@ -51,20 +51,24 @@ _TOML = re.compile(
 
 
 def text_of(path: Path, role: str, most_bytes: int = TEXT, advice: str = "") -> str:
-    """The text of a regular file of at most `most_bytes`, without a byte-order mark.
+    """Read a text file in UTF-8, after a check of its kind and size; without a byte-order mark.
 
     Parameters
     ----------
+    path
+        of the file
     role
-        what the file is to the user, as in "the scene file"
+        what the file is to the user, as in "the scene file", for the message
+    most_bytes
+        largest size that is read
     advice
-        what to do about one that is too large
+        what to do about a larger one, for the message
 
     Raises
     ------
     InputError
-        One sentence: it can't be read, is no regular file, is too large (with the limit), or is
-        not UTF-8 text.
+        One sentence: the file can't be read, is a pipe or a device, is too large (with the limit),
+        or is not UTF-8 text.
     """
     try:
         check_size(path, role, most_bytes, advice)
@@ -79,8 +83,21 @@ def text_of(path: Path, role: str, most_bytes: int = TEXT, advice: str = "") -> 
 
 
 def check_size(path: Path, role: str, most_bytes: int, advice: str = "") -> None:
-    """InputError where `path`, whose `role` is named in the message, is no regular file, or one of
-    more than `most_bytes`; OSError where it can't be looked at.
+    """Refuse to read a file that is a folder, a pipe or a device, or larger than `most_bytes`.
+
+    Parameters
+    ----------
+    role
+        what the file is to the user, as in "the scene file", for the message
+    advice
+        what to do about one that is too large, for the message
+
+    Raises
+    ------
+    InputError
+        For the kind or the size of the file.
+    OSError
+        Where there is no such file, or no right to read it.
     """
     status = path.stat()
     if stat.S_ISDIR(status.st_mode):
@@ -112,11 +129,10 @@ def parsed_json(text: str) -> Any:
 
 
 def parsed_toml(text: str) -> dict[str, Any]:
-    """What the TOML text says; ValueError for every fault of it, among them tables nested too
-    deeply and too many keys.
+    """Parse a TOML text into a table of keys; ValueError for every fault of it, with its line.
 
-    These are counted before the parser sees the text: it takes memory with the square of the dots
-    in a key.
+    Depth of tables, number of keys and length of names are limited. They are counted before the
+    parser sees the text, since its memory grows with the square of the dots in a key.
 
     >>> parsed_toml("a.b = 3")
     {'a': {'b': 3}}
@@ -124,16 +140,16 @@ def parsed_toml(text: str) -> dict[str, Any]:
     Traceback (most recent call last):
     ValueError: Tables nested deeper than 8 (at line 1, column 1)
     """
-    depth = 0
-    keys = 0
+    depth = 0  # of brackets that are open
+    n_keys = 0
     sign_before = ""
     for token in _TOML.finditer(text):
         sign = token["sign"] or ""
-        # the latter: the head of a table
-        keys += sign == "=" or (sign == "[" and depth == 0 and sign_before != "=")
+        is_table_heading = sign == "[" and depth == 0 and sign_before != "="
+        n_keys += sign == "=" or is_table_heading
         depth += (sign in "[{") - (sign in "]}") if sign else 0
         sign_before = sign
-        if token["deep"] or token["long"] or depth > _DEEPEST or keys > _MOST_KEYS:
+        if token["deep"] or token["long"] or depth > _DEEPEST or n_keys > _MOST_KEYS:
             fault = f"Tables nested deeper than {_DEEPEST}"
             if not token["deep"] and depth <= _DEEPEST:
                 fault = (
@@ -148,21 +164,23 @@ def parsed_toml(text: str) -> dict[str, Any]:
 
 
 def keys_of(path: Path, role: str, advice: str = "") -> dict[str, Any]:
-    """The table of keys in a file, JSON where its name says so, else TOML: the door of every file
-    that a user writes by hand.
+    """Read a file of keys and values that a user has written, such as a scene: JSON where its name
+    ends in .json, else TOML. An empty file has no keys.
 
     Parameters
     ----------
+    path
+        of the file
     role
-        what the file is to the user, as in "the scene file"
+        what the file is to the user, as in "the scene file", for the message
     advice
-        what to do about one that is too large
+        what to do about one that is too large, for the message
 
     Raises
     ------
     InputError
-        One sentence: it can't be read, is no regular file, is too large or no UTF-8 text; for a
-        fault of its form with the line; for a list.
+        One sentence: the file can't be read, is too large or no UTF-8 text; is no valid TOML or
+        JSON, with the line; or holds a list.
     """
     is_json = path.suffix == ".json"
     text = text_of(path, role, TEXT if is_json else TOML, advice)
@@ -170,27 +188,28 @@ def keys_of(path: Path, role: str, advice: str = "") -> dict[str, Any]:
         return {}
     try:
         keys = parsed_json(text) if is_json else parsed_toml(text)
-    except (
-        ValueError,
-        RecursionError,
-    ) as reason:  # the parsers' own errors, numbers of thousands of digits
-        cause = f"not valid TOML: {reason}"
-        place_in_message = re.search(r"\(at line (\d+), column \d+\)", str(reason))
-        lines = text.split("\n")
-        if is_json:
-            cause = f"not valid JSON: {reason}"
-        elif place_in_message and 0 < int(place_in_message[1]) <= len(lines):
-            line = lines[int(place_in_message[1]) - 1].strip()
-            advice_on_comma = (
-                "; write a decimal point, not a comma"
-                if re.search(r"=\s*[-+]?\d+,\d", line)
-                else ""
-            )
-            cause += f", in {shown(line)}{advice_on_comma}"
-        raise InputError(f"{path}: {cause}") from reason
+    except (ValueError, RecursionError) as reason:
+        # Errors of the parsers, and numbers of thousands of digits.
+        fault = f"not valid JSON: {reason}" if is_json else _fault_of_toml(text, str(reason))
+        raise InputError(f"{path}: {fault}") from reason
     if not isinstance(keys, dict):
         raise InputError(f"{path}: {role} is a table of keys, not a {type(keys).__name__}")
     return cast(dict[str, Any], keys)
+
+
+def _fault_of_toml(text: str, reason: str) -> str:
+    """Message on a fault of a TOML text: the parser's reason, the line of the text that it names,
+    and advice where a decimal comma stands in that line.
+    """
+    fault = f"not valid TOML: {reason}"
+    place_in_message = re.search(r"\(at line (\d+), column \d+\)", reason)
+    lines = text.split("\n")
+    if place_in_message and 0 < int(place_in_message[1]) <= len(lines):
+        line = lines[int(place_in_message[1]) - 1].strip()
+        has_decimal_comma = re.search(r"=\s*[-+]?\d+,\d", line) is not None
+        advice = "; write a decimal point, not a comma" if has_decimal_comma else ""
+        fault += f", in {shown(line)}{advice}"
+    return fault
 
 
 def _whole_number(digits: str) -> int:
@@ -202,16 +221,16 @@ def _whole_number(digits: str) -> int:
 
 @contextmanager
 def within_memory(path: Path, most_bytes: int) -> Generator[None, None, None]:
-    """While a foreign file is unpacked by a library, the process may grow by `most_bytes` and no
-    more (POSIX only).
+    """Context manager in which the memory of this process may grow by `most_bytes` and no more,
+    while a library unpacks a file that somebody else has made (POSIX only).
 
-    What compresses a terabyte into a megabyte shows its size only while it is unpacked: then the
-    allocation fails, not the machine.
+    A terabyte of zeros is a megabyte when compressed, and shows its size only while it is unpacked.
+    With the limit the allocation fails, not the machine.
 
     Raises
     ------
     InputError
-        Where it wanted more.
+        Where the file needs more; `path` is named in the message.
     """
     if resource is None:
         yield
@@ -242,13 +261,14 @@ def within_memory(path: Path, most_bytes: int) -> Generator[None, None, None]:
 
 
 def write_keys(path: Path, keys: Mapping[str, Any]) -> None:
-    """Write a table of keys as .toml or .json, whole or not at all.
+    """Write a table of keys and values, such as a scene, to a .toml or .json file, whole or not at
+    all.
 
     Raises
     ------
     InputError
-        One sentence: for another suffix, for more than the reader would take back, for what can't
-        be written.
+        One sentence: for another suffix, for more bytes than can be read back, for a place where
+        nothing can be written.
     """
     if path.suffix not in (".toml", ".json"):
         raise InputError(
@@ -274,8 +294,18 @@ def write_keys(path: Path, keys: Mapping[str, Any]) -> None:
 
 
 def replace_file(path: str | Path, content: bytes | memoryview, part: Path | None = None) -> None:
-    """Write a file in one go: a reader sees the old one or the new one, whole; `part` is the file
-    beside it that is written first.
+    """Write a file so that a reader, or a crash, finds the old one or the new one, whole.
+
+    The content goes to another file in the same folder, which then takes the place of the old one.
+
+    Parameters
+    ----------
+    path
+        of the file; a symbolic link stays one
+    content
+        bytes of the new file
+    part
+        the file to be written first; None for a new one
 
     Raises
     ------
@@ -301,7 +331,8 @@ def replace_file(path: str | Path, content: bytes | memoryview, part: Path | Non
 
 
 def toml_text(keys: Mapping[str, Any]) -> str:
-    """A table of keys as TOML: numbers, words and lists first, then tables and lists of tables.
+    """Text of a TOML file for a table of keys: numbers, words and lists first, then tables and
+    lists of tables under headings.
 
     >>> print(
     ...     toml_text({"load": {"initial_loading": [[1.0, 0.0]], "kind": "polygon"}, "cycles": 6})
@@ -346,8 +377,10 @@ def _is_table(value: Any) -> bool:
 
 @cache
 def source_digest(*names: str) -> str:
-    """SHA-256 of the source of modules, and of packages with all that is in them, as this process
-    found it when it first asked.
+    """SHA-256 hash of the source code of modules, or of packages with all files in them, by which a
+    cached result is tied to the code that made it.
+
+    It is computed once in each process. `names` are module names with points.
 
     Raises
     ------

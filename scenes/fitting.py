@@ -118,15 +118,17 @@ class FitRequest:
 
 
 def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
-    """Keys of the profile of the kind that a `request` asks for that fits rows x, h (n,) best, with
-    `fitted`, the record of the fit. Single rows that stand out, from their neighbours and from the
-    fit, are left out.
+    """Fit a profile to a measured trace x, h (n,) after removing spikes: the keys of the profile in
+    a scene file, with a record of the fit under `fitted`.
+
+    A spike is a single row that stands out from its neighbours and from the fit. The fit is
+    repeated without such rows. `request` states the kind of profile, and what is known before.
 
     Raises
     ------
     RowError
-        For too few or too many rows, x that descends, rows that do not bend up or lie on one
-        side of the middle in part.
+        For too few or too many rows, x that descends, rows that do not bend up, or rows on one side
+        of the middle alone.
     """
     candidate_rows = _spikes_of(x, h)
     row_numbers = np.arange(len(x))
@@ -138,7 +140,7 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
             break
         candidate_rows = np.sort(np.append(candidate_rows, rows_in_fit[rows_apart]))
         fit = _fit_of_rows(np.delete(x, candidate_rows), np.delete(h, candidate_rows), request)
-    # a corner of the shape stands out from its neighbours, and not from the fit
+    # A corner of the shape stands out from its neighbours, but not from the fit: it stays.
     distances_from_fit = np.abs(h[candidate_rows] - fit.curve(x[candidate_rows]))
     spikes = candidate_rows[distances_from_fit > STANDS_OUT * fit.keys["fitted"]["noise"]]
     if len(spikes) < len(candidate_rows):
@@ -149,15 +151,15 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
 
 
 def _rows_far_from_fit(residuals: Array) -> NDArray[np.int64]:
-    """Rows (m,) whose residual is far larger than most, and than those of both neighbours; noise of
-    another kind than spikes has none.
+    """Numbers of the rows (m,) whose residual is far larger than the standard deviation of all, and
+    twice as large as those of both neighbours: spikes, not noise.
     """
     sizes = np.abs(residuals)
-    sigma = float(np.median(sizes)) / math.sqrt(_MEDIAN)
+    sigma = float(np.median(sizes)) / math.sqrt(_MEDIAN)  # standard deviation, robust to spikes
     if not sigma > _ROUND_OFF * float(np.max(sizes)):
         return np.array([], dtype=np.int64)
-    beside = np.maximum(np.append(sizes[1:], 0.0), np.append(0.0, sizes[:-1]))
-    return np.flatnonzero((sizes > STANDS_OUT * sigma) & (sizes > 2 * beside))
+    neighbour_sizes = np.maximum(np.append(sizes[1:], 0.0), np.append(0.0, sizes[:-1]))
+    return np.flatnonzero((sizes > STANDS_OUT * sigma) & (sizes > 2 * neighbour_sizes))
 
 
 def _spikes_of(x: Array, h: Array) -> NDArray[np.int64]:
@@ -186,7 +188,11 @@ class _Trace(NamedTuple):
 
 
 def _trace_of(x: Array, h: Array, request: FitRequest) -> _Trace:
-    """The trace of rows x, h (n,) as a fit takes it: levelled where it falls from end to end."""
+    """Prepare a measured trace x, h (n,) for a fit: remove its tilt where it falls from end to end,
+    and decide where the middle may be and whether middle and tilt are fitted.
+
+    `request` states the kind of profile, and what is known before: middle, tilt, a first guess.
+    """
     tilt = request.tilt or 0.0
     level_h = h - tilt * (x - x[0])
     centre_given = request.centre
@@ -203,7 +209,7 @@ def _trace_of(x: Array, h: Array, request: FitRequest) -> _Trace:
     if request.guess is not None and centre_given is None:
         first_middle = request.guess[0]
     elif tilt_fitted and centre_given is None and not x[0] < first_middle < x[-1]:
-        # so much tilt that a parabola falls from end to end
+        # So much tilt that a parabola has its least value beyond the rows.
         first_middle = float(x[0] + x[-1]) / 2
     return _Trace(level_h, tilt, centre_given, one_sided, tilt_fitted, first_middle)
 
@@ -211,8 +217,22 @@ def _trace_of(x: Array, h: Array, request: FitRequest) -> _Trace:
 def _check_rows_of_fit(
     x: Array, h: Array, middle: float, centre_given: float | None, last_row: int
 ) -> None:
-    """RowError for rows x, h (n,) within the extent of a fit that are too few, that are flat, or
-    that do not enclose its middle; `last_row` is that of the trace.
+    """Refuse rows x, h (n,) to which no profile can be fitted: too few, flat from end to end, or
+    with the middle of the profile outside them.
+
+    Parameters
+    ----------
+    middle
+        x about which the profile is fitted
+    centre_given
+        the same where the user stated it, else None; rows of one side may then begin beside it
+    last_row
+        number of the last row of the trace, for the message
+
+    Raises
+    ------
+    RowError
+        With the row, and what to do.
     """
     n_places = len(np.unique(x))
     if n_places < _FEWEST:
@@ -240,15 +260,54 @@ class _FitOfRows(NamedTuple):
     curve: Callable[[Array], Array]
 
 
+@dataclass(frozen=True, eq=False)
+class _ScaledFit:
+    """A fit in units of its rows, with what it takes to return to those of the trace.
+
+    Attributes
+    ----------
+    x, h
+        (n,) rows that were fitted: those within the extent
+    origin
+        x at which scaled places are 0
+    length, height
+        units of x and of h
+    best
+        the fit, scaled
+    """
+
+    x: Array
+    h: Array
+    origin: float
+    length: float
+    height: float
+    best: _Fit
+
+    @property
+    def middle(self) -> float:
+        """x of the middle of the fitted shape."""
+        return self.origin + self.length * self.best.centre
+
+    def heights(self, places: Array) -> Array:
+        """Fitted h at any places, as the levelled trace has it."""
+        best = self.best
+        scaled_places = (places - self.origin) / self.length
+        columns = best.rows.columns(np.abs(scaled_places - best.centre), best.flat_half_length)
+        shape = best.offset + best.tilt * (scaled_places - best.centre) + columns @ best.w
+        return np.asarray(self.h[0] + self.height * shape)
+
+
 def _fit_of_rows(x: Array, h: Array, request: FitRequest) -> _FitOfRows:
-    """The profile of the kind that a `request` asks for that fits all rows x, h (n,) best: its
-    keys, and its curve over x.
+    """Fit a profile to measured rows x, h (n,) by least squares: the keys of the profile in a scene
+    file, with a record of the fit, and the fitted curve over x.
+
+    `request` states the kind of profile, and what is known before: noise, middle, extent, tilt.
 
     Raises
     ------
     RowError
-        For too few or too many rows, x that descends, rows that do not bend up or lie on one
-        side of the middle in part.
+        For too few or too many rows, x that descends, rows that do not bend up, or rows on one side
+        of the middle alone.
     """
     # a trace with few digits has rows at one x
     RowError.refuse(np.diff(x) < 0, lambda row: f"x = {x[row]:.6g} does not ascend", 1)
@@ -258,83 +317,122 @@ def _fit_of_rows(x: Array, h: Array, request: FitRequest) -> _FitOfRows:
             f"{len(x):,} rows are too many for a fit of at most {_MOST:,}: leave out all but every"
             " n-th",
         )
-    x_of_all_rows = x
     trace = _trace_of(x, h, request)
-    h_of_all_rows = trace.h
-    tilt = trace.tilt
-    reach = request.extent or math.inf
-    origin = trace.first_middle
-    middle_guess = trace.first_middle
-    for _ in range(_PASSES):
-        origin = middle_guess
-        is_in_reach = np.abs(x_of_all_rows - origin) <= reach
-        x = x_of_all_rows[is_in_reach]
-        h = h_of_all_rows[is_in_reach]
-        _check_rows_of_fit(x, h, origin, trace.centre_given, last_row=len(x_of_all_rows) - 1)
-        # In units of the rows, so that nothing depends on theirs.
-        height = float(np.ptp(h))
-        length = float(np.max(np.abs(x - origin)))
-        # beyond, no square
-        noise_over_height = (
-            None if request.noise is None else float(np.clip(request.noise / height, 1e-12, 1e6))
-        )
-        scaled_rows = _Rows(
-            (x - origin) / length,
-            (h - h[0]) / height,
-            request.kind,
-            trace.centre_given is None,
-            trace.tilt_fitted,
-        )
-        flat_half_length = None if request.guess is None else request.guess[1] / length
-        best_fit = scaled_rows.fit(noise_over_height, request.weight, flat_half_length)
-        # the former: round-off error of rows on a line
-        if np.ptp(best_fit.shape) < _BENT or abs(best_fit.centre) > _LONGEST:
-            raise RowError(
-                len(x_of_all_rows) - 1,
-                "the rows do not bend up: h is a gap, which grows to both sides; is its sign"
-                " turned?",
-            )
-        middle = origin + length * best_fit.centre
-        # Other rows lie within the extent of another middle.
-        if np.array_equal(np.abs(x_of_all_rows - middle) <= reach, is_in_reach):
-            break
-        middle_guess = middle
-    residuals = (h - h[0]) - height * best_fit.curve
-    freedom = max(1, len(x) - round(best_fit.numbers))
-    estimated_noise = max(math.sqrt(float(residuals @ residuals) / freedom), 1e-15 * height)
-    sides = (middle - x[0], x[-1] - middle)
+    scaled_fit = _fit_within_extent(x, trace, request)
 
     def curve(places: Array) -> Array:
-        scaled = (places - origin) / length
-        columns = best_fit.of.columns(np.abs(scaled - best_fit.centre), best_fit.half)
-        shape = best_fit.offset + best_fit.tilt * (scaled - best_fit.centre) + columns @ best_fit.w
-        return np.asarray(h[0] + height * shape + tilt * (places - x_of_all_rows[0]))
+        """Fitted h of the trace as it was measured, with its tilt."""
+        return np.asarray(scaled_fit.heights(places) + trace.tilt * (places - x[0]))
 
     keys = {
-        **best_fit.keys(length, height),
-        "fitted": {
-            "kind": request.kind,
-            "noise": estimated_noise if request.noise is None else request.noise,
-            "noise_stated": request.noise is not None,
-            "centre": middle,
-            "centre_fitted": trace.centre_given is None,
-            "tilt": tilt + best_fit.tilt * height / length,
-            "tilt_fitted": trace.tilt_fitted,
-            "offset": float(h[0]) + height * best_fit.offset + tilt * (middle - x_of_all_rows[0]),
-            "residual": math.sqrt(float(residuals @ residuals) / len(x)),
-            "freedom": freedom,
-            "extent": max(sides) if trace.one_sided else min(sides),
-            "weight": best_fit.weight,
-            "left_out": len(x_of_all_rows) - len(x),
-        },
+        **scaled_fit.best.keys(scaled_fit.length, scaled_fit.height),
+        "fitted": _record_of_fit(x, trace, scaled_fit, request),
     }
     return _FitOfRows(keys, curve)
 
 
+def _fit_within_extent(x: Array, trace: _Trace, request: FitRequest) -> _ScaledFit:
+    """Fit the rows of a trace that lie within the requested extent of the middle.
+
+    The middle follows from the fit, and with another middle other rows lie within the extent. So
+    the fit is repeated until the rows stay, five times at most.
+    """
+    reach = request.extent or math.inf
+    origin = trace.first_middle
+    for _ in range(_PASSES):
+        scaled_fit = _fit_about(x, trace, request, origin)
+        is_in_reach = np.abs(x - origin) <= reach
+        if np.array_equal(np.abs(x - scaled_fit.middle) <= reach, is_in_reach):
+            break
+        origin = scaled_fit.middle
+    return scaled_fit
+
+
+def _fit_about(
+    x_of_all_rows: Array, trace: _Trace, request: FitRequest, origin: float
+) -> _ScaledFit:
+    """Fit the rows of a trace that lie within the requested extent of x = `origin`, in units of
+    these rows, so that no result depends on the units of the trace.
+
+    Raises
+    ------
+    RowError
+        For too few rows, flat rows, rows that do not enclose the middle or do not bend up.
+    """
+    is_in_reach = np.abs(x_of_all_rows - origin) <= (request.extent or math.inf)
+    x = x_of_all_rows[is_in_reach]
+    h = trace.h[is_in_reach]
+    last_row = len(x_of_all_rows) - 1
+    _check_rows_of_fit(x, h, origin, trace.centre_given, last_row)
+    height = float(np.ptp(h))
+    length = float(np.max(np.abs(x - origin)))
+    noise_over_height = None
+    if request.noise is not None:
+        # Beyond these limits its square is no number.
+        noise_over_height = float(np.clip(request.noise / height, 1e-12, 1e6))
+    scaled_rows = _Rows(
+        (x - origin) / length,
+        (h - h[0]) / height,
+        request.kind,
+        trace.centre_given is None,
+        trace.tilt_fitted,
+    )
+    flat_half_length = None if request.guess is None else request.guess[1] / length
+    best_fit = scaled_rows.fit(noise_over_height, request.weight, flat_half_length)
+    # Rows on a straight line bend by round-off alone.
+    if np.ptp(best_fit.shape) < _BENT or abs(best_fit.centre) > _LONGEST:
+        raise RowError(
+            last_row,
+            "the rows do not bend up: h is a gap, which grows to both sides; is its sign turned?",
+        )
+    return _ScaledFit(x, h, origin, length, height, best_fit)
+
+
+def _record_of_fit(
+    x_of_all_rows: Array, trace: _Trace, scaled_fit: _ScaledFit, request: FitRequest
+) -> dict[str, Any]:
+    """Record of a fit for the scene file: middle, tilt, offset, noise, extent, smoothing, and how
+    many rows were left out; lengths in units of the trace.
+
+    Without a stated noise it is the standard deviation of the residuals, by the degrees of freedom
+    that the fit leaves.
+    """
+    x = scaled_fit.x
+    height = scaled_fit.height
+    best_fit = scaled_fit.best
+    middle = scaled_fit.middle
+    first_height = float(scaled_fit.h[0])
+    residuals = (scaled_fit.h - scaled_fit.h[0]) - height * best_fit.curve
+    sum_of_squares = float(residuals @ residuals)
+    freedom = max(1, len(x) - round(best_fit.effective_numbers))
+    estimated_noise = max(math.sqrt(sum_of_squares / freedom), 1e-15 * height)
+    extents = (middle - x[0], x[-1] - middle)  # to the left and to the right
+    return {
+        "kind": request.kind,
+        "noise": estimated_noise if request.noise is None else request.noise,
+        "noise_stated": request.noise is not None,
+        "centre": middle,
+        "centre_fitted": trace.centre_given is None,
+        "tilt": trace.tilt + best_fit.tilt * height / scaled_fit.length,
+        "tilt_fitted": trace.tilt_fitted,
+        "offset": first_height
+        + height * best_fit.offset
+        + trace.tilt * (middle - x_of_all_rows[0]),
+        "residual": math.sqrt(sum_of_squares / len(x)),
+        "freedom": freedom,
+        "extent": max(extents) if trace.one_sided else min(extents),
+        "weight": best_fit.weight,
+        "left_out": len(x_of_all_rows) - len(x),
+    }
+
+
 def _falls_from_end_to_end(x: Array, h: Array, kind: str) -> bool:
-    """Whether a parabola through rows of both sides has its least value so far from the middle of
-    the rows that the trace is tilted, rather than laid beside the contact. Without a fitted tilt
-    that is beyond the rows; else a tilt is fitted to what is levelled, and both describe it.
+    """Whether a measured trace x, h (n,) is tilted as a whole: a parabola through it has its least
+    value far from the middle of the rows.
+
+    Far is beyond the last row for a profile of the `kind` "hertz", whose tilt is not fitted; for
+    others 0.3 of half the length, since a tilt is fitted to what is left. Rows that begin in the
+    middle of the contact are not tilted.
     """
     if x[-1] <= x[0] or _begins_in_the_middle(x, h):
         return False
@@ -355,25 +453,26 @@ def _begins_in_the_middle(x: Array, h: Array) -> bool:
 def fitted_again(
     profile: Any, noise: Array | None = None, smoothing: float = 1.0
 ) -> dict[str, Any] | None:
-    """Keys of the profile that a fit makes once more, of the rows that it was made of or of another
-    measurement of these; None where noise bends them down.
+    """Repeat the fit of a profile, to its own rows or to a simulated second measurement, to see how
+    uncertain the fit is: the keys of the new profile; None where the rows then bend down.
 
     Parameters
     ----------
     profile
         a profile with the record of its fit, `fitted`
     noise
-        (n,) noise of each row, over that of the fit: the other measurement is the fitted curve
-        with it
+        (n,) random errors of the rows over their standard deviation: the second measurement is
+        the fitted curve with these errors; None for the rows themselves
     smoothing
-        weight of the smoothing over that of the fit
+        factor on the smoothing of the first fit
     """
     fitted = profile.fitted
     x, h = fitted.rows.values[fitted.used_rows()].T
     x = x - fitted.centre  # so that rows of both sides are such whatever their noise
     if noise is not None:
         h = fitted.offset + profile.height(x) + fitted.noise * noise
-        if not fitted.tilt_fitted:  # which is found again from what is levelled
+        # A fitted tilt is found again from rows without it; a given one has to be in them.
+        if not fitted.tilt_fitted:
             h = h + fitted.tilt * x
     request = FitRequest(
         kind=fitted.kind,
@@ -411,10 +510,10 @@ def _middle(x: Array, h: Array) -> float:
 
 
 def _variance(x: Array, h: Array) -> float:
-    """Variance of the noise of h, from third differences of four neighbouring rows each, the median
-    of their squares.
+    """Variance of the noise of heights h (n,) at places x (n,), from divided third differences of
+    four neighbouring rows: the median of their squares, scaled.
 
-    A shape whose curvature hardly changes between neighbours has none of its own.
+    A smooth shape hardly contributes, since its curvature hardly changes between neighbours.
 
     >>> x = np.linspace(-1, 1, 2001)
     >>> (
@@ -477,7 +576,12 @@ class _Rows:
         return np.linspace(0.0, 1.2 if self.centred else 1.0, _KNOTS)
 
     def columns(self, s: Array, flat_half_length: float) -> Array:
-        """B_j(s), shape (n, m)."""
+        """Basis functions B_j(s) of the shape at n distances s from the middle, (n, m): the
+        fitted shape is a sum of them with weights that are not negative.
+
+        They are a parabola beyond a flat, even polynomials, or cubic splines whose curvature is a
+        hat around each knot. `flat_half_length` counts for the first kind alone.
+        """
         match self.kind:
             case "hertz" | "flat_rounded":
                 return np.maximum(s - flat_half_length, 0.0)[:, None] ** 2 / 2
@@ -493,10 +597,20 @@ class _Rows:
         return np.hstack([curvature_column, np.diff(corner_columns, 2, axis=1)])
 
     def at(self, z: Array, weight: float) -> _Fit:
-        """The fit with the least squares for given z = (x0, b), middle and half-length of the flat,
-        as many of these as are fitted.
+        """Least-squares fit of the shape for a given middle and half-length of the flat:
 
-        The w >= 0 weigh the columns B_j; h0 is the offset; `weight` is that of the smoothing.
+            h = offset + tilt (x - middle) + sum_j w_j B_j(|x - middle|),   w_j >= 0
+
+        A multiple of the squared tilt is added, and `weight` times the squared differences of
+        neighbouring w_j (smoothing). The best offset and tilt for any w are put in first, so that
+        non-negative least squares for w alone remain.
+
+        Parameters
+        ----------
+        z
+            middle, where it is fitted, then half-length of the flat, for a shape with a flat
+        weight
+            of the smoothing, 0 for none
         """
         from scipy.optimize import nnls
 
@@ -517,10 +631,8 @@ class _Rows:
             columns_and_heights = np.vstack(
                 [table_without_tilt, math.sqrt(self.tilt_weight) * tilts]
             )
-        if n_rows > n_columns + 1:
-            columns_and_heights = np.asarray(
-                np.linalg.qr(columns_and_heights, mode="r")
-            )  # as many rows as columns are enough
+        if n_rows > n_columns + 1:  # a triangle of as many rows as columns is enough
+            columns_and_heights = np.asarray(np.linalg.qr(columns_and_heights, mode="r"))
         smoothing_rows = np.zeros((0, n_columns + 1))
         if weight:
             smoothing_rows = math.sqrt(weight) * np.diff(np.eye(n_columns + 1)[:n_columns], axis=0)
@@ -536,23 +648,25 @@ class _Rows:
         tilt_residual = math.sqrt(self.tilt_weight) * tilt if self.tilted else 0.0
         penalty_residuals = np.append(smoothing_rows[:, :-1] @ w, tilt_residual)
         return _Fit(
-            of=self,
+            rows=self,
             centre=centre,
-            half=flat_half_length,
+            flat_half_length=flat_half_length,
             w=w,
             offset=offset,
             tilt=tilt,
             shape=shape_heights,
             curve=curve_heights,
-            numbers=1.0 + self.tilted + len(z) + np.count_nonzero(w),
+            effective_numbers=1.0 + self.tilted + len(z) + np.count_nonzero(w),
             weight=weight,
-            rest=np.append(curve_heights - self.h, penalty_residuals),
+            residuals=np.append(curve_heights - self.h, penalty_residuals),
         )
 
     def best(self, start: Array, weight: float) -> _Fit:
-        """The fit with the least squares of deviations and smoothing for a `weight` of the
-        smoothing, from a guess `start` of the middle x0 and the half-length b, those of them that
-        are sought.
+        """Least-squares fit of the shape with the best middle and half-length of the flat, by
+        Gauss-Newton steps (variable projection).
+
+        `start` is a first guess of these two, or of the one that is fitted, or empty; `weight` is
+        that of the smoothing.
         """
         from scipy.optimize import least_squares
 
@@ -562,7 +676,7 @@ class _Rows:
         upper_bounds = [1.0] * self.centred
         bounds = ([*lower_bounds, 1e-9][: len(start)], [*upper_bounds, _LONGEST][: len(start)])
         minimum = least_squares(
-            lambda z: self.at(z, weight).rest,
+            lambda z: self.at(z, weight).residuals,
             start,
             bounds=bounds,
             xtol=1e-12,
@@ -574,89 +688,125 @@ class _Rows:
     def fit(
         self, noise: float | None, weight: float | None, flat_half_length: float | None
     ) -> _Fit:
-        """The fit with the least sum of squares; of a smoothing spline that with the weight of the
-        least expected error.
+        """The least-squares fit of the shape to the rows; of a smoothing spline that with the
+        smoothing of the least expected error.
 
         Parameters
         ----------
         noise
-            standard deviation of a height, in units of the rows; None: it is estimated
+            standard deviation of a height, over the range of heights; None: unknown
         weight
-            of the smoothing; None: weights are tried
+            of the smoothing; None: several are tried
         flat_half_length
             first guess of the half-length of a flat, if there is one
         """
         no_shift = np.zeros(int(self.centred))
-        if self.kind == "flat_rounded" and flat_half_length is not None:
-            return self.best(
-                np.append(no_shift, np.clip(flat_half_length, _STARTS[0], _STARTS[-1])), 0.0
-            )
         if self.kind == "flat_rounded":
-            trial_middles = _MIDDLES if self.centred and self.tilted else np.zeros(1)
-            trial_starts = [
-                np.append(no_shift + middle, flat_half_length)
-                for middle in trial_middles
-                for flat_half_length in _STARTS
-            ]
-            return self.best(
-                min(trial_starts, key=lambda start: float(np.sum(self.at(start, 0.0).rest ** 2))),
-                0.0,
-            )
-        if self.kind != "smoothing_spline":
-            return self.best(no_shift, 0.0)
+            return self.best(self._start_with_flat(no_shift, flat_half_length), 0.0)
+        if self.kind == "smoothing_spline":
+            weights = _WEIGHTS.tolist() if weight is None else [weight]
+            return self._smoothed(no_shift, weights, noise)
+        return self.best(no_shift, 0.0)
+
+    def _start_with_flat(self, no_shift: Array, flat_half_length: float | None) -> Array:
+        """First guess of the middle, where it is fitted, and the half-length of a flat: as given,
+        or the best of a grid of half-lengths (and middles, where a tilt is fitted too).
+
+        `no_shift` is the middle 0 of the rows, or empty where the middle is given.
+        """
+        if flat_half_length is not None:
+            return np.append(no_shift, np.clip(flat_half_length, _STARTS[0], _STARTS[-1]))
+        trial_middles = _MIDDLES if self.centred and self.tilted else np.zeros(1)
+        trial_starts = [
+            np.append(no_shift + middle, trial_half_length)
+            for middle in trial_middles
+            for trial_half_length in _STARTS
+        ]
+        return min(
+            trial_starts, key=lambda start: float(np.sum(self.at(start, 0.0).residuals ** 2))
+        )
+
+    def _smoothed(self, start: Array, weights: list[float], noise: float | None) -> _Fit:
+        """The smoothing spline whose weight of smoothing, of several, has the least expected error.
+
+        With S the sum of squared residuals, n rows and k effective numbers of the fit (trace of its
+        smoother matrix), that error is S/noise^2 + 2 k (Mallows), or S/(n - k)^2 where the noise is
+        unknown (generalised cross-validation).
+
+        Parameters
+        ----------
+        start
+            first guess of the middle, or empty where that is given
+        weights
+            of the smoothing, to be tried
+        noise
+            standard deviation of a height, over the range of heights
+        """
+        n_rows = len(self.x)
         fits = []
         expected_errors = []
-        for smoothing in _WEIGHTS.tolist() if weight is None else [weight]:
-            candidate = self.best(no_shift, smoothing)
+        for smoothing in weights:
+            candidate = self.best(start, smoothing)
             columns = self.columns(np.abs(self.x - candidate.centre), 0.0)
             normal_matrix = (columns - columns.mean(axis=0)).T @ columns
             differences = np.diff(np.eye(len(normal_matrix)), axis=0)
-            effective_numbers = (
-                1
-                + self.centred
-                + self.tilted
-                + float(
-                    np.trace(
-                        np.linalg.solve(
-                            normal_matrix + smoothing * differences.T @ differences, normal_matrix
-                        )
-                    )
-                )
+            smoother = np.linalg.solve(
+                normal_matrix + smoothing * differences.T @ differences, normal_matrix
             )
+            effective_numbers = 1 + self.centred + self.tilted + float(np.trace(smoother))
             sum_of_squares = float(np.sum((self.h - candidate.curve) ** 2))
-            n_rows = len(self.x)
-            expected_errors.append(
-                sum_of_squares / noise**2 + 2 * effective_numbers
-                if noise
-                else sum_of_squares / max(n_rows - effective_numbers, 1e-3) ** 2
-            )
-            fits.append(replace(candidate, numbers=min(effective_numbers, n_rows - 1.0)))
+            if noise:
+                expected_error = sum_of_squares / noise**2 + 2 * effective_numbers
+            else:
+                expected_error = sum_of_squares / max(n_rows - effective_numbers, 1e-3) ** 2
+            expected_errors.append(expected_error)
+            fits.append(replace(candidate, effective_numbers=min(effective_numbers, n_rows - 1.0)))
         return fits[int(np.argmin(expected_errors))]
 
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
-    """A fit: x0, b, w, h0, tilt; sum of w_j B_j and curve (n,) at the rows; numbers fitted, weight
-    of the smoothing, residuals.
+    """A fitted shape in units of its rows.
+
+    Attributes
+    ----------
+    rows
+        what was fitted
+    centre, flat_half_length
+        middle of the shape, half-length of its flat
+    w
+        (m,) weights of the basis functions, not negative
+    offset, tilt
+        height of the middle, slope
+    shape, curve
+        (n,) at the rows: the sum of basis functions alone, and with offset and tilt
+    effective_numbers
+        how many numbers were fitted; of a spline the trace of its smoother matrix
+    weight
+        of the smoothing
+    residuals
+        (k,) curve minus rows, then smoothing and tilt as the fit weighs them
     """
 
-    of: _Rows
+    rows: _Rows
     centre: float
-    half: float
+    flat_half_length: float
     w: Array
     offset: float
     tilt: float
     shape: Array
     curve: Array
-    numbers: float
+    effective_numbers: float
     weight: float
-    rest: Array
+    residuals: Array
 
     def keys(self, length: float, height: float) -> dict[str, Any]:
-        """Keys of the fitted profile as a table of a scene, from the fit in units of the rows:
-        `length` [length] is the unit of x, `height` that of h.
+        """The fitted profile as a table of keys for a scene file: radius, flat, polynomial or
+        table of points.
+
+        `length` is the unit of x in this fit, `height` that of h [length].
         """
-        match self.of.kind:
+        match self.rows.kind:
             case "hertz":
                 return {"kind": "hertz", "radius": length**2 / height / float(self.w[0])}
             case "flat_rounded":
@@ -664,7 +814,7 @@ class _Fit:
                 return {
                     "kind": "flat_rounded",
                     "radius": radius,
-                    "flat_half_length": length * self.half,
+                    "flat_half_length": length * self.flat_half_length,
                 }
             case "even_polynomial":
                 return {
@@ -672,8 +822,8 @@ class _Fit:
                     "length": length,
                     "rises": tuple((height * (self.w @ _BENDS) / _TWICE).tolist()),
                 }
-        x = np.linspace(0.0, self.of.knots[-1], _PIECES)
+        x = np.linspace(0.0, self.rows.knots[-1], _PIECES)
         return {
             "kind": "tabulated",
-            "points": np.column_stack([length * x, height * (self.of.columns(x, 0.0) @ self.w)]),
+            "points": np.column_stack([length * x, height * (self.rows.columns(x, 0.0) @ self.w)]),
         }

@@ -84,28 +84,37 @@ _OF_LOADS = (
 
 
 def refusal(faults: ValidationError, keys: Any, model: type[Frozen]) -> str:
-    """The first fault with key, value, rule and what to do, and which keys more are at fault.
+    """One sentence on why a table of keys is refused: the worst fault with its key, value, rule and
+    what to do, then the names of other keys at fault.
 
     Parameters
     ----------
     faults
-        what pydantic found
+        what the validation by pydantic reports
     keys
         as they stand in the file, tables as dicts and lists
     model
-        the table that they are of
+        class of the table, such as a scene or its load
     """
-    place_of_keys = model.keys_listed
-    # Unknown keys first: a misspelt key is a missing one too. Then the deepest: of a union's
-    # branches the one that got farthest.
+    # Unknown keys first: a misspelt key is a missing one too. Then the deepest: of the alternatives
+    # for a table the one that got farthest.
     errors = sorted(
         faults.errors(), key=lambda fault: (fault["type"] != "extra_forbidden", -len(fault["loc"]))
     )
-    fault = errors[0]
-    key = _key(fault, keys)
-    faulty_value = fault["input"]
+    worst_fault = errors[0]
+    key = _key(worst_fault, keys)
     faulty_keys = dict.fromkeys(_key(error, keys) for error in errors)
     other_faults_text = _also([name for name in faulty_keys if name not in (key, "")])
+    return _fault_in_words(worst_fault, key, model) + other_faults_text
+
+
+def _fault_in_words(fault: ErrorDetails, key: str, model: type[Frozen]) -> str:
+    """One fault of a table of keys as a sentence: key, value, rule and what to do.
+
+    `fault` is pydantic's, `key` the full name of its key in the file, `model` the class of the
+    table.
+    """
+    value = fault["input"]
     rule = RULES.get(fault["type"]) or fault["msg"].removeprefix("Value error, ").removeprefix(
         "Input "
     )
@@ -116,34 +125,24 @@ def refusal(faults: ValidationError, keys: Any, model: type[Frozen]) -> str:
             hint = (
                 neglected(unknown_key)
                 or f"{did_you_mean(unknown_key, keys_of_all_tables(model) - {unknown_key})}"
-                f" {place_of_keys} lists the keys"
+                f" {model.keys_listed} lists the keys"
             )
-            return f"unknown key {key} = {shown(faulty_value)};{hint}{other_faults_text}"
-        case "missing" if isinstance(faulty_value, dict):
-            return f"the key {key} is missing; {place_of_keys} lists the keys{other_faults_text}"
+            return f"unknown key {key} = {shown(value)};{hint}"
+        case "missing" if isinstance(value, dict):
+            return f"the key {key} is missing; {model.keys_listed} lists the keys"
         case "key_missing":
-            return (
-                f"the key {key}{'.' if key else ''}{fault['ctx']['key']} is missing;"
-                f" {place_of_keys} lists the keys{other_faults_text}"
-            )
+            missing_key = f"{key}{'.' if key else ''}{fault['ctx']['key']}"
+            return f"the key {missing_key} is missing; {model.keys_listed} lists the keys"
         case "union_tag_not_found":
-            return (
-                f"the key {key}.kind is missing; {place_of_keys} lists the kinds{other_faults_text}"
-            )
+            return f"the key {key}.kind is missing; {model.keys_listed} lists the kinds"
         case "union_tag_invalid":
             kinds = fault["ctx"]["expected_tags"].replace(", ", " or ")
-            key = f"{key}.kind"
-            faulty_value = fault["ctx"]["tag"]
-            rule = f"should be {kinds}"
+            return f"{key}.kind = {shown(fault['ctx']['tag'])} is refused: should be {kinds}"
         case "too_long":
             rule = f"should have at most {fault['ctx']['max_length']} entries"
         case "value_error":
-            return (
-                f"{key} is refused: {rule}{other_faults_text}"
-                if key
-                else f"{rule}{other_faults_text}"
-            )
-    return f"{key} = {shown(faulty_value)} is refused: {rule}{other_faults_text}"
+            return f"{key} is refused: {rule}" if key else rule
+    return f"{key} = {shown(value)} is refused: {rule}"
 
 
 @cache
@@ -157,7 +156,8 @@ def keys_of_all_tables(model: type[Frozen]) -> frozenset[str]:
 
 
 def _also(keys: Sequence[str]) -> str:
-    """The other keys at fault, in brackets; of many the first few, told once these are mended.
+    """Names of further keys at fault, in brackets, for the end of a message: of many the first
+    four, and how many more.
 
     >>> _also(["friction.coefficient"]), _also(list("abcdef")), _also([])
     (' (also at fault: friction.coefficient)', ' (also at fault: a, b, c, d and 2 more, named once
@@ -170,8 +170,8 @@ def _also(keys: Sequence[str]) -> str:
 
 
 def neglected(word: str) -> str:
-    """Why there is no key of this name, with a blank before it and the page that says so; empty
-    where that is not the reason.
+    """Reason why an unknown key, `word`, cannot be stated: the physics it names is neglected, or it
+    belongs to the loads; with a blank before it, empty where neither is the case.
 
     >>> neglected("yield_stress")
     " the materials are linear elastic, without plasticity: docs/theory.md, 'What is neglected'"
@@ -191,8 +191,8 @@ def neglected(word: str) -> str:
 
 
 def did_you_mean(word: str, known_words: Iterable[str]) -> str:
-    """A question after the one of the `known_words` that is nearest to `word`, with a blank before
-    it; empty where none is near.
+    """Suggest the known key that a misspelt `word` probably stands for, as a question with a blank
+    before it; empty where none is near.
 
     >>> did_you_mean("radias", ["radius", "kind"]), did_you_mean("zzz", ["radius", "kind"])
     (' did you mean radius?', '')
@@ -211,11 +211,11 @@ def did_you_mean(word: str, known_words: Iterable[str]) -> str:
 
 
 def _key(fault: ErrorDetails, keys: Any) -> str:
-    """The key that a fault of validation is about, as it stands in the file, `keys`: pydantic's
-    location without the parts that only its unions know.
+    """Full name of the key that a fault of validation is about, as in "load.points.3": pydantic's
+    location of it without parts that do not stand in the file, whose table is `keys`.
     """
     path: list[str] = []
-    level: Any = keys
+    level: Any = keys  # the part of the file that the path has reached
     for part in fault["loc"]:
         if isinstance(part, int) and isinstance(level, list) and part < len(level):
             level = level[part]
@@ -284,6 +284,9 @@ class Frozen(BaseModel, metaclass=_OneDoor):
     @field_validator("*")
     @classmethod
     def _can_be_squared(cls, value: Any) -> Any:
+        """Refuse numbers of any key that are so large that their squares are no numbers
+        (ValueError); the value itself otherwise.
+        """
         for number in _numbers(value):
             if abs(number) > LARGEST:
                 raise ValueError(
@@ -293,13 +296,14 @@ class Frozen(BaseModel, metaclass=_OneDoor):
         return value
 
     def vary(self, /, **changes: Any) -> Self:
-        """A checked copy with other values; the only way to change a scene, or a part of one, from
-        Python.
+        """A copy of a scene, or of a part of one, with some values changed; checked like a new one.
+
+        Scenes are frozen: this is the only way to change one from Python.
 
         Parameters
         ----------
         changes
-            key -> value. A value is what the constructor takes: a number, a list, a model. A
+            key -> value. A value is what the constructor takes: a number, a list, a table. A
             mapping given for a table of keys changes those keys and keeps the others, at every
             depth. A mapping with another `kind` than the table has replaces it whole: nothing
             of an ellipse is right for a polygon. A list replaces the whole list.
@@ -324,14 +328,15 @@ class Frozen(BaseModel, metaclass=_OneDoor):
         return checked(type(self), self.merged(changes), "vary")
 
     def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
-        """The keys that were given, with those of `changes` put in; not checked.
+        """The keys of this table that its user gave, with some changed; not checked yet.
 
-        Keys that the program itself has written are not taken over. A change that is a mapping of
-        the kind of the present table is merged into that table, any other replaces the value.
+        Keys that the program itself has written are left out, since they are not right for other
+        values. A change that is a mapping of the same `kind` as a table is merged into that table,
+        any other replaces the value. `changes` maps keys to new values.
         """
         given_names = self.model_fields_set - {*self.written}
         keys = {
-            name: new_value for name, new_value in self if name == "kind" or name in given_names
+            name: given_value for name, given_value in self if name == "kind" or name in given_names
         }
         for name, new_value in changes.items():
             is_key = name in type(self).model_fields
@@ -414,14 +419,21 @@ M = TypeVar("M", bound=Frozen)
 
 
 def validated(table: M, model: type[Frozen]) -> M:
-    """`table`, of a `model` such as Scene, as its own check leaves it: the door of every function
-    that takes a scene or a part of one.
+    """Check what a caller passes as a scene, or as a part of one, before it is used; the checked
+    table of keys.
+
+    Parameters
+    ----------
+    table
+        what the caller passes
+    model
+        class that it has to be of, such as Scene
 
     Raises
     ------
     InputError
-        One sentence: for what is no `model`, and for what was made past the checks
-        (`model_construct`) and does not pass.
+        One sentence: for another class, and for values that were set past the checks
+        (`model_construct`) and do not pass.
 
     Examples
     --------
@@ -444,16 +456,20 @@ def validated(table: M, model: type[Frozen]) -> M:
 def checked(
     model: type[M], keys: Any, where: str = "", *, of_file: bool = False, folder: Path = Path()
 ) -> M:
-    """The table of `model` that its check makes of `keys`: the one way from keys to a table.
+    """Make a scene, or a part of one, from keys and values, with all checks: the one way to do so.
 
     Parameters
     ----------
+    model
+        class of the table, such as Scene
+    keys
+        key -> value, or a table of that class
     where
-        what a refusal begins with
+        how the message of a refusal begins, as in "vary"
     of_file
         whether the keys come from a file: then "1.0" and true are no numbers
     folder
-        where files lie that the keys name
+        in which files lie that the keys name
 
     Raises
     ------

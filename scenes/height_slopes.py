@@ -97,7 +97,18 @@ class HeightSlope:
 
 
 def slope_of_height(height: Function, edges: Array) -> HeightSlope:
-    """The slope of `height` between `edges` (n,), ascending: octaves below the extent, and corners.
+    """Derivative h' of a profile's height for x > 0, given only as a function, with the error that
+    round-off of its values causes in loads.
+
+    The height is approximated by Chebyshev series on intervals, which are differentiated. Where it
+    has few digits near x = 0, as R - sqrt(R^2 - x^2) has, one polynomial in x^2 takes their place.
+
+    Parameters
+    ----------
+    height
+        h(x), from an array of places to one of values
+    edges
+        (n,) ascending places between which h is smooth: octaves below the largest x, and corners
 
     Raises
     ------
@@ -158,14 +169,15 @@ class _Samples:
     to_series: Array
 
     def series_and_rounding(self, heights: Array) -> tuple[Array, Array]:
-        """Coefficients (..., DEGREE + 1) from values at `places` on the last axis, and the rounding
-        of the values (...,).
+        """Chebyshev coefficients (..., DEGREE + 1) by least squares from heights (..., n) at many
+        places, and the standard deviation of the heights' round-off, (...,), by the residuals.
         """
         coefficients = heights @ self.to_series
-        # A second time of what is left: sums of many values lose more than the rounding of one.
+        # Once more for the residuals: sums of many values lose more digits than one value has lost.
         coefficients = coefficients + (heights - coefficients @ self.values.T) @ self.to_series
-        left = heights - coefficients @ self.values.T
-        return coefficients, np.sqrt(np.sum(left * left, axis=-1) / (len(self.places) - DEGREE - 1))
+        residuals = heights - coefficients @ self.values.T
+        n_free = len(self.places) - DEGREE - 1
+        return coefficients, np.sqrt(np.sum(residuals * residuals, axis=-1) / n_free)
 
     @property
     def of_coefficient(self) -> float:
@@ -187,8 +199,8 @@ def _samples(count: int) -> _Samples:
 
 
 def _rounding_far_down(rise: Function, extent: float) -> float:
-    """Rounding of h over h in one octave far below the extent; infinite where h is 0 or no
-    number.
+    """Relative round-off of a profile's height in one octave of x far below its `extent`, as a
+    measure of how many digits the height has near x = 0; infinite where it is 0 or no number.
     """
     samples = _samples(_OF_PIECE)
     heights = rise(extent * _FAR_DOWN * (3 + samples.places) / 4)
@@ -199,10 +211,20 @@ def _rounding_far_down(rise: Function, extent: float) -> float:
 
 
 def _refined(rise: Function, edges: Array) -> tuple[Pieces, Rounding]:
-    """Chebyshev series of a height on the pieces between `edges` (n,), without coefficients that
-    are round-off, and the errors that round-off leaves in loads and stiffness.
+    """Chebyshev series of a profile's height by least squares on intervals, without coefficients
+    that are mere round-off, and the error that round-off leaves in loads and stiffness.
 
-    Unresolved where the height is too rough to have a slope.
+    Parameters
+    ----------
+    rise
+        height above the middle, from an array of x to one of values
+    edges
+        (n,) ends of the intervals
+
+    Raises
+    ------
+    Unresolved
+        Where the height is too rough to have a slope.
     """
     samples = _samples(_OF_PIECE)
     half_lengths = np.diff(edges) / 2
@@ -217,21 +239,29 @@ def _refined(rise: Function, edges: Array) -> tuple[Pieces, Rounding]:
 
 
 def _errors_of_loads(pieces: Pieces, is_significant: Mask, coefficient_error: Array) -> Rounding:
-    """Largest relative errors of P and of dP/da, times a, that the error of each coefficient of the
-    height's series leaves.
+    """Largest relative errors of the load P and of the stiffness dP/da that come from round-off in
+    the coefficients of a height's Chebyshev series.
 
-    Nearly P = E* sqrt(a/2) int h'(x)/sqrt(a - x) dx, and h' = T_k'/half_length: the piece that a is
-    on counts most. Coefficient k counts k times in P and k^3 times in dP/da; errors of coefficients
-    are independent, so their squares add.
+    Nearly P = E* sqrt(a/2) int h'(x)/sqrt(a - x) dx, so the interval in which a lies counts most.
+    A term c_k T_k of h adds c_k T_k' over half the interval's length to h'. The integral of that
+    grows as k in P, and as k^3 in dP/da. Errors of coefficients are independent: squares add.
+
+    # notation: a contact half-width, E* contact modulus, h' slope of the height, T_k Chebyshev
+    # polynomial
 
     Parameters
     ----------
     pieces
-        the series of the slope on each piece
+        series of the height on n intervals
     is_significant
-        (n, DEGREE + 1) which coefficients are not zero
+        (n, DEGREE + 1) which coefficients are kept
     coefficient_error
-        (n,) error of each coefficient on a piece
+        (n,) error of each coefficient on an interval
+
+    Raises
+    ------
+    Unresolved
+        Where the load has a relative error above 1e-7.
     """
     edges = pieces.edges
     half_lengths = np.diff(edges) / 2
@@ -286,9 +316,11 @@ class _Core:
 
 
 def _core(rise: Function, ends: Array) -> _Core | None:
-    """The slope near x = 0 by one polynomial of x^2, from x = 0 to one of `ends`: of those with the
-    least error of loads, within a factor of two, the widest; None where no end resolves the
-    height.
+    """Slope of a profile's height near x = 0 by one polynomial in x^2, from 0 to one of several
+    `ends`; None where no such polynomial follows the height.
+
+    Of the ends whose error in loads is within a factor of two of the least, the largest is taken.
+    `rise` is the height above the middle, as a function of x.
     """
     candidates = [_core_up_to(rise, end, _OF_PIECE) for end in ends[::-1].tolist()]
     cores = [core for core in candidates if core is not None]
@@ -300,8 +332,11 @@ def _core(rise: Function, ends: Array) -> _Core | None:
 
 
 def _core_up_to(rise: Function, end: float, count: int) -> _Core | None:
-    """The slope of a height for 0 <= x <= `end` by one polynomial of x^2, fitted to `count` values;
-    None where such a polynomial does not resolve the height, or rounding leaves no slope.
+    """Slope of a profile's height for 0 <= x <= `end` by one polynomial in x^2, fitted to `count`
+    of its values; None where it does not follow the height, or round-off leaves no slope.
+
+    Its lowest power of x^2 is tried from 1 up: a height that rises as x^4 has no x^2. `rise` is the
+    height above the middle, as a function of x.
     """
     samples = _samples(count)
     heights = rise(end * np.sqrt((1 + samples.places) / 2))
@@ -324,12 +359,26 @@ def _core_up_to(rise: Function, end: float, count: int) -> _Core | None:
 def _with_lowest_power(
     samples: _Samples, heights: Array, end: float, power: int, count: int, rounding: float
 ) -> _Core | None:
-    """Fit heights h (m,) by s^power g(s), s = (x/end)^2, g a series of `count` coefficients, by
-    least squares; None where the slope at s = 0 or s = 1 is no larger than its `rounding` allows.
+    """Fit heights near x = 0 by h = s^m g(s) with s = (x/end)^2, and estimate the error that
+    round-off leaves in loads and stiffness; None where it leaves no slope at s = 0 or s = 1.
 
-    The bracket m g + s g', m = `power`, is h' but for a factor; its errors and those of its
-    derivative at s = 0 and s = 1 give those of loads and stiffness. `samples` are the places of the
-    heights, and the polynomials there.
+    With h' = (2 x/end^2) s^(m-1) [m g + s g'] the errors of the bracket, and of its derivative, at
+    s = 0 and s = 1 give those of loads and stiffness.
+
+    Parameters
+    ----------
+    samples
+        places of the heights, and Chebyshev polynomials there
+    heights
+        (n,) above the middle
+    end
+        largest x of the fit
+    power
+        m, the lowest power of x^2
+    count
+        number of coefficients of the series g
+    rounding
+        standard deviation of the heights' round-off
     """
     s = (1 + samples.places) / 2
     orthogonal_factor, triangular_factor = np.linalg.qr(
@@ -348,15 +397,15 @@ def _with_lowest_power(
     ends = np.array([0.0, 1.0])
     bracket_values = np.stack([bracket(ends) for bracket in brackets], axis=1)
     bracket_rates = np.stack([bracket.deriv()(ends) for bracket in brackets], axis=1)
-    value_errors, rate_errors = (
-        _STATED * rounding * np.linalg.norm(each @ inverse_of_triangle, axis=1)
-        for each in (bracket_values, bracket_rates)
-    )
+    stated_rounding = _STATED * rounding
+    value_errors = stated_rounding * np.linalg.norm(bracket_values @ inverse_of_triangle, axis=1)
+    rate_errors = stated_rounding * np.linalg.norm(bracket_rates @ inverse_of_triangle, axis=1)
     bracket_sizes = np.abs(bracket_values @ g)
     if not np.all(value_errors < _ROUGHEST * bracket_sizes):
         return None
     bracket = sum(
-        coefficient * each for coefficient, each in zip(g.tolist(), brackets, strict=True)
+        coefficient * bracket_of_term
+        for coefficient, bracket_of_term in zip(g.tolist(), brackets, strict=True)
     )
     load_error = float(np.max(value_errors / bracket_sizes)) / _LEAST_LOAD
     # dP/da is of x h'' too: (2 m - 1) h' + 2 s times the rate of the bracket.
