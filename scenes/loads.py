@@ -63,8 +63,17 @@ InitialLoading = Literal["straight"] | tuple[Point, ...]
 def straight_loading(
     initial_loading: InitialLoading, first_leg: LoadSegment, duration: float
 ) -> tuple[StraightSegment, ...]:
-    """Straight segments from P = Q = 0 through the points of `initial_loading` to the loads at
-    which `first_leg` starts, each lasting `duration`; the last ends when `first_leg` starts.
+    """Initial loading of a path: straight lines from P = Q = 0 through given points to the loads at
+    which the cycle starts.
+
+    Parameters
+    ----------
+    initial_loading
+        [P, Q] points, or "straight" for none
+    first_leg
+        first segment of the cycle; the last line ends when it starts
+    duration
+        time that each line takes
     """
     points = [
         (0.0, 0.0),
@@ -216,8 +225,8 @@ class BulkAndTilt(Frozen, Generic[V]):
 
     @model_validator(mode="after")
     def _can_be_followed(self) -> Self:
-        """ValueError for tilt stated twice, or bulk stress or tilt beside a prescribed
-        displacement, or that no path can be made of.
+        """Refuse a load that states the tilt in two ways, that has bulk stress or tilt beside a
+        prescribed displacement, or of which no path can be made (ValueError).
         """
         tilt_keys = [
             key for key in ("tilt", "moment", "line_of_action") if getattr(self, key) is not None
@@ -246,8 +255,8 @@ class BulkAndTilt(Frozen, Generic[V]):
         return bool(getattr(self, "approach", False))
 
     def path_of_actuators(self) -> LoadPath:
-        """What is prescribed over time: the displacement U in the place of Q where it is stated,
-        and the approach in the place of P.
+        """What is prescribed over time, as a path of two quantities: P, or the approach of a normal
+        actuator; Q, or the displacement U of a tangential one.
 
         >>> load = PolygonLoad(
         ...     initial_loading=[(2, 0)],
@@ -272,7 +281,8 @@ class BulkAndTilt(Frozen, Generic[V]):
         return self.moment is not None or self.line_of_action is not None
 
     def path(self) -> LoadPath:
-        """The loads over time, with the bulk stresses and the tilt or moment that are stated.
+        """Path of the loads P and Q over time, with bulk stresses and tilt or moment along it where
+        the load states them.
 
         Raises
         ------
@@ -285,6 +295,7 @@ class BulkAndTilt(Frozen, Generic[V]):
         if not self.has_bulk_or_tilt:
             return path
         legs: tuple[LoadSegment, ...] = (*path.initial_loading, *path.cycle)
+        # For "bulk" and "turning" (tilt or moment) one segment along each leg.
         further_segments: dict[str, Sequence[LoadSegment]] = {}
         if (line := self.line_of_action) is not None:
             further_segments["turning"] = [
@@ -322,11 +333,12 @@ class BulkAndTilt(Frozen, Generic[V]):
     def _segments_of_pair(
         self, path: LoadPath, legs: Sequence[LoadSegment], pair: Pair
     ) -> list[LoadSegment]:
-        """The values over time of a pair of keys, such as both bulk stresses: one segment for each
-        leg of the path.
+        """Two quantities over time beside P and Q, such as both bulk stresses: one segment along
+        each leg of the load path.
 
-        Legs that follow formulas are curved; those before them are straight between the values at
-        their ends, the last of which is that where the first curved one starts.
+        Along the cycle they follow the formulas of the load, if it has some. Before, they are
+        straight between their values at the ends of legs; the last of these is where the formulas
+        begin. `pair` holds the values of the two keys in the scene.
         """
         curved = self.curved(path, pair)
         straight_legs = legs[: len(legs) - len(curved)]
@@ -346,13 +358,22 @@ class BulkAndTilt(Frozen, Generic[V]):
     def at_corners(
         self, value: Any, normal_loads: NDArray[np.float64], last_load: float
     ) -> NDArray[np.float64]:
-        """Values of a key at the ends of the straight legs, from 0 to `last_load`, shape of
-        `normal_loads`: in proportion to P, or as the key's own `initial_loading` states them.
+        """Values of a bulk stress or tilt at the vertices of the initial loading, (n,): in
+        proportion to P, or as the quantity's own `initial_loading` lists them.
+
+        Parameters
+        ----------
+        value
+            of the key in the scene
+        normal_loads
+            (n,) P at the vertices, from 0 on
+        last_load
+            value of the quantity at the last vertex, where the cycle begins
 
         Raises
         ------
         ValueError
-            Where the key states another number of values than the load has points.
+            Where the list has another number of values than the initial loading has points.
         """
         stated_values = getattr(value, "initial_loading", ())
         count = len(normal_loads) - 2
@@ -448,30 +469,39 @@ class EllipseLoad(CyclicLoad[Wave]):
         return self.phase_radians
 
     def path_of_loads(self) -> LoadPath:
-        """The path of P and Q over time, or of the approach and the displacement that stand in
-        their place: initial loading and one turn of the ellipse, from the least Q on.
+        """Path of P and Q over time: initial loading, then one revolution of the ellipse, which
+        begins where |Q - Q0| is largest while P grows.
+
+        Where actuators are prescribed, the approach stands in the place of P, and the displacement
+        in that of Q.
         """
-        tangential_load = (self.mean_tangential_load, self.tangential_amplitude)
+        tangential_mean = self.mean_tangential_load
+        tangential_amplitude = self.tangential_amplitude
         phase = self.phase_radians
         if (wave := self.tangential_displacement) is not None:
-            tangential_load = (wave.mean, wave.amplitude)
+            tangential_mean = wave.mean
+            tangential_amplitude = wave.amplitude
             phase = math.radians(wave.phase_degrees)
-        normal_load = (self.mean_normal_load, self.normal_amplitude)
+        normal_mean = self.mean_normal_load
+        normal_amplitude = self.normal_amplitude
         if self.approach is not None:
-            normal_load = (self.approach.mean, self.approach.amplitude)
+            normal_mean = self.approach.mean
+            normal_amplitude = self.approach.amplitude
         begin = phase + math.pi if phase >= 0 else phase + 2 * math.pi
-        turn = ellipse_segment(
+        revolution = ellipse_segment(
             begin,
             begin + 2 * math.pi,
-            (normal_load[0], tangential_load[0]),
-            (normal_load[1], tangential_load[1]),
+            (normal_mean, tangential_mean),
+            (normal_amplitude, tangential_amplitude),
             phase,
         )
-        first_load, first_force = turn.loads(begin)
-        first_loads = (float(first_load), float(first_force))
+        first_p, first_q = revolution.loads(begin)
+        first_loads = (float(first_p), float(first_q))
         if self.initial_loading == "parabola":
-            return LoadPath((parabola_segment(begin - math.pi, begin, first_loads, 0.0),), (turn,))
-        return LoadPath(straight_loading(self.initial_loading, turn, math.pi), (turn,))
+            parabola = parabola_segment(begin - math.pi, begin, first_loads, 0.0)
+            return LoadPath((parabola,), (revolution,))
+        loading = straight_loading(self.initial_loading, revolution, math.pi)
+        return LoadPath(loading, (revolution,))
 
 
 class StraightLoad(BulkAndTilt[tuple[float, ...]]):
@@ -498,11 +528,22 @@ class StraightLoad(BulkAndTilt[tuple[float, ...]]):
         normal_loads: NDArray[np.float64],
         last_load: float,  # noqa: ARG002 no time is needed
     ) -> NDArray[np.float64]:
-        """Values of a bulk stress or a tilt at the vertices of the path, (n,): a number holds at
-        all vertices of the cycle and grows in proportion to P before; of a tuple each entry is that
-        of its vertex.
+        """Values of a bulk stress or tilt at the n vertices of a load path of straight lines, (n,).
 
-        `normal_loads` (n,) are P at the vertices; `last_load` plays no part.
+        Parameters
+        ----------
+        value
+            of the key in the scene: a number, which holds at all vertices of the cycle and grows in
+            proportion to P before; or a tuple with an entry for each vertex
+        normal_loads
+            (n,) P at the vertices, from 0 on
+        last_load
+            plays no part here
+
+        Raises
+        ------
+        ValueError
+            For a tuple of another length.
         """
         places, first_place = self.places(len(normal_loads))
         if not isinstance(value, tuple):
@@ -560,8 +601,11 @@ class PolygonLoad(StraightLoad):
 
     @model_validator(mode="after")
     def _moves(self) -> Self:
-        """ValueError where two points of the path in a row have equal loads, bulk stresses and
-        tilt, so that nothing happens between them; with stated times such rests are allowed.
+        """Refuse a polygon in which two vertices that follow each other have equal loads, bulk
+        stresses and tilt (ValueError), since nothing happens between them.
+
+        Where the scene states the times of the vertices, such rests are allowed, and the times are
+        checked instead.
         """
         _require_displacement_beside_approach(self)
         if self.times is not None:
@@ -576,8 +620,8 @@ class PolygonLoad(StraightLoad):
                 for part in parts
                 for load_at_begin, load_at_end in part.loads(ends)
             ):
-                lists = any(isinstance(getattr(self, key), tuple) for key in KEYS)
-                remark = " with the same bulk stress and tilt" if lists else ""
+                has_lists = any(isinstance(getattr(self, key), tuple) for key in KEYS)
+                remark = " with the same bulk stress and tilt" if has_lists else ""
                 point = [float(load) for load in leg.loads(leg.start)]
                 raise ValueError(f"the point {point} stands twice in a row{remark}: leave one out")
         return self
@@ -593,8 +637,8 @@ class PolygonLoad(StraightLoad):
         ]
 
     def _check_times(self, times: tuple[float, ...]) -> None:
-        """ValueError for times of another number than points, or that do not ascend. Of a point
-        that stands twice in a row the loads rest.
+        """Refuse times of the vertices of a polygon that are too few, too many, or do not ascend
+        (ValueError). Two vertices with equal loads and different times are a rest.
         """
         count = len(self._corners)
         if len(times) != count:
@@ -618,8 +662,10 @@ class PolygonLoad(StraightLoad):
 
 
 def _require_one_normal_key(load: EllipseLoad | HarmonicLoad, varying: str) -> None:
-    """ValueError where neither P nor the approach is stated, or both; `varying` is the key of what
-    P varies by.
+    """Refuse a cyclic load that states neither the mean of P nor an approach in its place, or both
+    of them, or an approach without a tangential displacement (ValueError).
+
+    `varying` is the key of what P varies by: an amplitude or harmonics.
     """
     if load.approach is None:
         if not load.mean_normal_load:
@@ -699,25 +745,28 @@ class HarmonicLoad(CyclicLoad[WaveSum]):
         return self
 
     def path_of_loads(self) -> LoadPath:
-        """The path of P and Q over time, or of the approach and the displacement that stand in
-        their place: initial loading and one revolution, 0 to 2 pi.
+        """Path of P and Q over time: initial loading, then one revolution of the harmonics, from
+        time 0 to 2 pi.
+
+        Where actuators are prescribed, the approach stands in the place of P, and the displacement
+        in that of Q.
         """
-        second_mean = self.mean_tangential_load
-        second_harmonics = self.tangential_harmonics
+        tangential_mean = self.mean_tangential_load
+        tangential_harmonics = self.tangential_harmonics
         if (displacement := self.tangential_displacement) is not None:
-            second_mean = displacement.mean
-            second_harmonics = displacement.harmonics
-        first_mean = self.mean_normal_load
-        first_harmonics = self.normal_harmonics
+            tangential_mean = displacement.mean
+            tangential_harmonics = displacement.harmonics
+        normal_mean = self.mean_normal_load
+        normal_harmonics = self.normal_harmonics
         if self.approach is not None:
-            first_mean = self.approach.mean
-            first_harmonics = self.approach.harmonics
+            normal_mean = self.approach.mean
+            normal_harmonics = self.approach.harmonics
         revolution = HarmonicSegment(
             0.0,
             2 * math.pi,
-            (first_mean, second_mean),
-            _in_radians(first_harmonics),
-            _in_radians(second_harmonics),
+            (normal_mean, tangential_mean),
+            _in_radians(normal_harmonics),
+            _in_radians(tangential_harmonics),
         )
         return LoadPath(straight_loading(self.initial_loading, revolution, math.pi), (revolution,))
 
@@ -891,8 +940,8 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             raise InputError(f"{fault}{self._cure_of_missing(fault)}") from fault
 
     def _cure_of_missing(self, fault: MissingColumnError) -> str:
-        """What may stand in the scene in place of the columns that a file lacks, where it has
-        others.
+        """Advice for the message on columns that a measured file lacks: keys of the scene that can
+        stand in their place; empty where the file has none of the columns.
         """
         missing_names = set(fault.columns)
         if missing_names == set(self.column_kinds):
@@ -943,8 +992,8 @@ class TimeSeriesLoad(StraightLoad, FromFile):
 
     @model_validator(mode="after")
     def _threshold_has_a_use(self) -> Self:
-        """ValueError where threshold, average, least_normal_load or reduce are stated together with
-        keys of the record that they do not go with.
+        """Refuse keys on how a record of loads is reduced, where they have no use or contradict
+        other keys: threshold, average, least_normal_load, reduce (ValueError with what to do).
         """
         if self.threshold is not None and self.reduce is None:
             raise ValueError(
@@ -978,8 +1027,14 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return self
 
     def check_rows(self) -> None:
-        """RowError, with the row, for rows that are no history of loads: not three numbers each,
-        fewer than two, times that do not ascend, or a cycle that does not close.
+        """Refuse rows that are no record of loads over time.
+
+        Raises
+        ------
+        RowError
+            With the first row at fault: not three numbers (time, P, Q), too few rows, times that do
+            not ascend, no row that reaches the least normal load, a cycle that starts unloaded or
+            does not close.
         """
         rows = self.rows.values
         if rows.shape[1] != 3:
@@ -1024,8 +1079,8 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             )
 
     def bounds(self) -> tuple[int, int]:
-        """Number of the first row that counts, from 0 on, and of the first behind the last that
-        does.
+        """First and one past the last row of the record that count, numbered from 0, by the keys
+        `start` and `end`, each a time or the number of a row.
         """
         time = self.rows.values[:, 0]
         first_row = 0
@@ -1041,9 +1096,11 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return first_row, row_beyond
 
     def used_rows(self) -> Table:
-        """The rows (n, 3) of time, P and Q between the keys `start` and `end`. Where there is a
-        least normal load, rows below it count as Q = 0 and P not below 0, and the path starts at
-        that load.
+        """The rows (n, 3) of time, P and Q of the record that count: those between `start` and
+        `end`, with noise at small loads removed.
+
+        Where a least normal load is stated, rows below it get Q = 0 and P not below 0. All but the
+        last of those before the first loaded row are dropped, and that one gets the least load.
 
         >>> noisy = [[0, 0.1, -0.9], [1, 0.3, 0.7], [2, 50, 1], [3, 100, 30], [4, 0.2, -0.5]]
         >>> TimeSeriesLoad(rows=noisy, least_normal_load=5.0).used_rows().values.tolist()
@@ -1051,18 +1108,16 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         """
         first_row, row_beyond = self.bounds()
         if self.least_normal_load is None:
-            return (
-                self.rows
-                if (first_row, row_beyond) == (0, len(self.rows))
-                else Table.of(self.rows.values[first_row:row_beyond])
-            )
+            if (first_row, row_beyond) == (0, len(self.rows)):
+                return self.rows
+            return Table.of(self.rows.values[first_row:row_beyond])
         rows_between = self.rows.values[first_row:row_beyond].copy()
         is_below_least = rows_between[:, 1] < self.least_normal_load
         rows_between[is_below_least, 1] = np.maximum(rows_between[is_below_least, 1], 0.0)
         rows_between[is_below_least, 2] = 0.0
-        first_loaded = int(np.argmin(is_below_least))  # the first that is not low
-        if first_loaded > 0:
-            rows_between = rows_between[first_loaded - 1 :]
+        first_loaded_row = int(np.argmin(is_below_least))
+        if first_loaded_row > 0:
+            rows_between = rows_between[first_loaded_row - 1 :]
             rows_between[0, 1] = self.least_normal_load
         return Table.of(rows_between)
 
@@ -1075,8 +1130,8 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return reduced(rows, self.average, self.reduce, size.P, size.Q)
 
     def series(self) -> NDArray[np.float64]:
-        """The rows (n, 3) of time, P and Q that the path goes through, from (0, 0) on: the initial
-        loading is the first step.
+        """The rows (n, 3) of time, P and Q that the load path goes through, after cuts, means and
+        reduction of the record. A row with P = Q = 0 is put before a record that starts loaded.
 
         Raises
         ------
@@ -1099,9 +1154,8 @@ class TimeSeriesLoad(StraightLoad, FromFile):
 
     def places(self, corners: int) -> tuple[Sequence[int], int]:
         first_place, row_beyond = self.bounds()
-        lines_before = corners - (
-            row_beyond - first_place
-        )  # 1 where a line from (0, 0) comes before the rows
+        # 1 where a line from (0, 0) comes before the rows
+        lines_before = corners - (row_beyond - first_place)
         return [*[-1] * lines_before, *range(first_place, row_beyond)], 1
 
     def entries_needed(self, places: Sequence[int]) -> int:  # noqa: ARG002
@@ -1112,7 +1166,9 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return LoadPath(segments[:1], segments[1:]) if self.repeats else LoadPath(segments, ())
 
     def in_words(self, unit: str) -> str:
-        """A sentence on the rows that the loads follow, and on the ranges of P and Q in `unit`."""
+        """Describe a record of loads for the user: how many of its rows the load path goes through,
+        by which reduction, and the ranges of P and Q in their `unit`.
+        """
         used_rows = self.used_rows().values
         least_values = np.min(used_rows, axis=0)
         largest_values = np.max(used_rows, axis=0)
@@ -1176,8 +1232,8 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        """ValueError where P or Q jumps between two pieces, or between the end and the begin of a
-        cycle that repeats.
+        """Refuse functions of time whose P or Q jumps, also from the end of a cycle that repeats to
+        its begin (ValueError with time and values).
         """
         segments = self._segments()
         next_segments = [
@@ -1200,8 +1256,10 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         return self
 
     def _segments(self) -> list[ChebyshevSegment]:
-        """P and Q as Chebyshev series in time, on pieces fine enough for these and for the bulk
-        stresses and tilt that are functions.
+        """Approximate P and Q, given as functions of time, by Chebyshev series on intervals, short
+        enough also for bulk stresses and tilt that are functions.
+
+        The intervals end at the corners of any of the functions.
 
         Raises
         ------
@@ -1226,7 +1284,8 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
             name: float(np.max(np.abs(function(times)))) for name, function in functions.items()
         }
         load_scale = scales["tangential_load"] = scales["normal_load"]
-        for name, function in [*functions.items()] * 2:  # the edges of one are cuts of the other
+        # Twice, so that the corners of each function are ends of intervals for all.
+        for name, function in [*functions.items()] * 2:
             try:
                 edges = fit(function, edges, scales[name] or 1.0).edges
             except Unresolved as fault:
@@ -1242,29 +1301,25 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         ]
 
     def path_of_loads(self) -> LoadPath:
-        """The path of P and Q over time: an initial loading unless the functions start unloaded,
-        and the functions as the cycle, or as the rest of the path where they do not repeat.
+        """Path of P and Q over time: initial loading, unless the functions start unloaded, then
+        the functions, as a cycle where they repeat.
         """
         segments = tuple(self._segments())
         first_loads = np.abs(segments[0].loads(0.0))
         last_loads = np.abs(segments[-1].loads(self.duration))
+        starts_loaded = np.max(first_loads) > _ROUNDING * np.max(last_loads)
         initial_loading: tuple[LoadSegment, ...] = ()
-        # Unless it is unloaded at first.
-        if (
-            self.repeats
-            or self.initial_loading != "straight"
-            or np.max(first_loads) > _ROUNDING * np.max(last_loads)
-        ):
+        if self.repeats or self.initial_loading != "straight" or starts_loaded:
             initial_loading = straight_loading(self.initial_loading, segments[0], self.duration / 2)
-        return (
-            LoadPath(initial_loading, segments)
-            if self.repeats
-            else LoadPath((*initial_loading, *segments), ())
-        )
+        if self.repeats:
+            return LoadPath(initial_loading, segments)
+        return LoadPath((*initial_loading, *segments), ())
 
     def curved(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
-        """Segments of two companions of the loads, such as both bulk stresses, along the legs of
-        `path` from time 0 on; the `pair` are functions of time, numbers, or None for 0.
+        """Two quantities over time beside P and Q, such as both bulk stresses, as Chebyshev series
+        along the segments of the load `path` from time 0 on.
+
+        `pair` holds the two: functions of time, numbers, or None for 0.
         """
         functions = [
             (
@@ -1290,8 +1345,11 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
 def _chebyshev_piece(
     begin: float, end: float, functions: Sequence[Callable[[Any], Any]], scale: float = 0.0
 ) -> ChebyshevSegment:
-    """A segment from `begin` to `end` whose two loads are Chebyshev series of the given functions
-    of time; terms at the end of a series that are below rounding of `scale` are left out.
+    """Segment of a load path from time `begin` to `end` whose two loads are Chebyshev series
+    through values of two `functions` of time.
+
+    Terms at the end of a series that are below the round-off of `scale`, the size of the loads, are
+    left out.
     """
     coefficients = [
         series(function(begin + (end - begin) * (1 + NODES) / 2)) for function in functions

@@ -42,8 +42,8 @@ class Table:
 
     @classmethod
     def of(cls, rows: ArrayLike | Table) -> Table:
-        """A table from anything that makes a rectangle of finite numbers; ValueError with the row
-        if it does not.
+        """Make a table from lists, an array or another table: rows of equally many finite numbers;
+        ValueError with the first row that is none.
         """
         try:
             values = (
@@ -158,19 +158,23 @@ class ColumnUnit:
 def unit_of_column(
     table: TextTable, column: int, kind: Kind, units: str, stated: str | None = None
 ) -> ColumnUnit:
-    """The unit of a column of a table, with its factor to the units of the scene.
+    """Find the unit of a column of a text table, and its factor to the units of the scene.
 
     It is the `stated` one, else the one in the line of units or in the heading of the column.
-    Without one, or with an unknown one, the factor is 1 and a sentence of the answer says so.
+    Without one, or with an unknown one, the factor is 1 and the description says so.
 
     Parameters
     ----------
+    table
+        columns, headings and units of the file
     column
-        its number, from 0
+        number of the column, from 0
     kind
-        what the column must be, such as a length
+        what its unit must be, such as a length
     units
-        those of the scene, such as "N, mm, MPa"
+        units of the scene, such as "N, mm, MPa"
+    stated
+        unit that the user states for the column, if any
     """
     unit_name = stated or table.units[column] or short_unit_in(table.headings[column], kind)
     source = "in its heading"
@@ -194,8 +198,8 @@ def unit_of_column(
 
 
 def layout_in_words(path: Path, table: TextTable) -> list[tuple[str, str]]:
-    """How a text table was found in its file: its rows, separator, decimal sign and characters,
-    lines that were left out.
+    """Describe for the user how numbers were found in a text file, as (what, how): rows, separator,
+    decimal sign, encoding, lines that were left out.
     """
     layout = [
         ("file", f"{path.name}: {len(table.lines):,} rows from line {table.lines[0]} on"),
@@ -244,9 +248,16 @@ class FromFile(Frozen):
 
     @model_validator(mode="after")
     def _read(self, validation: ValidationInfo) -> Self:
-        """Read the rows from the file, where they are not stated: each column is turned into the
-        scene's units, and the key `read_as` says how. InputError for a file that is not understood.
-        The context of the validation has the folder of the scene and its units.
+        """Read measured rows from the file that the scene names, unless they are stated in the
+        scene itself: each column is converted into the scene's units.
+
+        The key `read_as` then describes, for the user, how each column was read. The context of
+        the `validation` has the folder of the scene file and the units of the scene.
+
+        Raises
+        ------
+        InputError
+            For a file or a unit that is not understood, and for a quantity stated twice.
         """
         if self.table in self.model_fields_set:
             return self
@@ -267,7 +278,7 @@ class FromFile(Frozen):
         for column, (name, kind) in enumerate(kinds.items()):
             column_reading = self._reading(path, table, column, name, kind, units)
             is_converted = is_converted or (column_reading.unit_known and kind != "time")
-            # what is not finite is refused with its row
+            # Numbers that are not finite are refused later, with their row.
             with np.errstate(over="ignore", invalid="ignore"):
                 table.values[:, column] -= column_reading.zero
                 table.values[:, column] *= column_reading.factor
@@ -319,19 +330,23 @@ class FromFile(Frozen):
     def _reading(
         self, path: Path, table: TextTable, column: int, name: str, kind: Kind, units: str
     ) -> _Reading:
-        """How a column of a table becomes numbers of the scene: zero, factor, whether its unit is
-        known, and all of that in words.
+        """How one column of a text file is turned into numbers of the scene: zero, factor, whether
+        its unit is known, and a description of all that for the user.
 
         Parameters
         ----------
+        path
+            of the file, for messages
+        table
+            the file's columns, headings and units
         column
-            its number in the `table`
+            number of the column in the `table`, from 0
         name
-            the quantity
+            quantity that it holds, such as "P"
         kind
-            the kind of its unit: a load, a length, a time or a moment
+            kind of its unit, such as "load" or "length"
         units
-            the system of units of the scene
+            units of the scene, such as "N, mm, MPa"
 
         Raises
         ------
@@ -339,18 +354,56 @@ class FromFile(Frozen):
             For a unit that is not understood, for forces without a thickness, and for forces
             per length with one.
         """
+        heading = table.headings[column]
+        is_clock = bool(table.clock_start) and kind == "time"
+        unit = self._unit_of_reading(path, table, column, name, kind, units)
+        thickness = getattr(self, "thickness", None) if kind == "load" else None
+        if unit.known and kind == "load":
+            _check_thickness(path, name, unit, thickness)
+        scale = _stated_columns(getattr(self, "scale", None)).get(name)
+        zero = _stated_columns(getattr(self, "zero", None)).get(name)
+        sign = _stated_columns(getattr(self, "sign", None)).get(name, 1)
+        phrases = [repr(heading) if table.head else heading]
+        if is_clock:
+            phrases.append(f"times of day: seconds since {table.clock_start}")
+        elif unit.words:
+            phrases.append(unit.words)
+        if zero is not None:
+            phrases.append(f"zero at {zero:.9g} of the file")
+        if scale is not None:
+            phrases.append(f"times {scale:.9g} (scale)")
+        if thickness is not None:
+            phrases.append(f"over the thickness {thickness:.9g}")
+        if sign < 0:
+            phrases.append("sign turned")
+        # The quotient is formed first: the order decides about the last digit.
+        factor = unit.factor * ((1.0 if scale is None else scale) * sign / (thickness or 1.0))
+        return _Reading(0.0 if zero is None else zero, factor, unit.known, ", ".join(phrases))
+
+    def _unit_of_reading(
+        self, path: Path, table: TextTable, column: int, name: str, kind: Kind, units: str
+    ) -> ColumnUnit:
+        """Unit of one column of a text file, as the user states it or as the file does, with its
+        factor to the units of the scene.
+
+        The arguments are those of the column's reading: file, table, number and quantity of the
+        column, kind of unit, units of the scene.
+
+        Raises
+        ------
+        InputError
+            For a stated unit that is not understood; for one of the file, unless it changes no
+            result (times, moments) or the user states a scale.
+        """
         stated_units = _stated_columns(getattr(self, "units", None))
         scales = _stated_columns(getattr(self, "scale", None))
-        zeros = _stated_columns(getattr(self, "zero", None))
-        signs = _stated_columns(getattr(self, "sign", None))
-        heading = table.headings[column]
-        if table.clock_start and kind == "time":
+        if table.clock_start and kind == "time":  # times of day have been turned into seconds
             stated_units.pop(name, None)
         unit = unit_of_column(table, column, kind, units, stated_units.get(name))
-        # The unit of time changes no result, moments are not converted, and a stated scale turns
-        # volts into loads.
         if unit.fault and name in stated_units:
             raise InputError(f"units.{name}: {unit.fault}")
+        # The unit of time changes no result, moments are not converted, and a stated scale turns
+        # volts into loads.
         if unit.fault and kind not in ("time", "moment") and name not in scales:
             advice_for_loads = ""
             if kind == "load":
@@ -358,35 +411,11 @@ class FromFile(Frozen):
                     ": to loads per unit thickness, or to forces beside the key thickness"
                 )
             raise InputError(
-                f"{path}: the heading {heading!r} of {name} has {unit.word!r} where a unit"
-                f" stands: {unit.fault}; state the unit of the numbers, such as units ="
+                f"{path}: the heading {table.headings[column]!r} of {name} has {unit.word!r} where"
+                f" a unit stands: {unit.fault}; state the unit of the numbers, such as units ="
                 f" {{{name} = {LIKELY_UNITS[kind]!r}}}, or their factor by scale{advice_for_loads}"
             )
-        thickness = getattr(self, "thickness", None) if kind == "load" else None
-        if unit.known and kind == "load" and unit.per_length == (thickness is not None):
-            fault_text = (
-                "a force, and loads are per unit thickness: state the key thickness, the length of"
-                " the contact out of the plane, by which it is divided"
-            )
-            if unit.per_length:
-                fault_text = "per length already: leave out the key thickness"
-            raise InputError(f"{path}: {name} is in {unit.word} ({unit.source}), {fault_text}")
-        phrases = [repr(heading) if table.head else heading]
-        if table.clock_start and kind == "time":
-            phrases.append(f"times of day: seconds since {table.clock_start}")
-        elif unit.words:
-            phrases.append(unit.words)
-        if name in zeros:
-            phrases.append(f"zero at {zeros[name]:.9g} of the file")
-        if name in scales:
-            phrases.append(f"times {scales[name]:.9g} (scale)")
-        if thickness is not None:
-            phrases.append(f"over the thickness {thickness:.9g}")
-        if signs.get(name, 1) < 0:
-            phrases.append("sign turned")
-        # the quotient first: the order decides about the last digit
-        factor = unit.factor * (scales.get(name, 1.0) * signs.get(name, 1) / (thickness or 1.0))
-        return _Reading(zeros.get(name, 0.0), factor, unit.known, ", ".join(phrases))
+        return unit
 
     @classmethod
     def _named(cls, columns: Frozen | None) -> list[str]:
@@ -394,9 +423,11 @@ class FromFile(Frozen):
         return [name for name in _stated_columns(columns) if name in cls.further]
 
     def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
-        """The keys that were given, with those of `changes` put in; not checked. Rows of one file
-        are not those of another, nor is a file the source of other rows: where either changes, what
-        was read goes.
+        """The keys of this table that its user gave, with some changed; not checked yet.
+
+        Where the file, or how it is read, changes, the rows that were read from the old one are
+        left out. Where the rows change, the file and all keys of reading are left out. `changes`
+        maps keys to new values.
         """
         keys = super().merged(changes)
         columns_read = self._named(getattr(self, "columns", None))
@@ -418,8 +449,8 @@ class FromFile(Frozen):
 
     @model_validator(mode="after")
     def _check(self, validation: ValidationInfo) -> Self:
-        """ValueError for rows that break a rule of the table, with the line of the file that they
-        come from; for keys of reading without a file.
+        """Refuse rows that are no valid measurement, with the line of the file that they come from,
+        and keys on how a file is read where no file is named (ValueError).
         """
         try:
             self.check_rows()
@@ -438,6 +469,23 @@ class FromFile(Frozen):
                 " of the scene: leave it out"
             )
         return self
+
+
+def _check_thickness(path: Path, name: str, unit: ColumnUnit, thickness: float | None) -> None:
+    """Refuse a column of forces where the scene states no thickness to divide them by, and one of
+    forces per length where it does (InputError).
+
+    `name` is the quantity of the column, `thickness` that of the contact out of the plane [length].
+    """
+    if unit.per_length != (thickness is not None):
+        return
+    fault_text = (
+        "a force, and loads are per unit thickness: state the key thickness, the length of"
+        " the contact out of the plane, by which it is divided"
+    )
+    if unit.per_length:
+        fault_text = "per length already: leave out the key thickness"
+    raise InputError(f"{path}: {name} is in {unit.word} ({unit.source}), {fault_text}")
 
 
 def _folder(validation: ValidationInfo) -> Path:
@@ -473,11 +521,15 @@ def reduced(
     normal_threshold: float,
     tangential_threshold: float,
 ) -> Array:
-    """The rows (m, 3) of time, P and Q that stand for a record; of those that are kept the first
-    and the last are two.
+    """Reduce a long record of time, P and Q to fewer rows, (m, 3), by means of neighbouring rows,
+    by turning points, or by straight lines within a tolerance.
+
+    The first and the last row always stay. Results are cached, since each solution asks for them.
 
     Parameters
     ----------
+    rows
+        the record, columns time, P and Q
     average
         how many neighbouring rows are replaced by their mean first; 1 for none
     reduction
@@ -522,16 +574,19 @@ def means(values: Array, count: int) -> Array:
 
 
 def turning_points(values: Array, threshold: float) -> Rows:
-    """Rows (m,) at which `values` (n,) turn, but for swings of at most `threshold`: an extreme
-    counts once they left it by more.
+    """Rows (m,) of a measured series `values` (n,) at which it turns round, small swings left out:
+    an extreme counts once the series has left it by more than the `threshold`.
+
+    >>> turning_points(np.array([0.0, 3.0, 2.9, 3.2, 1.0, 2.0]), threshold=0.5).tolist()
+    [0, 3, 4]
     """
     steps = np.diff(values)
     moving_rows = np.flatnonzero(steps)
-    # the first row of a plateau that turns
+    # Rows of all extremes; of a plateau the first row.
     turning_rows = moving_rows[:-1][steps[moving_rows[:-1]] * steps[moving_rows[1:]] < 0] + 1
     turns: list[int] = []
-    direction = 0  # of the swing that is followed
-    row_of_least = 0  # its extreme rows so far
+    direction = 0  # of the swing that is followed: 1 up, -1 down, 0 unknown yet
+    row_of_least = 0  # extremes of that swing so far
     row_of_largest = 0
     for row, value in zip(
         (*turning_rows.tolist(), len(values) - 1),
@@ -552,42 +607,49 @@ def turning_points(values: Array, threshold: float) -> Rows:
 
 
 def within(path: Array, tolerance: Array) -> Rows:
-    """Rows (m,) whose straight lines pass all points (n, 2) of `path` in their order, each within
-    `tolerance` (2,).
+    """Rows (m,) of a load path that are enough to follow it: straight lines between them pass all
+    other points in their order, each within a tolerance.
 
-    From each kept row as far as doubled and halved steps find a line that does: the intervals of
-    the line near each point must allow an order. A line is near the straight piece between two
-    points where it is near both, since the distance is convex.
+    From each kept row the next one is as far away as a line allows, found by doubled, then halved
+    steps. A line that is near two neighbouring points is near the straight path between them, since
+    distance is convex.
+
+    Parameters
+    ----------
+    path
+        (n, 2) P and Q of all rows
+    tolerance
+        (2,) largest distance in P and in Q
     """
     slack = tolerance + _ROUNDING * np.max(np.abs(path), initial=0.0)
 
     def line_fits(first_row: int, last_row: int) -> bool:
-        """Whether one straight line between two rows of the path stays within the `slack` of each
-        load of all rows between them, and passes these in order: a share of the line for each row,
-        none less than the share before.
+        """Whether the straight line from `first_row` to `last_row` passes all rows between them in
+        order, within the `slack` of each load.
 
-        `first_row` and `last_row` are the rows at its ends.
+        Near each row the line has an interval of positions (0 at its begin, 1 at its end). The
+        intervals must allow ascending positions.
         """
         start = path[first_row]
         change = path[last_row] - path[first_row]
         points_between = path[first_row + 1 : last_row] - start
         with np.errstate(divide="ignore", invalid="ignore"):
-            shares_at_lower = (points_between - slack) / change
-            shares_at_upper = (points_between + slack) / change
+            position_at_lower = (points_between - slack) / change
+            position_at_upper = (points_between + slack) / change
         is_constant = change == 0
         if np.any(np.abs(points_between[:, is_constant]) > slack[is_constant]):
             return False
-        least_share = np.max(
-            np.where(is_constant, 0.0, np.minimum(shares_at_lower, shares_at_upper)),
+        least_position = np.max(
+            np.where(is_constant, 0.0, np.minimum(position_at_lower, position_at_upper)),
             axis=1,
             initial=0.0,
         )
-        largest_share = np.min(
-            np.where(is_constant, 1.0, np.maximum(shares_at_lower, shares_at_upper)),
+        largest_position = np.min(
+            np.where(is_constant, 1.0, np.maximum(position_at_lower, position_at_upper)),
             axis=1,
             initial=1.0,
         )
-        return bool(np.all(np.maximum.accumulate(least_share) <= largest_share))
+        return bool(np.all(np.maximum.accumulate(least_position) <= largest_position))
 
     row_numbers = [0]
     last_number = len(path) - 1
@@ -598,15 +660,13 @@ def within(path: Array, tolerance: Array) -> Rows:
             first_number, first_number + 2 * rows_reached
         ):
             rows_reached *= 2
+        # A line over `rows_reached` fits; one over `rows_not_reached` does not, or was not tried.
         rows_not_reached = min(2 * rows_reached, last_number - first_number + 1)
-        while (
-            rows_not_reached - rows_reached > 1
-        ):  # the former fit, the latter do not or were not tried
+        while rows_not_reached - rows_reached > 1:
             rows_tried = (rows_reached + rows_not_reached) // 2
-            rows_reached, rows_not_reached = (
-                (rows_tried, rows_not_reached)
-                if line_fits(first_number, first_number + rows_tried)
-                else (rows_reached, rows_tried)
-            )
+            if line_fits(first_number, first_number + rows_tried):
+                rows_reached = rows_tried
+            else:
+                rows_not_reached = rows_tried
         row_numbers.append(first_number + rows_reached)
     return np.array(row_numbers, dtype=np.int64)

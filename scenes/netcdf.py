@@ -62,16 +62,17 @@ class StoredArrays(NamedTuple):
 
 
 def netcdf_of(content: StoredArrays) -> memoryview:
-    """The bytes of a NetCDF-4 file: HDF5 with a dimension scale for each axis.
+    """Bytes of a NetCDF-4 file that holds named arrays, with their axes, units and attributes:
+    HDF5 with a dimension scale for each axis.
 
-    By h5py: h5netcdf looks a variable up again for each thing that is written of it, and takes four
-    times as long. HDF5 writes to memory: a disk that is full under it leaves it in a state that
-    ends the process once the file is closed.
+    They are written by h5py, in a quarter of h5netcdf's time, which looks each variable up again
+    and again. HDF5 writes to memory, since on a full disk it would end the process once the file is
+    closed.
     """
     import h5py
 
     buffer = io.BytesIO()
-    # In the order in which they are written, which NetCDF libraries ask for.
+    # NetCDF libraries need the variables in the order in which they were written.
     with h5py.File(buffer, "w", track_order=True) as file:
         file.attrs["_NCProperties"] = np.bytes_(
             f"version=2,hdf5={h5py.version.hdf5_version},h5py={h5py.__version__}"
@@ -90,9 +91,10 @@ def _in_attribute(value: Any) -> Any:
 
 
 def _write_array(file: Any, name: str, stored_array: StoredArray) -> None:
-    """Write the values and the attributes of an array, without its dimensions, to an HDF5 `file`.
+    """Write the values and the attributes of one array to an HDF5 `file`, under its name; the axes
+    follow later.
 
-    Rows without a value are NaN, as xarray writes them; axes have none.
+    Missing values of floats are NaN, as xarray writes them; an axis has none missing.
     """
     import h5py
 
@@ -113,10 +115,11 @@ def _write_array(file: Any, name: str, stored_array: StoredArray) -> None:
 
 
 def _attach_dimensions(file: Any, arrays: Mapping[str, StoredArray]) -> None:
-    """Make a dimension scale of each axis in an HDF5 `file`, and attach it to the arrays over that
-    axis.
+    """Turn the arrays in an HDF5 `file` into variables of NetCDF: name the axes of each, by a
+    dimension scale for each axis that is attached to the arrays along it.
 
-    An axis without an array of its own gets one without values, which NetCDF knows by its name.
+    An axis without an array of its own gets one without values, which NetCDF recognises by its
+    name. `arrays` are those that were written, by name, with their axes.
     """
     lengths: dict[str, int] = {}
     for name, stored_array in arrays.items():
@@ -138,19 +141,28 @@ def _attach_dimensions(file: Any, arrays: Mapping[str, StoredArray]) -> None:
 
 
 def read_netcdf(path: Path, form: Mapping[str, tuple[str, ...]], newest: str) -> StoredArrays:
-    """What a NetCDF file holds, in memory, with every array of `form` (name -> dimensions) there
-    and made of numbers.
+    """Read all arrays and attributes of a stored solution from a NetCDF file, after checks of its
+    size, format and arrays.
+
+    Parameters
+    ----------
+    path
+        of the file
+    form
+        name -> axes of the arrays that have to be in it, made of real numbers
+    newest
+        name and number of the newest format that can be read
 
     Raises
     ------
     InputError
-        One sentence: it can't be read, is larger than the limit once unpacked, of another form, or
-        of a later format than `newest`.
+        One sentence: the file can't be read, is too large once unpacked, lacks an array, or is of a
+        later format.
     """
     import h5netcdf
 
-    # h5netcdf prints a traceback of its own when a file goes that it could not open; the refusal
-    # says all there is to say.
+    # Of a file that it could not open h5netcdf prints a traceback when it is deleted from memory:
+    # silenced, since the error that is raised says all.
     hook_before = sys.unraisablehook
     sys.unraisablehook = lambda _fault: None
     try:
@@ -177,23 +189,26 @@ def read_netcdf(path: Path, form: Mapping[str, tuple[str, ...]], newest: str) ->
 
 
 def _require_room(path: Path, file: Any) -> None:
-    """InputError where the arrays take more than the limit once unpacked; none is unpacked yet."""
-    unpacked = sum(
+    """Refuse a NetCDF file whose arrays would take more memory than the limit once unpacked, before
+    any is unpacked (InputError).
+    """
+    unpacked_bytes = sum(
         math.prod(map(int, variable.shape)) * variable.dtype.itemsize
         for variable in file.variables.values()
     )
-    if unpacked > LARGEST_SOLUTION:
+    if unpacked_bytes > LARGEST_SOLUTION:
         raise InputError(
-            f"{path}: {_WHAT} takes {in_words(unpacked)} once unpacked, and at most"
+            f"{path}: {_WHAT} takes {in_words(unpacked_bytes)} once unpacked, and at most"
             f" {in_words(LARGEST_SOLUTION)} are read"
         )
 
 
 def _require_format(path: Path, attributes: Mapping[str, Any], newest: str) -> None:
-    """InputError where a stored solution is of another format than `newest`; what states no format
-    and no engine is not judged.
+    """Refuse a stored solution of a later format than `newest`, or of the first one, which is read
+    no more (InputError); a file that states no format and no engine passes.
 
-    Asked before the arrays are looked for: those of another format may have other names.
+    It is called before the arrays are looked for, since in another format they may have other
+    names. `attributes` are those of the whole file.
     """
     kind, _, known_version = newest.rpartition(" ")
     if "format" not in attributes:
@@ -213,8 +228,10 @@ def _require_format(path: Path, attributes: Mapping[str, Any], newest: str) -> N
 
 
 def _require_form(path: Path, file: Any, form: Mapping[str, tuple[str, ...]]) -> None:
-    """InputError where a variable of a NetCDF `file` is missing, has other axes than `form` states
-    for its name, or holds no real numbers; `path` is for the sentence.
+    """Refuse an open NetCDF file in which an array is missing, has other axes than expected, or
+    holds no real numbers (InputError).
+
+    `form` maps the name of each expected array to its axes; `path` is for the message.
     """
     for name, axes in form.items():
         if name not in file.variables:
@@ -235,9 +252,9 @@ def _require_form(path: Path, file: Any, form: Mapping[str, tuple[str, ...]]) ->
 
 
 def _require_lengths(path: Path, arrays: Mapping[str, StoredArray]) -> None:
-    """InputError where two arrays differ in the length of a dimension.
+    """Refuse arrays of one file that differ in length along an axis they share (InputError).
 
-    Asked of the unpacked values: h5netcdf states the length of the dimension for every array.
+    It looks at the unpacked values: h5netcdf reports one length of an axis for every array.
     """
     lengths: dict[str, int] = {}
     for name, variable in arrays.items():

@@ -48,12 +48,13 @@ def registered_forms() -> NotebookForms | None:
 
 
 def forms_for(method: str) -> NotebookForms:
-    """The functions that draw scenes and solutions, for a method that cannot do without.
+    """The registered functions that draw scenes and solutions in a notebook, for a `method` that
+    needs them, whose name is in the message.
 
     Raises
     ------
     InputError
-        Where none are registered; its sentence has the import that registers them.
+        Where none are registered, with the import that registers them.
     """
     forms = registered_forms()
     if forms is None:

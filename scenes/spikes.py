@@ -21,12 +21,16 @@ _NEIGHBOURS = 4
 
 
 def rows_that_stand_out(x: Array, h: Array, sigma: float) -> Rows:
-    """Rows (m,) of a trace x, h (n,) that stand out; the largest difference is taken out first,
-    since it moves the cubics of its neighbours too. At an end its three rows share one cubic, so
-    that all three may be the spike. None where they are too many.
+    """Rows (m,) of a measured trace that are spikes: they differ from the cubic through their four
+    neighbours by more than five times what noise does. None where they are more than 5 %.
+
+    The largest spike is removed first, since it moves the cubics of its neighbours too. At either
+    end three rows share one cubic, so that all three are removed.
 
     Parameters
     ----------
+    x, h
+        (n,) places and heights
     sigma
         standard deviation of the noise of h, above 0
 
@@ -51,8 +55,8 @@ def rows_that_stand_out(x: Array, h: Array, sigma: float) -> Rows:
 
 
 def _alike(place: int, count: int) -> list[int]:
-    """The rows whose neighbours, a window of five rows, are those of the row number `place` of
-    `count`: at either end of a table three rows share one window.
+    """Rows that are compared with the same window of five neighbouring rows as the row `place` of a
+    table of `count` rows: itself, or three rows at either end.
 
     >>> _alike(1, 40), _alike(5, 40), _alike(39, 40)
     ([0, 1, 2], [5], [37, 38, 39])
@@ -66,8 +70,11 @@ def _alike(place: int, count: int) -> list[int]:
 
 
 def _differences(x: Array, heights: Array) -> Array:
-    """Size of each row's difference (n,) from the cubic through its neighbours, over the standard
-    deviation that noise of size 1 gives it; 0 where rows stand in one place.
+    """Distance of each row of a trace from the cubic through its four neighbours, (n,), over the
+    standard deviation that noise of size 1 gives it; 0 where two of these rows have one x.
+
+    With Lagrange's weights w_i of the neighbours that deviation is sqrt(1 + sum w_i^2). x and
+    `heights` are (n,).
     """
     n_rows = len(x)
     n_before = _NEIGHBOURS // 2
@@ -79,13 +86,15 @@ def _differences(x: Array, heights: Array) -> Array:
     widths = relative_places[:, -1] - relative_places[:, 0]
     is_distinct = (np.min(np.diff(relative_places, axis=1), axis=1) > 0) & (widths > 0)
     relative_places = (relative_places - x[:, None]) / np.where(widths > 0, widths, 1.0)[:, None]
-    # weights of Lagrange's cubic at the row itself, which is the origin
+    # Weights of Lagrange's cubic at the row itself, which is the origin of places.
     weights = np.ones_like(relative_places)
     for i in range(_NEIGHBOURS):
         for j in range(_NEIGHBOURS):
             if j != i:
-                gaps = np.where(is_distinct, relative_places[:, j] - relative_places[:, i], 1.0)
-                weights[:, i] *= relative_places[:, j] / gaps
+                distances = np.where(
+                    is_distinct, relative_places[:, j] - relative_places[:, i], 1.0
+                )
+                weights[:, i] *= relative_places[:, j] / distances
     differences = heights - np.sum(weights * heights[neighbours], axis=1)
     sizes = np.abs(differences) / np.sqrt(1 + np.sum(weights**2, axis=1))
     return np.asarray(np.where(is_distinct, sizes, 0.0))
