@@ -207,8 +207,8 @@ class Fitted(Frozen):
     read_as: ReadAs | None = Field(None, description=READ_AS)
 
     def used_rows(self) -> NDArray[np.int64]:
-        """Numbers (n,) of the rows that count, from 0 on, in ascending order: without spikes, those
-        nearest to the middle.
+        """Numbers (n,) of the measured rows that were fitted, from 0 on, ascending: all but spikes
+        and the rows farthest from the middle that were left out.
         """
         spikes = np.array(self.spikes, dtype=np.int64) - 1
         without_spikes = np.setdiff1d(np.arange(len(self.rows)), spikes)
@@ -366,21 +366,23 @@ class Wedge(TwoCurvatures):
 
 
 def first_fall(coefficients: Array) -> float | None:
-    """A place s > 0 in the first stretch where sum c_k s^k is negative, not all c_k (n,) being 0;
-    None where it never is.
+    """Find where a polynomial sum c_k s^k is negative for s > 0: the middle of the first interval
+    between roots on which it is; None where it never is.
+
+    `coefficients` (n,) are c_k from k = 0 on, not all 0.
 
     >>> first_fall(np.array([2.0, -3.0, 1.0])), first_fall(np.array([1.0, 0.0]))  # (1 - s)(2 - s)
     (1.5, None)
     """
     roots = polynomial.polyroots(np.trim_zeros(coefficients, "b"))
-    # Double roots come as pairs a root of a rounding apart.
+    # Round-off splits a double root into a complex pair, apart by the square root of a rounding.
     positive_roots = np.sort(
         roots.real[(np.abs(roots.imag) <= 1e-7 * np.abs(roots)) & (roots.real > 0)]
     )
-    ends_of_stretches = np.concatenate(
+    interval_ends = np.concatenate(
         [[0.0], positive_roots, [2 * positive_roots[-1] if len(positive_roots) else 1.0]]
     )
-    middles = (ends_of_stretches[:-1] + ends_of_stretches[1:]) / 2
+    middles = (interval_ends[:-1] + interval_ends[1:]) / 2
     falling_places = middles[
         polynomial.polyval(middles, coefficients)
         < -1e-12 * polynomial.polyval(middles, np.abs(coefficients))
@@ -405,17 +407,19 @@ class EvenPolynomial(MayBeFitted):
 
     @model_validator(mode="after")
     def _rises(self) -> Self:
-        """ValueError for a polynomial profile that is flat, or that falls somewhere on x > 0."""
-        # h' / (2 x) as a polynomial in (x/length)^2.
-        slope = np.array(self.rises) * np.arange(1.0, len(self.rises) + 1)
-        if not np.any(slope):
+        """Refuse a polynomial profile that is flat, or that falls somewhere on x > 0 (ValueError
+        with the place).
+        """
+        # h' / (2 x) as a polynomial in s = (x/length)^2.
+        slope_coefficients = np.array(self.rises) * np.arange(1.0, len(self.rises) + 1)
+        if not np.any(slope_coefficients):
             raise ValueError(
                 "all powers are 0: a flat profile has no edge; one of them must be positive"
             )
-        square = first_fall(slope)
-        if square is not None:
+        s_of_fall = first_fall(slope_coefficients)
+        if s_of_fall is not None:
             raise ValueError(
-                f"the profile falls at x = {self.length * np.sqrt(square):.6g}: it must rise for"
+                f"the profile falls at x = {self.length * np.sqrt(s_of_fall):.6g}: it must rise for"
                 " all x > 0"
             )
         return self
@@ -429,6 +433,43 @@ class EvenPolynomial(MayBeFitted):
     def height(self, x: ArrayLike) -> Array:
         square = np.square(np.asarray(x, dtype=float) / self.length)
         return np.asarray(square * polynomial.polyval(square, np.array(self.rises)))
+
+
+def _require_rising(slope: Pieces) -> None:
+    """Refuse a profile whose slope is negative somewhere, zero everywhere, or jumps (ValueError
+    with the place); `slope` is h' for x > 0 as series on intervals.
+    """
+    begins = slope.edges[:-1, None]
+    lengths = np.diff(slope.edges)[:, None]
+    places = begins + lengths * np.linspace(0.02, 0.98, 25)
+    slopes = slope(places)
+    is_falling = slopes < -1e-11 * np.max(np.abs(slopes))
+    if np.any(is_falling):
+        raise ValueError(
+            f"the profile falls at x = {places[is_falling][0]:.6g}: it must rise for all x > 0"
+        )
+    if not np.any(slopes > 0):
+        raise ValueError("the profile is flat from end to end: it must rise somewhere")
+    slopes_at_begin = np.asarray(chebyshev.chebval(-1.0, slope.coefficients))
+    slopes_at_end = np.asarray(chebyshev.chebval(1.0, slope.coefficients))
+    jumps = np.abs(slopes_at_begin[1:] - slopes_at_end[:-1])
+    slope_sizes = np.abs(slopes_at_begin[1:]) + np.abs(slopes_at_end[:-1])
+    is_jump = jumps > 1e-7 * slope_sizes + 1e-14 * np.max(slopes)
+    if np.any(is_jump):
+        corner = slope.edges[1:-1][is_jump][0]
+        raise ValueError(
+            f"the profile has no derivative at x = {corner:.6g}: its slope jumps there"
+        )
+
+
+def _integral(slope: Pieces) -> Pieces:
+    """Integral of a function given by Chebyshev series on intervals, from the first edge on, as
+    series of the same degree: the term of the next degree is round-off.
+    """
+    coefficients = chebyshev.chebint(slope.coefficients, lbnd=-1)[:-1] * np.diff(slope.edges) / 2
+    rises = chebyshev.chebval(1.0, coefficients)  # over each interval
+    coefficients[0] += np.append(0.0, np.cumsum(rises)[:-1])
+    return Pieces(slope.edges, coefficients)
 
 
 # Octaves of x below the extent that a slope is taken over from.
@@ -467,7 +508,8 @@ class CallableProfile(Gap):
 
     @model_validator(mode="after")
     def _resolve(self) -> Self:
-        """Make the Chebyshev series of slope and height from the function of either.
+        """Approximate the profile's slope by Chebyshev series on intervals, from the Python
+        function of its height or of its slope, and integrate it to the height.
 
         Raises
         ------
@@ -478,21 +520,7 @@ class CallableProfile(Gap):
         if (self.height_function is None) == (self.slope_function is None):
             raise ValueError("either height_function or slope_function is needed, and not both")
         values_at = values_of(self.height_function or self.slope_function)
-        sign = -1.0 if self.height_function is None else 1.0
-        test_places = self.extent * np.array([0.07, 0.31, 0.62, 0.97])
-        try:
-            right_values = values_at(test_places)
-            left_values = values_at(-test_places)
-        except (ArithmeticError, TypeError, ValueError) as reason:
-            raise ValueError(
-                f"the function can't be evaluated at x = +-{test_places[0]:.6g}: {reason}"
-            ) from reason
-        is_unlike = np.abs(right_values - sign * left_values) > 1e-9 * np.abs(right_values).max()
-        if np.any(is_unlike):
-            raise ValueError(
-                "the profile is not symmetric: its sides differ at x ="
-                f" {test_places[is_unlike][0]:.6g}"
-            )
+        self._require_symmetric(values_at)
         edges = np.union1d(
             self.extent * 0.5 ** np.arange(_OCTAVES, -1.0, -1.0),
             [place for place in self.breaks if place < self.extent],
@@ -511,41 +539,29 @@ class CallableProfile(Gap):
                 f"the function is too rough between x = {fault.low:.6g} and {fault.high:.6g}: no"
                 " derivative can be had there"
             ) from fault
-        places_of_pieces = self._slope.edges[:-1, None] + np.diff(self._slope.edges)[
-            :, None
-        ] * np.linspace(0.02, 0.98, 25)
-        slopes_at_places = self._slope(places_of_pieces)
-        is_falling = slopes_at_places < -1e-11 * np.max(np.abs(slopes_at_places))
-        if np.any(is_falling):
-            raise ValueError(
-                f"the profile falls at x = {places_of_pieces[is_falling][0]:.6g}: it must rise for"
-                " all x > 0"
-            )
-        if not np.any(slopes_at_places > 0):
-            raise ValueError("the profile is flat from end to end: it must rise somewhere")
-        # of each piece
-        end_slopes = np.array(
-            [chebyshev.chebval(side, self._slope.coefficients) for side in (-1.0, 1.0)]
-        )
-        is_jump = np.abs(end_slopes[0, 1:] - end_slopes[1, :-1]) > 1e-7 * (
-            np.abs(end_slopes[0, 1:]) + np.abs(end_slopes[1, :-1])
-        ) + 1e-14 * np.max(slopes_at_places)
-        if np.any(is_jump):
-            corner = self._slope.edges[1:-1][is_jump][0]
-            raise ValueError(
-                f"the profile has no derivative at x = {corner:.6g}: its slope jumps there"
-            )
-        # The term of highest degree, which is rounding, is dropped.
-        height_coefficients = (
-            chebyshev.chebint(self._slope.coefficients, lbnd=-1)[:-1]
-            * np.diff(self._slope.edges)
-            / 2
-        )
-        height_coefficients[0] += np.append(
-            0.0, np.cumsum(chebyshev.chebval(1.0, height_coefficients))[:-1]
-        )
-        self._height = Pieces(self._slope.edges, height_coefficients)
+        _require_rising(self._slope)
+        self._height = _integral(self._slope)
         return self
+
+    def _require_symmetric(self, values_at: Callable[[Array], Array]) -> None:
+        """Refuse a function of x that cannot be evaluated on both sides, a height that is not even,
+        or a slope that is not odd (ValueError); four places are tried.
+        """
+        sign = -1.0 if self.height_function is None else 1.0
+        test_places = self.extent * np.array([0.07, 0.31, 0.62, 0.97])
+        try:
+            right_values = values_at(test_places)
+            left_values = values_at(-test_places)
+        except (ArithmeticError, TypeError, ValueError) as reason:
+            raise ValueError(
+                f"the function can't be evaluated at x = +-{test_places[0]:.6g}: {reason}"
+            ) from reason
+        is_unlike = np.abs(right_values - sign * left_values) > 1e-9 * np.abs(right_values).max()
+        if np.any(is_unlike):
+            raise ValueError(
+                "the profile is not symmetric: its sides differ at x ="
+                f" {test_places[is_unlike][0]:.6g}"
+            )
 
     def __eq__(self, profile: object) -> bool:
         """Whether the keys are the same: the series follow from them."""
@@ -676,8 +692,13 @@ class Tabulated(FromFile):
             self._keys = fitted_keys(x, h, FitRequest(**dict(self.fit)))
 
     def _sides(self) -> tuple[tuple[Array, Array], ...]:
-        """(x, h) from x = 0, h = 0 up: of both sides averaged, or of the left side, turned round,
-        and of the right.
+        """The measured rows as (x, h) arrays that start at x = 0, h = 0: one pair, both sides
+        averaged, of a symmetric profile; else the left side, x counted to the left, and the right.
+
+        Raises
+        ------
+        RowError
+            For the first row that is no valid profile, counted in the whole table.
         """
         rows = self.points.values
         if self.symmetric:
@@ -757,31 +778,41 @@ class Tabulated(FromFile):
         return least_rise if is_whole and np.median(rises) < _COARSE * least_rise else None
 
     def height(self, x: ArrayLike) -> Array:
-        """Gap h(x) >= 0 [length] of the untouched faces at x [length]; any shape."""
-        at = np.asarray(x, dtype=float)
+        """Gap h(x) >= 0 [length] between the faces before they touch, at x [length] of any shape,
+        by a quadratic spline on either side of x = 0.
+        """
+        x_array = np.asarray(x, dtype=float)
 
-        def height(side: Spline) -> Array:
-            number = np.clip(
-                np.searchsorted(side.x, np.abs(at), side="right") - 1, 0, len(side.x) - 1
+        def height_by(spline: Spline) -> Array:
+            """Gap at |x| on one side, by its spline; straight beyond the last knot."""
+            knot = np.clip(
+                np.searchsorted(spline.x, np.abs(x_array), side="right") - 1, 0, len(spline.x) - 1
             )
-            # straight beyond the last knot
-            step = np.abs(at) - side.x[number]
-            bend = np.append(side.curvature, 0.0)[number]
-            return np.asarray(side.height[number] + step * (side.slope[number] + bend * step / 2))
+            distance = np.abs(x_array) - spline.x[knot]
+            curvature = np.append(spline.curvature, 0.0)[knot]
+            slope = spline.slope[knot]
+            return np.asarray(spline.height[knot] + distance * (slope + curvature * distance / 2))
 
-        left, right = map(height, self.sides())
-        return np.where(at < 0, left, right)
+        left_height, right_height = map(height_by, self.sides())
+        return np.where(x_array < 0, left_height, right_height)
 
 
 def one_sided(points: Array, asymmetry: float) -> tuple[Array, Array]:
-    """Rows of the side x >= 0 of a profile, x and h (k,), from `points` (n, 2) of one side or of
-    both; h counts from that at x = 0, and two sides are averaged.
+    """One side x >= 0 of a measured symmetric profile, x and h (k,), from rows of one side or of
+    both, which are then averaged; h counts from that at x = 0.
+
+    Parameters
+    ----------
+    points
+        (n, 2) x, ascending, and h [length]
+    asymmetry
+        largest difference of the two sides that is admitted, over the range of h
 
     Raises
     ------
     RowError
-        x that does not ascend, no row at x = 0, sides that differ by more than the share
-        `asymmetry` of the range of h, h that falls.
+        With the row: x that does not ascend or has no partner on the other side, no row at x = 0,
+        sides that differ too much, too many rows, h that falls or is flat.
     """
     if points.shape[1] != 2:
         raise RowError(0, f"two numbers (x, h) are needed, not {points.shape[1]}")
@@ -835,11 +866,15 @@ def one_sided(points: Array, asymmetry: float) -> tuple[Array, Array]:
 
 
 def rising_spline(x: Array, h: Array) -> Spline:
-    """Schumaker's spline (SIAM J. Numer. Anal. 20, 1983): slopes by parabolas through three rows,
-    one more knot where needed.
+    """Quadratic spline through rows of a profile x, h (n,) that rises wherever the rows rise, and
+    bends up where they do.
 
-    The slope is 0 in the middle of the profile and never beyond twice a secant. Where three rows
-    lie on a line the spline follows it: any other slope at its ends would bend it back.
+    Slopes at the rows are those of parabolas through three neighbours, 0 in the middle, and never
+    beyond twice a secant. An interval gets one further knot where a single parabola would not meet
+    both its slopes. Where three rows lie on a line the spline follows it: any other slope at its
+    ends would bend it back.
+
+    Source: Schumaker, SIAM J. Numer. Anal. 20 (1983).
     """
     steps = np.diff(x)
     secants = np.diff(h) / steps
@@ -864,30 +899,29 @@ def rising_spline(x: Array, h: Array) -> Spline:
     bent_intervals = np.flatnonzero(
         np.abs(begin_excess + end_excess) > _ALIKE * (slopes[:-1] + slopes[1:])
     )
-    # Where the curvature changes within an interval: where both parts bend the same way, else, with
-    # an inflection, in its middle.
-    has_inflection = begin_excess * end_excess < 0
-    share_of_interval = np.where(
-        has_inflection, end_excess / np.where(has_inflection, end_excess - begin_excess, 1.0), 0.5
+    # Place of the further knot, 0 at the begin of its interval, 1 at the end. Where the secant's
+    # slope lies between both slopes, it is such that both parts bend one way; else, with an
+    # inflection, it is the middle.
+    bends_one_way = begin_excess * end_excess < 0
+    knot_place = np.where(
+        bends_one_way, end_excess / np.where(bends_one_way, end_excess - begin_excess, 1.0), 0.5
     )[bent_intervals]
-    share_of_interval = np.clip(share_of_interval, _SHORTEST, 1 - _SHORTEST)
-    slope_between = (
+    knot_place = np.clip(knot_place, _SHORTEST, 1 - _SHORTEST)
+    knot_slopes = (
         2 * secants[bent_intervals]
-        - share_of_interval * slopes[bent_intervals]
-        - (1 - share_of_interval) * slopes[bent_intervals + 1]
+        - knot_place * slopes[bent_intervals]
+        - (1 - knot_place) * slopes[bent_intervals + 1]
     )
-    at = np.insert(
+    knots = np.insert(
         x,
         bent_intervals + 1,
-        x[bent_intervals] + share_of_interval * (x[bent_intervals + 1] - x[bent_intervals]),
+        x[bent_intervals] + knot_place * (x[bent_intervals + 1] - x[bent_intervals]),
     )
-    tangent = np.maximum(
-        np.insert(slopes, bent_intervals + 1, slope_between), 0.0
-    )  # below 0 by rounding alone
-    rises = np.diff(at) * (tangent[:-1] + tangent[1:]) / 2
-    return Spline(
-        at, np.concatenate([[0.0], np.cumsum(rises)]), tangent, np.diff(tangent) / np.diff(at)
-    )
+    # Slopes below 0 are so by rounding alone.
+    all_slopes = np.maximum(np.insert(slopes, bent_intervals + 1, knot_slopes), 0.0)
+    rises = np.diff(knots) * (all_slopes[:-1] + all_slopes[1:]) / 2
+    heights = np.concatenate([[0.0], np.cumsum(rises)])
+    return Spline(knots, heights, all_slopes, np.diff(all_slopes) / np.diff(knots))
 
 
 Curve = Annotated[
@@ -925,8 +959,8 @@ def fit_profile(
     extent: float | None = None,
     tilt: float | None = None,
 ) -> Hertz | FlatRounded | EvenPolynomial | Tabulated:
-    """The profile fitted to measured rows (n, 2) of x and h: convex, symmetric about a middle that
-    need not be at x = 0.
+    """Fit a smooth profile to measured rows of x and h by least squares: convex, and symmetric
+    about a middle that need not be at x = 0.
 
     Parameters
     ----------
@@ -935,16 +969,16 @@ def fit_profile(
     kind
         "hertz", "flat_rounded", "even_polynomial" or "smoothing_spline"
     noise
-        standard deviation of h; by default the rows show it
+        standard deviation of h; by default that of the residuals
     centre, extent, tilt
-        x of the middle, how far from it rows count, and slope that is taken off; by default the
-        first and the last are fitted
+        x of the middle, distance from it beyond which rows are left out, and slope of the trace;
+        by default middle and slope are fitted, and all rows count
 
     Returns
     -------
     Hertz | FlatRounded | EvenPolynomial | Tabulated
-        The profile, with `fitted` saying what it was fitted to. A `smoothing_spline` is a
-        `Tabulated` of the curve's own rows.
+        The profile, with a record of the fit in `fitted`. A `smoothing_spline` is a `Tabulated` of
+        rows on the fitted curve.
 
     Raises
     ------

@@ -219,12 +219,12 @@ class Scene(Frozen):
     )
 
     def vary(self, /, **changes: Any) -> Self:
-        """A checked copy with other values, as that of any table of keys; `tolerances={}` states
-        none.
+        """A copy of the scene with some keys changed, checked like a new one: `changes` are key =
+        value, a table of keys for a part of it.
 
-        Tolerances stated for half-planes are left out once a body is none, unless `changes` gives
-        some. Standard uncertainties are left out where the scene has not all of their inputs any
-        more.
+        Tolerances stated for half-planes are left out where a body becomes finite, unless `changes`
+        has some; `tolerances={}` removes them. Standard uncertainties are left out where the new
+        scene lacks one of their inputs.
 
         >>> from scenes import Block, load_scene
         >>> scene = load_scene("hertz-normal")
@@ -239,7 +239,7 @@ class Scene(Frozen):
             changed_scene = self.vary(**changes, uncertainty=None)
             try:
                 return changed_scene.vary(uncertainty=self.uncertainty)
-            except InputError:  # of an input that the changed scene does not have
+            except InputError:  # an uncertainty is of an input that the changed scene lacks
                 return changed_scene
         changed_scene = super().vary(**changes)
         gains_a_body = self.bodies.half_planes and not changed_scene.bodies.half_planes
@@ -256,10 +256,11 @@ class Scene(Frozen):
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
-        """ValueError where two tables of the scene contradict each other.
+        """Refuse a scene whose parts contradict each other (ValueError with what to do).
 
-        Checked are units of columns, rig, length of the profile, radii of cylinders and the width
-        of pads against the arcs of the profile; then what the scene's uncertainties name.
+        Checked are units of measured columns, rig and load, size of the profile, its radius against
+        those of cylinders, widths of pads against the arcs of the profile, and whether each stated
+        uncertainty is of an input that the scene has.
         """
         for table_name, table in (("load", self.load), ("profile", self.profile)):
             reading = dict(getattr(table, "read_as", None) or ())
@@ -296,9 +297,10 @@ class Scene(Frozen):
         return self
 
     def _check_rig(self) -> None:
-        """ValueError where rig, load and bodies do not go together: springs or a datum without a
-        prescribed displacement, a displacement without bodies or datum, or of a profile with unlike
-        sides.
+        """Refuse a rig (springs and actuators) that does not fit load and bodies (ValueError).
+
+        Springs or a datum need a prescribed displacement. That needs bodies, or for half-planes the
+        distance from the contact at which it is prescribed, and a profile with two equal sides.
         """
         rig = self.rig
         load = self.load
@@ -354,8 +356,8 @@ class Scene(Frozen):
 
     @property
     def smallest_friction(self) -> float:
-        """Largest |Q|/P of the initial loading and the cycle: the loads are below gross sliding for
-        every larger coefficient of friction. Infinite where P is negative, or zero beside a Q.
+        """Smallest coefficient of friction at which the loads cause no gross sliding: the largest
+        |Q|/P on the load path. Infinite where P is negative, or zero while Q is not.
 
         >>> from scenes import load_scene
         >>> scene = load_scene("cattaneo-mindlin")
@@ -386,8 +388,8 @@ class Scene(Frozen):
         return moved(self, changes)
 
     def __repr__(self) -> str:
-        """Five lines: name and title of the scene, bodies and materials, profile and friction,
-        loads, units.
+        """Five lines of text on the scene: name and title, bodies and materials, profile and
+        friction, ranges of the loads, units.
 
         >>> from scenes import load_scene
         >>> print(load_scene("cattaneo-mindlin"))
@@ -398,13 +400,15 @@ class Scene(Frozen):
           units: N, mm, MPa
         """
         upper_material, lower_material = self.material.upper, self.material.lower
-        (least_load, largest_load), (back, forward) = self.ranges_of_load()
-        normal_words = "approach" if self.load.states_approach else "P"
-        tangential_words = f"Q from {back:.6g} to {forward:.6g}"
+        normal_range, tangential_range = self.ranges_of_load()
+        least_normal, largest_normal = normal_range
+        least_tangential, largest_tangential = tangential_range
+        normal_name = "approach" if self.load.states_approach else "P"
+        tangential_text = f"from {least_tangential:.6g} to {largest_tangential:.6g}"
         if self.load.is_driven:
-            tangential_words = f"U of the actuator from {back:.6g} to {forward:.6g}"
+            tangential_text = f"U of the actuator {tangential_text}"
         else:
-            tangential_words += f", |Q|/P up to {self.smallest_friction:.6g}"
+            tangential_text = f"Q {tangential_text}, |Q|/P up to {self.smallest_friction:.6g}"
         bodies = f"{self.bodies.upper.kind} on {self.bodies.lower.kind}"
         lines = (
             f"Scene {self.name!r}" + (f": {self.title}" if self.title else ""),
@@ -413,8 +417,8 @@ class Scene(Frozen):
             f" {lower_material.poisson_ratio:.4g} (upper, lower)",
             f"  profile: {self.profile.kind.replace('_', ' ')}; coefficient of friction"
             f" {self.friction.coefficient:.6g}",
-            f"  load: {self.load.kind.replace('_', ' ')}, {normal_words} from {least_load:.6g} to"
-            f" {largest_load:.6g}, {tangential_words}",
+            f"  load: {self.load.kind.replace('_', ' ')}, {normal_name} from {least_normal:.6g} to"
+            f" {largest_normal:.6g}, {tangential_text}",
             f"  units: {self.units}",
         )
         return "\n".join(lines)
@@ -432,8 +436,10 @@ class Scene(Frozen):
         )
 
     def _loads_at_turns(self) -> tuple[list[float], list[float]]:
-        """P and Q, two lists, at the ends and turning points of all load segments; of prescribed
-        displacements those in their place.
+        """P and Q, two lists, at the ends and turning points of all segments of the load path, so
+        that their extremes are among them.
+
+        Where actuators are prescribed, approach and displacement stand in their place.
         """
         if isinstance(self.load, TimeSeriesLoad) and not self.load.is_driven:
             rows = self.load.series()
@@ -454,8 +460,10 @@ class Scene(Frozen):
         return None if forms is None else forms.scene_html(self)
 
     def save(self, path: str | Path) -> None:
-        """Write a scene file, .toml or .json, from which the scene can be loaded again; the rows of
-        CSV files are written into it.
+        """Write the scene to a .toml or .json file from which it can be loaded again.
+
+        Rows that were read from CSV files are written into it, and the keys on how these were read
+        are left out.
 
         Raises
         ------
@@ -463,14 +471,15 @@ class Scene(Frozen):
             For a scene that holds a Python function, for rows that are too many for a .toml
             file, where it can't be written.
         """
-        tables = json.loads(self.model_dump_json(exclude_none=True))
-        for table in (tables["profile"], tables["load"]):
+        scene_keys = json.loads(self.model_dump_json(exclude_none=True))
+        for table in (scene_keys["profile"], scene_keys["load"]):
             for key in ("file", *READING):
                 table.pop(key, None)
-        write_keys(Path(path), tables)
+        write_keys(Path(path), scene_keys)
 
     def model_dump_json(self, **options: Any) -> str:
-        """The scene as JSON text.
+        """The scene as JSON text, to be stored, hashed or sent to another process; `options` are
+        those of pydantic.
 
         Raises
         ------
@@ -531,8 +540,8 @@ def scene_text(name: str) -> str:
 
 
 def scene_companions(name: str) -> dict[str, str]:
-    """File name and text of what a library scene reads besides its own file; nothing of another
-    name.
+    """Files that a scene of the library reads besides its own .toml file, such as measured loads:
+    file name -> text; empty for an unknown scene.
 
     >>> list(scene_companions("time-series"))
     ['time-series.csv']
@@ -554,7 +563,13 @@ def scene_schema() -> dict[str, Any]:
 
 
 def load_scene(source: str | Path) -> Scene:
-    """The scene of a library name or of a file (.toml or .json).
+    """Read a scene, a contact problem with bodies, profile, friction and loads, from the library by
+    its name, or from a .toml or .json file.
+
+    Parameters
+    ----------
+    source
+        name of a scene of the library, or path of a file
 
     Raises
     ------
@@ -572,9 +587,7 @@ def load_scene(source: str | Path) -> Scene:
     if library_folder is not None:
         keys = parsed_toml(scene_text(name))
         folder = Path(str(library_folder))
-    elif not path.suffix and not os.path.exists(
-        path
-    ):  # False for a name that is longer than a path may be
+    elif not path.suffix and not os.path.exists(path):  # False too for a name too long for a path
         raise InputError(_unknown_scene(name))
     elif path.suffix not in (".toml", ".json"):
         if path.is_dir():
@@ -601,13 +614,14 @@ def load_scene(source: str | Path) -> Scene:
 
 
 def scene_of(scene: Scene | str | Path) -> Scene:
-    """A scene as its own check leaves it, or read from a library name or a path: the door of
-    functions that take either.
+    """Turn what a user passes as a scene into a checked one: a Scene, the name of a scene of the
+    library, or the path of a scene file.
 
     Raises
     ------
     InputError
-        As `load_scene`; for what is no scene, or does not pass its check.
+        One sentence with key, value and rule: for an unknown name, a file that can't be read, or
+        values that do not pass.
 
     Examples
     --------

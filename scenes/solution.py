@@ -250,24 +250,22 @@ class ContactSolution:
 
     @property
     def dissipation_drift(self) -> float:
-        """Change of the dissipation from the cycle before the last to the last, over that of the
-        last.
+        """Relative change of the friction work W of the last cycle against the cycle before, as a
+        measure of how far the solution is from a steady cycle.
 
         0 where the last cycle ends in the state it started from, NaN where there is no cycle before
-        it or no dissipation.
+        it or no friction work.
         """
-        last_works = self.cycle_dissipation[-2:]
         if self.steady_from is not None:
             return 0.0
-        return (
-            float((last_works[1] - last_works[0]) / last_works[1])
-            if len(last_works) == 2 and last_works[1] > 0
-            else float("nan")
-        )
+        last_works = self.cycle_dissipation[-2:]
+        if len(last_works) < 2 or not last_works[1] > 0:
+            return float("nan")
+        return float((last_works[1] - last_works[0]) / last_works[1])
 
     def __repr__(self) -> str:
-        """Five lines: whose answer to what, how it ended, its size, its contact, its
-        dissipation.
+        """Five lines of text on the solution: scene and engine, how the run ended, numbers of
+        instants and points, largest contact and permanent stick, friction work.
         """
         force_unit, length_unit, _ = self.scene.unit_words
         name = self.scene.name or self.scene.title or "a scene"
@@ -304,9 +302,11 @@ class ContactSolution:
         ).set_coords(_SIDE)
 
     def to_dataframe(self) -> Any:
-        """A pandas.DataFrame with a row for each instant: time, loads, edges, half-widths,
-        displacements, iterations; a pair of edges as two columns, with "_left" and "_right" behind
-        the name. Arrays over x are left out.
+        """Series of the solution over time as a pandas.DataFrame, a row for each instant: time,
+        loads, edges, half-widths, displacements, iterations.
+
+        A pair of edges becomes two columns with "_left" and "_right" behind the name. Fields along
+        the contact (pressure, shear, slip) are left out.
         """
         import xarray as xr
 
@@ -333,34 +333,9 @@ class ContactSolution:
         return cls._from_stored(StoredArrays(arrays, data.attrs))
 
     def _stored(self) -> StoredArrays:
-        """What is written of the solution: arrays with their axes, units and words; numbers; scene,
-        record and work as JSON.
+        """Content of the file that the solution is stored in: arrays with their axes, units and
+        descriptions; single numbers; scene, record of the run and effort as JSON texts.
         """
-        force_unit, length_unit, stress_unit = self.scene.unit_words
-        units = {
-            "length": length_unit,
-            "stress": stress_unit,
-            "load": f"{force_unit}/{length_unit}",
-            "force": force_unit,
-            "energy": f"{force_unit}·{length_unit}/{length_unit}",
-            "": "1",
-        }
-        arrays = {_SIDE: StoredArray((_SIDE,), np.array(["left", "right"]))}
-        for name, form in _ARRAYS.items():
-            values = getattr(self.record if name == "iterations" else self, name)
-            if values is None:
-                continue
-            attributes = {
-                "long_name": form.metadata["words"],
-                "units": units[form.metadata["unit"]],
-            }
-            if name == "time" and self.scene.load.kind == "ellipse":
-                attributes["units"] = "rad"
-            arrays[name] = StoredArray(form.metadata["over"], values, attributes)
-        for name, values in self.record.certificates.items():
-            arrays[_CERTIFICATE + name] = StoredArray(("time",), values)
-        for name, values in self.record.energy.items():
-            arrays[_ENERGY + name] = StoredArray(("time",), values)
         record = {
             "converged": self.record.converged,
             "termination": self.record.termination,
@@ -373,7 +348,7 @@ class ContactSolution:
             "skipped": dict(self.work.skipped),
             "seconds": dict(self.work.seconds),
         }
-        attributes = {"engine": self.engine}
+        attributes: dict[str, Any] = {"engine": self.engine}
         attributes |= {name: getattr(self, name) for name in _NUMBERS}
         attributes |= {
             "format": FORMAT,
@@ -390,12 +365,45 @@ class ContactSolution:
             ),
             "versions": json.dumps(dict(self.versions)),
         }
-        return StoredArrays(arrays, attributes)
+        return StoredArrays(self._stored_arrays(), attributes)
+
+    def _stored_arrays(self) -> dict[str, StoredArray]:
+        """Arrays of the solution for its file, by name, with their axes, units and descriptions:
+        fields, series, and checks and energies of the record.
+        """
+        force_unit, length_unit, stress_unit = self.scene.unit_words
+        unit_texts = {
+            "length": length_unit,
+            "stress": stress_unit,
+            "load": f"{force_unit}/{length_unit}",
+            "force": force_unit,
+            "energy": f"{force_unit}·{length_unit}/{length_unit}",
+            "": "1",
+        }
+        arrays = {_SIDE: StoredArray((_SIDE,), np.array(["left", "right"]))}
+        for name, form in _ARRAYS.items():
+            values = getattr(self.record if name == "iterations" else self, name)
+            if values is None:
+                continue
+            attributes = {
+                "long_name": form.metadata["words"],
+                "units": unit_texts[form.metadata["unit"]],
+            }
+            if name == "time" and self.scene.load.kind == "ellipse":
+                attributes["units"] = "rad"
+            arrays[name] = StoredArray(form.metadata["over"], values, attributes)
+        for name, values in self.record.certificates.items():
+            arrays[_CERTIFICATE + name] = StoredArray(("time",), values)
+        for name, values in self.record.energy.items():
+            arrays[_ENERGY + name] = StoredArray(("time",), values)
+        return arrays
 
     @classmethod
     def _from_stored(cls, content: StoredArrays) -> ContactSolution:
-        """The solution whose `_stored` content was read back from a file; arrays that do not
-        apply to its scene are not in it.
+        """Rebuild a solution from the content of its file: arrays, numbers, and JSON texts of the
+        scene, the record of its run and its effort.
+
+        Arrays that exist only under bulk stress or tilt may be missing.
         """
         attributes = content.attributes
         work_entries = json.loads(attributes["work"])
@@ -435,7 +443,10 @@ class ContactSolution:
             ),
             work=Work(
                 work_entries["counts"],
-                {k: (int(n), str(reason)) for k, (n, reason) in work_entries["skipped"].items()},
+                {
+                    name: (int(count), str(reason))
+                    for name, (count, reason) in work_entries["skipped"].items()
+                },
                 work_entries["seconds"],
             ),
             settings=json.loads(attributes["settings"]),
@@ -453,8 +464,12 @@ class ContactSolution:
 
     @classmethod
     def load(cls, path: str | Path) -> ContactSolution:
-        """Read a solution from a NetCDF file that it was saved in; InputError for a file that can't
-        be read, is too large or of another form.
+        """Read a solution back from the NetCDF file at `path` that it was saved in.
+
+        Raises
+        ------
+        InputError
+            For a file that can't be read, is too large, or holds something else.
         """
         content = read_netcdf(Path(path), _FORM, FORMAT)
         try:
@@ -477,10 +492,11 @@ class ContactSolution:
         return None if forms is None else forms.solution_html(self)
 
     def plot(self, time: float | None = None) -> Any:
-        """A matplotlib Figure of p, q and the states: at the stored instant next to `time`, and
-        through the last cycle.
+        """Plot pressure, shear and the states of the surface (stick, slip, open) with matplotlib:
+        at one instant, and through the last cycle; the Figure.
 
-        Without `time` the instant is that of the largest |Q| of the last cycle.
+        The instant is the stored one next to `time`, or without it that of the largest |Q| of the
+        last cycle.
 
         Raises
         ------
@@ -515,25 +531,25 @@ class ContactSolution:
 def last_whole_cycle(
     time: Array, period: float, cycle_start: float
 ) -> tuple[NDArray[np.intp], bool]:
-    """(k,) indices of the last cycle of ascending instants, both its ends included; whether it is
-    whole.
+    """Find the last whole cycle among instants of a periodic load path: indices (k,) of its
+    instants, both ends included, and whether it is whole.
 
-    It begins where a cycle of the path begins. Instants that hold no such cycle, but go round
-    once from elsewhere, give the last period before their end. Where neither is there, the
-    indices are of the part that the instants have of the cycle of the path that ends last.
+    A cycle begins where one of the path begins. Failing that, the last period before the last
+    instant counts, if an instant lies at its begin. Failing that too, the instants within the
+    path's last complete cycle are returned, and the cycle is not whole.
 
     Parameters
     ----------
     time
-        (n_steps,)
+        (n_steps,) ascending instants
     period, cycle_start
         of the load path, in the unit of `time`
 
     Examples
     --------
-    >>> elsewhere = np.array([1.3, 1.8, 2.3])
-    >>> indices, whole = last_whole_cycle(elsewhere, period=1.0, cycle_start=1.0)
-    >>> indices.tolist(), whole
+    >>> instants = np.array([1.3, 1.8, 2.3])
+    >>> indices, is_whole = last_whole_cycle(instants, period=1.0, cycle_start=1.0)
+    >>> indices.tolist(), is_whole
     ([0, 1, 2], True)
     """
     rounding = 1e-9 * period
@@ -556,8 +572,8 @@ _MISSED_SHARE = 0.02
 
 
 def _instant_at(time: Array, target: float, rounding: float) -> int | None:
-    """Index of the instant at the time `target`, to `rounding` (a time) or to a small share of the
-    shorter step beside it; None where there is none.
+    """Index of the instant at the time `target`, which it may miss by `rounding` (a time) or by 2 %
+    of the shorter step to a neighbouring instant; None where there is none.
     """
     nearest_index = int(np.argmin(np.abs(time - target)))
     steps = np.diff(time[max(nearest_index - 1, 0) : nearest_index + 2])
@@ -586,10 +602,11 @@ _NUMBERS = ("dissipation", "loop_work", "dissipation_uncertainty", "permanent_st
 
 
 def range_of_slip(slip: Array, touching: NDArray[np.bool_]) -> Array:
-    """Range of the slip (k, n) of each point over the instants at which it is in contact, (n,); 0
-    where it never is.
+    """Range of slip (largest minus least) of each of n points over k instants, those left out at
+    which it is not in contact: (n,); 0 where it never is.
 
-    Out of contact the slip is a displacement and nothing slips.
+    Out of contact the slip is a relative displacement, and nothing slips. `slip` and `touching` are
+    (k, n).
 
     >>> range_of_slip(
     ...     np.array([[0.0, 1.0], [2.0, 5.0]]), np.array([[True, True], [True, False]])

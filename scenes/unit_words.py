@@ -93,8 +93,8 @@ Kind = Literal["time", "length", "load", "stress", "angle", "moment"]
 
 
 def inconsistent(units: str) -> str:
-    """Why `units` can't be right, with what to do; empty for a consistent set, and for words that
-    nobody here knows.
+    """Check that the unit of stress in a scene's `units` is that of force over length squared: the
+    fault with what to do; empty for a consistent set, and for unknown words.
 
     >>> (
     ...     inconsistent("N, mm, MPa"),
@@ -134,8 +134,11 @@ def inconsistent(units: str) -> str:
 
 
 def unit_in(heading: str) -> tuple[str, str]:
-    """The name and the unit of a heading; an empty unit where none stands there. What stands in
-    brackets last may be any word.
+    """Split the heading of a column into the name of its quantity and its unit; the unit is empty
+    where the heading has none.
+
+    A unit stands in brackets, behind a slash or "in", or as the last word. Brackets at the end may
+    hold any word.
 
     >>> (
     ...     unit_in("Normal force [kN]"),
@@ -161,10 +164,9 @@ def unit_in(heading: str) -> tuple[str, str]:
         bracketed_word = bracket[1].strip().removeprefix("in ").strip()
         is_last = bracket.end() == len(text)
         if is_unit(bracketed_word) or is_last:
-            return text[: bracket.start()].rstrip(" _,;:-"), "" if bracketed_word in (
-                "-",
-                "1",
-            ) else bracketed_word
+            name = text[: bracket.start()].rstrip(" _,;:-")
+            has_no_dimension = bracketed_word in ("-", "1")
+            return name, "" if has_no_dimension else bracketed_word
     name_and_unit = re.match(r"(.*?\S)(?:\s*/\s*|\s+in\s+)(\S+)$", text)
     if name_and_unit and is_unit(name_and_unit[2]):
         return name_and_unit[1], name_and_unit[2]
@@ -179,8 +181,8 @@ def _last_word(text: str) -> tuple[str, str]:
 
 
 def short_unit_in(heading: str, kind: Kind) -> str:
-    """The last word of a heading without brackets if it is one of the short units, and of this
-    kind; else empty.
+    """Unit at the end of a heading without brackets, such as "Time s", if it is a unit of at most
+    three letters and of the expected kind; else empty.
 
     >>> (
     ...     short_unit_in("Time s", "time"),
@@ -214,8 +216,8 @@ def is_unit(word: str) -> bool:
 
 
 def _size(unit: str, kind: str) -> tuple[float, bool] | None:
-    """Size of a unit of this kind in N, m, Pa, rad, s or, per length, N/m, and whether it is per
-    length; None where the word is no unit of the kind.
+    """Size of a unit in SI units (N, m, Pa, rad, s; N/m of a force per length), and whether it is
+    per length; None where the word is no unit of this `kind`.
     """
     numerator, slash, denominator = (
         unit.replace(" ", "").partition("/") if kind == "load" else (unit, "", "")
@@ -241,13 +243,17 @@ def _symbol(word: str) -> str:
 
 
 def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
-    """What turns a number in `unit` into the scene's unit, and whether it is a force per length;
-    time goes to s, an angle to rad.
+    """Factor that turns a number in one unit into the unit of the scene, and whether the unit is a
+    force per length; times go to s, angles to rad.
 
     Parameters
     ----------
+    unit
+        of the number, such as "kN"
+    kind
+        of the quantity, such as "load"
     units
-        those of the scene, such as "N, mm, MPa"
+        units of the scene, such as "N, mm, MPa"
 
     Raises
     ------
@@ -289,5 +295,5 @@ def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
             f"{unit!r} can't be turned into the units of the scene, {units!r}, which are no known"
             " words; use scale"
         )
-    # 1e3/1e3 is 1, whatever the quotients' rounding
+    # To twelve digits: kN over kN is 1, whatever the rounding of the sizes.
     return float(f"{unit_size / scene_size:.12g}"), per_length
