@@ -14,7 +14,7 @@ import csv
 import re
 from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from itertools import islice, pairwise
 from pathlib import Path
@@ -143,6 +143,8 @@ class _Layout:
 
 
 Line = tuple[int, str]
+# Index of a row among some lines, its separator, and its cells.
+FirstRow = tuple[int, str | None, list[str]]
 
 
 @dataclass(frozen=True)
@@ -193,21 +195,24 @@ def text_table(
     stated: Mapping[str, str | int] | None = None,
     kind: TableKind = TableKind(),
 ) -> TextTable:
-    """Rows of finite numbers below a line of headings; lines that start with #, **, % or // are
-    remarks.
+    """Read columns of numbers from a text file that some program has written, whatever its
+    separator, decimal sign, encoding and headings.
+
+    Lines that start with #, **, % or // are remarks.
 
     Parameters
     ----------
     path
-        the file
+        of the file
     columns
-        names that are asked for, found by the headings that are known for each; the line of
-        headings may be left out where the file has these columns alone, in this order, and a #
-        in a row begins a remark. Without: every column
+        quantities that are asked for, each found by the headings that are known for it. The line
+        of headings may be left out where the file has these columns alone, in this order. A # in a
+        row then begins a remark. Empty: every column
     stated
         heading, or number from 1 on, of columns that the user named
     kind
-        what the table is, for its headings and for the sentences
+        what the table is to the user, for messages, and which headings are known where no columns
+        are asked for
 
     Raises
     ------
@@ -242,8 +247,16 @@ def text_table(
 def _table_in_lines(
     request: _Request, read_lines: Callable[[], Iterator[Line]], encoding_in_words: str
 ) -> TextTable:
-    """The table in the lines of a file, which `read_lines` yields from the first one on at each
-    call.
+    """Find the layout of a text table in the first lines of its file, then read all its rows.
+
+    Parameters
+    ----------
+    request
+        file, columns and kind of the table
+    read_lines
+        yields the lines of the file from the first one on at each call
+    encoding_in_words
+        what the file is written in, for the user
 
     Raises
     ------
@@ -279,7 +292,8 @@ def _table_in_lines(
 
 
 def _encodings_of(start: bytes) -> list[str]:
-    """What the first bytes of a file may be written in, the likeliest first.
+    """Encodings that a text file may be written in, by its first bytes, the likeliest first:
+    UTF-16 has a mark at its start, or a zero in most of every second byte.
 
     >>> _encodings_of("Zeit;P".encode("utf-16-le")), _encodings_of(b"time,P")
     (['utf-16-le'], ['utf-8-sig', 'cp1252', 'cp932', 'latin-1'])
@@ -314,7 +328,9 @@ def _between_in_words(layout: _Layout) -> list[str]:
 
 
 def _lines(path: Path, stream: TextIO, longest_line: int) -> Iterator[Line]:
-    """Number and text of every line that is not empty, from the first on."""
+    """Yield number and text of every line of an open file that is not empty, from the first line
+    on; InputError for a line longer than `longest_line` characters.
+    """
     stream.seek(0)
     for number, line in enumerate(iter(partial(stream.readline, longest_line + 1), ""), 1):
         if len(line) > longest_line:
@@ -368,7 +384,9 @@ def _headings(text: str, separator: str | None) -> list[list[str]]:
 
 
 def _rows_alone(lines: list[Line]) -> _Layout | None:
-    """The layout of a file that begins with a row of two numbers or more; None for another."""
+    """Layout of a text table without headings that begins with a row of two numbers or more, its
+    columns named "column 1" and so on; None where the first line is no such row.
+    """
     lines_without_remarks = [
         (number, text) for number, text in lines if not text.startswith(_REMARKS)
     ]
@@ -384,10 +402,12 @@ def _rows_alone(lines: list[Line]) -> _Layout | None:
 
 
 def _layout(request: _Request, lines: list[Line]) -> _Layout:
-    """Where headings, units and rows of the table stand in the file, from its first `lines`.
+    """Find where headings, units and rows of a text table stand, and its separator, from the first
+    `lines` of its file.
 
-    Without columns asked for, a line with two known headings is looked for first, then the first
-    line of two words or more. Where no line has headings, the rows may stand alone.
+    A line is taken for the headings where it has those that are asked for. Without such, a line
+    with two known headings is looked for first, then the first line of two words or more. Where no
+    line has headings, the rows may stand alone.
 
     Raises
     ------
@@ -417,8 +437,8 @@ def _layout(request: _Request, lines: list[Line]) -> _Layout:
                 if has_even_rows:
                     return layout
                 layouts_with_uneven_rows.append(layout)
-        # Rows without a cell for each heading: a fault of theirs, if nothing else fits. A line of
-        # text that is cut by another mark than the rows has no headings of theirs.
+        # Rows without a cell for each heading are at fault, if no other line fits. A line with
+        # another separator than the rows does not have their headings.
         _, mark_of_rows, cells_of_row = _first_row(lines_without_remarks, max(len(columns), 2))
         for layout in layouts_with_uneven_rows:
             if not cells_of_row or layout.separator == mark_of_rows:
@@ -436,16 +456,23 @@ def _is_row(text: str, fewest_cells: int) -> bool:
 def _layouts_below(
     request: _Request, lines: list[Line], index: int, fewest_known: int
 ) -> Iterator[tuple[_Layout, bool]]:
-    """The layouts that a table has if `lines[index]` has its headings, one for each way to cut the
-    line; and whether the first row has a cell for each heading.
+    """Possible layouts of a text table whose headings stand in `lines[index]`, one for each way to
+    cut that line; each with whether the first row has a cell for each heading.
 
-    `fewest_known` of the headings must be known where no columns are asked for.
+    Parameters
+    ----------
+    request
+        the columns that are asked for, if any
+    lines
+        first lines of the file, with their numbers
+    index
+        of the line that may have the headings
+    fewest_known
+        how many headings must be known names, where no columns are asked for
     """
     line_number, text = lines[index]
     is_remark = text.startswith(_REMARKS)
     heading_text = text.lstrip("#*%/ ") if is_remark else text
-    lines_below = [line for line in lines[index + 1 :] if not line[1].startswith(_REMARKS)]
-    lines_above = [line for line in lines[:index] if not line[1].startswith(_REMARKS)]
     for mark in SEPARATORS:
         for names in _headings(heading_text, mark):
             if request.columns:
@@ -458,42 +485,70 @@ def _layouts_below(
             if used_columns is None or request.by_number:
                 continue
             may_skip_lines = bool(request.columns) or fewest_known > 0
-            below_headings = _below_headings(
-                lines_below, mark, used_columns, len(names), may_skip_lines
-            )
-            units = [
-                unit_below or unit_in(name)[1] or unit_above
-                for unit_below, name, unit_above in zip(
-                    below_headings.units,
-                    names,
-                    _labelled_units(lines_above, mark, len(names)),
-                    strict=True,
-                )
-            ]
-            first_row = below_headings.rows[0][1] if below_headings.rows else None
-            number_of_first_row = (
-                below_headings.rows[0][0] if below_headings.rows else line_number + 1
+            layout, first_row = _layout_with_headings(
+                request, lines, index, mark, _NamedColumns(names, used_columns), may_skip_lines
             )
             has_even_rows = first_row is None or (
                 _fits(first_row, mark, used_columns, len(names))
                 and _has_number(first_row, mark, used_columns)
             )
+            # A remark has headings only if the rows below it fit.
             if is_remark and (
                 first_row is None or not has_even_rows or not _numeric(first_row, mark)
             ):
                 continue
-            layout = _Layout(
-                separator=mark,
-                names=tuple(names),
-                units=tuple(units),
-                used=used_columns,
-                head=line_number,
-                first=number_of_first_row,
-                skipped=len(lines_above),
-                between=below_headings.between,
-                clock=_place_of_time(request, names, used_columns),
-            )
             yield layout, has_even_rows
+
+
+class _NamedColumns(NamedTuple):
+    """Headings of all columns of a table, and the numbers (from 0) of those that are read."""
+
+    names: list[str]
+    used: tuple[int, ...]
+
+
+def _layout_with_headings(
+    request: _Request,
+    lines: list[Line],
+    index: int,
+    mark: str | None,
+    columns: _NamedColumns,
+    may_skip_lines: bool,
+) -> tuple[_Layout, str | None]:
+    """Layout of a text table whose headings stand in `lines[index]`, cut by the separator `mark`;
+    and the text of its first row, None where there is none.
+
+    Units are looked for in lines below the headings, in the headings, and in lines above.
+    `may_skip_lines`: whether other lines may stand between headings and rows.
+    """
+    line_number = lines[index][0]
+    n_columns = len(columns.names)
+    lines_below = [line for line in lines[index + 1 :] if not line[1].startswith(_REMARKS)]
+    lines_above = [line for line in lines[:index] if not line[1].startswith(_REMARKS)]
+    below_headings = _below_headings(lines_below, mark, columns.used, n_columns, may_skip_lines)
+    units_above = _labelled_units(lines_above, mark, n_columns)
+    units = [
+        unit_below or unit_in(name)[1] or unit_above
+        for unit_below, name, unit_above in zip(
+            below_headings.units, columns.names, units_above, strict=True
+        )
+    ]
+    number_of_first_row = line_number + 1
+    first_row = None
+    if below_headings.rows:
+        number_of_first_row, first_row = below_headings.rows[0]
+    layout = _Layout(
+        separator=mark,
+        names=tuple(columns.names),
+        units=tuple(units),
+        used=columns.used,
+        head=line_number,
+        first=number_of_first_row,
+        skipped=len(lines_above),
+        between=below_headings.between,
+        clock=_place_of_time(request, columns.names, columns.used),
+    )
+    return layout, first_row
 
 
 class _Below(NamedTuple):
@@ -513,9 +568,21 @@ def _below_headings(
     n_headings: int,
     may_skip: bool,
 ) -> _Below:
-    """Units and rows in the lines below `n_headings` headings, `columns_read` of which are read.
-    `may_skip` is whether lines that hold
-    neither units nor numbers may stand between; a row has a number in a column that is read.
+    """Find the line of units, if there is one, and the first row of numbers among the lines below
+    the headings of a text table.
+
+    Parameters
+    ----------
+    lines
+        below the headings, without remarks
+    mark
+        separator; None for blanks
+    columns_read
+        numbers (from 0) of the columns that are read: a row has a number in one of them
+    n_headings
+        number of headings
+    may_skip
+        whether lines that hold neither units nor numbers may stand between
     """
     units = [""] * n_headings
     skipped_lines: list[int] = []
@@ -533,13 +600,15 @@ def _below_headings(
             skipped_lines.append(number)
         else:
             return _Below(units, (), lines[index:])
-    # no row of numbers: what stands below is at fault
+    # No row of numbers: the lines below are reported as rows at fault.
     return _Below([""] * n_headings, (), lines)
 
 
 def _labelled_units(lines: list[Line], mark: str | None, count: int) -> list[str]:
-    """Units of `count` columns from a line that says so in its first cell, as oscilloscopes and
-    LabVIEW write it: one for each column behind the first, or volts for all; else empty ones.
+    """Units of `count` columns from a line above the rows whose first cell says "units", as
+    oscilloscopes and LabVIEW write it; empty texts where there is none.
+
+    The line has a unit for each column but the first, or the volts of an instrument for all.
 
     >>> _labelled_units([(1, "Horizontal Units,s"), (2, "Vertical Units,V,V")], ",", 3)
     ['', 'V', 'V']
@@ -562,8 +631,8 @@ def _labelled_units(lines: list[Line], mark: str | None, count: int) -> list[str
 
 
 def _are_units(cells: Sequence[str]) -> bool:
-    """Whether the cells of a line are units: one at least is known or what an instrument writes, or
-    all stand in brackets.
+    """Whether the cells of a line in a text table are units: all stand in brackets, or one at least
+    is a known unit or a raw one of an instrument, such as volts.
 
     >>> _are_units(["s", "kN", "-"]), _are_units(["(s)", "(V)"]), _are_units(["a", "b"])
     (True, True, False)
@@ -606,8 +675,8 @@ def _place_of_time(request: _Request, names: Sequence[str], used: tuple[int, ...
 
 
 def _used(request: _Request, line_number: int, headings: Sequence[str]) -> tuple[int, ...] | None:
-    """Which of the headings of a line is that of each wanted column; None where one is not found or
-    one stands for two columns.
+    """Match the columns that are asked for with the headings of a line: number (from 0) of the
+    heading of each; None where one is not found, or one heading would stand for two columns.
 
     Raises
     ------
@@ -632,116 +701,151 @@ def _used(request: _Request, line_number: int, headings: Sequence[str]) -> tuple
 
 
 def _places_of(column: str, stated: str | int | None, headings: Sequence[str]) -> list[int]:
-    """Indices of the headings that may be that of a column: as stated, else by its aliases."""
+    """Numbers (from 0) of the headings that may be that of a column: as the user has `stated` it,
+    by heading or by number from 1 on, else by the first of its known names that occurs.
+    """
     if isinstance(stated, int):
         return [stated - 1] if stated <= len(headings) else []
     if stated is not None:
         word = stated.strip()
         return [k for k, name in enumerate(headings) if word in (name, unit_in(name)[0])]
-    names_of_headings = []  # of each heading, with and without what may be its unit
+    names_of_headings = []  # for each heading its spellings, with and without a unit
     for name in headings:
         texts = (name, unit_in(name)[0], name_without_unit(name))
         names_of_headings.append({plain(text).lower() for text in texts})
     for alias in aliases_of(column):
-        found_places = [
+        places_of_alias = [
             k
             for k, names_of_heading in enumerate(names_of_headings)
             if plain(alias).lower() in names_of_heading
         ]
-        if found_places:
-            return found_places
+        if places_of_alias:
+            return places_of_alias
     return []
 
 
 def _plain_layout(request: _Request, lines: list[Line]) -> _Layout:
-    """The layout of a table whose `lines` have no line of headings that was recognised: rows of
-    numbers alone, one cell for each column that is asked for, or columns by number.
+    """Layout of a text table without headings that are known: rows of numbers alone, one cell for
+    each column that is asked for, or columns that the user states by number.
+
+    `lines` are the first ones of the file, without remarks.
 
     Raises
     ------
     InputError
-        For a file that is no such table: what is wrong with it.
+        For a file that is no such table: what is wrong with it, and what to do.
     """
-    path = request.path
     columns = request.columns
-    number, text = lines[0]
+    first_text = lines[0][1]
     begins_with_rows = any(
-        len(_cells(text, separator)) > 1 and _numeric(text, separator) for separator in SEPARATORS
+        len(_cells(first_text, separator)) > 1 and _numeric(first_text, separator)
+        for separator in SEPARATORS
     )
     if not columns:
-        fault = f"it is {shown(text)}"
-        if begins_with_rows or _numeric(text, None):
-            fault = "it has numbers only"
-        keys_of_columns = request.kind.keys_by_number
-        advice = (
-            f"; or take them by number: {keys_of_columns}"
-            if keys_of_columns and begins_with_rows
-            else ""
-        )
-        raise InputError(
-            f"{path}, line {number}: the first line must name the columns, such as"
-            f" {request.kind.example}; {fault}{advice}"
-        )
-    list_of_columns = ", ".join(columns)
-    n_columns = len(columns)
-    row_index, separator, cells_of_row = _first_row(lines, n_columns)
+        raise _fault_of_no_names(request, lines[0], begins_with_rows)
+    first_row = _first_row(lines, len(columns))
     if request.by_number:
         stated_places = [int(request.stated[name]) - 1 for name in columns]
-        row_index, separator, cells_of_row = _first_row_with_numbers(lines, stated_places) or (
-            row_index,
-            separator,
-            cells_of_row,
-        )
+        first_row = _first_row_with_numbers(lines, stated_places) or first_row
+    row_index, _, cells_of_row = first_row
     has_cell_for_column = (
         row_index == 0
-        and len(cells_of_row) == n_columns
+        and len(cells_of_row) == len(columns)
         and not any(isinstance(heading, str) for heading in request.stated.values())
     )
     if cells_of_row and (request.by_number or has_cell_for_column):
-        used_columns = tuple(range(n_columns))
-        if request.by_number:
-            used_columns = tuple(int(request.stated[name]) - 1 for name in columns)
-        if max(used_columns) >= len(cells_of_row):
-            raise InputError(
-                f"{path}, line {lines[row_index][0]}: there is no column {max(used_columns) + 1}:"
-                f" the line has {len(cells_of_row)}"
-            )
-        column_names = dict(zip(used_columns, columns, strict=True))
-        names = [column_names.get(k, f"column {k + 1}") for k in range(len(cells_of_row))]
-        heading_line, headings, units = _above(lines[:row_index], separator, len(cells_of_row))
-        labelled_units = _labelled_units(lines, separator, len(cells_of_row))
-        units = units or ("",) * len(cells_of_row)
-        units = tuple(
-            unit or labelled for unit, labelled in zip(units, labelled_units, strict=True)
-        )
-        n_skipped = row_index
-        if heading_line:
-            n_skipped = sum(line[0] < heading_line for line in lines)
-        return _Layout(
-            separator,
-            headings or tuple(names),
-            units,
-            used_columns,
-            heading_line,
-            lines[row_index][0],
-            n_skipped,
-            clock=_place_of_time(request, names, used_columns),
-        )
+        return _layout_of_rows(request, lines, first_row)
     if begins_with_rows:
-        advice = ""
-        if len(cells_of_row) == 2 * n_columns:
-            advice = "; semicolons between the columns where commas stand in the numbers"
+        raise _fault_of_count(request, lines[0], len(cells_of_row))
+    raise _fault_of_headings(request, lines)
+
+
+def _layout_of_rows(request: _Request, lines: list[Line], first_row: FirstRow) -> _Layout:
+    """Layout of a text table whose columns are taken by number, or in the order in which they are
+    asked for, from its first row on; headings and units from lines above, where there are some.
+
+    Raises
+    ------
+    InputError
+        For a number of a column beyond the cells of the row.
+    """
+    row_index, separator, cells_of_row = first_row
+    columns = request.columns
+    n_cells = len(cells_of_row)
+    used_columns = tuple(range(len(columns)))
+    if request.by_number:
+        used_columns = tuple(int(request.stated[name]) - 1 for name in columns)
+    if max(used_columns) >= n_cells:
         raise InputError(
-            f"{path}, line {number}: {n_columns} numbers ({list_of_columns}) are needed, not"
-            f" {shown(text)}{advice}; or say which by columns ="
-            f" {{{', '.join(f'{name} = {k}' for k, name in enumerate(columns, 1))}}}"
+            f"{request.path}, line {lines[row_index][0]}: there is no column"
+            f" {max(used_columns) + 1}: the line has {n_cells}"
         )
+    column_names = dict(zip(used_columns, columns, strict=True))
+    names = [column_names.get(k, f"column {k + 1}") for k in range(n_cells)]
+    heading_line, headings, units = _above(lines[:row_index], separator, n_cells)
+    labelled_units = _labelled_units(lines, separator, n_cells)
+    units = units or ("",) * n_cells
+    units = tuple(unit or labelled for unit, labelled in zip(units, labelled_units, strict=True))
+    n_skipped = row_index
+    if heading_line:
+        n_skipped = sum(line[0] < heading_line for line in lines)
+    return _Layout(
+        separator,
+        headings or tuple(names),
+        units,
+        used_columns,
+        heading_line,
+        lines[row_index][0],
+        n_skipped,
+        clock=_place_of_time(request, names, used_columns),
+    )
+
+
+def _fault_of_no_names(request: _Request, first_line: Line, begins_with_rows: bool) -> InputError:
+    """Error for a text table without headings where no columns are asked for by number: its first
+    line must name the columns.
+    """
+    number, text = first_line
+    fault = f"it is {shown(text)}"
+    if begins_with_rows or _numeric(text, None):
+        fault = "it has numbers only"
+    advice = ""
+    if request.kind.keys_by_number and begins_with_rows:
+        advice = f"; or take them by number: {request.kind.keys_by_number}"
+    return InputError(
+        f"{request.path}, line {number}: the first line must name the columns, such as"
+        f" {request.kind.example}; {fault}{advice}"
+    )
+
+
+def _fault_of_count(request: _Request, first_line: Line, n_cells: int) -> InputError:
+    """Error for a text table of numbers alone whose rows have another number of cells, `n_cells`,
+    than there are columns asked for.
+    """
+    number, text = first_line
+    columns = request.columns
+    advice = ""
+    if n_cells == 2 * len(columns):
+        advice = "; semicolons between the columns where commas stand in the numbers"
+    numbered_columns = ", ".join(f"{name} = {k}" for k, name in enumerate(columns, 1))
+    return InputError(
+        f"{request.path}, line {number}: {len(columns)} numbers ({', '.join(columns)}) are needed,"
+        f" not {shown(text)}{advice}; or say which by columns = {{{numbered_columns}}}"
+    )
+
+
+def _fault_of_headings(request: _Request, lines: list[Line]) -> InputError:
+    """Error for a text table in whose headings the columns that are asked for are not found: which
+    are lacking, and how to state them.
+    """
+    columns = request.columns
+    list_of_columns = ", ".join(columns)
     (number, text), names = _likeliest_headings(request, lines)
     lacking_columns = [name for name in columns if not _is_among(request, name, names)]
-    if not lacking_columns and len(names) >= n_columns:
-        raise InputError(
-            f"{path}, line {number}: columns: {list_of_columns} must be of different columns of"
-            f" {shown(text)}"
+    if not lacking_columns and len(names) >= len(columns):
+        return InputError(
+            f"{request.path}, line {number}: columns: {list_of_columns} must be of different"
+            f" columns of {shown(text)}"
         )
     stated_headings = [
         shown(request.stated[name]) for name in lacking_columns if name in request.stated
@@ -749,13 +853,12 @@ def _plain_layout(request: _Request, lines: list[Line]) -> _Layout:
     reason = f"none is known as {' or '.join(lacking_columns or columns)}"
     if stated_headings:
         reason = f"no heading is {' or '.join(stated_headings)}"
-    raise MissingColumnError(
+    return MissingColumnError(
         lacking_columns or columns,
         names,
-        f"{path}, line {number}: the columns are {list_of_columns}, not {shown(text)}: {reason};"
-        f" say which by columns = {{{(lacking_columns or columns)[0]} = ...}}, by its heading or"
-        " its"
-        " number from 1 on",
+        f"{request.path}, line {number}: the columns are {list_of_columns}, not {shown(text)}:"
+        f" {reason}; say which by columns = {{{(lacking_columns or columns)[0]} = ...}}, by its"
+        " heading or its number from 1 on",
     )
 
 
@@ -765,8 +868,11 @@ def _is_among(request: _Request, column: str, headings: Sequence[str]) -> bool:
 
 
 def _likeliest_headings(request: _Request, lines: list[Line]) -> tuple[Line, list[str]]:
-    """The line above the rows in which most columns are found, and its cells; where none is found,
-    the line above the first row of numbers, or above the units, else the first.
+    """The line of a text table that probably has its headings, and its cells, for a message on
+    columns that are not found.
+
+    It is the line above the rows in which most of the columns are found. Where none is found, it is
+    the line above the first row of numbers, or above its units, else the first line.
     """
     for fewest_cells in (len(request.columns), 2, 1):
         row_index, mark, cells = _first_row(lines, fewest_cells)
@@ -796,9 +902,9 @@ def _likeliest_headings(request: _Request, lines: list[Line]) -> tuple[Line, lis
     return best_line, best_names
 
 
-def _first_row(lines: list[Line], count: int) -> tuple[int, str | None, list[str]]:
-    """Index, separator and cells of the first row of `count` numbers or more; 0, None and no cells
-    where there is none.
+def _first_row(lines: list[Line], count: int) -> FirstRow:
+    """Find the first line that is a row of `count` numbers or more by any separator: its index,
+    separator and cells; 0, None and no cells where there is none.
     """
     for k, (_, text) in enumerate(lines):
         for mark in SEPARATORS:
@@ -808,12 +914,9 @@ def _first_row(lines: list[Line], count: int) -> tuple[int, str | None, list[str
     return 0, None, []
 
 
-def _first_row_with_numbers(
-    lines: list[Line], places: Sequence[int]
-) -> tuple[int, str | None, list[str]] | None:
-    """The first line that has numbers in the cells at given `places`, whatever stands beside them,
-    and so has the next: its index in `lines`, the separator, and its cells. None where there is
-    none.
+def _first_row_with_numbers(lines: list[Line], places: Sequence[int]) -> FirstRow | None:
+    """Find the first line that has numbers in the cells at given `places` (from 0), as the next one
+    has, whatever stands in other cells: its index, separator and cells; None where there is none.
 
     >>> rows = [(1, "Model,7,,0.0,5.1"), (2, "Source,CH1,,0.1,5.2"), (3, ",,,0.2,5.3")]
     >>> _first_row_with_numbers(rows, [3, 4])
@@ -836,8 +939,10 @@ def _first_row_with_numbers(
 def _above(
     lines: list[Line], mark: str | None, n_columns: int
 ) -> tuple[int, tuple[str, ...], tuple[str, ...]]:
-    """Line, headings and units (count,) of columns that were named by number, from the last lines
-    above the rows; 0 and none.
+    """Headings and units of a text table whose columns are taken by number, from the last lines
+    above its rows: number of the line of headings, headings and units (n_columns,).
+
+    0 and empty tuples where the line just above the rows has no cell for each column.
     """
     lines_of_headings = [
         (number, cells_of_line)
@@ -857,11 +962,10 @@ def _above(
 
 
 def _has_decimal_comma(lines: Iterator[Line], layout: _Layout) -> bool:
-    """Whether commas are the decimal sign: the first row with either sign in a column that is read
-    decides, but for times of day, which have one of their own.
+    """Whether a comma is the decimal sign of a text table: the first row decides that has a comma
+    or a point in a column that is read. Times of day do not count.
 
-    Of both signs it is the later one in a cell that has both: the other one stands between
-    thousands, and is refused.
+    In a cell with both signs the later one is the decimal sign; the other stands between thousands.
     """
     for number, text in lines:
         if number < layout.first or not ("," in text or "." in text):
@@ -890,54 +994,62 @@ class _Rows:
     clock_start: str = ""
 
 
-def _numbers(
-    request: _Request, lines: Callable[[], Iterator[Line]], layout: _Layout, has_decimal_comma: bool
-) -> _Rows:
-    """The rows of numbers of a table.
+@dataclass(eq=False)
+class _RowReader:
+    """Streams the rows of a text table, so that only their numbers take memory.
 
-    All rows are read at once; where that fails, cell by cell up to the fault.
-
-    Parameters
+    Attributes
     ----------
-    lines
+    request
+        file, columns and kind of the table
+    read_lines
         yields the lines of the file from the first one on at each call
     layout
         where headings and rows stand, and the separator
     has_decimal_comma
         whether the decimal sign is a comma
+    line_numbers
+        of the rows that were streamed last
     """
-    path = request.path
-    mark = layout.separator
-    most_separators = len(layout.names) - 1
-    fewest_separators = most_separators if mark is None else max(layout.used)
-    remarks_in_rows = bool(request.columns)
-    line_numbers = array("q")
 
-    def lines_of_rows() -> Iterator[Line]:
-        """The lines from the first row on, without remarks; each line's number is stored.
-        InputError for too many.
+    request: _Request
+    read_lines: Callable[[], Iterator[Line]]
+    layout: _Layout
+    has_decimal_comma: bool
+    line_numbers: array[int] = field(default_factory=lambda: array("q"))
+
+    def lines(self) -> Iterator[Line]:
+        """The lines from the first row on, without remarks, with their numbers in the file;
+        InputError for more rows than are read.
         """
+        may_have_remarks = bool(self.request.columns)
+        line_numbers = self.line_numbers
+        first_line = self.layout.first
         del line_numbers[:]
-        for number, text in lines():
-            if number < layout.first or text.startswith(_REMARKS):
+        for number, text in self.read_lines():
+            if number < first_line or text.startswith(_REMARKS):
                 continue
             if len(line_numbers) == MOST_ROWS:
                 raise InputError(
-                    f"{path}: {request.kind.role} has more than {MOST_ROWS:,} rows, the most that"
-                    f" are read; {request.kind.cure}"
+                    f"{self.request.path}: {self.request.kind.role} has more than {MOST_ROWS:,}"
+                    f" rows, the most that are read; {self.request.kind.cure}"
                 )
             line_numbers.append(number)
-            if remarks_in_rows and "#" in text:
+            if may_have_remarks and "#" in text:
                 yield number, text.split("#", 1)[0].rstrip()
             else:
                 yield number, text
 
-    def even_rows() -> Iterator[str]:
-        """The rows as loadtxt takes them, with a decimal point; ValueError for a row with another
-        count of cells, or a point in a table with decimal commas.
+    def even_rows(self) -> Iterator[str]:
+        """The rows as numpy's loadtxt takes them, with a decimal point; ValueError for a row with
+        another number of cells, or with a point in a table with decimal commas.
         """
-        for _, text in lines_of_rows():
-            # empty cells at the end are none
+        mark = self.layout.separator
+        has_decimal_comma = self.has_decimal_comma
+        most_separators = len(self.layout.names) - 1
+        fewest_separators = most_separators if mark is None else max(self.layout.used)
+        for _, text in self.lines():
+            # Empty cells at the end of a line are none.
             row = text if mark is None else text.rstrip(f"{mark} ")
             separator_count = len(row.split()) - 1 if mark is None else row.count(mark)
             is_even = fewest_separators <= separator_count <= most_separators
@@ -945,38 +1057,75 @@ def _numbers(
                 raise ValueError
             yield row.replace(",", ".") if has_decimal_comma else row
 
-    if next(lines_of_rows(), None) is None:
+
+def _numbers(
+    request: _Request, lines: Callable[[], Iterator[Line]], layout: _Layout, has_decimal_comma: bool
+) -> _Rows:
+    """Read the rows of numbers of a text table, all at once by numpy; where that fails, cell by
+    cell up to the fault.
+
+    Parameters
+    ----------
+    request
+        file, columns and kind of the table
+    lines
+        yields the lines of the file from the first one on at each call
+    layout
+        where headings and rows stand, and the separator
+    has_decimal_comma
+        whether the decimal sign is a comma
+
+    Raises
+    ------
+    InputError
+        For a table without rows, and for the first row with a fault.
+    """
+    reader = _RowReader(request, lines, layout, has_decimal_comma)
+    if next(reader.lines(), None) is None:
         headings = ", ".join(layout.names[k] for k in layout.used[:6])
         rest_text = ", ..." if len(layout.used) > 6 else ""
-        raise InputError(f"{path}: no row of numbers below the names {headings}{rest_text}")
+        raise InputError(f"{request.path}: no row of numbers below the names {headings}{rest_text}")
     try:
         values = np.loadtxt(
-            even_rows(), delimiter=mark, comments=None, ndmin=2, usecols=layout.used
+            reader.even_rows(),
+            delimiter=layout.separator,
+            comments=None,
+            ndmin=2,
+            usecols=layout.used,
         )
     except InputError:
         raise
     except ValueError:
         values = np.array([[np.nan]])
     if (np.abs(values) <= LARGEST).all():
-        return _Rows(values, np.array(line_numbers, dtype=np.int64))
-    return _numbers_cell_by_cell(path, lines_of_rows(), layout, has_decimal_comma)
+        return _Rows(values, np.array(reader.line_numbers, dtype=np.int64))
+    return _numbers_cell_by_cell(request.path, reader.lines(), layout, has_decimal_comma)
 
 
 def _numbers_cell_by_cell(path: Path, rows: Iterator[Line], layout: _Layout, comma: bool) -> _Rows:
-    """Numbers of a table row by row, times of day as seconds; lines that repeat the headings, and
-    text behind the last row, are left out, which the result states.
+    """Read the rows of a text table cell by cell: times of day become seconds, and lines of text
+    behind the last row, or that repeat the headings, are left out and reported.
 
-    `rows` are the lines from the first row on, `comma` is whether the decimal sign is a comma.
+    Parameters
+    ----------
+    path
+        of the file, for messages
+    rows
+        number and text of the lines from the first row on
+    layout
+        headings, separator and columns that are read
+    comma
+        whether the decimal sign is a comma
 
     Raises
     ------
     InputError
-        For the first row with a fault: another count of cells, or a cell that is no number.
+        For the first row with a fault: another number of cells, or a cell that is no number.
     """
     clock = ClockColumn()
     values = array("d")
     line_numbers = array("q")
-    text_since_last_row: list[Line] = []  # since the last row
+    text_since_last_row: list[Line] = []
     lines_with_headings: list[int] = []
     for line, text in rows:
         cells = _cells(text, layout.separator)
@@ -986,7 +1135,7 @@ def _numbers_cell_by_cell(path: Path, rows: Iterator[Line], layout: _Layout, com
         if _is_text(cells, layout, comma):
             text_since_last_row.append((line, text))
             continue
-        if text_since_last_row:  # they are not behind the last row
+        if text_since_last_row:  # text between rows is refused as a row at fault
             _row(path, *text_since_last_row[0], layout, comma, clock)
         values.extend(_row(path, line, text, layout, comma, clock))
         line_numbers.append(line)
@@ -1025,13 +1174,13 @@ def _is_text(cells: Sequence[str], layout: _Layout, comma: bool) -> bool:
 def _row(
     path: Path, line: int, line_text: str, layout: _Layout, comma: bool, clock: ClockColumn
 ) -> list[float]:
-    """Numbers of the used columns in one line of a table; a time of day as seconds since the first
-    row.
+    """Read one line of a text table: the numbers of the columns that are read, a time of day as
+    seconds since the first row.
 
     Parameters
     ----------
-    path, line
-        file and number of the line, for the sentence of a refusal
+    path, line, line_text
+        file, number of the line for messages, and its text
     layout
         names, separator and used columns of the table
     comma
@@ -1042,7 +1191,7 @@ def _row(
     Raises
     ------
     InputError
-        For another count of cells than of columns, or a cell that is no number.
+        For another number of cells than of headings, or a cell that is no finite number.
     """
     cells = _cells(line_text, layout.separator)
     if not _fits(line_text, layout.separator, layout.used, len(layout.names)):

@@ -69,8 +69,11 @@ def _parsed(text: str) -> _Amount | None:
 
 
 def _require_amount(kind: AmountKind, value: Any) -> str:
-    """The text of a standard uncertainty as it is; ValueError where it is no share in per cent and
-    no amount of this kind.
+    """Check the text of a standard uncertainty: a percentage, such as "5 %", or an amount with a
+    unit, such as "0.1 mm"; returned unchanged.
+
+    ValueError, with what to write, for a bare number, an unknown form, an amount where only a
+    percentage is taken (kind "share"), or more than half of the value.
     """
     what_to_write = f"write {_EXAMPLES[kind]}, in quotation marks"
     if not isinstance(value, str):
@@ -116,8 +119,8 @@ def share_of(text: str) -> float:
 
 
 def _in_degrees(value: Any) -> Any:
-    """Degrees of a text such as "0.05 rad", a number with a unit of angle; a value that is no text
-    stays as it is. ValueError where the text is no angle with its unit.
+    """Convert an angle stated as text with a unit, such as "0.05 rad", to degrees; a value that is
+    no text is returned unchanged. ValueError where the text is no angle with a unit.
     """
     if not isinstance(value, str):
         return value
@@ -128,7 +131,7 @@ def _in_degrees(value: Any) -> Any:
     if amount.unit == "%":
         raise ValueError(f"{shown(value)}: no share of a phase is taken; {rule}")
     try:
-        # No unit is in force for the whole input: the text states its own.
+        # Angles do not depend on the units of the scene, so that none are given.
         radians_per_unit, _ = unit_factor(amount.unit, "angle", "")
     except ValueError as reason:
         raise ValueError(f"{shown(value)}: {reason}; {rule}") from reason
@@ -255,8 +258,8 @@ class Uncertainty(Frozen):
 
     @model_validator(mode="after")
     def _correlates_what_is_stated(self) -> Uncertainty:
-        """ValueError for a correlation of a key without standard uncertainty, of one with itself,
-        stated twice, or that no random inputs can have.
+        """Refuse correlations of inputs that have no standard uncertainty, of one input with
+        itself, that are stated twice, or that no random numbers can have together (ValueError).
         """
         uncertain_keys = [key for key, _ in self.stated()]
         pairs_so_far = set()
@@ -285,8 +288,8 @@ class Uncertainty(Frozen):
         return self
 
     def stated(self) -> Iterator[tuple[str, str | float]]:
-        """Dotted key and value of each input that has a standard uncertainty, in the order of the
-        tables.
+        """Inputs for which a standard uncertainty is stated: the key of each, with points between
+        nested tables, and the uncertainty as text or in degrees.
 
         >>> table = Uncertainty(friction="5 %", profile=OfShape(radius="1 %"))
         >>> list(table.stated())
@@ -295,7 +298,9 @@ class Uncertainty(Frozen):
         yield from _stated(self, "")
 
     def correlation_matrix(self) -> Array:
-        """Of the inputs in the order of `stated`, (n, n); 1 on the diagonal."""
+        """Correlation matrix (n, n) of the n inputs with a standard uncertainty, in the order in
+        which the scene lists them; 1 on the diagonal, 0 where nothing is stated.
+        """
         keys = [key for key, _ in self.stated()]
         matrix = np.eye(len(keys))
         for first_key, second_key, coefficient in self.correlations:
@@ -360,7 +365,7 @@ _WORDS = {
 
 
 def _words_of(key: str) -> str:
-    """What an input is, in a sentence.
+    """Name of an input of a scene, such as "profile.radius", in words for a sentence.
 
     >>> _words_of("bodies.lower.height"), _words_of("profile.flat_half_length")
     ('the height of the lower body', 'the flat half length')
@@ -406,7 +411,8 @@ S = TypeVar("S", bound=HasInputs)
 
 
 def inputs_of(scene: HasInputs) -> tuple[Input, ...]:
-    """The inputs of a scene whose standard uncertainty is stated; none where none is.
+    """Inputs of a scene for which a standard uncertainty is stated, each with its value, and with
+    the uncertainty as a fraction of the value (in degrees for the phase).
 
     Raises
     ------
@@ -430,9 +436,24 @@ def inputs_of(scene: HasInputs) -> tuple[Input, ...]:
 
 
 def _share_of(key: str, uncertainty_words: str, value: float | None, units: str) -> float:
-    """Standard uncertainty of an input over its value, from its text: "5 %", or an amount with a
-    unit such as "0.1 mm", of a scene in `units`. ValueError for a unit that is not known, and for
-    more than half of the value.
+    """Standard uncertainty of an input as a fraction of its value, from its text: "5 %", or an
+    amount with a unit, such as "0.1 mm".
+
+    Parameters
+    ----------
+    key
+        of the input, such as "profile.radius"
+    uncertainty_words
+        the text
+    value
+        of the input in the scene's units; None of the scale of a load, which takes per cent alone
+    units
+        of the scene, such as "N, mm, MPa"
+
+    Raises
+    ------
+    ValueError
+        For a unit that is not known, and for more than half of the value.
     """
     amount = _parsed(uncertainty_words)
     assert amount is not None  # the table was checked
@@ -445,24 +466,24 @@ def _share_of(key: str, uncertainty_words: str, value: float | None, units: str)
         reason_text = str(reason).removesuffix("; use scale")
         raise ValueError(
             f"uncertainty.{key} = {shown(uncertainty_words)} is refused: {reason_text}; write a"
-            " share, such as"
-            ' "1 %"'
+            ' share, such as "1 %"'
         ) from reason
     assert value is not None  # only scales have none, and they are shares
-    share_of_value = amount.number * factor / value
+    relative_uncertainty = amount.number * factor / value
     try:
-        _require_small(share_of_value, uncertainty_words)
+        _require_small(relative_uncertainty, uncertainty_words)
     except ValueError as reason:
         raise ValueError(f"uncertainty.{key} is refused: {reason}") from reason
-    return share_of_value
+    return relative_uncertainty
 
 
 def _value_of(scene: HasInputs, key: str) -> float | None:
-    """The number of the scene that a key of [uncertainty] is about; None where the key is about a
-    factor of a whole record, which has no number of its own.
+    """Value of the input of a scene that an uncertainty is stated for; None where the input is the
+    scale of all loads, which has no value of its own.
 
-    `key` is `friction` or a load (no dot), `table.name` ("profile.radius") or `table.body.name`
-    ("material.upper.poisson_ratio"). ValueError where the scene has no such input.
+    `key` is "friction" or a load (no point), "table.name", such as "profile.radius", or
+    "table.body.name", such as "material.upper.poisson_ratio". ValueError where the scene has no
+    such input.
     """
     if "." not in key:
         return _value_of_load(scene, key)
@@ -491,8 +512,10 @@ def _value_of(scene: HasInputs, key: str) -> float | None:
 
 
 def _value_of_load(scene: HasInputs, key: str) -> float | None:
-    """The coefficient of friction, or the number of the loads that `key` is about; None where it is
-    about a factor of a whole record. ValueError where the scene has no such input.
+    """Value of the friction coefficient or the phase, for an uncertainty stated under this `key`;
+    None where it is that of the scale of P, Q, approach or displacement.
+
+    ValueError where the scene has no such input, with the one to state instead.
     """
     load = scene.load
     reason = ""
@@ -524,13 +547,16 @@ def _value_of_load(scene: HasInputs, key: str) -> float | None:
 
 # --------------------------------------------------------------------- the scene with moved inputs
 def moved(scene: S, changes: Mapping[str, float]) -> S:
-    """The scene with inputs moved: by shares of their values, the phase by degrees. It states no
-    uncertainty.
+    """The scene with some inputs changed by small amounts, to see how its solution depends on
+    them; its stated uncertainties and expected values are left out.
 
     Parameters
     ----------
+    scene
+        to be changed
     changes
-        key of an input -> change
+        key of an input, such as "profile.radius" -> relative change of its value; of
+        "phase_degrees" the change in degrees
 
     Raises
     ------
@@ -556,6 +582,7 @@ def moved(scene: S, changes: Mapping[str, float]) -> S:
             changed_tables[table] = _merged(changed_tables.get(table, {}), keys)
     if changes_of_load:
         changed_tables["load"] = _moved_load(scene, changes_of_load)
+    # The profile of cylinders follows from their radii.
     if _moves_a_cylinder(scene, changed_tables):
         bodies = scene.bodies.vary(**changed_tables["bodies"])
         changed_tables["profile"] = {"radius": bodies.relative_radius()}
@@ -563,7 +590,11 @@ def moved(scene: S, changes: Mapping[str, float]) -> S:
 
 
 def _moved_table(scene: HasInputs, key: str, change: float) -> tuple[str, dict[str, Any]]:
-    """Name of a table of the scene, and what is to change in it."""
+    """Change one input of a scene by a relative `change`: name of its table in the scene, and the
+    keys to be changed in that table, nested as there.
+
+    `key` is "table.name", such as "profile.radius", or "table.body.name".
+    """
     table, *body_of_table, name = key.split(".")
     part_of_scene: Any = getattr(scene, table)
     if table == "material" and not body_of_table:
@@ -596,8 +627,11 @@ def _moves_a_cylinder(scene: HasInputs, varied: Mapping[str, Any]) -> bool:
 
 
 def _moved_load(scene: HasInputs, changes: Mapping[str, float]) -> Any:
-    """The load of a scene with P, or the approach, and Q, or the displacement, scaled by 1 + the
-    changes of their keys, and with the lag of Q behind P moved by degrees: a table of its keys.
+    """Keys of the load of a scene with P and Q scaled, and with the lag of Q behind P changed.
+
+    Where actuators are prescribed, approach and displacement are scaled in the place of P and Q.
+    `changes` maps "normal_load", "tangential_load", "approach", "tangential_displacement" to
+    relative changes, and "phase_degrees" to degrees.
     """
     load = scene.load
     normal_factor = 1 + changes.get("normal_load", changes.get("approach", 0.0))
@@ -634,9 +668,10 @@ def _moved_load(scene: HasInputs, changes: Mapping[str, float]) -> Any:
 def _moved_ellipse(
     load: EllipseLoad, normal_factor: float, tangential_factor: float, lag: float
 ) -> dict[str, Any]:
-    """Keys of an elliptical load path with other sizes and phase: its P, or the approach given in
-    its place, times `normal_factor`; its Q, or the displacement given in its place, times
-    `tangential_factor` and `lag` degrees later.
+    """Keys of an elliptical load path scaled in P and in Q, with Q lagging behind P by `lag`
+    degrees more.
+
+    Where actuators are prescribed, approach and displacement stand in the place of P and Q.
     """
     keys: dict[str, Any] = {}
     if load.approach is not None:
@@ -674,11 +709,13 @@ def _turned(degrees: float) -> float:
 def _moved_harmonics(
     load: HarmonicLoad, normal_factor: float, tangential_factor: float, lag: float
 ) -> dict[str, Any]:
-    """Keys of loads by harmonics whose P and Q are scaled by factors, the k-th harmonic of Q
-    lagging by k times `lag` degrees more.
+    """Keys of a load of harmonics scaled in P and in Q, with Q lagging behind P by `lag` degrees
+    more: the k-th harmonic of Q by k times as much.
+
+    Where actuators are prescribed, approach and displacement stand in the place of P and Q.
     """
-    first_harmonics = load.normal_harmonics if load.approach is None else load.approach.harmonics
-    normal_harmonics = [(normal_factor * amplitude, phase) for amplitude, phase in first_harmonics]
+    old_normal = load.normal_harmonics if load.approach is None else load.approach.harmonics
+    normal_harmonics = [(normal_factor * amplitude, phase) for amplitude, phase in old_normal]
     keys: dict[str, Any] = {
         "mean_normal_load": normal_factor * load.mean_normal_load,
         "normal_harmonics": normal_harmonics,
@@ -687,22 +724,20 @@ def _moved_harmonics(
         keys = {
             "approach": {"mean": normal_factor * load.approach.mean, "harmonics": normal_harmonics}
         }
-    wave = load.tangential_displacement
-    second_harmonics = load.tangential_harmonics if wave is None else wave.harmonics
-    # the k-th harmonic lags by k times as much
+    displacement = load.tangential_displacement
+    old_tangential = load.tangential_harmonics if displacement is None else displacement.harmonics
     tangential_harmonics = [
         (tangential_factor * amplitude, phase + number * lag)
-        for number, (amplitude, phase) in enumerate(second_harmonics, 1)
+        for number, (amplitude, phase) in enumerate(old_tangential, 1)
     ]
-    if wave is not None:
+    if displacement is not None:
         keys["tangential_displacement"] = {
-            "mean": tangential_factor * wave.mean,
+            "mean": tangential_factor * displacement.mean,
             "harmonics": tangential_harmonics,
         }
         return keys
-    second_mean = tangential_factor * load.mean_tangential_load
     return keys | {
-        "mean_tangential_load": second_mean,
+        "mean_tangential_load": tangential_factor * load.mean_tangential_load,
         "tangential_harmonics": tangential_harmonics,
     }
 
@@ -710,9 +745,10 @@ def _moved_harmonics(
 def _moved_record(
     load: TimeSeriesLoad, normal_factor: float, tangential_factor: float
 ) -> dict[str, Any]:
-    """Keys of the record `load` with P of its rows times `normal_factor` and Q times
-    `tangential_factor`: the rows that the path goes through, so that rows that a threshold leaves
-    out stay out.
+    """Keys of a record of loads scaled in P and in Q: the rows that the load path goes through,
+    and no reduction any more, so that rows that a threshold has left out stay out.
+
+    Beside lists of bulk stress or tilt, which have an entry for each row, all rows are scaled.
     """
     factors = np.array([1.0, normal_factor, tangential_factor])
     if load.has_bulk_or_tilt:  # lists with an entry for each row go with all rows
