@@ -153,8 +153,8 @@ class LoadSegment(abc.ABC):
 
     @abc.abstractmethod
     def change_of(self, combination: Combination, time: ArrayLike, time_before: ArrayLike) -> Array:
-        """Change of a combination between two times, free of cancellation; that of one wave near
-        its extrema too.
+        """Change of a combination c_P P + c_Q Q of the loads from `time_before` to `time`, without
+        loss of digits over short times, nor near the extremes of a single wave.
 
         >>> float(
         ...     ellipse_segment(0.0, 7.0, (3.0, 1.0), (1.0, 1.0), math.pi / 2).change_of(
@@ -176,8 +176,8 @@ class LoadSegment(abc.ABC):
         """A segment over the same time with 0 in place of P and a combination in place of Q."""
 
     def turning_points(self, combination: Combination) -> list[float]:
-        """Times inside the segment at which a combination stops growing or falling, ascending;
-        found once and remembered.
+        """Turning points of a combination c_P P + c_Q Q of the loads: times inside the segment at
+        which it stops growing or falling, ascending. They are found once and cached.
         """
         known_turns = self._known_turns
         if combination not in known_turns:
@@ -196,39 +196,56 @@ class LoadSegment(abc.ABC):
     def time_of(
         self, combination: Combination, amount: ArrayLike, begin: float, end: float
     ) -> Array:
-        """The time between `begin` and `end` at which a combination that does not turn there has
-        changed by `amount` since `begin`.
+        """Time at which a combination c_P P + c_Q Q of the loads has changed by `amount` since
+        `begin`: the inverse of its change, in the shape of `amount`.
 
-        Amounts outside the range give the nearer end. `begin` may be the later one: the time is
-        best known near it.
+        Between `begin` and `end` the combination must not turn. Amounts outside its change give the
+        nearer end. `begin` may be the later time: the result has most digits near it.
 
         Raises
         ------
         NotFoundError
-            Where Newton's method finds none, of loads that are not finite for example.
+            Where Newton's method finds no time, as of loads that are not finite.
         """
         change = np.asarray(amount, dtype=float)
-        total = float(self.change_of(combination, end, begin))
-        if abs(total) < LEAST:
+        total_change = float(self.change_of(combination, end, begin))
+        if abs(total_change) < LEAST:
             return np.full(change.shape, begin)
-        growth = change * math.copysign(1.0, total)
+        growth = change * math.copysign(1.0, total_change)
         is_before = growth <= 0
-        is_inside = ~(is_before | (growth >= abs(total)))
+        is_inside = ~(is_before | (growth >= abs(total_change)))
         time = np.where(is_before, begin, end)
         if np.any(is_inside):
-            time_inside = self._time_inside(combination, change[is_inside], total, begin, end)
+            time_inside = self._time_inside(
+                combination, change[is_inside], total_change, begin, end
+            )
             time[is_inside] = np.minimum(np.maximum(time_inside, min(begin, end)), max(begin, end))
         return time
 
     def _time_inside(
         self, combination: Combination, change: Array, total_change: float, begin: float, end: float
     ) -> Array:
-        """Times (n,) at which a combination of the loads has changed by `change` (n,) since
-        `begin`, between 0 and the `total_change` up to `end`, within which it is monotonic:
-        Newton's steps, or half the bracket where one leaves it or is no shorter; ends where
-        rounding stops them from gaining.
+        """Times (n,) at which a monotonic combination of the loads has changed by given amounts
+        since `begin`, by safeguarded Newton steps.
+
+        Where a step leaves the bracket, or is no shorter than half the last one, the bracket is
+        halved. The steps end where round-off stops them from gaining.
+
+        Parameters
+        ----------
+        combination
+            c_P, c_Q of c_P P + c_Q Q
+        change
+            (n,) amounts between 0 and the total change
+        total_change
+            change of the combination from `begin` to `end`
+
+        Raises
+        ------
+        NotFoundError
+            Where the steps do not end.
         """
-        # exact for a cosine that turns at both ends
+        # The first guess is exact for a cosine that turns at both ends.
         time = begin + (end - begin) / math.pi * np.arccos(1 - 2 * change / total_change)
         by_plain_steps = self._by_plain_newton(combination, change, begin, end, time)
         if by_plain_steps is not None:
@@ -255,7 +272,7 @@ class LoadSegment(abc.ABC):
                 last_step <= _SHORT * np.abs(best_time - begin)
             )
             is_round_off = last_step <= _ROUNDING_OF_TIME * np.abs(best_time)
-            # What is done stays so: beyond rounding a step may be long again.
+            # A time that is found stays so: below round-off a step may be long again.
             is_done |= (least_fault == 0) | gains_no_more | is_round_off
             if is_done.all():
                 return best_time
@@ -282,12 +299,21 @@ class LoadSegment(abc.ABC):
     def _by_plain_newton(
         self, combination: Combination, change: Array, begin: float, end: float, guess: Array
     ) -> Array | None:
-        """Times (n,) at which a combination of the loads has changed by `change` since `begin`,
-        from guesses by Newton's steps alone, at a third of the cost; None where these do not end
-        between `begin` and `end`, in which a combination has one time for each change.
+        """Times (n,) at which a monotonic combination of the loads has changed by given amounts
+        since `begin`, by Newton steps without a safeguard: a third of the cost. None where these
+        do not converge between `begin` and `end`.
 
-        A step leaves its square over the distance of a turning point, which is no nearer than an
-        end: below rounding it is the last.
+        The error after a step is its square over the distance to the next turning point, which is
+        at `begin`, at `end` or beyond. A step is the last where that error is below round-off.
+
+        Parameters
+        ----------
+        combination
+            c_P, c_Q of c_P P + c_Q Q
+        change
+            (n,) amounts between 0 and the change up to `end`
+        guess
+            (n,) first guesses of the times
         """
         time = guess
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -427,8 +453,8 @@ class HarmonicSegment(LoadSegment):
 
     @cached_property
     def _coefficients(self) -> NDArray[np.complex128]:
-        """(2, m + 1) c_k such that P - P0 and Q - Q0 are Re[sum c_k z^k]; m is the highest k with
-        an amplitude.
+        """Complex coefficients c_k of both loads, (2, m + 1): P - P0 and Q - Q0 are the real part
+        of sum c_k exp(i k t); m is the highest harmonic with an amplitude.
         """
         order = max(
             (
@@ -473,11 +499,10 @@ class HarmonicSegment(LoadSegment):
         return {}
 
     def _sum_of_waves(self, combination: Combination) -> tuple[float, float]:
-        """Size and lead of the wave that a combination of P and Q makes, size cos(t + lead), for
-        one harmonic of each: the sum of their phasors.
+        """Size and lead of a combination c_P P + c_Q Q of the loads where each has one harmonic:
+        it is a constant plus size cos(t + lead). Sum of the two phasors.
         """
-        # notation: Z = size exp(i lead), the phasor; one load alone keeps the last digit of its own
-        # phase
+        # One load alone keeps the last digit of its phase.
         (normal_amplitude, normal_lag), (tangential_amplitude, tangential_lag) = self._first
         if combination[0] == 0 or combination[1] == 0:
             return (
@@ -496,7 +521,9 @@ class HarmonicSegment(LoadSegment):
         return 2 * order * math.ceil((self.end - self.start) / (2 * math.pi))
 
     def loads(self, time: ArrayLike) -> Loads:
-        """P and Q at times, of their shape: means and waves; an ellipse has one wave each."""
+        """Loads P and Q at any times, each in the shape of `time`: mean plus sum of harmonics; of
+        an ellipse, with one harmonic each, by cosines.
+        """
         mean_normal, mean_tangential = self.mean
         if self.ellipse:
             times = _float_or_array(time)
@@ -552,8 +579,10 @@ class HarmonicSegment(LoadSegment):
         )
 
     def change_of(self, combination: Combination, time: ArrayLike, time_before: ArrayLike) -> Array:
-        """Change of a combination of the loads from `time_before` to `time`, arrays of one shape,
-        by sines of half the time between, so that a short time keeps its digits.
+        """Change of a combination c_P P + c_Q Q of the loads from `time_before` to `time`, without
+        loss of digits over short times: by sines of half the time between.
+
+        Of one wave size cos(t + lead) it is -2 size sin(middle + lead) sin(half step).
         """
         end_time = _float_or_array(time)
         begin_time = _float_or_array(time_before)
@@ -573,11 +602,19 @@ class HarmonicSegment(LoadSegment):
         z_before: complex | NDArray[np.complex128],
         half_turn: NDArray[np.complex128],
     ) -> Array:
-        """Change of a combination from z_0 to z, by z = exp(i t) and the factor `half_turn` =
-        exp(i (t - t_0)/2), (n,); z_0 is one number or (n,).
+        """Change (n,) of a combination c_P P + c_Q Q of the loads from time t_0 to t, as the change
+        of a polynomial f in z = exp(i t), without loss of digits over short times.
+
+        Horner's scheme gives (f(z) - f(z_0))/(z - z_0), which is multiplied by z - z_0 =
+        2i sin((t - t_0)/2) exp(i (t + t_0)/2).
+
+        Parameters
+        ----------
+        z_before
+            z_0 = exp(i t_0), one number or (n,)
+        half_turn
+            (n,) exp(i (t - t_0)/2)
         """
-        # (p(z) - p(z_0))/(z - z_0) by Horner's scheme, and z - z_0 = 2i sin((t - t_0)/2) exp(i (t +
-        # t_0)/2).
         coefficients, _ = self._series_of(combination)
         *lower_terms, highest_term = coefficients
         if not lower_terms:
@@ -604,8 +641,8 @@ class HarmonicSegment(LoadSegment):
         return change, _wave_sum_at(rate_terms, half_turn * half_turn * z_before, time)
 
     def companion_of(self, combination: Combination) -> HarmonicSegment:
-        """The segment with 0 as its first load and, as its second one, a combination of both loads
-        of this segment, by the waves of these.
+        """A segment over the same time whose first load is 0, and whose second is a combination
+        c_P P + c_Q Q of this segment's loads: a moment that follows from P and Q, for one.
         """
         waves = tuple(
             (abs(coefficient), -cmath.phase(coefficient))
@@ -620,10 +657,11 @@ class HarmonicSegment(LoadSegment):
         )
 
     def _found_turns(self, combination: Combination) -> list[float]:
-        """Times inside the segment at which a combination of loads has an extreme, ascending.
+        """Turning points of a combination c_P P + c_Q Q of the loads: times inside the segment at
+        which it has an extreme, ascending.
 
         One wave has them where its argument is a multiple of pi. Of several waves the rate is a
-        polynomial in z = exp(i time): its roots on the unit circle, sharpened by Newton's method.
+        polynomial in z = exp(i time), whose roots on the unit circle are improved by Newton steps.
 
         >>> segment = HarmonicSegment(0.0, 2 * math.pi, (3.0, 0.0), ((1.0, 0.0), (1.0, 0.0)), ())
         >>> [
@@ -664,13 +702,21 @@ class HarmonicSegment(LoadSegment):
         begin: float,
         end: float,
     ) -> Array:
-        """Times (n,) at which a combination of the loads has changed by `change` (n,) since
-        `begin`, between 0 and the `total_change` up to `end`, within which it is monotonic; of an
-        ellipse in closed form.
+        """Times (n,) at which a monotonic combination of the loads has changed by given amounts
+        since `begin`: of an ellipse in closed form by the arc cosine, else by Newton steps.
+
+        Parameters
+        ----------
+        combination
+            c_P, c_Q of c_P P + c_Q Q
+        change
+            (n,) amounts between 0 and the total change
+        total_change
+            change of the combination from `begin` to `end`
         """
         if not self.ellipse:
             return super()._time_inside(combination, change, total_change, begin, end)
-        # The arc cosine, then one Newton step with the change, which does not cancel.
+        # The arc cosine loses digits near an extreme: one Newton step with the change gains them.
         size, lead = self.wave(combination)
         half_turn = math.floor(((begin + end) / 2 + lead) / math.pi)
         sign = -1.0 if half_turn % 2 else 1.0
@@ -688,9 +734,12 @@ class HarmonicSegment(LoadSegment):
         return twin + 2 * math.pi * np.round((near - twin) / (2 * math.pi))
 
     def shifted(self, delay: float) -> Self:
-        """The segment a `delay` later: phases of its waves grow by their order times the delay."""
+        """The same loads, `delay` later in time: the phase of the k-th harmonic grows by k times
+        the delay.
+        """
         delay_angle = math.remainder(delay, 2 * math.pi)
-        if abs(delay_angle) <= 1e-15 * abs(delay):  # whole turns, to their rounding: the waves stay
+        # By whole revolutions, but for round-off, the phases stay.
+        if abs(delay_angle) <= 1e-15 * abs(delay):
             return super().shifted(delay)
 
         def later(waves: Waves) -> Waves:
@@ -740,8 +789,11 @@ class ChebyshevSegment(LoadSegment):
         return bool(p), bool(q)
 
     def loads(self, time: ArrayLike) -> Loads:
-        # A load that starts from 0 is its change since then, which keeps its digits near there.
-        """P and Q at times, of their shape."""
+        """Loads P and Q at any times, each in the shape of `time`.
+
+        A load that starts from 0 is computed as its change since the start, which keeps its digits
+        near there.
+        """
         normal_load, tangential_load = (
             (
                 self.change_of(combination, time, self.start)
@@ -787,8 +839,8 @@ class ChebyshevSegment(LoadSegment):
         )
 
     def _found_turns(self, combination: Combination) -> list[float]:
-        """Times inside the segment at which a combination stops growing or falling, ascending:
-        roots of the rate.
+        """Turning points of a combination c_P P + c_Q Q of the loads: times inside the segment at
+        which its rate is zero, ascending, as roots of a Chebyshev series.
 
         >>> segment = ChebyshevSegment(
         ...     0.0, 4.0, (3.0, 0.0, 1.0), (0.0, 1.0)
@@ -881,8 +933,8 @@ class LoadPath:
         return None if None in (*loading, *cycle) else LoadPath(tuple(loading), tuple(cycle))
 
     def at(self, time: ArrayLike) -> Loads:
-        """Loads P and Q at `time`, each of its shape; of times behind the first cycle those of its
-        repetition.
+        """Loads P and Q at any times, each in the shape of `time`; after the first cycle those of
+        its repetitions.
 
         Raises
         ------
@@ -914,8 +966,10 @@ class LoadPath:
 
 
 def _terms(coefficients: NDArray[np.complex128]) -> WaveTerms:
-    """Terms of a sum of c_k exp(i k t) for Horner's scheme, from the highest k down: c_k, and by
-    how much k is below that of the term before.
+    """Prepare a sum of c_k exp(i k t) for Horner's scheme: its terms from the highest k down, each
+    as c_k and by how much k is below that of the term before.
+
+    `coefficients` (m + 1,) are c_0, c_1, ...
     """
     terms = []
     order_above = len(coefficients) - 1
@@ -939,7 +993,11 @@ def _wave_sum(terms: WaveTerms, time: Array) -> Array:
 
 
 def _wave_sum_at(terms: WaveTerms, z: NDArray[np.complex128], time: Array) -> Array:
-    """Re[sum c_k z^k] with z = exp(i t) by Horner's scheme, (n,)."""
+    """Real part of sum c_k z^k at n times t, (n,), with z = exp(i t), by Horner's scheme.
+
+    `terms` are (c_k, step in k from the term before), from the highest k down; `z` and `time` are
+    (n,).
+    """
     (highest, _), *lower_terms = terms
     if not lower_terms:
         return np.full(z.shape, highest.real)
@@ -952,8 +1010,8 @@ def _wave_sum_at(terms: WaveTerms, z: NDArray[np.complex128], time: Array) -> Ar
 
 
 def _sharpened(segment: LoadSegment, combination: Combination, guessed_times: Array) -> list[float]:
-    """Times within the segment at which a combination of P and Q turns round, ascending: guesses
-    after two of Newton's steps, each taken if it is small.
+    """Improve guessed turning points of a combination c_P P + c_Q Q of the loads by two Newton
+    steps, each taken if it is small: times inside the segment, ascending.
     """
     times = guessed_times
     step = 1e-6 * (segment.end - segment.start)
@@ -992,25 +1050,31 @@ def ellipse_segment(
 def parabola_segment(
     start: float, end: float, last_point: Point, end_slope: float
 ) -> ChebyshevSegment:
-    """A segment from `start` to `end` in time with P linear from 0 to that of `last_point` (P, Q),
-    and Q = alpha P + beta P^2, of slope dQ/dP = `end_slope` at the end.
+    """Segment of a load path on a parabola in the P-Q plane from (0, 0) to `last_point` (P, Q): P
+    is linear in time, and Q = alpha P + beta P^2 has the slope dQ/dP = `end_slope` at the end.
+
+    `start` and `end` are times.
 
     >>> segment = parabola_segment(0.0, 2.0, (1.0, 0.5), 0.0)
     >>> [float(load) for load in segment.loads(1.0)], segment.slope_and_bend(2.0)
     ([0.5, 0.375], (0.0, -0.5))
     """
+    # notation: w from 0 at the start to 1 at the end, u = 2 w - 1 the variable of the series
     p, q = last_point
-    # Q = line w + square w^2, w = (1 + u)/2
-    line = 2 * q - end_slope * p
-    square = end_slope * p - q
-    return ChebyshevSegment(
-        start, end, (p / 2, p / 2), (line / 2 + 3 * square / 8, (line + square) / 2, square / 8)
+    linear_part = 2 * q - end_slope * p  # Q = linear_part w + square_part w^2
+    square_part = end_slope * p - q
+    normal_series = (p / 2, p / 2)
+    tangential_series = (
+        linear_part / 2 + 3 * square_part / 8,
+        (linear_part + square_part) / 2,
+        square_part / 8,
     )
+    return ChebyshevSegment(start, end, normal_series, tangential_series)
 
 
 def sampled(segment: LoadSegment, least_count: int) -> Array:
-    """Times along a segment, ascending: the two ends of a straight one, else `least_count` or
-    eight from turn to turn if that is more.
+    """Times along a segment of a load path that are dense enough to see its turning points: the two
+    ends of a straight one, else `least_count`, or eight for each turning point if that is more.
 
     >>> (
     ...     len(sampled(StraightSegment(0.0, 1.0, (0.0, 0.0), (3.0, 1.0)), 25)),
@@ -1027,10 +1091,13 @@ _ZERO_LOAD = 1e-12
 
 
 def largest_ratio(legs: Iterable[LoadSegment]) -> float:
-    """Largest |Q|/P of load segments; infinite where P is negative, or zero beside a Q.
+    """Largest |Q|/P along segments of a load path; infinite where P is negative, or zero while Q is
+    not.
 
-    Dinkelbach's iteration: where Q - r P or -Q - r P is largest, |Q|/P exceeds r unless r is the
+    Dinkelbach's iteration: where Q - r P or -Q - r P is largest, |Q|/P exceeds r, unless r is the
     largest ratio itself. These combinations are largest at ends and turning points.
+
+    # notation: r ratio reached so far
 
     >>> largest_ratio([StraightSegment(0.0, 1.0, (1.0, 0.0), (2.0, -1.0))])
     0.5
@@ -1053,12 +1120,15 @@ def largest_ratio(legs: Iterable[LoadSegment]) -> float:
 
 
 def largest_ratio_of(normal_load: Array, tangential_load: Array) -> float:
-    """Largest |Q|/P of instants (n,); 0 where both are zero, infinite as of `largest_ratio`."""
-    zero = _ZERO_LOAD * np.max(np.abs(normal_load))
-    size = np.where(np.abs(tangential_load) <= zero, 0.0, np.abs(tangential_load))
-    if np.any(normal_load < -zero):
+    """Largest |Q|/P of n instants, P and Q (n,): 0 where both are zero, infinite where P is
+    negative, or zero while Q is not. Loads below 1e-12 of the largest P count as zero.
+    """
+    negligible_load = _ZERO_LOAD * np.max(np.abs(normal_load))
+    shear_force = np.abs(tangential_load)
+    shear_force = np.where(shear_force <= negligible_load, 0.0, shear_force)
+    if np.any(normal_load < -negligible_load):
         return math.inf
-    is_pressed = normal_load > zero
-    if np.any(size[~is_pressed] > 0):
+    is_pressed = normal_load > negligible_load
+    if np.any(shear_force[~is_pressed] > 0):
         return math.inf
-    return float(np.max(size[is_pressed] / normal_load[is_pressed], initial=0.0))
+    return float(np.max(shear_force[is_pressed] / normal_load[is_pressed], initial=0.0))
