@@ -290,15 +290,21 @@ def _has_room_for_plateau(faces: Interface, scene: Scene) -> bool:
 
 
 def _tangential_without_mesh_part(faces: Interface, sizes_ahead: Array) -> Array:
-    """Tangential compliance T (n, n) whose difference from the normal one, N, is smooth between
-    nearby nodes.
+    """Tangential compliance T (n, n) with the discretisation error that the normal one, N, has
+    between nearby nodes, in the place of its own: their difference N - T is smooth then.
 
-    Within 8.5 element sizes of the diagonal N - T is replaced by a smooth fit of it beyond; further
-    away T stays. Elements are right about a uniform traction, so that what the mesh adds has no sum
-    along a row. Its tail beyond 8.5 sizes, which stays in T, has one: the opposite is spread over
-    17 sizes. Without this, W of Cattaneo-Mindlin's cycle stays 6e-5 too small on any mesh.
+    Within 8.5 element sizes of the diagonal N - T is replaced by a smooth fit of its values further
+    away; there T stays. Elements are exact for a uniform traction, and so the error of a row of T
+    has the sum 0. Its tail beyond 8.5 sizes, which stays in T, has not: the opposite of the tail's
+    sum is spread over 17 sizes. Without this, W of Cattaneo-Mindlin's cycle stays 6e-5 too small on
+    any mesh.
 
-    `sizes_ahead` (n, n) is the distance of two nodes over the size of the elements there.
+    Parameters
+    ----------
+    faces
+        condensed compliances N and T, and the length of face of each node, (n,) `weights`
+    sizes_ahead
+        (n, n) distance of two nodes over the size of the elements there, with its sign
     """
     is_in_band = np.abs(sizes_ahead) <= _LOCAL
     smooth_difference = _smooth(faces.normal - faces.tangential, faces.x, np.abs(sizes_ahead))

@@ -119,7 +119,9 @@ def loads_of(leg: LoadSegment, time: float) -> tuple[float, ...]:
 
 
 def scaled_loads(leg: LoadSegment, time: float, units: tuple[float, ...]) -> tuple[float, ...]:
-    """The same, each over its unit; there may be more units than loads."""
+    """The two or five loads of a leg at an instant, each over its unit; there may be more units
+    than loads.
+    """
     return tuple(load / unit for load, unit in zip(loads_of(leg, time), units, strict=False))
 
 
@@ -210,9 +212,10 @@ def turning_points(leg: LoadSegment, friction: float) -> list[float]:
     """
     all_times = turns(leg, 1.0, 0.0) | turns(leg, -friction, 1.0) | turns(leg, friction, 1.0)
     if leg.bulk is not None or leg.turning is not None:
-        for segment, combination in _imposed(leg):
-            if segment is not None:
-                all_times |= turns(segment, *combination)
+        # bulk stresses and tilt are stored as P and Q of segments of their own, with two factors
+        for imposed_segment, factors in _imposed(leg):
+            if imposed_segment is not None:
+                all_times |= turns(imposed_segment, *factors)
     rounding = 1e-9 * (leg.end - leg.start)
     separate_times: list[float] = []
     for time in sorted(all_times):

@@ -811,22 +811,22 @@ class Panels:
         """The chosen ones."""
         return Panels(*(values[numbers] for values in vars(self).values()))
 
-    def cut_to(self, longest: float) -> Panels:
-        """Each panel cut into as few equal parts as are not longer than `longest`, in order.
+    def cut_to(self, largest_length: float) -> Panels:
+        """Each panel cut into as few equal parts as are not longer than `largest_length`, in order.
 
         A panel is a range of the integration variable v that one Chebyshev series serves. The last
         part of a panel ends exactly where the panel did.
         """
-        n_parts = np.maximum(np.ceil((self.end - self.begin) / longest), 1).astype(int)
+        n_parts = np.maximum(np.ceil((self.end - self.begin) / largest_length), 1).astype(int)
         panel_of_part = np.repeat(np.arange(len(n_parts)), n_parts)
         first_part_of_panel = np.cumsum(n_parts) - n_parts
         number_in_panel = np.arange(len(panel_of_part)) - np.repeat(first_part_of_panel, n_parts)
         part_length = ((self.end - self.begin) / n_parts)[panel_of_part]
-        parts = self.take(panel_of_part)
-        begin = parts.begin + number_in_panel * part_length
+        whole_panels = self.take(panel_of_part)
+        begin = whole_panels.begin + number_in_panel * part_length
         is_last_of_panel = number_in_panel == n_parts[panel_of_part] - 1
-        end = np.where(is_last_of_panel, parts.end, begin + part_length)
-        return replace(parts, begin=begin, end=end)
+        end = np.where(is_last_of_panel, whole_panels.end, begin + part_length)
+        return replace(whole_panels, begin=begin, end=end)
 
     def halved(self) -> Panels:
         """The lower halves of all, then the upper ones."""

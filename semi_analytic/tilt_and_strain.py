@@ -72,14 +72,15 @@ class FollowingLoads(PathLoads):
         """
         different_times = super().turns(leg)
         effects = self.effects
-        for effect_of_pressure, effect_of_shear in (
+        # what P and what Q add: to the bulk strain, to the tilt
+        for effect_of_normal_load, effect_of_shear_load in (
             (effects.strain_under_pressure, effects.strain_under_shear),
             (effects.tilt_under_pressure, effects.tilt_under_shear),
         ):
-            if not (effect_of_pressure.value and effect_of_shear.value):
+            if not (effect_of_normal_load.value and effect_of_shear_load.value):
                 continue  # turns where P or Q does
             for time in leg.turning_points(
-                Combination(effect_of_pressure.value, effect_of_shear.value)
+                Combination(effect_of_normal_load.value, effect_of_shear_load.value)
             ):
                 distance = min(abs(time - known_time) for known_time in different_times)
                 if distance > 1e-6 * (leg.end - leg.start):

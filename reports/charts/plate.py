@@ -715,21 +715,28 @@ def _path_of(
 
 
 def _places_that_show(x: Array, y: Array, is_known: NDArray[np.bool_]) -> NDArray[np.int_]:
-    """Indices of those places of a long line through (x, y), (n,), that can be seen.
+    """Indices of those places of a long line through (x, y) that can be seen when it is drawn.
 
-    The drawing is cut into upright strips less than a pixel wide. Of the places that follow each
-    other within a strip the first, the last, the highest and the lowest are kept. `is_known` is
-    False where the line is broken.
+    The drawing is cut into upright strips less than a pixel wide. A visit is a run of places that
+    follow each other within one strip. Of each visit the first, the last, the highest and the
+    lowest place are kept.
+
+    Parameters
+    ----------
+    x, y
+        (n,) each, in units of the drawing
+    is_known
+        (n,) False where the line is broken
     """
-    strip_of_place = np.where(is_known, np.floor(x / _STRIP), np.nan)
-    # of places that follow each other
-    strip_number = np.concatenate([[0], np.cumsum(strip_of_place[1:] != strip_of_place[:-1])])
-    order_of_height = np.lexsort((np.where(is_known, y, 0.0), strip_number))
-    first_place = np.flatnonzero(np.diff(strip_number, prepend=-1))
-    last_place = np.append(first_place[1:], len(strip_number)) - 1
+    # NaN is unequal to itself: each place where the line is broken is a visit of its own
+    strip = np.where(is_known, np.floor(x / _STRIP), np.nan)
+    visit = np.concatenate([[0], np.cumsum(strip[1:] != strip[:-1])])
+    places_by_height = np.lexsort((np.where(is_known, y, 0.0), visit))
+    first_place = np.flatnonzero(np.diff(visit, prepend=-1))
+    last_place = np.append(first_place[1:], len(visit)) - 1
     return np.unique(
         np.concatenate(
-            [first_place, last_place, order_of_height[first_place], order_of_height[last_place]]
+            [first_place, last_place, places_by_height[first_place], places_by_height[last_place]]
         )
     )
 

@@ -345,8 +345,10 @@ def _is_failed(comparison: JudgedPair) -> bool:
     return not comparison.accurate or bool(_violated(comparison))
 
 
-def _failing(comparison: JudgedPair) -> list[Metric]:
-    """The metrics that are not within their tolerance, those of the worst verdict first."""
+def _not_passed(comparison: JudgedPair) -> list[Metric]:
+    """The metrics that are not within their tolerance: first those outside it, then those that are
+    undecided because their uncertainty is too large.
+    """
     return [
         metric
         for verdict in (Verdict.OUTSIDE, Verdict.UNDECIDED)
@@ -359,27 +361,28 @@ def _failure(comparison: JudgedPair) -> str:
     """The sentence on an external result that fails: which metrics are outside their tolerance, the
     one with the largest |value|/tolerance first.
 
-    Without any of these it names what is undecided; without that, which laws of contact are
-    violated.
+    Where no metric is outside, it names those that are undecided; where none is, which laws of
+    contact are violated.
     """
 
     def multiple_of_tolerance(metric: Metric) -> float:
         return abs(metric.value or 0.0) / (metric.tolerance or 1.0)
 
-    failing_metrics = _failing(comparison)
-    worst_metrics = [
-        metric for metric in failing_metrics if metric.verdict is failing_metrics[0].verdict
+    # outside before undecided: the first one has the worst verdict
+    metrics_not_passed = _not_passed(comparison)
+    with_worst_verdict = [
+        metric for metric in metrics_not_passed if metric.verdict is metrics_not_passed[0].verdict
     ]
-    worst_metrics.sort(key=multiple_of_tolerance, reverse=True)
-    # what shares a tolerance says the same twice
-    metrics_with_tolerance = [metric for metric in worst_metrics if not metric.judged_by]
-    metrics_named = (metrics_with_tolerance or worst_metrics)[:_MOST_NAMED]
+    with_worst_verdict.sort(key=multiple_of_tolerance, reverse=True)
+    # a metric that is judged by the tolerance of another would say the same twice
+    with_own_tolerance = [metric for metric in with_worst_verdict if not metric.judged_by]
+    metrics_named = (with_own_tolerance or with_worst_verdict)[:_MOST_NAMED]
     return in_template(
         "failure",
         comparison,
         _names(comparison),
         comparison.verdict,
-        len(worst_metrics),
+        len(with_worst_verdict),
         _count_of_judged(comparison),
         [_in_sentence(metric) for metric in metrics_named],
         [check for _, check in _violated(comparison)],
@@ -701,7 +704,7 @@ def _in_first_table(comparison: JudgedPair) -> list[Metric]:
     """
     if not _is_failed(comparison):
         return list(comparison.headlines)
-    failing_metrics = _failing(comparison)
+    failing_metrics = _not_passed(comparison)
     return failing_metrics + [
         metric for metric in comparison.headlines if metric not in failing_metrics
     ]

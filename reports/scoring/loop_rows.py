@@ -54,9 +54,9 @@ class MeasuredLoop:
 
 
 def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
-    """Read a measured loop from a text table: U, Q and time in the units of the scene, with words
-    on how each column was read. Without a column of time the rows follow each other evenly.
-    `mapping` states columns, units and signs of the file.
+    """Read a measured loop from a text table: U and Q in the units of the scene, time as the file
+    has it, with words on how each column was read. Without a column of time the rows follow each
+    other evenly. `mapping` states columns, units and signs of the file, where it must be told.
 
     Raises
     ------
@@ -94,9 +94,9 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
     if time_name is not None:
         instants = table.column(time_name)
         time_in_words = f"{time_name!r}, as it stands: no result depends on its unit"
-    rows_going_back = np.flatnonzero(np.diff(instants) <= 0)
-    if len(rows_going_back):
-        row = int(rows_going_back[0]) + 1
+    rows_before_fall = np.flatnonzero(np.diff(instants) <= 0)
+    if len(rows_before_fall):
+        row = int(rows_before_fall[0]) + 1
         raise InputError(
             f"{file_name}, line {table.lines[row]}: {time_name} = {instants[row]:.6g} does not"
             " ascend: rows stand in the order of time"

@@ -606,7 +606,9 @@ def _places_of_peaks(paper: Paper) -> dict[str, Found]:
 
 
 def _exponents(sweep: Sweep, quantity: str) -> Array:
-    """Exponents of a quantity in P0, between neighbours of a sweep at constant a(P0)."""
+    """Exponent n of a quantity that goes as P0^n, P0 the mean normal load, between neighbouring
+    values of P0: (m, k - 1) for a sweep of (m, k) loads at constant half-width a(P0).
+    """
     growth = np.diff(np.log(getattr(sweep, quantity)), axis=1)
     return np.asarray(growth / np.diff(np.log(sweep.ratio), axis=1))
 
@@ -687,26 +689,32 @@ def _span(quotients: Array) -> dict[str, float]:
 
 
 def _dependence_of_the_peak(paper: Paper) -> Found:
-    """Statement that the peak of the flat and rounded contact falls less with P0 than that of
-    Hertz, but where its place jumps from one shoulder to the other. `paper` holds the paper's two
-    profiles, with their solutions.
+    """Judge the paper's statement that the largest W(x) of the flat and rounded contact falls less
+    with the mean normal load P0 than that of the Hertz contact.
+
+    The numbers returned with the verdict also show where along x that largest value lies: it jumps
+    from the inner to the outer shoulder of W(x) as P0 grows. `paper` holds sweeps of both profiles
+    over P0 in units of the amplitude P1, each (m, k): friction along rows, P0/P1 along columns.
     """
-    hertz, rounded_sweep = paper.sweeps
+    hertz_sweep, rounded_sweep = paper.sweeps
     # At constant P0 the peak goes as (P1/P0)^2 times what the sweep has at constant P1.
-    fall_of_hertz = hertz.peak[:, 0] / hertz.peak[:, -1]
+    fall_of_hertz = hertz_sweep.peak[:, 0] / hertz_sweep.peak[:, -1]
     fall_of_rounded = rounded_sweep.peak[:, 0] / rounded_sweep.peak[:, -1]
-    share_of_smaller = float(np.mean(_exponents(rounded_sweep, "peak") > _exponents(hertz, "peak")))
+    # the exponents are negative: the larger one is that of the weaker fall
+    falls_less = _exponents(rounded_sweep, "peak") > _exponents(hertz_sweep, "peak")
+    share_that_falls_less = float(np.mean(falls_less))
     ratio = rounded_sweep.ratio[-1]
     place = rounded_sweep.place[-1]
-    last_on_shoulder = int(np.argmax(np.abs(np.diff(place))))
+    column_before_jump = int(np.argmax(np.abs(np.diff(place))))
     numbers = {
         "fall, hertz": float(fall_of_hertz[0]),
         "fall, flat and rounded": float(fall_of_rounded[0]),
-        "share of smaller exponents": share_of_smaller,
-        "last shoulder": float(ratio[last_on_shoulder]),
-        "first outer one": float(ratio[last_on_shoulder + 1]),
+        "share of smaller exponents": share_that_falls_less,
+        "last shoulder": float(ratio[column_before_jump]),
+        "first outer one": float(ratio[column_before_jump + 1]),
         "first place": float(place[0]),
-        "last place": float(place[last_on_shoulder]),
-        "place of the outer one": float(place[last_on_shoulder + 1]),
+        "last place": float(place[column_before_jump]),
+        "place of the outer one": float(place[column_before_jump + 1]),
     }
-    return judge(bool(np.all(fall_of_rounded < fall_of_hertz)) and share_of_smaller == 1), numbers
+    is_true = bool(np.all(fall_of_rounded < fall_of_hertz)) and share_that_falls_less == 1
+    return judge(is_true), numbers
