@@ -21,14 +21,11 @@ from numpy.typing import ArrayLike, NDArray
 from halfplane_fe.between_nodes import NO_ZONE, StickZone
 from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
 from halfplane_fe.edges import (
-    ContactEdges,
-    contact_edges,
-    contact_uncertainty,
-    fitted_contact_edges,
-    fitted_stick_edges,
+    NodalAnswer,
+    contact_with_uncertainty,
     roughness_of,
     stick_edges,
-    stick_uncertainty,
+    stick_with_uncertainty,
 )
 from halfplane_fe.law import slip_sign
 from halfplane_fe.reported_states import reported_states
@@ -258,53 +255,36 @@ def _edges(
     scene
         its profile, and whether it is symmetric
     """
-    may_be_anywhere = scene.unsymmetric  # then the stick zone may be anywhere in the contact
-    roughness = roughness_of(scene.profile)
-    x = problem.interface.x
     weights = problem.interface.weights
     _, normal_force, tangential_force, gap = nodal(np.stack([state.values for state in states]))
-    pressure = normal_force / weights
-    shear = tangential_force / weights
     states_by_law = np.stack([state.state for state in states])  # as the law of friction left them
-    is_closed = states_by_law != OPEN
-    is_stuck = surface_states == STICK
-    # The gap of open nodes, which carry nothing, so that the layer does not count there.
-    edges_by_form = contact_edges(x, pressure, gap, is_closed, 1.0)
-    edges_of_contact = edges_by_form.copy()
-    # Where unlike bodies slip, the pressure grows by another power than the root.
-    if problem.interface.coupling is None:
-        edges_of_contact = fitted_contact_edges(x, pressure, is_closed, edges_by_form)
-    friction_limit = problem.friction * pressure
-    stick_zones = fitted_stick_edges(
-        x, is_stuck, is_closed, edges_of_contact, friction_limit, shear, may_be_anywhere
+    answer = NodalAnswer(
+        x=problem.interface.x,
+        pressure=normal_force / weights,
+        shear=tangential_force / weights,
+        # Open nodes carry nothing: the layer does not count in their gap.
+        gap=gap,
+        is_closed=states_by_law != OPEN,
+        sticks=surface_states == STICK,
+        sticks_by_law=states_by_law == STICK,
+        anywhere=scene.unsymmetric,
     )
-    edges_of_stick = stick_zones.places
-    contact_uncertainties = contact_uncertainty(
-        x, pressure, is_closed, edges_of_contact, edges_by_form, roughness
-    )
-    stick_uncertainties = stick_uncertainty(
-        x,
-        (is_stuck, states_by_law == STICK),
-        is_closed,
-        ContactEdges(edges_of_contact, contact_uncertainties),
-        stick_zones,
-        has_no_slip_zone,
-        may_be_anywhere,
-    )
+    are_alike = problem.interface.coupling is None
+    contact = contact_with_uncertainty(answer, roughness_of(scene.profile) if are_alike else None)
+    stick = stick_with_uncertainty(answer, problem.friction, contact, has_no_slip_zone)
     for row in np.flatnonzero([not state.normal_load > 0 for state in states]):
-        closed_nodes = x[is_closed[row]]
+        closed_nodes = answer.x[answer.is_closed[row]]
         outermost_nodes = (
             (closed_nodes.min(), closed_nodes.max()) if len(closed_nodes) else (0.0, 0.0)
         )
-        edges_of_contact[row] = outermost_nodes
-        edges_of_stick[row] = outermost_nodes
-        contact_uncertainties[row] = 0.0
-        stick_uncertainties[row] = 0.0
+        for edges in (contact, stick):
+            edges.places[row] = outermost_nodes
+            edges.uncertainty[row] = 0.0
     return {
-        "contact_edges": edges_of_contact,
-        "stick_edges": edges_of_stick,
-        "contact_edge_uncertainty": contact_uncertainties,
-        "stick_edge_uncertainty": stick_uncertainties,
+        "contact_edges": contact.places,
+        "stick_edges": stick.places,
+        "contact_edge_uncertainty": contact.uncertainty,
+        "stick_edge_uncertainty": stick.uncertainty,
     }
 
 

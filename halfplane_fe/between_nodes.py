@@ -47,7 +47,7 @@ from numpy.typing import ArrayLike
 
 from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
 from halfplane_fe.interface import Interface
-from halfplane_fe.law import slip_sign
+from halfplane_fe.law import force_to_limit, slip_sign
 from scenes import OPEN, STICK
 from scenes.array_types import Array, Mask, States
 
@@ -384,10 +384,10 @@ def _at_stick_edge(
         if not len(turning_numbers) or not states[turning_numbers[-1]].is_complete:
             return None
         states_at_turns[sign] = states[turning_numbers[-1]]
-    force_to_cone = sum(
-        problem.friction * turning_state.pressure[last_stuck]
-        - sign * turning_state.shear[last_stuck]
-        for sign, turning_state in states_at_turns.items()
+    friction = problem.friction
+    distance_to_limit = sum(
+        float(force_to_limit(state.pressure[last_stuck], state.shear[last_stuck], sign, friction))
+        for sign, state in states_at_turns.items()
     )
     work_in_excess = 0.0
     scatter = 0.0
@@ -405,9 +405,9 @@ def _at_stick_edge(
         slip_rates, pressure_rates, shear_rates, _ = nodal(
             problem.rates(states_at_turn, n_loads)[1]
         )
-        cone_rate = problem.friction * pressure_rates[last_stuck] - sign * shear_rates[last_stuck]
+        limit_rates = force_to_limit(pressure_rates, shear_rates, sign, friction)
         load_from_node = _load_to(slip_range, slip_rates[node])
-        load = load_from_node + _load_to(force_to_cone, cone_rate)
+        load = load_from_node + _load_to(distance_to_limit, limit_rates[last_stuck])
         edge = Edge(problem.interface, side, node, last_stuck, load_from_node, load)
         if not edge.is_moved:
             return None

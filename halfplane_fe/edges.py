@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from halfplane_fe.law import force_to_limit
 from scenes import Profile, Tabulated
 from scenes.array_types import Array, Indices, Mask
 
@@ -67,6 +68,102 @@ _FITTED = (7, 4)
 _JUMP = 6.0
 # Elements by which two fits of a stick edge may differ.
 _AGREE = 0.1
+
+
+class Edges(NamedTuple):
+    """One end on the left and one on the right, of the contact or of its stick zone, at k instants.
+
+    Attributes
+    ----------
+    places
+        (k, 2); NaN where there is no zone [length]
+    uncertainty
+        (k, 2) how far each may be from the true one, by the mesh [length]
+    """
+
+    places: Array
+    uncertainty: Array
+
+
+class NodalAnswer(NamedTuple):
+    """What is known at n nodes and k instants, from which edges are read.
+
+    Attributes
+    ----------
+    x
+        (n,) nodes in ascending order [length]
+    pressure, shear
+        (k, n) [stress]
+    gap
+        (k, n) of the open nodes [length]
+    is_closed
+        (k, n) whether a node touches
+    sticks, sticks_by_law
+        (k, n) whether it sticks, as it is reported and by the law alone
+    anywhere
+        whether the stick zone need not hold the middle of the contact, as under bulk stress or
+        tilt
+    """
+
+    x: Array
+    pressure: Array
+    shear: Array
+    gap: Array
+    is_closed: Mask
+    sticks: Mask
+    sticks_by_law: Mask
+    anywhere: bool
+
+
+class StickEdges(NamedTuple):
+    """Ends of the stick zone of k instants.
+
+    Attributes
+    ----------
+    places
+        (k, 2) left and right; NaN where nothing sticks [length]
+    misfit
+        (k, 2) of the fit of each, `_Line.misfit`; 0 where it is not fitted [length]
+    by_states
+        (k, 2) the same ends by the states of the nodes alone
+    """
+
+    places: Array
+    misfit: Array
+    by_states: Array
+
+
+def contact_with_uncertainty(answer: NodalAnswer, roughness: float | None) -> Edges:
+    """Ends of the contact by the square of the pressure, where that is smooth, or else by the form
+    at the outermost nodes; scaled by E*.
+
+    `roughness` is that of the profile, `roughness_of`; None of unlike bodies: where they slip, the
+    pressure grows by another power than the root, and all edges are by the form.
+    """
+    by_form = contact_edges(answer.x, answer.pressure, answer.gap, answer.is_closed, 1.0)
+    if roughness is None:
+        return Edges(by_form, _contact_uncertainty(answer, by_form, by_form, 1.0))
+    places = fitted_contact_edges(answer.x, answer.pressure, answer.is_closed, by_form)
+    return Edges(places, _contact_uncertainty(answer, places, by_form, roughness))
+
+
+def stick_with_uncertainty(
+    answer: NodalAnswer, friction: float, contact: Edges, sticks_in_full: Mask
+) -> Edges:
+    """Ends of the stick zone by the distance of q from the Coulomb limit, where that is smooth, or
+    else by the states of the nodes.
+
+    Parameters
+    ----------
+    friction
+        f
+    contact
+        ends of the contact
+    sticks_in_full
+        (k,) instants at which theory has no slip zone
+    """
+    stick = fitted_stick_edges(answer, contact.places, friction)
+    return Edges(stick.places, _stick_uncertainty(answer, contact, stick, sticks_in_full))
 
 
 def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: float) -> Array:
@@ -195,13 +292,8 @@ def roughness_of(profile: Profile) -> float:
     return _OF_KINKS if profile.kinks else 1.0
 
 
-def contact_uncertainty(
-    x: Array,
-    pressure: Array,
-    is_closed: Mask,
-    contact: Array,
-    form: Array | None = None,
-    roughness: float = 1.0,
+def _contact_uncertainty(
+    answer: NodalAnswer, contact: Array, form: Array, roughness: float
 ) -> Array:
     """How far each contact edge may be from the true one, by the mesh, (k, 2) [length].
 
@@ -213,30 +305,24 @@ def contact_uncertainty(
 
     Parameters
     ----------
-    x
-        (n,) nodes in ascending order [length]
-    pressure
-        (k, n) pressure at k instants [stress]
-    is_closed
-        (k, n) whether a node touches
     contact
         (k, 2) ends of the contact
     form
-        (k, 2) the ends by the form of the pressure at the last nodes, where `contact` is fitted
+        (k, 2) the ends by the form of the pressure at the last nodes
     roughness
         how many times more uncertain fitted edges are than those of a smooth profile
     """
-    form = contact if form is None else form
+    x = answer.x
     width = contact[:, 1:] - contact[:, :1]
     uncertainty = np.repeat(width, 2, axis=1)
-    n_closed = np.count_nonzero(is_closed, axis=1)
+    n_closed = np.count_nonzero(answer.is_closed, axis=1)
     row = np.flatnonzero(n_closed > _EXTRAPOLATED)
     nodes = n_closed[row]
     share_by_squares = roughness * (
         _SHARE_BY_SQUARES + _NODES_BY_SQUARES / nodes + _SQUARED_NODES_BY_SQUARES / nodes**2
     )
     for side in _sides(x):
-        side_pressure, in_contact = side.outwards(pressure[row], is_closed[row])
+        side_pressure, in_contact = side.outwards(answer.pressure[row], answer.is_closed[row])
         last_node = _last(in_contact)
         edge = side.sign * contact[row, side.column]
         edge_by_form = side.sign * form[row, side.column]
@@ -259,52 +345,16 @@ def contact_uncertainty(
     return uncertainty
 
 
-class ContactEdges(NamedTuple):
-    """Ends of the contact of k instants.
+def stick_edges(
+    x: Array, stick: Mask, is_closed: Mask, contact: Array, anywhere: bool = False
+) -> Array:
+    """Ends of the stick zone by the states of the nodes, (k, 2) [length]; the contact edges where
+    all of the contact sticks, NaN where nothing does.
 
-    Attributes
-    ----------
-    places, uncertainty
-        (k, 2) left and right [length]
-    """
-
-    places: Array
-    uncertainty: Array
-
-
-class StickEdges(NamedTuple):
-    """Ends of the stick zone of k instants.
-
-    Attributes
-    ----------
-    places
-        (k, 2) left and right; NaN where nothing sticks [length]
-    misfit
-        (k, 2) of the fit of each, `_Line.misfit`; 0 where it is not fitted [length]
-    """
-
-    places: Array
-    misfit: Array
-
-
-def fitted_stick_edges(
-    x: Array,
-    stick: Mask,
-    is_closed: Mask,
-    contact: Array,
-    limit: Array | None = None,
-    shear: Array | None = None,
-    anywhere: bool = False,
-) -> StickEdges:
-    """Ends of the stick zone, (k, 2) [length]; the contact edges where all of the contact sticks,
-    NaN where nothing does.
-
-    By node status the edge lies half-way between the last node of the stick zone and the first one
-    of the slip zone: on each side of the middle of the contact where the fewest nodes are on the
-    wrong side of it (a node that has just come to touch sticks at the rim of the slip zone, and a
-    single one may slide at the rim of a contact that sticks). Where `limit` (f p) and `shear` are
-    given, the edge is fitted where it can be: towards it the shear inside falls off the limit as
-    the square root of the distance.
+    The edge lies half-way between the last node of the stick zone and the first one of the slip
+    zone: on each side of the middle of the contact where the fewest nodes are on the wrong side of
+    it (a node that has just come to touch sticks at the rim of the slip zone, and a single one may
+    slide at the rim of a contact that sticks).
 
     Parameters
     ----------
@@ -316,14 +366,11 @@ def fitted_stick_edges(
         (k, n) whether a node touches
     contact
         (k, 2) ends of the contact
-    limit, shear
-        (k, n) f p and q [stress]
     anywhere
         whether the stick zone need not hold the middle of the contact (bulk stress, tilt): then
         its own middle is the middle
     """
     edges = np.empty((len(is_closed), 2))
-    misfit = np.zeros((len(is_closed), 2))
     nothing_sticks = np.zeros(len(is_closed), dtype=bool)
     for side in _sides(x):
         sticks, in_contact = side.outwards(stick, is_closed)
@@ -331,43 +378,51 @@ def fitted_stick_edges(
         last_node, n_sticking, n_in_half = _last_sticking(sticks, half)
         nothing_sticks |= (n_sticking == 0) & (n_in_half > 0)
         next_node = np.minimum(last_node + 1, len(x) - 1)
-        side_edge = (side.x[last_node] + side.x[next_node]) / 2
-        contact_edge = side.sign * contact[:, side.column]
-        fitted_rows = np.flatnonzero((n_sticking > _FITTED[0]) & (n_sticking < n_in_half))
-        if limit is not None and shear is not None and len(fitted_rows):
-            fit = _fit_towards_limit(
-                side, limit[fitted_rows], shear[fitted_rows], last_node[fitted_rows]
-            )
-            # nothing sticks beyond the contact: a fit gone wrong
-            is_accepted = fit.agrees & (fit.edge <= contact_edge[fitted_rows])
-            accepted_rows = fitted_rows[is_accepted]
-            side_edge[accepted_rows] = fit.edge[is_accepted]
-            misfit[accepted_rows, side.column] = fit.misfit[is_accepted]
+        between_nodes = side.sign * (side.x[last_node] + side.x[next_node]) / 2
         sticks_to_contact_edge = n_sticking == n_in_half
-        edges[:, side.column] = side.sign * np.where(
-            sticks_to_contact_edge, contact_edge, side_edge
+        edges[:, side.column] = np.where(
+            sticks_to_contact_edge, contact[:, side.column], between_nodes
         )
     edges[nothing_sticks] = np.nan
-    return StickEdges(edges, misfit)
+    return edges
 
 
-def stick_edges(
-    x: Array, stick: Mask, closed: Mask, contact: Array, anywhere: bool = False
-) -> Array:
-    """(k, 2) ends of the stick zone by the states of the nodes; parameters as
-    `fitted_stick_edges`.
+def fitted_stick_edges(answer: NodalAnswer, contact: Array, friction: float) -> StickEdges:
+    """Ends of the stick zone where q reaches the Coulomb limit, or by the states of the nodes where
+    it has no smooth way there: towards the edge, q inside falls off the limit as the square root of
+    the distance.
+
+    Parameters
+    ----------
+    contact
+        (k, 2) ends of the contact
+    friction
+        f
     """
-    return fitted_stick_edges(x, stick, closed, contact, anywhere=anywhere).places
+    by_states = stick_edges(answer.x, answer.sticks, answer.is_closed, contact, answer.anywhere)
+    edges = by_states.copy()
+    misfit = np.zeros_like(edges)
+    for side in _sides(answer.x):
+        sticks, in_contact = side.outwards(answer.sticks, answer.is_closed)
+        half = _half(side, in_contact, sticks if answer.anywhere else None)
+        last_node, n_sticking, n_in_half = _last_sticking(sticks, half)
+        has_slip_zone = np.isfinite(edges[:, side.column]) & (n_sticking < n_in_half)
+        rows = np.flatnonzero(has_slip_zone & (n_sticking > _FITTED[0]))
+        if not len(rows):
+            continue
+        pressure, shear = side.outwards(answer.pressure[rows], answer.shear[rows])
+        sense_beyond_edge = np.sign(_pick(shear, last_node[rows] + 1))[:, None]
+        force = force_to_limit(pressure, shear, sense_beyond_edge, friction)
+        fit = _fitted_stick_edge(side.x, force, last_node[rows])
+        # nothing sticks beyond the contact: a fit gone wrong
+        is_accepted = fit.agrees & (fit.edge <= side.sign * contact[rows, side.column])
+        edges[rows[is_accepted], side.column] = side.sign * fit.edge[is_accepted]
+        misfit[rows[is_accepted], side.column] = fit.misfit[is_accepted]
+    return StickEdges(edges, misfit, by_states)
 
 
-def stick_uncertainty(
-    x: Array,
-    sticking: tuple[Mask, Mask],
-    closed: Mask,
-    contact: ContactEdges,
-    stick: StickEdges,
-    sticks_in_full: Mask,
-    anywhere: bool = False,
+def _stick_uncertainty(
+    answer: NodalAnswer, contact: Edges, stick: StickEdges, sticks_in_full: Mask
 ) -> Array:
     """How far each stick edge may be from the true one, by the mesh, (k, 2) [length]; NaN where
     nothing sticks.
@@ -381,33 +436,23 @@ def stick_uncertainty(
 
     Parameters
     ----------
-    x
-        (n,) nodes in ascending order [length]
-    sticking
-        (k, n) nodes that stick, as they are reported and by the law alone
-    closed
-        (k, n) whether a node touches
     contact, stick
         contact and stick edges as answered
     sticks_in_full
         (k,) instants at which theory has no slip zone
-    anywhere
-        whether the stick zone need not hold the middle of the contact, as under bulk stress or
-        tilt
     """
+    x = answer.x
     edges = stick.places
-    by_status, by_law = (
-        stick_edges(x, sticks, closed, contact.places, anywhere) for sticks in sticking
-    )
-    by_states = np.fmax(np.abs(by_status - edges), np.abs(by_law - edges))
+    by_law = stick_edges(x, answer.sticks_by_law, answer.is_closed, contact.places, answer.anywhere)
+    by_states = np.fmax(np.abs(stick.by_states - edges), np.abs(by_law - edges))
     next_node = np.clip(np.searchsorted(x, edges), 1, len(x) - 1)  # NaN comes last
     previous_node = next_node - 1
     before_is_nearer = np.abs(x[previous_node] - edges) <= np.abs(x[next_node] - edges)
     spacing = _spacing(x, np.where(before_is_nearer, previous_node, next_node))
     n_beyond = np.empty(edges.shape, dtype=np.int64)
     for side in _sides(x):
-        in_contact, sticks = side.outwards(closed, sticking[0])
-        half = _half(side, in_contact, sticks if anywhere else None)
+        in_contact, sticks = side.outwards(answer.is_closed, answer.sticks)
+        half = _half(side, in_contact, sticks if answer.anywhere else None)
         is_beyond = side.x > side.sign * edges[:, [side.column]]
         n_beyond[:, side.column] = np.count_nonzero(half & is_beyond, axis=1)
     by_status_alone = spacing + by_states
@@ -418,7 +463,7 @@ def stick_uncertainty(
     )
     of_states = np.maximum(by_states - _BY_STATES * spacing, 0.0)
     of_fit = _FITTED_SHARE * spacing + _BY_MISFIT * stick.misfit + of_states
-    uncertainty = np.where(edges == by_status, of_no_fit, of_fit)
+    uncertainty = np.where(edges == stick.by_states, of_no_fit, of_fit)
     is_full = edges == contact.places
     of_full_stick = np.where(
         sticks_in_full[:, None], contact.uncertainty, np.maximum(of_no_fit, _UNSEEN * spacing)
@@ -617,23 +662,6 @@ class _StickFit(NamedTuple):
     agrees: Mask
 
 
-def _fit_towards_limit(side: _Side, limit: Array, shear: Array, last_node: Indices) -> _StickFit:
-    """The stick edge on one side, fitted to the distance of the shear inside from the friction
-    limit, at k instants.
-
-    Parameters
-    ----------
-    limit, shear
-        (k, n) f p and q [stress]
-    last_node
-        (k,) last node of the stick zone, counted outwards
-    """
-    side_limit, side_shear = side.outwards(limit, shear)
-    sense_of_slip = np.sign(_pick(side_shear, last_node + 1))[:, None]  # beyond the edge
-    shear_to_limit = side_limit - sense_of_slip * side_shear
-    return _fitted_stick_edge(side.x, shear_to_limit, last_node)
-
-
 def _fitted_stick_edge(x_out: Array, to_limit: Array, last_node: Indices) -> _StickFit:
     """The zero of a straight line through the squares of `to_limit` at seven nodes: f p -+ q falls
     to zero as the square root of the distance.
@@ -641,7 +669,7 @@ def _fitted_stick_edge(x_out: Array, to_limit: Array, last_node: Indices) -> _St
     Parameters
     ----------
     to_limit
-        (k, n) f p minus the shear in the direction of the slip beyond the edge [stress]
+        (k, n) what the shear in the sense of the slip beyond the edge lacks of f p [stress]
     last_node
         (k,) last node of the stick zone by its status, at least seven nodes before it
     """

@@ -31,7 +31,7 @@ from typing import NamedTuple
 import numpy as np
 
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal
-from halfplane_fe.law import slip_sign, violations
+from halfplane_fe.law import force_to_limit, slip_sign, violations
 from scenes import STICK
 from scenes.array_types import Array, Indices, Mask, States
 
@@ -352,10 +352,9 @@ def _kinked_work(
     )
     with np.errstate(divide="ignore", invalid="ignore"):
         # f p -+ q falls to zero where a node starts; its slip goes back to zero there.
-        force_to_cone = friction * p_at_start - slip_directions * increments.q[rows]
-        first_start = force_to_cone / (
-            slip_directions * q_change_before - friction * p_change_before
-        )
+        distance = force_to_limit(p_at_start, increments.q[rows], slip_directions, friction)
+        change = force_to_limit(p_change_before, q_change_before, slip_directions, friction)
+        first_start = distance / -change
         last_start = 1 - slip_change / slip_change_after
     # What slid the other way turns round somewhere.
     first_start = np.where(first_start >= 0, first_start, 1.0)

@@ -71,6 +71,19 @@ def states_if_closed(trial_shear: Array, limit: Array) -> States:
     return np.where(np.abs(trial_shear) > limit, sense_of_slip, _STICK)
 
 
+def force_to_limit(
+    pressure: Array, shear: Array, sense: Array | NDArray[np.int64] | int, friction: float
+) -> Array:
+    """What shear lacks of the Coulomb limit in a sense of slip s, 1 or -1: f p - s q. Any shape.
+
+    It falls to zero where a node starts to slide. Of rates of p and q it is the rate.
+
+    >>> float(force_to_limit(np.array(2.0), np.array(-0.5), -1, 0.5))
+    0.5
+    """
+    return np.asarray(friction * pressure - sense * shear)
+
+
 def slip_sign(state: States) -> NDArray[np.int64]:
     """+1 where a point slips forward, -1 where it slips in reverse, else 0; any shape.
 

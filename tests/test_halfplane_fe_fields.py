@@ -15,10 +15,7 @@ import semi_analytic
 from halfplane_fe import SolverSettings, edge_tension, fields, largest_edge_tension, stress
 from halfplane_fe.body_fields import profile_kinks
 from halfplane_fe.contact import InterfaceState
-from halfplane_fe.edges import (
-    fitted_stick_edges,
-    stick_edges,
-)
+from halfplane_fe.edges import NodalAnswer, StickEdges, fitted_stick_edges, stick_edges
 from halfplane_fe.face_stress import (
     Nodal,
     _form,
@@ -662,22 +659,26 @@ def test_a_known_stick_edge_is_fitted_to_a_twentieth_of_an_element() -> None:
     edge = 0.6037
     closed = np.abs(x)[None] < 0.95
     stick = np.abs(x)[None] < edge
-    limit = 1.0 + 0.0 * closed
-    shear = limit - np.sqrt(np.maximum(edge**2 - x**2, 0.0))
-    fit = fitted_stick_edges(x, stick, closed, contact, limit, shear)
+    pressure = 1.0 + 0.0 * closed
+
+    def fitted(shear: np.ndarray) -> StickEdges:
+        """Of f = 1."""
+        nodes = NodalAnswer(x, pressure, shear, 0 * shear, closed, stick, stick, anywhere=False)
+        return fitted_stick_edges(nodes, contact, 1.0)
+
+    shear = pressure - np.sqrt(np.maximum(edge**2 - x**2, 0.0))
+    fit = fitted(shear)
     # the squares are not quite straight
     spacing = x[1] - x[0]
     np.testing.assert_allclose(fit.places, pair(edge), atol=0.05 * 2 * spacing)
     assert np.all((fit.misfit > 0) & (fit.misfit < 0.02 * spacing))
     # An older stick edge within the nodes of the fit, as shear that steps there, shows.
     with_older_edge = shear - 0.01 * (np.abs(x) < edge - 4 * spacing)
-    misfit = fitted_stick_edges(x, stick, closed, contact, limit, with_older_edge).misfit
-    assert np.all(misfit > 5 * fit.misfit)
+    assert np.all(fitted(with_older_edge).misfit > 5 * fit.misfit)
     by_status = stick_edges(x, stick, closed, contact)
     np.testing.assert_allclose(by_status, pair(0.6025), atol=1e-12)
+    np.testing.assert_array_equal(fit.by_states, by_status)
     # rises outwards
-    np.testing.assert_array_equal(
-        fitted_stick_edges(x, stick, closed, contact, limit, limit - np.abs(x)).places, by_status
-    )
-    rolled = fitted_stick_edges(x, stick, closed, contact, limit, np.roll(shear, 9))
+    np.testing.assert_array_equal(fitted(pressure - np.abs(x)).places, by_status)
+    rolled = fitted(np.roll(shear, 9))
     np.testing.assert_array_equal(rolled.places[:, 0], by_status[:, 0])
