@@ -83,7 +83,9 @@ class Edge:
     """An edge of contact or of stick between two nodes, by the load that has taken it there.
 
     Forces, gap and slip of both nodes place it to a fiftieth of their distance. Which of them slips
-    or touches places it to half of that.
+    or touches places it to half of that. It takes the rates by the load, which only states of the
+    run have, so that edges of every instant are fitted to the tractions instead (`edges`). An
+    increment has no sides: it lands on the first of all nodes (`stepping.next_event`).
 
     Attributes
     ----------
@@ -104,6 +106,39 @@ class Edge:
     load_from_node: float
     load: float
 
+    @classmethod
+    def of_contact(
+        cls, problem: ContactProblem, side: int, node: int, state: InterfaceState, by_load: Array
+    ) -> Edge:
+        """The edge of contact beyond a closed node, by its pressure and the gap of the next one.
+
+        `by_load` (4, n) are the rates of slip, pressure, shear and gap by P.
+        """
+        next_node = node + side
+        _, pressure_rates, _, gap_rates = by_load
+        load_from_node = _load_to(state.pressure[node], pressure_rates[node])
+        load_to_next = _load_to(state.gap[next_node], gap_rates[next_node])
+        load = load_from_node + load_to_next
+        return cls(problem.interface, side, node, next_node, load_from_node, load)
+
+    @classmethod
+    def of_stick(
+        cls, problem: ContactProblem, side: int, last_stuck: int, turn: TurnOfSlip, by_load: Array
+    ) -> Edge:
+        """The edge of stick on its way inwards from the first sliding node, by its slip and what
+        the shear of the last stuck one lacks of the Coulomb limit.
+
+        Both are counted from one turn of the slip to the other. At an instant between them the
+        locked-in shear counts too, which no node tells. `by_load` (4, n) are the rates of slip,
+        pressure, shear and gap by Q.
+        """
+        node = last_stuck + side
+        slip_rates, pressure_rates, shear_rates, _ = by_load
+        force_rates = force_to_limit(pressure_rates, shear_rates, turn.sense, problem.friction)
+        load_from_node = _load_to(turn.slip, slip_rates[node])
+        load = load_from_node + _load_to(turn.force_to_limit, force_rates[last_stuck])
+        return cls(problem.interface, side, node, last_stuck, load_from_node, load)
+
     @property
     def is_moved(self) -> bool:
         """Whether the load takes it from the one node to the other."""
@@ -117,8 +152,7 @@ class Edge:
     def place(self) -> float:
         """Where it is, over the half-width."""
         place_at_node, place_at_next = (
-            place_at_node_of(self.interface, node, self.side)
-            for node in (self.node, self.next_node)
+            place_when_met(self.interface, node, self.side) for node in (self.node, self.next_node)
         )
         return place_at_node + self.share() * (place_at_next - place_at_node)
 
@@ -149,7 +183,25 @@ class Edge:
         return _D if self._is_at_corner == is_inwards else 1 - _D
 
 
-def place_at_node_of(interface: Interface, node: int, side: int) -> float:
+class TurnOfSlip(NamedTuple):
+    """Where slip beside an edge of permanent stick turns round.
+
+    Attributes
+    ----------
+    sense
+        of the slip that ends, 1 or -1
+    slip
+        of the first sliding node, from one turn to the other
+    force_to_limit
+        f p - s q of the last stuck node, the sum of both turns
+    """
+
+    sense: int
+    slip: float
+    force_to_limit: float
+
+
+def place_when_met(interface: Interface, node: int, side: int) -> float:
     """Place of an edge on one side of x = 0, 1 or -1, when it meets a node."""
     x = interface.x
     before_node = _CORNER_IS_MET if _is_corner(interface, node) else _CORNER_IS_MET + _D - 0.5
@@ -316,8 +368,8 @@ def _stick_zone(
     for column, side in enumerate((-1, 1)):
         last_stuck = int(np.flatnonzero(sticks)[-1 if side > 0 else 0])
         if _regular(problem, last_stuck + side):
-            last_node[column] = place_at_node_of(problem.interface, last_stuck, side)
-            first_node[column] = place_at_node_of(problem.interface, last_stuck + side, side)
+            last_node[column] = place_when_met(problem.interface, last_stuck, side)
+            first_node[column] = place_when_met(problem.interface, last_stuck + side, side)
         if side in at_stick_edges:
             places[column] = at_stick_edges[side].place
             turns[column] = at_stick_edges[side].turns
@@ -402,13 +454,9 @@ def _at_stick_edge(
         sliding_beyond = is_sliding[node:] if side > 0 else is_sliding[: node + 1]
         if np.count_nonzero(sliding_beyond) < _ZONE - 1:
             return None
-        slip_rates, pressure_rates, shear_rates, _ = nodal(
-            problem.rates(states_at_turn, n_loads)[1]
-        )
-        limit_rates = force_to_limit(pressure_rates, shear_rates, sign, friction)
-        load_from_node = _load_to(slip_range, slip_rates[node])
-        load = load_from_node + _load_to(distance_to_limit, limit_rates[last_stuck])
-        edge = Edge(problem.interface, side, node, last_stuck, load_from_node, load)
+        turn = TurnOfSlip(sign, slip_range, distance_to_limit)
+        by_load = nodal(problem.rates(states_at_turn, n_loads)[1])
+        edge = Edge.of_stick(problem, side, last_stuck, turn, by_load)
         if not edge.is_moved:
             return None
         places.append(edge.place)
@@ -480,10 +528,7 @@ def _at_contact_edge(
             return None
         if not 0 <= next_node < len(node_slips):
             return None
-        _, pressure_rates, _, gap_rates = rates_by_load(start.state)
-        load_from_node = _load_to(start.pressure[node], pressure_rates[node])
-        load = load_from_node + _load_to(start.gap[next_node], gap_rates[next_node])
-        edge = Edge(problem.interface, side, node, next_node, load_from_node, load)
+        edge = Edge.of_contact(problem, side, node, start, rates_by_load(start.state))
         if not edge.is_moved:
             return None
         share_at_start = edge.share()

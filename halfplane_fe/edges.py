@@ -1,5 +1,9 @@
 """Contact and stick edges of many instants at once, from nodal answers.
 
+Towards an edge the square of the pressure, or of what the shear lacks of the Coulomb limit, goes to
+zero as the distance from it. Where that is not seen, the gap of the next node or the states of the
+nodes tell. The ends of the permanent stick zone are nearer by the loads: `between_nodes.Edge`.
+
 Arrays are (k, n): k instants, n nodes at ascending x. Edges and their uncertainties are (k, 2),
 left and right.
 """
