@@ -20,6 +20,7 @@ from halfplane_fe.scales import COARSE_CYCLES, contact_modulus, needs_shear
 from halfplane_fe.supports import shapes_alike
 from halfplane_fe.task import Task, surface_grading
 from halfplane_fe.uncertainty import (
+    DENSITY_RULE,
     Meshes,
     Peak,
     RunValues,
@@ -31,6 +32,7 @@ from halfplane_fe.uncertainty import (
     scatter_of_nodes,
     share_of_flanks,
     share_of_shapes,
+    share_of_slip_zone,
     uncertainties,
     uncertainty,
 )
@@ -43,11 +45,14 @@ _BENT = 0.2
 # The same in records, whose increments are longer.
 _BENT_IN_RECORDS = 0.3
 # Share of the mean uncertainty of both contact edges that the half-width has: they do not err
-# alike. Fitted to seeds 230 and 231 of benchmarks/covered.py values, both presets.
-_OF_BOTH_EDGES = 0.9
+# alike. Fitted to seeds 250 and 251 of benchmarks/covered.py values, both presets.
+_OF_BOTH_EDGES = 0.95
 # How many times the range of slip that counts as creep the mesh may add to it: 1.3 times on a
 # coarse mesh of a block on a half-plane, where next to nothing slipped on finer ones.
 _CREEP_OF_MESH = 10.0
+# Distances of nodes beyond a permanent stick zone that such creep has to reach: a stick edge is
+# known to one or two of them.
+_CREEP_IN_NODES = 2.5
 
 
 def cycle_uncertainty(task: Task, run: PathRun) -> float:
@@ -98,9 +103,12 @@ def dissipation_uncertainty(task: Task, run: PathRun, arrays: Mapping[str, Any])
         return math.nan
     left_by_trend = float(np.nan_to_num(abs(run.trend.left)))
     revolution = revolution_of(task, run, arrays)
-    share_of_mesh = share_of_flanks(
-        task.scene.profile, revolution.least_contact(), task.element * task.scales.half_width
-    ) + share_of_shapes(task.scene, revolution.load, task.element)
+    element = task.element * task.scales.half_width
+    share_of_mesh = (
+        share_of_flanks(task.scene.profile, revolution.least_contact(), element)
+        + share_of_shapes(task.scene, revolution.load, task.element)
+        + share_of_slip_zone(element, _width_of_slip_zone(arrays, element))
+    )
     energy_of_cycle = (cycle_uncertainty(task, run) + left_by_trend) * task.work_unit
     return float(energy_of_cycle + arrays["dissipation"] * share_of_mesh)
 
@@ -124,8 +132,13 @@ def value_uncertainties(
     density_error = 0.0
     if needs_shear(scene):
         density_error = density_uncertainty(arrays["x"], arrays["dissipation_density"])
+        refinement = task.scales.element / task.element
+        from_coarse = _from_coarse_run(values, coarse_values)
         if task.has_plain_errors:
-            density_error = max(density_error, _from_coarse_run(values, coarse_values))
+            density_error = max(density_error, from_coarse)
+        else:
+            by_coarse_run = DENSITY_RULE.uncertainty(0.0, from_coarse, refinement)
+            density_error += float(np.nan_to_num(by_coarse_run))
     estimates["largest_dissipation_density"] = density_error
     estimates["largest_pressure"] = _peak_uncertainty(
         task, arrays, is_coupled=problem.interface.coupling is not None
@@ -151,9 +164,7 @@ def _displacement_uncertainties(
     """
     scales = task.scales
     element = task.element
-    largest_half_width = float(np.max(arrays["contact_half_width"]))
-    stick_half_width = float(np.nan_to_num(arrays["permanent_stick_half_width"]))
-    slip_width = max(largest_half_width - stick_half_width, element * scales.half_width)
+    slip_width = _width_of_slip_zone(arrays, element * scales.half_width)
     meshes = Meshes(
         refinement=scales.element / element,
         coarse=scales.element * scales.half_width / slip_width,
@@ -173,6 +184,15 @@ def _displacement_uncertainties(
             load, elements_at_edges, arrays["contact_half_width"], scales.modulus
         )
     return estimates
+
+
+def _width_of_slip_zone(arrays: Mapping[str, Any], element: float) -> float:
+    """Width of the widest slip zone at one edge: what of the largest contact does not stick all
+    through the last cycle, at least an `element` [length].
+    """
+    largest_half_width = float(np.max(arrays["contact_half_width"]))
+    stick_half_width = float(np.nan_to_num(arrays["permanent_stick_half_width"]))
+    return max(largest_half_width - stick_half_width, element)
 
 
 def _norms_of_tractions(task: Task, arrays: Mapping[str, Any]) -> dict[str, float]:
@@ -239,13 +259,14 @@ def _of_permanent_stick(
     scene: Scene, arrays: Mapping[str, Any], zone: StickZone, is_sharp: bool
 ) -> float:
     """Uncertainty of the permanent stick half-width [length]: of the stick edges that bound it, and
-    of the `zone` by the nodes beside them where its edges are sharp.
+    of the `zone` by the nodes beside them.
 
     The zone ends at the innermost edge of the last cycle. With edges e +- u, that edge is between
     the innermost e - u and the innermost e + u. Between coupled bodies, and under bulk stress or
     tilt, the zone may reach beyond the edges of single instants, since what only creeps counts as
-    stuck: these edges count as the end of the zone, and so may nodes that slip ten times as far.
-    NaN where nothing sticks all the time, and where the path does not repeat.
+    stuck: these edges count as the end of the zone, and so may nodes that slip ten times as far,
+    where they are more than those around the edge. NaN where nothing sticks all the time, and where
+    the path does not repeat.
     """
     if math.isnan(arrays["permanent_stick_half_width"]):
         return math.nan
@@ -260,13 +281,15 @@ def _of_permanent_stick(
     innermost_farthest = (edges + edge_uncertainty).min(axis=0)
     by_stick_zones = np.maximum(innermost - innermost_nearest, innermost_farthest - innermost)
     places = arrays["permanent_stick_edges"]
+    by_nodes = zone.uncertainty(places, by_stick_zones)
     if not is_sharp:
         slip = arrays["slip"][in_cycle]
         is_closed = arrays["state"][in_cycle] != OPEN
         creeping_edges = creeping_zone(scene, arrays["x"], slip, is_closed, _CREEP_OF_MESH)
         beyond = np.fmax((creeping_edges - places) * outwards, 0.0)
-        return float(np.mean(np.maximum(by_stick_zones, beyond)))
-    return float(np.mean(zone.uncertainty(places, by_stick_zones)))
+        is_creep = beyond > _CREEP_IN_NODES * _spacing_at_edges(arrays["x"], places[None])
+        by_nodes = np.maximum(by_nodes, np.where(is_creep, beyond, 0.0))
+    return float(np.mean(by_nodes))
 
 
 def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -> float:
