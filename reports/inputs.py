@@ -455,7 +455,7 @@ def _change_of_modulus(scene: Scene, entry: Input) -> float:
 
 
 # ------------------------------------------------------------------- changes of theory's values
-def moves_of_theory(
+def changes_of_theory(
     scene: Scene, values_at_inputs: _Values, effects_of: Callable[[Scene], BodyEffects | None]
 ) -> list[_ChangeByInput]:
     """For each uncertain input of a scene, how much one standard uncertainty of it changes theory's
@@ -521,27 +521,31 @@ class _ScalingLaws:
     """
 
     def __init__(
-        self, scene: Scene, middle: _Values, values_at: Callable[[Scene], _Values]
+        self, scene: Scene, values_at_inputs: _Values, values_at: Callable[[Scene], _Values]
     ) -> None:
         self.scene = scene
-        self.middle = middle
+        self.values_at_inputs = values_at_inputs
         self.values_at = values_at
-        self._measured: dict[str, _ChangeByInput] = {}
+        self._changes_by_loads: dict[str, _ChangeByInput] = {}
         self._derivatives: dict[str, _Values] = {}
 
     def change(self, key: str, share: float, derivatives: _Values) -> _ChangeByInput:
-        """Changes by a share of the input. Powers of one input: the second order of x^n is about
-        half of the first squared over the value.
+        """The change of each value by one standard uncertainty of an input: `share` of the input x,
+        times x dV/dx (`derivatives`, by name of the value V). `key` names the input.
+
+        The values are powers of one input: the second order of x^n is about half of the first
+        squared over the value.
         """
         changes = {}
         for name, derivative in derivatives.items():
-            value = self.middle[name]
+            value = self.values_at_inputs[name]
             change = share * derivative
             second_order = abs(change * (change - share * value) / (2 * value)) if value else 0.0
             changes[name] = Estimate(change, second_order)
         return _ChangeByInput(key, changes)
 
     def of_tangential_load(self) -> _Values:
+        """x dV/dx of every value V for the tangential load x, by central differences."""
         return self.derivative("tangential_load")
 
     def of_normal_load(self) -> _Values:
@@ -553,45 +557,54 @@ class _ScalingLaws:
         heights = self._exponents("of_heights")
         radius = self.of_radius()
         of_force = self.of_tangential_load()
-        return {key: heights[key] + radius[key] - of_force[key] for key in self.middle}
+        return {key: heights[key] + radius[key] - of_force[key] for key in self.values_at_inputs}
 
     def of_radius(self) -> _Values:
         """x dV/dx of every value V for the radius x of a parabola, by a scaling law."""
         return {key: law / 2 for key, law in self._exponents("of_lengths").items()}
 
     def of_friction(self) -> _Values:
+        """x dV/dx of every value V for the coefficient of friction x, by a scaling law."""
         shear = self._exponents("of_shear")
         of_force = self.of_tangential_load()
-        return {key: shear[key] - of_force[key] for key in self.middle}
+        return {key: shear[key] - of_force[key] for key in self.values_at_inputs}
 
     def of_modulus(self) -> _Values:
         """x dV/dx of every value V for the composite modulus x = E*, by a scaling law."""
         stress = self._exponents("of_stress")
         of_load = self.of_normal_load()
         of_force = self.of_tangential_load()
-        return {key: stress[key] - of_load[key] - of_force[key] for key in self.middle}
+        return {key: stress[key] - of_load[key] - of_force[key] for key in self.values_at_inputs}
 
     def _exponents(self, law: str) -> _Values:
-        """Exponent of each value in a law, times the value."""
+        """Exponent of each value V in a scaling law, times V: x dV/dx where the law's factor is x.
+        `law` is the attribute of a quantity that holds the exponent.
+        """
         return {
             key: getattr(QUANTITIES_OF_THEORY[key], law) * value
-            for key, value in self.middle.items()
+            for key, value in self.values_at_inputs.items()
         }
 
     def by_differences(self, key: str) -> _ChangeByInput:
-        """Central differences for P or Q, by its standard uncertainty where one is stated."""
-        if key not in self._measured:
+        """The change of each value by one standard uncertainty of a load, P or Q as `key` says,
+        found by central differences once and kept. Where the scene states no uncertainty of it a
+        small step is taken for one.
+        """
+        if key not in self._changes_by_loads:
             stated_inputs = [entry for entry in self.scene.inputs if entry.key == key]
             entry = stated_inputs[0] if stated_inputs else Input(key, "", "", None, _STEP_OF_LOAD)
-            change_by_load = central_differences(self.values_at, self.scene, entry, self.middle)
-            self._measured[key] = change_by_load
+            change_by_load = central_differences(
+                self.values_at, self.scene, entry, self.values_at_inputs
+            )
+            self._changes_by_loads[key] = change_by_load
             self._derivatives[key] = {
                 name: change.value / entry.standard
                 for name, change in change_by_load.changes.items()
             }
-        return self._measured[key]
+        return self._changes_by_loads[key]
 
     def derivative(self, key: str) -> _Values:
+        """x dV/dx of every value V for the load x, P or Q as `key` says, by central differences."""
         self.by_differences(key)
         return self._derivatives[key]
 
@@ -686,12 +699,15 @@ def _no_difference(scene: Scene) -> str:
     return ""
 
 
-def moves_of_difference(scene: Scene, effects: BodyEffects) -> tuple[_Values, list[_ChangeByInput]]:
-    """The error of half-plane theory (finite bodies/half-planes − 1) in the work W and the largest
-    pressure; and for each uncertain input, how much one standard uncertainty of it changes that
-    error. The input is changed in both models alike.
+def changes_of_difference(
+    scene: Scene, effects: BodyEffects
+) -> tuple[_Values, list[_ChangeByInput]]:
+    """The error of half-plane theory in the work W and the largest pressure, as a share (finite
+    bodies/half-planes − 1); and how much one standard uncertainty of each uncertain input changes
+    that error.
 
-    Finite bodies are half-planes corrected by the bodies' elastic responses, `effects`.
+    Both models get the changed input. Finite bodies are half-planes corrected by the elastic
+    responses of these bodies, `effects`.
 
     Raises
     ------
@@ -726,9 +742,9 @@ class _LawOfModulus:
     """
 
     def __init__(
-        self, scene: Scene, middle: _Values, values_at: Callable[[Scene], _Values]
+        self, scene: Scene, values_at_inputs: _Values, values_at: Callable[[Scene], _Values]
     ) -> None:
-        self.loads = _ScalingLaws(scene, middle, values_at)
+        self.loads = _ScalingLaws(scene, values_at_inputs, values_at)
 
     def by_differences(self, key: str) -> _ChangeByInput:
         return self.loads.by_differences(key)
@@ -1097,7 +1113,7 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
     values = {}
     reason_for_draws = ""
     try:
-        changes_by_inputs = moves_of_theory(scene, values_at_inputs, effects_of)
+        changes_by_inputs = changes_of_theory(scene, values_at_inputs, effects_of)
     except InadmissibleLoadError:
         changes_by_inputs = [_unknown(entry, values_at_inputs) for entry in scene.inputs]
         reason_for_draws = "a sixteenth of a standard uncertainty makes the loads slide"
@@ -1141,8 +1157,9 @@ def _no_draws(reason: str, second_order: str, sliding: NearSliding | None) -> st
 
 
 def _away(changes_by_inputs: Sequence[_ChangeByInput]) -> list[_ChangeByInput]:
-    """Moves of |Q|/(f P), which changes no more once the bodies slide: each input counts by the
-    larger of the changes on its two sides.
+    """The change of |Q|/(f P), the nearness to gross sliding, by one standard uncertainty of each
+    input. The ratio stops at 1, where the bodies slide, so each input counts by the larger of its
+    changes up and down.
     """
     one_sided = []
     for change_by_input in changes_by_inputs:
@@ -1154,8 +1171,11 @@ def _away(changes_by_inputs: Sequence[_ChangeByInput]) -> list[_ChangeByInput]:
     return one_sided
 
 
-def _unknown(entry: Input, middle: _Values) -> _ChangeByInput:
-    return _ChangeByInput(entry.key, dict.fromkeys(middle, Estimate(math.nan, math.nan)))
+def _unknown(entry: Input, values_at_inputs: _Values) -> _ChangeByInput:
+    """Not-a-number in place of the changes of all values by one input (`entry`), which could not be
+    found.
+    """
+    return _ChangeByInput(entry.key, dict.fromkeys(values_at_inputs, Estimate(math.nan, math.nan)))
 
 
 def _effects_of_driven(
@@ -1196,7 +1216,7 @@ def _difference(
 
     if effects is None:
         effects = halfplane_fe.body_effects(scene)
-    values_at_inputs, changes_by_inputs = moves_of_difference(scene, effects)
+    values_at_inputs, changes_by_inputs = changes_of_difference(scene, effects)
     differences = {}
     for key, value in values_at_inputs.items():
         if math.isfinite(value):
@@ -1234,14 +1254,18 @@ def _notes_on_values(scene: Scene) -> list[str]:
 
 
 def _near_sliding(sliding: NearSliding | None) -> str:
-    """Why derivatives are not enough for W near gross sliding; empty where they are."""
+    """Why derivatives by the inputs are not enough for the uncertainty of the work W: gross sliding
+    is near; "" where it is not.
+    """
     if sliding is None or not 0 < sliding.distance < _NEAR_SLIDING:
         return ""
     return f"gross sliding is {sliding.distance:.2g} standard uncertainties of |Q|/(f P) away"
 
 
 def _large_second_order(values: Mapping[str, Propagated]) -> str:
-    """Why derivatives are not enough for W anywhere else; empty where they are."""
+    """Why derivatives by the inputs are not enough for the uncertainty of the work W: the second
+    order is a large share of it; "" where it is not.
+    """
     work = values[WORK]
     if work.uncertainty and not work.is_nearly_linear:
         share = 100 * work.second_order / work.uncertainty

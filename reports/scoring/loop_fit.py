@@ -650,13 +650,15 @@ class _Search:
     def interval_end(
         self, log_friction: float, terms: Array, end: float, limit: float
     ) -> float | None:
-        """ln f between the best one and `end` at which the least sum of squares passes `limit`;
-        None where it stays below.
+        """The end of the interval of f, as ln f: where the least sum of squares rises above `limit`
+        on the way from the best f to `end`. None where it stays below.
 
         Parameters
         ----------
         log_friction, terms
-            ln f of the best fit, and its highest Q, lowest Q, C and U0 (4,)
+            ln f of the best fit; its highest Q, lowest Q, rig compliance C and origin U0, (4,)
+        end
+            ln f at which the search gives up, below or above the best one
         """
         latest_terms = terms
 
@@ -665,15 +667,15 @@ class _Search:
             sum_of_squares, latest_terms = self.best_terms(math.exp(log_trial), latest_terms)
             return sum_of_squares - limit
 
-        side = 1.0 if end > log_friction else -1.0
+        direction = 1.0 if end > log_friction else -1.0
         # The sum of squares is nearly a parabola: its rise at a step says how far the limit is.
         excess_at_best = excess_over_limit(log_friction)
         step = min(1e-3, abs(end - log_friction) / 2)
-        rise = max(excess_over_limit(log_friction + side * step) - excess_at_best, 1e-300)
+        rise = max(excess_over_limit(log_friction + direction * step) - excess_at_best, 1e-300)
         step *= math.sqrt(max(-excess_at_best / rise, 1e-8))
         log_within = log_friction
         for _ in range(_STEPS):
-            log_beyond = log_friction + side * min(step, abs(end - log_friction))
+            log_beyond = log_friction + direction * min(step, abs(end - log_friction))
             if excess_over_limit(log_beyond) > 0:
                 for _ in range(_HALVED):
                     log_middle = (log_within + log_beyond) / 2

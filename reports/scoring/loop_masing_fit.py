@@ -259,6 +259,7 @@ class _Search:
         sizes = self.sizes
 
         def parameters_at(steps: Array) -> Array:
+            """All seven parameters: the free ones are moved by `steps`, in units of their sizes."""
             values = start.copy()
             values[free_parameters] += steps * sizes[free_parameters]
             values[LOG_F] = min(max(values[LOG_F], -30.0), 30.0)
@@ -271,6 +272,7 @@ class _Search:
         computed_last: dict[bytes, tuple[Array, Array]] = {}
 
         def residuals_and_derivatives(steps: Array) -> tuple[Array, Array]:
+            """Residuals of the rows, and their derivatives by `steps`, (rows, free parameters)."""
             key = steps.tobytes()
             if key not in computed_last:
                 values = parameters_at(steps)
@@ -706,13 +708,16 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
 
 
 def with_interval(best_loop: BestLoop, error_of_theory: float) -> MasingFit:
-    """The best loop with the 95 % interval of f: where the least sum of squares rises by what the F
-    distribution admits. It is widened where neighbouring rows deviate alike.
+    """Give the best fit of a measured loop its 95 % interval of the coefficient of friction f: up
+    to where the least sum of squares rises by what the F distribution admits. It is widened where
+    neighbouring rows deviate alike.
 
     Parameters
     ----------
+    best_loop
+        the fitted parameters, their least sums of squares, and the rows that they were fitted to
     error_of_theory
-        error of a fitted f, as a share of f, by the samples of the memory curve
+        error of a fitted f, as a share of f, by the samples of theory's curve
     """
     from scipy.stats import f as fisher
 

@@ -502,15 +502,18 @@ def _drift_of_cycle(loop: MeasuredLoop) -> float:
 def _fit_at_constant_load(
     candidate: _Candidate, scene: Scene, curve: MemoryCurve
 ) -> tuple[MeasuredLoop, FittedLoop]:
-    """The rows that were chosen, with the linear drift of U taken out, and their fit with the
-    interval of f, for a scene whose P is constant.
+    """Fit the coefficient of friction f to the measured loop of a scene whose normal load P is
+    constant. Returns the loop with the linear drift of U (relative tangential displacement) taken
+    out, and the fit with the 95 % interval of f.
 
     Parameters
     ----------
     candidate
-        the chosen rows with the loop that fits them
+        the rows that were chosen, in cycles that repeat, and the loop that fits them best
+    scene
+        gives the tangential load Q over the cycle, to which the measured one is scaled
     curve
-        memory curve of theory
+        half-plane theory's displacement over load, from which every branch of the loop follows
     """
     loop = candidate.rows
     branches = candidate.branches

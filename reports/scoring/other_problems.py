@@ -584,6 +584,7 @@ def _law_of_friction(discrepancy: Discrepancy) -> ProblemFit | None:
     square_left_by_coefficient = float(np.mean((q - coefficient_alone * p) ** 2))
     square_left = float(np.mean((q - constant - slope * p) ** 2))
     scale = discrepancy.comparison.scales.shear
+    # a law through the origin is a coefficient of friction; one that falls is no law
     if constant < _LEAST_CONSTANT * scale or slope < -0.1 * friction:
         return None
     shear_by_law = np.where(
@@ -596,6 +597,7 @@ def _law_of_friction(discrepancy: Discrepancy) -> ProblemFit | None:
     )
     residual = discrepancy.residual(_with(discrepancy, SHEAR, shear_by_law), SHEAR)
     noise = min(replace(residual, is_inside=slips).noise * scale**2, square_left)
+    # this law leaves hardly less than the best coefficient does
     if square_left - noise > _LEFT_OF_LAW**2 * (square_left_by_coefficient - noise):
         return None
     return ProblemFit(

@@ -583,8 +583,19 @@ def _ends_of_zone(
 def _end_of_zone(
     x: Array, square: Array, points: NDArray[np.intp], *, outward: int, smooth: bool
 ) -> float:
-    """Where `square` (n,) goes to 0 beyond the outermost of the `points` of a zone, left for
-    `outward` = -1, right for 1: between that point and the next one of the surface.
+    """Where the end of a zone of contact or stick lies between two points of the surface: `square`,
+    a traction squared, falls to 0 there, nearly along a line or parabola.
+
+    Parameters
+    ----------
+    x, square
+        (n,) points of the surface, and the values at them
+    points
+        indices of the points in the zone, from left to right
+    outward
+        −1 for the left end, 1 for the right one
+    smooth
+        whether a parabola through many points is tried, for there is no corner at the end
     """
     last_point = int(points[0] if outward < 0 else points[-1])
     next_point = last_point + outward

@@ -278,8 +278,8 @@ class Formulas:
         return event.tangential_load + sign * self.case.friction * event.normal_load
 
     def initial(self) -> tuple[float, float]:
-        """alpha and beta of the initial loading Q = alpha P + beta P^2, a parabola from (0, 0)
-        tangent to the ellipse at A.
+        """alpha and beta of the initial loading Q = alpha P + beta P^2: a parabola from no load
+        that is tangent to the ellipse of loads at the point A, where the ellipse begins.
         """
         event_a = self.case.events["A"]
         normal_rate, tangential_rate = self.rates(self.case.time("A"))
@@ -305,11 +305,12 @@ class Formulas:
         return 2 * q_minus_f_p / (slope - math.sqrt(slope * slope + 4 * beta * q_minus_f_p))
 
     def stuck(self, x: Array, load: float) -> Array:
-        """Shear at points x after loading in full stick up to `load`, along O-A and the ellipse
-        after A: int_0^P p'(x, eta) dQ/d eta d eta, the integral in equations (5) to (7).
+        """Shear traction q at points x (n,) after loading without slip up to the normal load
+        `load`, along the initial parabola O-A and the ellipse after A: the integral of p'(x, P)
+        dQ/dP over P, in the paper's equations (5) to (7), where p' = dp/dP.
 
-        By parts, for p' has an inverse root where the contact reaches x: dQ/dP p(x, P) - int p(x,
-        eta) d2Q/d eta2 d eta.
+        By parts it is dQ/dP p(x, P) − int p(x, P) d2Q/dP2 dP: p' itself has an inverse root at the
+        load whose contact reaches x.
         """
         case = self.case
         alpha, beta = self.initial()
@@ -317,12 +318,13 @@ class Formulas:
         edge_load = np.asarray(case.contact.load(x))
 
         def slope_on_ellipse(normal_loads: Array) -> tuple[Array, Array]:
-            """dQ/dP and its derivative on the rising half of the ellipse."""
-            turn = 2 * math.pi - np.arccos(
+            """dQ/dP and d2Q/dP2 at normal loads of the rising half of the ellipse."""
+            time = 2 * math.pi - np.arccos(
                 (normal_loads - case.load.mean_normal_load) / case.load.normal_amplitude
             )
-            rate_of_p, rate_of_q = self.rates(turn)
-            second_rate_of_p, second_rate_of_q = self.rates(turn + math.pi / 2)
+            rate_of_p, rate_of_q = self.rates(time)
+            # rates are sines of time: a quarter turn later they are what their derivatives are now
+            second_rate_of_p, second_rate_of_q = self.rates(time + math.pi / 2)
             return rate_of_q / rate_of_p, (
                 second_rate_of_q * rate_of_p - rate_of_q * second_rate_of_p
             ) / rate_of_p**3
@@ -339,7 +341,7 @@ class Formulas:
             normal_loads, weights = graded(
                 np.clip(edge_load, first_load, last_load), np.full(len(x), last_load)
             )
-            curvature = np.full_like(normal_loads, 2 * beta)
+            curvature = np.full_like(normal_loads, 2 * beta)  # d2Q/dP2 of the parabola
             if is_on_ellipse:
                 _, curvature = slope_on_ellipse(normal_loads)
             pressure = case.contact.pressure(x[:, None], normal_loads)
@@ -366,7 +368,9 @@ class Formulas:
         return (self.level("G", 1) - tangential_load + friction * normal_load) / (2 * friction)
 
     def front_rate(self, phase: str, t: ArrayLike) -> Array:
-        """Rate in time of the normal load whose half-width is that of the stick zone."""
+        """Rate in time of the normal load whose contact half-width is that of the stick zone, at
+        times `t` in a phase of the cycle ("EG", "IJ" or "JM", from event to event).
+        """
         if phase == "IJ":
             return -self.rates(self.twin(t))[0]
         friction = self.case.friction
@@ -376,7 +380,9 @@ class Formulas:
         return (friction * normal_rate - tangential_rate) / (2 * friction)
 
     def multiplier(self, phase: str, t: ArrayLike) -> Array:
-        """C of equation (14), as printed: (dQ/dP)/f, plus 1 in EG, minus 1 in IJ and JM."""
+        """C of the paper's equation (14), as printed: (dQ/dP)/f, plus 1 in the phase EG of the
+        cycle, minus 1 in IJ and JM. `t` are times in that phase.
+        """
         normal_rate, tangential_rate = self.rates(self.twin(t) if phase == "IJ" else t)
         return tangential_rate / normal_rate / self.case.friction + (1 if phase == "EG" else -1)
 
@@ -387,7 +393,9 @@ class Formulas:
         return tangential_rate / self.case.friction + sign * normal_rate
 
     def reach(self, x: float | Array, load: ArrayLike) -> Array:
-        """arccosh(x/a(P)), 0 inside: int_a^x dx / sqrt(x^2 - a^2)."""
+        """arccosh(x/a), 0 for x < a, where a is the contact half-width at a normal load: int_a^x
+        dx' / sqrt(x'^2 - a^2), with which slip outside a stick zone grows.
+        """
         return np.arccosh(np.maximum(x / np.asarray(self.case.contact.half_width(load)), 1.0))
 
     def slip_rate(self, phase: str, x: float, t: ArrayLike) -> Array:
@@ -403,15 +411,17 @@ class Formulas:
         return self.case.compliance * self.case.friction / math.pi * (part_by_slip - part_by_load)
 
     def moved(self, x: float, start: float, end: float) -> float:
-        """The engine's change of s at x between two times in which the steady cycle is marched
-        along.
+        """The slip s that a point at `x` gains between two times (later minus earlier), by the
+        numerical solution of half-plane theory.
         """
         solution = self.case.solve(time=[start, end], x=[x / self.case.length], fields=("slip",))
         slip_at_begin, slip_at_end = solution.slip[:, 0]
         return float(slip_at_end - slip_at_begin)
 
     def rubbing(self, phase: str, x: float, rate: Callable[[Array], ArrayLike]) -> float:
-        """Integral of a rate over the times at which x rubs in a phase."""
+        """Integral of `rate`, a function of time, over the times at which the point `x` slips
+        inside contact in a phase of the cycle ("EG", "IJ" or "JM", from event to event).
+        """
         edge_load = np.asarray(self.case.contact.load(np.array([x])))
         sum_over_spans = 0.0
         for span in self.case.slipping[phase]:
@@ -458,7 +468,7 @@ def _sweep(case: Case, largest_ratio: float = 6.0, count: int = 33) -> Sweep:
     """The dissipation W and the peak of W(x) over x for many circles of loads: all coefficients of
     friction f of the paper, and `count` ratios P0/P1 from gross sliding up to `largest_ratio`.
 
-    The profile is that of `case`, with a radius such that the half-width a(P0) and the flat's
+    `case` gives the profile, with a radius of each ratio: the half-width a(P0) and the flat's
     half-length b stay what they are.
     """
     friction = np.array(FRICTIONS)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -442,7 +443,7 @@ def _gap_for_slope(case: Case) -> Found:
 
 
 def _slip_after_j(case: Case) -> float:
-    """The engine's slip from J to M at 0.8 a0."""
+    """The engine's slip from the event J to M at the point 0.8 a0."""
     return Formulas(case).moved(0.8 * case.length, case.time("J"), case.time("M"))
 
 
@@ -508,6 +509,64 @@ def _stick_displacement(hertz: Case) -> Found:
 
 
 # --------------------------------------------------------------------------------------------- work
+@dataclass(frozen=True, eq=False)
+class _PartsOfWork:
+    """W(x), the friction work per area of a cycle under a parabola, by readings of the paper's
+    equations (23) and (24): the part of each phase of slip, over the W(x) of the engine.
+    """
+
+    formulas: Formulas
+    x: float  # [length]
+    density: float  # W(x) of the engine
+
+    def root(self, time: Array) -> Array:
+        """f^2/(pi R) sqrt(a^2 - x^2) over W(x): the factor that every reading has."""
+        case = self.formulas.case
+        radius = case.scene.profile.model_dump()["radius"]
+        half_width = case.contact.half_width(self.formulas.loads(time)[0])
+        square = np.maximum(np.square(half_width) - self.x * self.x, 0.0)
+        return case.friction**2 / (math.pi * radius) * np.sqrt(square) / self.density
+
+    def mended(self, phase: str) -> float:
+        """The mended part: with arccosh(x/c), c the half-width of the stick zone, and |C dP|."""
+
+        def rate(time: Array) -> Array:
+            reach_ratio = self.formulas.reach(self.x, self.formulas.front(phase, time))
+            return self.root(time) * np.abs(self.formulas.driving(phase, time)) * reach_ratio
+
+        return self.formulas.rubbing(phase, self.x, rate)
+
+    def with_c_as_multiplier(self, phase: str, unit: float) -> float:
+        """The part with arccosh(x/C), C being the multiplier (dQ/dP)/f ± 1 of equation (14), not a
+        half-width. C has no unit, so that the result depends on the unit of length.
+        """
+
+        def rate(time: Array) -> Array:
+            ratio = unit * self.x / np.abs(self.formulas.multiplier(phase, time))
+            reach_ratio = np.arccosh(np.maximum(ratio, 1.0))
+            return self.root(time) * np.abs(self.formulas.driving(phase, time)) * reach_ratio
+
+        return self.formulas.rubbing(phase, self.x, rate)
+
+    def real_time(self, phase: str) -> float:
+        """How long x/C is at least 1 while x slips, so that its arccosh is a real number."""
+        return self.formulas.rubbing(
+            phase, self.x, lambda time: self.x >= np.abs(self.formulas.multiplier(phase, time))
+        )
+
+    def with_minus(self, phase: str) -> float:
+        """The part with the printed minus before it, and C dP with its sign in every phase."""
+
+        def rate(time: Array) -> Array:
+            load_rate, _ = self.formulas.rates(time)
+            reach_ratio = self.formulas.reach(self.x, self.formulas.front(phase, time))
+            return (
+                -self.root(time) * reach_ratio * self.formulas.multiplier(phase, time) * load_rate
+            )
+
+        return self.formulas.rubbing(phase, self.x, rate)
+
+
 def work(case: Case, x: float) -> dict[str, Found]:
     """Prove that equations (11), (23) and (24) on the dissipation are misprinted, at the place x
     [length] of the peak of W(x), for a parabola. Returns, by name of the misprint, whether it is
@@ -517,62 +576,15 @@ def work(case: Case, x: float) -> dict[str, Found]:
     """
     formulas = Formulas(case)
     solution = case.solve(x=[x / case.length], fields=("dissipation_density",))
-    density = solution.dissipation_density[0]
-    radius = case.scene.profile.model_dump()["radius"]
-
-    def root_over_density(time: Array) -> Array:
-        """f^2/(pi R) sqrt(a^2 - x^2) over W."""
-        half_width = case.contact.half_width(formulas.loads(time)[0])
-        square = np.maximum(np.square(half_width) - x * x, 0.0)
-        return case.friction**2 / (math.pi * radius) * np.sqrt(square) / density
-
-    def part_with_c_in_arccosh(phase: str, unit: float) -> float:
-        """Part of W with the multiplier C of (14) for c in the arccosh, lengths in a unit."""
-
-        def rate(time: Array) -> Array:
-            ratio = unit * x / np.abs(formulas.multiplier(phase, time))
-            reach_ratio = np.arccosh(np.maximum(ratio, 1.0))
-            return root_over_density(time) * np.abs(formulas.driving(phase, time)) * reach_ratio
-
-        return formulas.rubbing(phase, x, rate)
-
-    def real_time(phase: str) -> float:
-        """How long x/C is at least 1, so that its arccosh is real."""
-        return formulas.rubbing(
-            phase, x, lambda time: x >= np.abs(formulas.multiplier(phase, time))
-        )
-
-    def part_mended(phase: str) -> float:
-        """Part of W with arccosh(x/c) and the size of C dP."""
-
-        def rate(time: Array) -> Array:
-            reach_ratio = formulas.reach(x, formulas.front(phase, time))
-            return root_over_density(time) * np.abs(formulas.driving(phase, time)) * reach_ratio
-
-        return formulas.rubbing(phase, x, rate)
-
-    def part_with_minus(phase: str) -> float:
-        """Part of W with the leading minus and C dP throughout."""
-
-        def rate(time: Array) -> Array:
-            load_rate, _ = formulas.rates(time)
-            reach_ratio = formulas.reach(x, formulas.front(phase, time))
-            return (
-                -root_over_density(time)
-                * reach_ratio
-                * formulas.multiplier(phase, time)
-                * load_rate
-            )
-
-        return formulas.rubbing(phase, x, rate)
-
-    mended_parts = {f"mended {phase}": part_mended(phase) for phase in _PHASES}
-    printed_parts = {f"printed {phase}": part_with_minus(phase) for phase in _PHASES}
-    sum_in_millimetres = sum(part_with_c_in_arccosh(phase, 1.0) for phase in _PHASES)
-    sum_in_metres = sum(part_with_c_in_arccosh(phase, 1e-3) for phase in _PHASES)
+    parts_of_work = _PartsOfWork(formulas, x, float(solution.dissipation_density[0]))
+    mended_parts = {f"mended {phase}": parts_of_work.mended(phase) for phase in _PHASES}
+    printed_parts = {f"printed {phase}": parts_of_work.with_minus(phase) for phase in _PHASES}
+    sum_in_millimetres = sum(parts_of_work.with_c_as_multiplier(phase, 1.0) for phase in _PHASES)
+    sum_in_metres = sum(parts_of_work.with_c_as_multiplier(phase, 1e-3) for phase in _PHASES)
     rubbing_time = sum(formulas.rubbing(phase, x, np.ones_like) for phase in _PHASES)
     parts = {
-        "share of time with a real arccosh": sum(map(real_time, _PHASES)) / rubbing_time,
+        "share of time with a real arccosh": sum(map(parts_of_work.real_time, _PHASES))
+        / rubbing_time,
         "in millimetres": sum_in_millimetres,
         "in metres": sum_in_metres,
     }

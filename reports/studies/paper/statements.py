@@ -55,70 +55,92 @@ def tractions(case: Case) -> dict[str, Found]:
     Returns name of a statement -> (verdict, numbers). `case` is the paper's ellipse of loads on one
     profile.
     """
-    formulas = Formulas(case)
-    x = np.array(_PLACES) * case.length
-    friction = case.friction
-    pressure = case.contact.pressure
-    time_of_a, time_of_b, time_of_c, time_of_d, time_of_e, time_of_g = (
-        case.time(letter) for letter in "ABCDEG"
-    )
-
-    def relative_error(time: float, by_formula: Array) -> float:
-        """Largest difference at an instant over the largest value."""
-        shear = case.solve(time=[time], x=_PLACES, fields=("shear",)).shear[0]
-        return float(np.max(np.abs(by_formula - shear)) / np.max(np.abs(shear)))
-
-    def load(time: float) -> float:
-        return float(formulas.loads(time)[0])
-
-    # (5) holds in full stick; beyond B, where P still grows, the edges slip.
-    between_b_and_c = (time_of_b + time_of_c) / 2
-    error_in_stick = max(
-        relative_error(time, formulas.stuck(x, load(time))) for time in (time_of_a, time_of_b)
-    )
-    error_in_slip = relative_error(between_b_and_c, formulas.stuck(x, load(between_b_and_c)))
-    # (6): the shear of full stick up to the load at which the line of gradient f through the loads
-    # meets the initial loading, then f times the pressure since
-    errors_forward = {}
-    for name, time in {
-        "B-C": between_b_and_c,
-        "C": time_of_c,
-        "D": time_of_d,
-        "E": time_of_e,
-    }.items():
-        load_at_meeting = formulas.initial_meeting(time)
-        shear_by_6 = formulas.stuck(x, load_at_meeting) + friction * (
-            pressure(x, load(time)) - pressure(x, load_at_meeting)
-        )
-        errors_forward[f"error at {name}"] = relative_error(time, shear_by_6)
-    # (7): reverse slip turns it from the edge load of the stick zone on
-    errors_reverse = {}
-    load_at_meeting = formulas.initial_meeting(time_of_e)
-    for name, time in {
-        "E-F": (time_of_e + case.time("F")) / 2,
-        "F": case.time("F"),
-        "G": time_of_g,
-    }.items():
-        pressure_at_edge = pressure(x, float(formulas.front("EG", time)))
-        slipped_pressure = (
-            2 * pressure_at_edge - pressure(x, load(time)) - pressure(x, load_at_meeting)
-        )
-        errors_reverse[f"error at {name}"] = relative_error(
-            time, formulas.stuck(x, load_at_meeting) + friction * slipped_pressure
-        )
-    worst_forward = max(errors_forward.values())
-    worst_reverse = max(errors_reverse.values())
-
     return {
-        "(5)": (
-            judge(max(error_in_stick, error_in_slip) <= EXACT, nearly=error_in_stick <= EXACT),
-            {"error in full stick": error_in_stick, "error in slip": error_in_slip},
-        ),
-        "(6)": (judge(worst_forward <= EXACT), errors_forward | {"largest error": worst_forward}),
+        "(5)": _shear_in_stick(case),
+        "(6)": _shear_in_forward_slip(case),
         "full stick at E": _rest_at_e(case),
-        "(7)": (judge(worst_reverse <= EXACT), errors_reverse | {"largest error": worst_reverse}),
+        "(7)": _shear_in_reverse_slip(case),
         "residual tractions": _residual_tractions(case),
     }
+
+
+def _error_of_shear(case: Case, time: float, by_formula: Array) -> float:
+    """Largest difference of a shear traction from the engine's at an instant, over the largest
+    value of the latter. `by_formula` (n,) are its values at the n points of `_PLACES`.
+    """
+    shear = case.solve(time=[time], x=_PLACES, fields=("shear",)).shear[0]
+    return float(np.max(np.abs(by_formula - shear)) / np.max(np.abs(shear)))
+
+
+def _shear_in_stick(case: Case) -> Found:
+    """Check equation (5), the shear of full stick: it holds up to the event B. Beyond B, where the
+    normal load still grows, the edges slip. Returns (verdict, numbers). `case` is the paper's
+    ellipse of loads on one profile.
+    """
+    formulas = Formulas(case)
+    x = np.array(_PLACES) * case.length
+
+    def error_at(time: float) -> float:
+        """Relative error of equation (5) at an instant."""
+        normal_load = float(formulas.loads(time)[0])
+        return _error_of_shear(case, time, formulas.stuck(x, normal_load))
+
+    error_in_stick = max(error_at(case.time("A")), error_at(case.time("B")))
+    error_in_slip = error_at((case.time("B") + case.time("C")) / 2)
+    verdict = judge(max(error_in_stick, error_in_slip) <= EXACT, nearly=error_in_stick <= EXACT)
+    return verdict, {"error in full stick": error_in_stick, "error in slip": error_in_slip}
+
+
+def _shear_in_forward_slip(case: Case) -> Found:
+    """Check equation (6), the shear between the events B and E: that of full stick up to the load
+    P_Y, then f times the pressure since. At P_Y the line of gradient f through the loads meets the
+    initial loading. Returns (verdict, numbers). `case` is the paper's ellipse of loads on one
+    profile.
+    """
+    formulas = Formulas(case)
+    x = np.array(_PLACES) * case.length
+    pressure = case.contact.pressure
+    errors = {}
+    for name, time in {
+        "B-C": (case.time("B") + case.time("C")) / 2,
+        "C": case.time("C"),
+        "D": case.time("D"),
+        "E": case.time("E"),
+    }.items():
+        normal_load = float(formulas.loads(time)[0])
+        load_at_meeting = formulas.initial_meeting(time)
+        shear_by_6 = formulas.stuck(x, load_at_meeting) + case.friction * (
+            pressure(x, normal_load) - pressure(x, load_at_meeting)
+        )
+        errors[f"error at {name}"] = _error_of_shear(case, time, shear_by_6)
+    worst_error = max(errors.values())
+    return judge(worst_error <= EXACT), errors | {"largest error": worst_error}
+
+
+def _shear_in_reverse_slip(case: Case) -> Found:
+    """Check equation (7), the shear between the events E and G: reverse slip turns it outside the
+    stick zone, whose half-width is the contact's at a smaller load. Returns (verdict, numbers).
+    `case` is the paper's ellipse of loads on one profile.
+    """
+    formulas = Formulas(case)
+    x = np.array(_PLACES) * case.length
+    pressure = case.contact.pressure
+    load_at_meeting = formulas.initial_meeting(case.time("E"))
+    errors = {}
+    for name, time in {
+        "E-F": (case.time("E") + case.time("F")) / 2,
+        "F": case.time("F"),
+        "G": case.time("G"),
+    }.items():
+        normal_load = float(formulas.loads(time)[0])
+        pressure_at_edge = pressure(x, float(formulas.front("EG", time)))
+        slipped_pressure = (
+            2 * pressure_at_edge - pressure(x, normal_load) - pressure(x, load_at_meeting)
+        )
+        shear_by_7 = formulas.stuck(x, load_at_meeting) + case.friction * slipped_pressure
+        errors[f"error at {name}"] = _error_of_shear(case, time, shear_by_7)
+    worst_error = max(errors.values())
+    return judge(worst_error <= EXACT), errors | {"largest error": worst_error}
 
 
 def _rest_at_e(case: Case) -> Found:
@@ -263,7 +285,9 @@ def course(case: Case) -> dict[str, Found]:
 
 
 def _slip_depth(case: Case, start_time: float, end_time: float) -> Array:
-    """(a - c)/a0 at 201 instants between two."""
+    """Width of the slip zone at each edge, (a - c)/a0, at 201 instants between two times: the
+    contact's half-width a less that of the stick zone, c, over a0 = a(P0).
+    """
     zone = case.solve(time=np.linspace(start_time, end_time, 203)[1:-1])
     return np.asarray((zone.contact_half_width - zone.stick_half_width) / case.length)
 
@@ -389,18 +413,22 @@ def loads(paper: Paper) -> dict[str, Found]:
 
 
 def friction_delays_slip(case: Case) -> Found:
-    """Statement that the more friction there is, the later both slips begin (E, I) and the one of
-    unloading ends (G). `case` is the paper's ellipse of loads on one profile.
+    """Check the paper's statement on friction: the more there is, the later slip begins at the
+    events E and I, and the later the slip of unloading ends, at G. Returns (verdict, numbers).
+    `case` is the paper's ellipse of loads on one profile.
     """
     cases = [case.about_no_shear(f) for f in sorted(FRICTIONS)]
     times = {
         letter: np.array([case_of_friction.time(letter) for case_of_friction in cases])
         for letter in "EGI"
     }
-    is_later = {letter: bool(np.all(np.diff(row) > 0)) for letter, row in times.items()}
+    is_later = {
+        letter: bool(np.all(np.diff(times_by_friction) > 0))
+        for letter, times_by_friction in times.items()
+    }
     shifts = {
-        f"shift of {letter} in degrees": math.degrees(row[-1] - row[0])
-        for letter, row in times.items()
+        f"shift of {letter} in degrees": math.degrees(times_by_friction[-1] - times_by_friction[0])
+        for letter, times_by_friction in times.items()
     }
     shifts["G earlier in degrees"] = -shifts["shift of G in degrees"]
     is_onset_later = is_later["E"] and is_later["I"]
@@ -408,8 +436,9 @@ def friction_delays_slip(case: Case) -> Found:
 
 
 def sliding_coefficients(case: Case) -> Found:
-    """Whether the contact slides as a whole at a coefficient of figure 4b, with the mean shear
-    force of the cycle and without any. `case` is the paper's ellipse of loads on one profile.
+    """Check whether the contact slides as a whole at the coefficients of friction of the paper's
+    figure 4b, with the mean shear force of the cycle and without any. Returns (verdict, numbers).
+    `case` is the paper's ellipse of loads on one profile.
     """
     frictions = np.array(FRICTIONS)
     mean_shear = case.load.mean_tangential_load
@@ -428,7 +457,10 @@ def sliding_coefficients(case: Case) -> Found:
 
 
 def no_effect_of_mean_shear(case: Case) -> Found:
-    """Statement that neither stick zone nor dissipation depends on the mean shear force."""
+    """Check the paper's statement that neither stick zone nor dissipation depends on the mean shear
+    force, with three other mean forces. Returns (verdict, numbers). `case` is the paper's ellipse
+    of loads on one profile.
+    """
     cases = [
         case.with_load(mean_tangential_load=force * case.unit, initial_loading="straight")
         for force in (-1.0, 0.0, 0.5)
@@ -465,8 +497,9 @@ def forgotten_loading(case: Case) -> Found:
 
 
 def bands_of_slip(hertz: Case, rounded: Case) -> dict[str, Found]:
-    """Statements on the flat and rounded profile: it slips in its radii alone, and in narrower
-    bands than Hertz.
+    """Check what the paper states of the flat and rounded profile beside the parabola (`hertz`): it
+    slips on its rounded edges alone, and in narrower bands. Returns name of a statement ->
+    (verdict, numbers).
     """
     flat_half_width = float(rounded.width(0.0))
     width_of_hertz = hertz.outer_edge - hertz.stick_edge
@@ -530,7 +563,9 @@ def work(case: Case) -> dict[str, Found]:
     }
 
     def exponent(origin: float, sense: float) -> float:
-        """d ln W / d ln(distance) close to an end."""
+        """The power of the distance from an end of the slip zone (`origin`) with which W(x) grows:
+        d ln W / d ln(distance), close to it. `sense` is 1 to the right of the end, −1 to the left.
+        """
         distance = (outer_edge - inner_edge) * np.array([1e-6, 1e-5])
         density = total(case.density(origin + sense * distance))
         return float(np.diff(np.log(density))[0] / np.diff(np.log(distance))[0])
@@ -619,11 +654,11 @@ def _falls_towards_far_loads(paper: Paper) -> dict[str, Found]:
     holds the paper's two profiles, with their solutions.
     """
     hertz = paper.sweeps[0]
-    largest_step = {}
+    largest_rise = {}
     falls = {}
     for quantity in ("work", "peak"):
-        steps = [np.diff(getattr(sweep, quantity), axis=1) for sweep in paper.sweeps]
-        largest_step[quantity] = max(float(np.max(step)) for step in steps)
+        rises_of_sweeps = [np.diff(getattr(sweep, quantity), axis=1) for sweep in paper.sweeps]
+        largest_rise[quantity] = max(float(np.max(rises)) for rises in rises_of_sweeps)
         near_and_far = getattr(hertz, quantity)[0, [0, -1]]
         falls[f"fall of {quantity}"] = float(near_and_far[0] / near_and_far[1])
     # At constant R, a grows like sqrt(P0).
@@ -633,12 +668,12 @@ def _falls_towards_far_loads(paper: Paper) -> dict[str, Found]:
     best_columns = {int(column) for merit in merits for column in np.argmax(merit, axis=1)}
     return {
         "global dissipation before sliding": (
-            judge(largest_step["work"] < 0),
-            {"largest step": largest_step["work"]},
+            judge(largest_rise["work"] < 0),
+            {"largest step": largest_rise["work"]},
         ),
         "peak before sliding": (
-            judge(largest_step["peak"] < 0),
-            {"largest step": largest_step["peak"]},
+            judge(largest_rise["peak"] < 0),
+            {"largest step": largest_rise["peak"]},
         ),
         "work falls faster than its peak": (
             judge(least_gap > 0),
