@@ -262,18 +262,18 @@ def advise_by_numbers(
 def _odd_part_of_work(
     effects: BodyEffects, scene: Scene, even_part: float, ratio: float
 ) -> Estimate | None:
-    """The change of the dissipation W by the tilt and the bulk strain of finite bodies, relative to
-    W of half-plane theory, with its uncertainty. None where no method of theory follows them in
-    this scene.
+    """The change of the dissipation W by the tilt and the bulk strain of finite bodies under the
+    loads, relative to W of half-plane theory, with its uncertainty. None where no method of theory
+    follows them in this scene.
 
     Parameters
     ----------
     effects
         elastic responses that the bodies add to half-planes
     even_part
-        relative change of W by the curvatures of the faces
+        relative change of W by what bends the faces symmetrically
     ratio
-        size of what the bodies' next order adds, over the first order
+        size of the neglected next term in the series of the bodies' responses, over the first term
     """
     import semi_analytic
     from semi_analytic.next_order import left_of_tilt_and_strain

@@ -57,9 +57,10 @@ class RecordPart:
 
 @dataclass(frozen=True, eq=False)
 class _Cycles:
-    """Cycles of Q: `turns` (n + 1,) rows of turning points, and each swing between two of them.
+    """The swings of Q of a record, each between two turning points.
 
-    ranges : (n,) of Q; means : (n,) of Q
+    `turns` (n + 1,) are the rows of the turning points, `ranges` and `means` (n,) those of Q in
+    each swing.
     """
 
     turns: NDArray[np.int64]

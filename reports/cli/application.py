@@ -739,14 +739,15 @@ def _function_of(command_row: _Command) -> Callable[..., int]:
     signature = Signature(parameters)
 
     def command(*operands: Any, **options: Any) -> int:
+        """Do what the command line asks for, print its answer, and return the exit code."""
         bound_arguments = signature.bind(*operands, **options)
         bound_arguments.apply_defaults()
         values = dict(bound_arguments.arguments)
         subjects = [values.pop(operand.name) for operand in command_row.operands]
         chosen_options = Options(**values)
         module, _, name = command_row.does.partition(":")
-        work = getattr(import_module(f"reports.{module}"), name)
-        return _print_answer(command_row, work(*subjects, chosen_options), chosen_options)
+        do_command = getattr(import_module(f"reports.{module}"), name)
+        return _print_answer(command_row, do_command(*subjects, chosen_options), chosen_options)
 
     command.__signature__ = signature  # type: ignore[attr-defined]
     return command

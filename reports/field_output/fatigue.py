@@ -86,33 +86,26 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
     import halfplane_fe
     import semi_analytic
 
-    cycle = np.asarray(solution.last_cycle)
-    # evenly chosen steps, and those at which a load turns
-    even_steps = np.linspace(0, len(cycle) - 1, min(_INSTANTS, len(cycle))).round().astype(int)
-    turning_steps = []
-    for load in (solution.normal_load[cycle], solution.tangential_load[cycle]):
-        turning_steps += [int(load.argmax()), int(load.argmin())]
-    times = solution.time[cycle[np.unique([*even_steps, *turning_steps])]]
     edge_tension = halfplane_fe.largest_edge_tension(solution)
     if edge_tension is None:
         raise InputError(
             "--fatigue: no stress is known beside the contact: a body is too thin, or nothing"
             " touches in the last cycle"
         )
-    times = np.unique([*times, edge_tension.time])
+    times = np.unique([*_times_of_cycle(solution), edge_tension.time])
     reference = semi_analytic.solve(
         solution.scene, x=solution.x, time=times, fields=("pressure", "shear")
     )
     theory_edges = reference.contact_edges[np.searchsorted(times, edge_tension.time)]
     edges_of_engines = np.array([theory_edges, edge_tension.edges])  # a row for each engine
-    middles = edges_of_engines.mean(axis=1)
+    centres = edges_of_engines.mean(axis=1)
     half_widths = (edges_of_engines[:, 1] - edges_of_engines[:, 0]) / 2
     # with a critical distance stress is averaged over depth, by these weights
     depths, weights = _depths_and_weights(criteria, half_widths[0])
     depth, x_over_half_width = (
         axis.ravel() for axis in np.meshgrid(depths, _ACROSS, indexing="ij")
     )
-    x_theory, x_elements = middles[:, None] + half_widths[:, None] * x_over_half_width
+    x_theory, x_elements = centres[:, None] + half_widths[:, None] * x_over_half_width
     tables = []
     bodies: tuple[Literal["lower", "upper"], ...] = ("lower", "upper")
     for body in bodies:
@@ -132,14 +125,26 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
             for stress in stresses
         ]
         columns: dict[str, Any] = {"body": body}
-        for name, middle_x, half_width in zip(ENGINES, middles, half_widths, strict=True):
-            columns[f"x, {name}"] = middle_x + half_width * places
+        for name, centre_x, half_width in zip(ENGINES, centres, half_widths, strict=True):
+            columns[f"x, {name}"] = centre_x + half_width * places
         columns["y"] = y
         for measure in measures_by_engine[0]:
             for name, values in zip(ENGINES, measures_by_engine, strict=True):
                 columns[f"{measure}, {name}"] = values[measure]
         tables.append(pd.DataFrame(columns))
     return pd.concat(tables, ignore_index=True)
+
+
+def _times_of_cycle(solution: FiniteElementSolution) -> Array:
+    """Times of the last cycle of a solution at which stress is evaluated: evenly chosen ones, and
+    those at which P or Q is largest or least.
+    """
+    cycle = np.asarray(solution.last_cycle)
+    even_steps = np.linspace(0, len(cycle) - 1, min(_INSTANTS, len(cycle))).round().astype(int)
+    turning_steps = []
+    for load in (solution.normal_load[cycle], solution.tangential_load[cycle]):
+        turning_steps += [int(load.argmax()), int(load.argmin())]
+    return np.asarray(solution.time[cycle[np.unique([*even_steps, *turning_steps])]])
 
 
 def _depths_and_weights(criteria: Criteria, half_width: float) -> tuple[Array, Array | None]:

@@ -441,7 +441,7 @@ def _pair_force(
     file: _Lines, lines: Sequence[str], title_line: int, title: re.Match[str]
 ) -> PairForce:
     """The resultant force of a contact pair and its mean normal, from the statistics that CalculiX
-    prints below a title. `title_line` is the title's line, `title` its match with the pair's names.
+    prints below a title.
 
     Parameters
     ----------

@@ -190,27 +190,27 @@ def _closed_at_end(
 
 
 def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
-    """Area W of a measured loop per cycle: that of the fitted loop plus what the rows enclose
-    beside it, with its errors.
+    """Area W of a measured loop of load Q over displacement U, per cycle: that of the fitted loop
+    plus what the rows enclose beside it, with its errors.
 
     A row that lies beside the loop by (dU, dQ) stands for the loop from half-way to its neighbours:
-    dW = integral of dQ dU - dU dQ, to first order in the distance. Scatter of a row moves its own
-    part, and the fit: drift above all, which one cycle hardly shows.
+    dW = integral of dQ dU - dU dQ, to first order in the distance. Scatter moves each row, and with
+    it the fit: drift above all, which one cycle hardly shows.
 
     Parameters
     ----------
     loop
-        the fitted loop
+        the fitted loop, of the theory of friction memory
     fit
-        the fit, with the distances of the rows from it
+        its parameters with their interval, and the distances of the rows from it
     cycles
         how many the rows cover
     """
     from scipy.stats import t as student
 
-    place_of_rows = fit.distances.place
-    order_on_loop = np.argsort(place_of_rows, kind="stable")
-    area_by_distance = np.empty(len(place_of_rows))
+    places_on_loop = fit.distances.place
+    order_on_loop = np.argsort(places_on_loop, kind="stable")
+    area_by_distance = np.empty(len(places_on_loop))
     area_by_distance[order_on_loop] = _lever(loop, fit, order_on_loop)
     area_beside_fit = float(area_by_distance @ fit.distances.value)
     area_beside_halves = [
@@ -247,12 +247,17 @@ def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
 
 
 def _halves(order: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Every second row along the loop."""
+    """Two halves of the rows, each every second one along the loop; `order` are their indices along
+    it.
+    """
     return order[::2], order[1::2]
 
 
 def _lever(loop: MasingLoop, fit: MasingFit, rows: NDArray[np.intp]) -> Array:
-    """dW of rows along the loop by their distances in sigma (len(rows),), with no others."""
+    """What a distance of one sigma between a row and the fitted loop adds to the area W, for each
+    of the `rows` (their indices, in order along the loop), (len(rows),). Each stands for the loop
+    from half-way to its neighbours among them.
+    """
     place = fit.distances.place[rows]
     across = fit.distances.across[rows]
     before = np.concatenate([[place[-1] - 2], place[:-1]])

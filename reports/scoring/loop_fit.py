@@ -586,10 +586,12 @@ class _Search:
     def _least(
         self, friction: float, start: Array, *, friction_fitted: bool
     ) -> tuple[float, float, Array]:
-        """Least sum of squares, and the f and terms (highest Q, lowest Q, C, U0) that give it, by
-        Levenberg and Marquardt's method from `start`.
+        """Least sum of squares between measured rows and theory's loop, and the friction
+        coefficient f and terms that give it, by Levenberg and Marquardt's method from `start`.
 
-        f keeps its value unless `friction_fitted`; C keeps it where the rig's compliance is stated.
+        The terms are highest Q, lowest Q, compliance C of the rig and origin U0 of the
+        displacement, (4,). f keeps its value unless `friction_fitted`; C keeps it where the rig's
+        compliance is stated.
         """
         from scipy.optimize import least_squares
 

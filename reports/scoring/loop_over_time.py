@@ -39,16 +39,16 @@ _CHI = 3.841
 
 
 def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None) -> FittedLoop:
-    """Fit the friction coefficient f to a measured loop whose Q has more than two turning points a
-    cycle; with its 95 % interval.
+    """Fit the friction coefficient f to a measured loop whose tangential load Q has more than two
+    turning points a cycle; with its 95 % interval.
 
-    Each row is placed on the scene's cycle by its time. Then theory's U(tau; f) is compared with U
-    of the rows: f is where the sum of squares is least.
+    Each row is placed on the scene's cycle by its time. Then theory's displacement U for trial
+    values of f is compared with U of the rows: f is where the sum of squares is least.
 
     Parameters
     ----------
     rig_compliance
-        C of the rig between the places where U is measured [1/stress]; None fits it too
+        compliance C of the rig between the places where U is measured [1/stress]; None fits it too
     """
     place = _on_the_cycle(loop, scene)
     scale = place.scale
@@ -60,12 +60,12 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
     trials = np.log(least_f) + np.linspace(1e-6, math.log(_WIDEST), _SCANNED)
     sums = np.array([search.sum_of_squares(trial, place.share, scale) for trial in trials.tolist()])
     best_trial = int(np.argmin(sums))
-    between = (
+    neighbours_of_best = (
         float(trials[max(best_trial - 1, 0)]),
         float(trials[min(best_trial + 1, _SCANNED - 1)]),
     )
     log_friction = min(
-        search.best(between, place.share, scale),
+        search.best(neighbours_of_best, place.share, scale),
         float(trials[best_trial]),
         key=lambda trial: search.sum_of_squares(trial, place.share, scale),
     )
@@ -94,9 +94,9 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
     )
     late_share = np.mod(place.share + 1.96 * place_error, 1.0)
     large_scale = scale * (1 + 1.96 * scale_error)
-    change_if_late = scale * math.exp(search.best(between, late_share, scale)) - friction
+    change_if_late = scale * math.exp(search.best(neighbours_of_best, late_share, scale)) - friction
     change_if_large = (
-        large_scale * math.exp(search.best(between, place.share, large_scale)) - friction
+        large_scale * math.exp(search.best(neighbours_of_best, place.share, large_scale)) - friction
     )
     other_errors = (friction * _OF_THEORY, change_if_late, change_if_large)
     cycles = float(loop.time[-1] / place.period)

@@ -307,15 +307,15 @@ def goes_on_growing(
 
 
 def differences_of_cycles(shift: Array, load: Array, time: Array, noise: float) -> str:
-    """How the cycles of a record differ from each other in size, in words ("its cycles grow: U of
-    one cycle ..."); "" where they are alike.
+    """How the cycles of a measured loop differ from each other in size, in words: "its cycles grow:
+    U of one cycle goes up and down by ... % more than of another". "" where they are alike.
 
     Parameters
     ----------
     shift, load, time
-        U, Q and time of the rows (n,)
+        relative tangential displacement U, load Q and time of the rows, (n,) each
     noise
-        sigma of Q
+        standard deviation of the noise of Q
     """
     for name, values in (("Q", load), ("U", shift)):
         sizes = sizes_of_cycles(values, load, time, noise)
@@ -329,16 +329,19 @@ def differences_of_cycles(shift: Array, load: Array, time: Array, noise: float) 
         changes = sizes / median_size - 1
         if float(np.ptp(changes)) < _ALIKE + range_by_noise:
             continue
-        steps = np.diff(changes)
+        changes_to_next = np.diff(changes)
         extent_words = (
             f"{name} of one cycle goes up and down by {100 * float(np.ptp(changes)):.2g} % more"
             " than of another"
         )
-        if np.all(steps > 0):
+        if np.all(changes_to_next > 0):
             return f"its cycles grow: {extent_words}"
-        if np.all(steps < 0):
+        if np.all(changes_to_next < 0):
             return f"its cycles shrink: {extent_words}"
-        if len(steps) > _SHOWS_A_PERIOD and float(steps[2:] @ steps[:-2]) < 0:
+        if (
+            len(changes_to_next) > _SHOWS_A_PERIOD
+            and float(changes_to_next[2:] @ changes_to_next[:-2]) < 0
+        ):
             return f"its period is another, every second cycle is alike: {extent_words}"
         return f"its cycles differ: {extent_words}"
     return _growth_through_noise(shift, load, time, noise)

@@ -240,9 +240,9 @@ def _fitted_row(
 
 
 def _adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
-    """Fit of a strip with adhesion, p = p0 sqrt(1 - xi^2) - p1/sqrt(1 - xi^2) with tension next to
-    both edges (Johnson 1985, 5.5). None where the result has no such tension. `discrepancy` holds
-    the tractions of result and reference.
+    """Fit of a strip with adhesion, p = p0 sqrt(1 - xi^2) - p1/sqrt(1 - xi^2), to the result's
+    pressure (Johnson 1985, 5.5); xi goes from -1 to 1 across the contact. None where the result has
+    no tension next to both edges. `discrepancy` holds the tractions of result and reference.
     """
     pressure = discrepancy.result_tractions[PRESSURE]
     largest_pressure = pressure.max(axis=1, keepdims=True)
@@ -259,6 +259,7 @@ def _adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
             return None
 
     def strip(xi: Array) -> Array:
+        """The two parts of the pressure at xi (m,), (m, 2): without and with tension."""
         root = np.sqrt(1 - xi**2)
         return np.column_stack([root, -1 / root])
 

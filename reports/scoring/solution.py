@@ -265,7 +265,9 @@ def _with_zones(
         solution.scene.friction.coefficient,
         solution.time,
     )
-    steps = solution.last_cycle if WHOLE_CYCLE not in solution.work.skipped else np.arange(0)
+    steps_of_cycle = (
+        solution.last_cycle if WHOLE_CYCLE not in solution.work.skipped else np.arange(0)
+    )
     if not has_shear:
         method_in_words = (
             f"{_IN_CONTACT}; without a shear nothing says what slips, and what touches is drawn as"
@@ -273,9 +275,9 @@ def _with_zones(
         )
         stick_edges = np.full_like(stick_edges, np.nan)
     permanent_edges = np.full(2, np.nan)  # of what sticks through the whole cycle
-    if len(steps) and not np.isnan(stick_edges[steps]).any():
-        left_edge = stick_edges[steps, 0].max()
-        right_edge = stick_edges[steps, 1].min()
+    if len(steps_of_cycle) and not np.isnan(stick_edges[steps_of_cycle]).any():
+        left_edge = stick_edges[steps_of_cycle, 0].max()
+        right_edge = stick_edges[steps_of_cycle, 1].min()
         if right_edge > left_edge:
             permanent_edges = np.array([left_edge, right_edge])
     changes: dict[str, Any] = {
@@ -294,7 +296,7 @@ def _with_zones(
             )
             changes["permanent_stick_edges"] = freeze(permanent_edges)
     if adds_dissipation:
-        density = friction_work(solution.shear[steps], solution.slip[steps])
+        density = friction_work(solution.shear[steps_of_cycle], solution.slip[steps_of_cycle])
         dissipation = float(np.trapezoid(density, solution.x))
         changes |= {
             "dissipation": dissipation,

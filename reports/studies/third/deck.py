@@ -308,8 +308,9 @@ def build_deck(
     )
     time = _instants(scene, settings)
     normal_load, tangential_load = path.at(time)
-    approach = _approach(scene, settings, scales, _TOUCH * float(normal_load[1]))
-    touch = float(_TOUCH * (time[1] - time[0]))
+    # a first step by displacement brings the faces together: load control needs contact
+    approach_at_touch = _approach(scene, settings, scales, _TOUCH * float(normal_load[1]))
+    time_of_touch = float(_TOUCH * (time[1] - time[0]))
     return Deck(
         scene,
         settings,
@@ -319,8 +320,8 @@ def build_deck(
         freeze(time),
         freeze(normal_load),
         freeze(tangential_load),
-        touch,
-        approach,
+        time_of_touch,
+        approach_at_touch,
         **_bulk_and_tilt(path, time),
     )
 
