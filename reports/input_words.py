@@ -46,7 +46,7 @@ def stated_in_words(scene: Scene) -> str:
     if not scene.inputs:
         return ""
     assert scene.uncertainty is not None
-    inputs_in_words = ", ".join(entry.in_words for entry in scene.inputs)
+    inputs_in_words = ", ".join(uncertain_input.in_words for uncertain_input in scene.inputs)
     correlated_pairs = [
         f"{first_key} and {second_key} {coefficient:g}"
         for first_key, second_key, coefficient in scene.uncertainty.correlations
@@ -68,13 +68,13 @@ def stated_content(scene: Scene) -> list[dict[str, Any]] | None:
     """
     rows = [
         {
-            "key": entry.key,
-            "value": entry.value,
-            "stated": entry.stated,
-            "standard_uncertainty": entry.standard,
-            "of": "degrees" if entry.key == "phase_degrees" else "share",
+            "key": uncertain_input.key,
+            "value": uncertain_input.value,
+            "stated": uncertain_input.stated,
+            "standard_uncertainty": uncertain_input.standard,
+            "of": "degrees" if uncertain_input.key == "phase_degrees" else "share",
         }
-        for entry in scene.inputs
+        for uncertain_input in scene.inputs
     ]
     return rows or None
 
@@ -219,7 +219,9 @@ def _matters_most(effects: InputEffects) -> str:
         value = effects.values.get(key)
         if value is None or not value.ranking:
             continue
-        input_in_words = {entry.key: entry.words for entry in effects.inputs}
+        input_in_words = {
+            uncertain_input.key: uncertain_input.words for uncertain_input in effects.inputs
+        }
         first_key, *other_keys = value.ranking
         sizes = {name: abs(change.value) for name, change in value.changes.items()}
         first_words = (
@@ -272,7 +274,9 @@ def rows(effects: InputEffects, scene: Scene) -> list[tuple[str, ...]]:
     scene's inputs, that in per cent, and the three inputs that make most of it. Values from random
     draws of the inputs come last.
     """
-    input_in_words = {entry.key: entry.words for entry in effects.inputs}
+    input_in_words = {
+        uncertain_input.key: uncertain_input.words for uncertain_input in effects.inputs
+    }
     table: list[tuple[str, ...]] = []
     for value in effects.values.values():
         unit = _unit(value, scene)
@@ -307,7 +311,9 @@ def rows_of_difference(effects: InputEffects) -> list[tuple[str, ...]]:
     uncertainty by the scene's inputs in points of per cent, and the three inputs that make most of
     it.
     """
-    input_in_words = {entry.key: entry.words for entry in effects.inputs}
+    input_in_words = {
+        uncertain_input.key: uncertain_input.words for uncertain_input in effects.inputs
+    }
     table: list[tuple[str, ...]] = []
     for value in effects.difference.values():
         shares_of_inputs = [
@@ -333,11 +339,17 @@ def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[
     heads = ("Input", "as stated", "moves W by %")
     work = effects.values.get(WORK)
     table: list[tuple[str, ...]] = []
-    for entry in effects.inputs:
+    for uncertain_input in effects.inputs:
         change_in_words = "–"
         if work is not None:
-            change_in_words = _signed(100 * work.changes[entry.key].value, work.value)
-        table.append((entry.words.removeprefix("the "), f"± {entry.stated}", change_in_words))
+            change_in_words = _signed(100 * work.changes[uncertain_input.key].value, work.value)
+        table.append(
+            (
+                uncertain_input.words.removeprefix("the "),
+                f"± {uncertain_input.stated}",
+                change_in_words,
+            )
+        )
     uncertainty_in_words = f"± {significant(100 * effects.work_uncertainty, 2)}"
     table.append(
         ("all inputs", "", uncertainty_in_words if math.isfinite(effects.work_uncertainty) else "–")
@@ -345,7 +357,10 @@ def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[
     difference = effects.difference.get(WORK)
     if difference is None:
         return heads, table
-    points = [_signed(100 * difference.changes[entry.key].value, 1.0) for entry in effects.inputs]
+    points = [
+        _signed(100 * difference.changes[uncertain_input.key].value, 1.0)
+        for uncertain_input in effects.inputs
+    ]
     points.append(f"± {significant(100 * difference.uncertainty, 2)}")
     rows = [(*row, cell) for row, cell in zip(table, points, strict=True)]
     return (*heads, "moves the difference by points"), rows

@@ -386,7 +386,10 @@ class _ChangeByInput(NamedTuple):
 
 
 def central_differences(
-    values_at: Callable[[Scene], _Values], scene: Scene, entry: Input, values_at_inputs: _Values
+    values_at: Callable[[Scene], _Values],
+    scene: Scene,
+    uncertain_input: Input,
+    values_at_inputs: _Values,
 ) -> _ChangeByInput:
     """How much one standard uncertainty of an input changes each value of theory, by central
     differences: the values are computed with the input moved up and down by its standard
@@ -398,7 +401,7 @@ def central_differences(
     ----------
     values_at
         computes the values of a scene
-    entry
+    uncertain_input
         the input: its key and its standard uncertainty
     values_at_inputs
         the values with the input as it is
@@ -409,16 +412,16 @@ def central_differences(
         Where the smallest step slides.
     """
     for share_of_uncertainty in _STEPS:
-        step = share_of_uncertainty * entry.standard
+        step = share_of_uncertainty * uncertain_input.standard
         try:
-            values_above = values_at(scene.moved({entry.key: step}))
-            values_below = values_at(scene.moved({entry.key: -step}))
+            values_above = values_at(scene.moved({uncertain_input.key: step}))
+            values_below = values_at(scene.moved({uncertain_input.key: -step}))
         except InadmissibleLoadError:
             if share_of_uncertainty == _STEPS[-1]:
                 raise
             continue
         return _ChangeByInput(
-            entry.key,
+            uncertain_input.key,
             _differences(values_at_inputs, values_above, values_below, share_of_uncertainty),
         )
     raise AssertionError  # the last step returns or raises
@@ -445,12 +448,16 @@ def _differences(
     return changes
 
 
-def _change_of_modulus(scene: Scene, entry: Input) -> float:
+def _change_of_modulus(scene: Scene, uncertain_input: Input) -> float:
     """Share by which E* changes for one standard uncertainty of a constant of a material."""
     from semi_analytic.elasticity import composite_modulus
 
-    modulus_above = composite_modulus(scene.moved({entry.key: entry.standard}).material)
-    modulus_below = composite_modulus(scene.moved({entry.key: -entry.standard}).material)
+    modulus_above = composite_modulus(
+        scene.moved({uncertain_input.key: uncertain_input.standard}).material
+    )
+    modulus_below = composite_modulus(
+        scene.moved({uncertain_input.key: -uncertain_input.standard}).material
+    )
     return (modulus_above - modulus_below) / (2 * composite_modulus(scene.material))
 
 
@@ -470,16 +477,20 @@ def changes_of_theory(
     laws_hold = not (scene.load.is_driven or scene.unsymmetric)
     if not laws_hold:
         return [
-            central_differences(values_at, scene, entry, values_at_inputs) for entry in scene.inputs
+            central_differences(values_at, scene, uncertain_input, values_at_inputs)
+            for uncertain_input in scene.inputs
         ]
     laws = _ScalingLaws(scene, values_at_inputs, values_at)
-    return [_by_laws(laws, scene, entry, values_at_inputs, values_at) for entry in scene.inputs]
+    return [
+        _by_laws(laws, scene, uncertain_input, values_at_inputs, values_at)
+        for uncertain_input in scene.inputs
+    ]
 
 
 def _by_laws(
     laws: _ScalingLaws,
     scene: Scene,
-    entry: Input,
+    uncertain_input: Input,
     values_at_inputs: _Values,
     values_at: Callable[[Scene], _Values],
 ) -> _ChangeByInput:
@@ -490,29 +501,29 @@ def _by_laws(
     ----------
     laws
         the scaling laws of this scene
-    entry
+    uncertain_input
         the input: its key and its standard uncertainty, a share of its value
     values_at_inputs
         the values with the input as it is
     values_at
         computes the values of a scene
     """
-    key = entry.key
+    key = uncertain_input.key
     if key.startswith("bodies.") and not key.endswith(".radius"):
         # half-plane theory has no bodies
         return _ChangeByInput(key, dict.fromkeys(values_at_inputs, Estimate(0.0)))
     if key == "friction":
-        return laws.change(key, entry.standard, laws.of_friction())
+        return laws.change(key, uncertain_input.standard, laws.of_friction())
     if key.startswith("material."):
-        return laws.change(key, _change_of_modulus(scene, entry), laws.of_modulus())
+        return laws.change(key, _change_of_modulus(scene, uncertain_input), laws.of_modulus())
     is_parabola = isinstance(scene.profile, Hertz)
     if key == "profile.radius" and is_parabola:
-        return laws.change(key, entry.standard, laws.of_radius())
+        return laws.change(key, uncertain_input.standard, laws.of_radius())
     if key == "normal_load" and is_parabola:
-        return laws.change(key, entry.standard, laws.of_normal_load())
+        return laws.change(key, uncertain_input.standard, laws.of_normal_load())
     if key in ("normal_load", "tangential_load"):
         return laws.by_differences(key)
-    return central_differences(values_at, scene, entry, values_at_inputs)
+    return central_differences(values_at, scene, uncertain_input, values_at_inputs)
 
 
 class _ScalingLaws:
@@ -591,14 +602,20 @@ class _ScalingLaws:
         small step is taken for one.
         """
         if key not in self._changes_by_loads:
-            stated_inputs = [entry for entry in self.scene.inputs if entry.key == key]
-            entry = stated_inputs[0] if stated_inputs else Input(key, "", "", None, _STEP_OF_LOAD)
+            stated_inputs = [
+                uncertain_input
+                for uncertain_input in self.scene.inputs
+                if uncertain_input.key == key
+            ]
+            uncertain_input = (
+                stated_inputs[0] if stated_inputs else Input(key, "", "", None, _STEP_OF_LOAD)
+            )
             change_by_load = central_differences(
-                self.values_at, self.scene, entry, self.values_at_inputs
+                self.values_at, self.scene, uncertain_input, self.values_at_inputs
             )
             self._changes_by_loads[key] = change_by_load
             self._derivatives[key] = {
-                name: change.value / entry.standard
+                name: change.value / uncertain_input.standard
                 for name, change in change_by_load.changes.items()
             }
         return self._changes_by_loads[key]
@@ -726,13 +743,15 @@ def changes_of_difference(
     errors_at_inputs = difference_at(scene, effects, by_batch=by_batch)
     laws = _LawOfModulus(scene, errors_at_inputs, values_at)
     changes_by_inputs = []
-    for entry in scene.inputs:
-        if entry.key == "material.young_modulus":
-            changes_by_inputs.append(laws.change(entry))
-        elif entry.key in ("normal_load", "tangential_load"):
-            changes_by_inputs.append(laws.by_differences(entry.key))
+    for uncertain_input in scene.inputs:
+        if uncertain_input.key == "material.young_modulus":
+            changes_by_inputs.append(laws.change(uncertain_input))
+        elif uncertain_input.key in ("normal_load", "tangential_load"):
+            changes_by_inputs.append(laws.by_differences(uncertain_input.key))
         else:
-            changes_by_inputs.append(central_differences(values_at, scene, entry, errors_at_inputs))
+            changes_by_inputs.append(
+                central_differences(values_at, scene, uncertain_input, errors_at_inputs)
+            )
     return errors_at_inputs, changes_by_inputs
 
 
@@ -749,19 +768,19 @@ class _LawOfModulus:
     def by_differences(self, key: str) -> _ChangeByInput:
         return self.loads.by_differences(key)
 
-    def change(self, entry: Input) -> _ChangeByInput:
-        """How much one standard uncertainty of Young's modulus (`entry`) changes the error of
-        theory in each value, where both bodies are of one material: the error depends on loads over
-        E, so the derivatives by the loads give it.
+    def change(self, uncertain_input: Input) -> _ChangeByInput:
+        """How much one standard uncertainty of Young's modulus changes the error of theory in each
+        value, where both bodies are of one material: the error depends on loads over E, so the
+        derivatives by the loads give it.
         """
         derivative_by_p = self.loads.derivative("normal_load")
         derivative_by_q = self.loads.derivative("tangential_load")
         changes = {}
         for key in derivative_by_p:
-            change = -entry.standard * (derivative_by_p[key] + derivative_by_q[key])
+            change = -uncertain_input.standard * (derivative_by_p[key] + derivative_by_q[key])
             # E is linear in small 1/E: the second order is the first times the share
-            changes[key] = Estimate(change, abs(change) * entry.standard)
-        return _ChangeByInput(entry.key, changes)
+            changes[key] = Estimate(change, abs(change) * uncertain_input.standard)
+        return _ChangeByInput(uncertain_input.key, changes)
 
 
 def takes_batch(scene: Scene, effects: BodyEffects) -> bool:
@@ -771,7 +790,9 @@ def takes_batch(scene: Scene, effects: BodyEffects) -> bool:
     from semi_analytic.odd_memory import ODD_NUMBERS
 
     has_odd_part = any(getattr(effects, name).value for name in ODD_NUMBERS)
-    stay_alike = not any(entry.key.startswith("bodies.") for entry in scene.inputs)
+    stay_alike = not any(
+        uncertain_input.key.startswith("bodies.") for uncertain_input in scene.inputs
+    )
     is_ellipse = isinstance(scene.load, EllipseLoad) and not scene.unsymmetric
     return is_ellipse and stay_alike and not has_odd_part
 
@@ -884,7 +905,7 @@ def draws_of_work(scene: Scene, reason: str) -> Draws | None:
         return None
     is_ellipse = isinstance(scene.load, EllipseLoad)
     moves_compound_profile = isinstance(scene.profile, Compound) and any(
-        entry.key.startswith("profile.") for entry in entries
+        uncertain_input.key.startswith("profile.") for uncertain_input in entries
     )
     # ellipses are solved in one batch; others, and profiles of several parts, one by one
     count = DRAWS if is_ellipse and not moves_compound_profile else FEW_DRAWS
@@ -922,7 +943,10 @@ def samples_of(scene: Scene, count: int) -> dict[str, Array]:
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     independent = np.random.default_rng(_SEED).standard_normal((len(entries), count))
     samples = root @ independent
-    return {entry.key: entry.standard * row for entry, row in zip(entries, samples, strict=True)}
+    return {
+        uncertain_input.key: uncertain_input.standard * row
+        for uncertain_input, row in zip(entries, samples, strict=True)
+    }
 
 
 def values_of_ellipses(
@@ -1115,7 +1139,9 @@ def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
     try:
         changes_by_inputs = changes_of_theory(scene, values_at_inputs, effects_of)
     except InadmissibleLoadError:
-        changes_by_inputs = [_unknown(entry, values_at_inputs) for entry in scene.inputs]
+        changes_by_inputs = [
+            _unknown(uncertain_input, values_at_inputs) for uncertain_input in scene.inputs
+        ]
         reason_for_draws = "a sixteenth of a standard uncertainty makes the loads slide"
     for key, value in values_at_inputs.items():
         values[key] = propagated(quantities[key], value, changes_by_inputs, key, correlation)
@@ -1171,11 +1197,13 @@ def _away(changes_by_inputs: Sequence[_ChangeByInput]) -> list[_ChangeByInput]:
     return one_sided
 
 
-def _unknown(entry: Input, values_at_inputs: _Values) -> _ChangeByInput:
-    """Not-a-number in place of the changes of all values by one input (`entry`), which could not be
+def _unknown(uncertain_input: Input, values_at_inputs: _Values) -> _ChangeByInput:
+    """Not-a-number in place of the changes of all values by one uncertain input, which could not be
     found.
     """
-    return _ChangeByInput(entry.key, dict.fromkeys(values_at_inputs, Estimate(math.nan, math.nan)))
+    return _ChangeByInput(
+        uncertain_input.key, dict.fromkeys(values_at_inputs, Estimate(math.nan, math.nan))
+    )
 
 
 def _effects_of_driven(
@@ -1282,15 +1310,19 @@ def sliding_of_loads(scene: Scene) -> NearSliding | None:
     assert scene.uncertainty is not None
     ratio = nearest_to_sliding(scene).ratio
     changes = []
-    for entry in scene.inputs:
+    for uncertain_input in scene.inputs:
         change = 0.0
-        if entry.key in ("friction", "normal_load"):
-            change = -ratio * entry.standard
-        elif entry.key == "tangential_load":
-            change = ratio * entry.standard
-        elif entry.key == "phase_degrees":
-            ratio_above = nearest_to_sliding(scene.moved({entry.key: entry.standard})).ratio
-            ratio_below = nearest_to_sliding(scene.moved({entry.key: -entry.standard})).ratio
+        if uncertain_input.key in ("friction", "normal_load"):
+            change = -ratio * uncertain_input.standard
+        elif uncertain_input.key == "tangential_load":
+            change = ratio * uncertain_input.standard
+        elif uncertain_input.key == "phase_degrees":
+            ratio_above = nearest_to_sliding(
+                scene.moved({uncertain_input.key: uncertain_input.standard})
+            ).ratio
+            ratio_below = nearest_to_sliding(
+                scene.moved({uncertain_input.key: -uncertain_input.standard})
+            ).ratio
             change = (ratio_above - ratio_below) / 2
         changes.append(change)
     changes_of_ratio = np.array(changes)

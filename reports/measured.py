@@ -627,8 +627,8 @@ def section(scene: Scene, solutions: Sequence[ContactSolution]) -> dict[str, Any
     if cycles:
         _, cycles_of_first = cycles[0]
         dissipations = [cycle.dissipation for cycle in cycles_of_first.cycles]
-        order = sorted(range(len(dissipations)), key=lambda number: -dissipations[number])
-        rows_of_most_work = order[:_SHOWN]
+        numbers_by_work = sorted(range(len(dissipations)), key=lambda number: -dissipations[number])
+        rows_of_most_work = numbers_by_work[:_SHOWN]
     return {
         "read": tables_read,
         "said": list(record_in_words(scene, record)) if record else [],

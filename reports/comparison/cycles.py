@@ -231,17 +231,20 @@ def _sample_from_elsewhere(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
     """
     is_in_next_cycle = like.fraction > 1 + _SAME_FRACTION
     fraction_in_cycle = like.fraction - np.where(is_in_next_cycle, 1.0, 0.0)
-    order = np.argsort(fraction_in_cycle, kind="stable")
+    indices_by_time = np.argsort(fraction_in_cycle, kind="stable")
     like_in_order = replace(
-        like, fraction=freeze(fraction_in_cycle[order]), time=freeze(like.time[order])
+        like,
+        fraction=freeze(fraction_in_cycle[indices_by_time]),
+        time=freeze(like.time[indices_by_time]),
     )
     sampled_cycle = sample(cycle, like_in_order, engine)
 
-    order_of_like = np.argsort(order, kind="stable")
+    # the inverse of the sorting
+    places_in_like = np.argsort(indices_by_time, kind="stable")
     over_time: dict[str, Any] = {}
     for name in (*_FIELDS, "state", *_EDGES, *sampled_cycle.series):
         values = getattr(sampled_cycle, name)
-        over_time[name] = freeze(values[order_of_like], values.dtype)
+        over_time[name] = freeze(values[places_in_like], values.dtype)
     return replace(sampled_cycle, time=like.time, fraction=like.fraction, **over_time)
 
 

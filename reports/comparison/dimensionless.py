@@ -88,9 +88,13 @@ def scales(reference: ContactSolution) -> Scales:
         reference_load = load_history.mean_normal_load
     else:
         reference_load = float(np.max(reference.normal_load[reference.last_cycle]))
-    order = np.argsort(reference.normal_load, kind="stable")
+    indices_by_load = np.argsort(reference.normal_load, kind="stable")
     half_width = float(
-        np.interp(reference_load, reference.normal_load[order], reference.contact_half_width[order])
+        np.interp(
+            reference_load,
+            reference.normal_load[indices_by_load],
+            reference.contact_half_width[indices_by_load],
+        )
     )
     return Scales(
         normal_load=reference_load,

@@ -355,7 +355,7 @@ def _body(frame: Frame, points: Array, shape: Shape, name: str) -> Iterator[Mark
     yield Curve(x[cut_edges], y[cut_edges], "cut-line")
 
 
-def _supports(frame: Frame, shape: Shape, points: Array, side: float) -> Iterator[Mark]:
+def _supports(frame: Frame, shape: Shape, points: Array, outward_sign: float) -> Iterator[Mark]:
     """What is drawn for the supports of a body: a hatched rigid plane along its base, and along its
     sides where they are guided, with rollers between where it may slide. Nothing for a half-plane.
 
@@ -367,19 +367,19 @@ def _supports(frame: Frame, shape: Shape, points: Array, side: float) -> Iterato
         the body's shape, with its supports
     points
         (n, 2) outline of the body [length]
-    side
+    outward_sign
         1 for the lower body, -1 for the upper one
     """
     if isinstance(shape, HalfPlane):
         return
     y_of_face = float(frame.y.place(points[0, 1]))
-    lowest_point = np.argmax(-side * points[:, 1])
+    lowest_point = np.argmax(-outward_sign * points[:, 1])
     is_at_base = points[:, 1] == points[lowest_point, 1]
     half_width = float(np.abs(points[is_at_base, 0]).max())
     left_x, right_x = frame.x.place([-half_width, half_width]).tolist()
     y_of_base = float(frame.y.place(points[lowest_point, 1]))
     base_rolls = getattr(shape, "base", "") == "rollers"
-    yield from _plane((left_x, y_of_base), (right_x, y_of_base), (0.0, side), base_rolls)
+    yield from _plane((left_x, y_of_base), (right_x, y_of_base), (0.0, outward_sign), base_rolls)
     if getattr(shape, "sides", "") == "guided":
         yield from _plane((left_x, y_of_base), (left_x, y_of_face), (-1.0, 0.0), rollers=True)
         yield from _plane((right_x, y_of_base), (right_x, y_of_face), (1.0, 0.0), rollers=True)

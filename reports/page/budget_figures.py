@@ -277,10 +277,10 @@ def _marks_of_total(
     right_end = min(total + uncertainty, axis_end)
     if right_end > left_end:
         yield Curve([left_end, right_end], [height_of_whisker, height_of_whisker], "whisker")
-    for side in (-1, 1):
-        if side * total + uncertainty > axis_end:
-            tip = side * 0.998 * axis_end
-            end_of_head = side * 0.985 * axis_end
+    for direction in (-1, 1):
+        if direction * total + uncertainty > axis_end:
+            tip = direction * 0.998 * axis_end
+            end_of_head = direction * 0.985 * axis_end
             yield Curve(
                 [end_of_head, tip, end_of_head],
                 [height_of_whisker - 0.1, height_of_whisker, height_of_whisker + 0.1],

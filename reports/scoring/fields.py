@@ -164,12 +164,12 @@ def _tractions(path: Path, frame: FieldFrame, mapping: Mapping) -> tuple[str, _C
             return "vector", components, source_in_words
     for name, values in arrays.items():
         if values.shape[1] >= 3 and plain(name) in map(plain, _STRESSES):
-            place_of_yy, place_of_xy, order = _order(path, name, values)
+            place_of_yy, place_of_xy, components_in_words = _order(path, name, values)
             components = {"pressure": f"{name}:{place_of_yy}", "shear": f"{name}:{place_of_xy}"}
             source_in_words = (
                 "no contact tractions in the file: p = -sigma_yy and q = sigma_xy of the {} body's"
-                f" nodal {name} (components {order}), which is extrapolated to the surface and"
-                " coarser than contact tractions"
+                f" nodal {name} (components {components_in_words}), which is extrapolated to the"
+                " surface and coarser than contact tractions"
             )
             return "stress", components, source_in_words
     cell_names = dict(ChainMap(*(part.cell_fields for part in frame.parts)))

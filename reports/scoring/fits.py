@@ -154,10 +154,10 @@ class Search:
             return None
         trial_sizes = list(itertools.product(*starts_of_causes))
         squares = [self._square(causes, sizes, channels) for sizes in trial_sizes]
-        order = np.argsort(squares, kind="stable")
-        if squares[order[0]] >= _NO_SOLUTION**2:
+        trials_by_square = np.argsort(squares, kind="stable")
+        if squares[trials_by_square[0]] >= _NO_SOLUTION**2:
             return None
-        sizes = trial_sizes[order[0]]
+        sizes = trial_sizes[trials_by_square[0]]
         fitted_indices = [
             index
             for index, cause in enumerate(causes)
@@ -168,7 +168,7 @@ class Search:
             count = _SEARCHES_OF_SHEAR if SHEAR in channels else 1
             rough_fits = [
                 self._least_squares(causes, trial_sizes[trial], fitted_indices, channels, _ROUGH)
-                for trial in order[:count]
+                for trial in trials_by_square[:count]
                 if squares[trial] < _NO_SOLUTION**2
             ]
             sizes = min(rough_fits, key=lambda trial: self._square(causes, trial, channels))

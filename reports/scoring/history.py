@@ -472,8 +472,8 @@ def _nearest(squares: Array) -> Places:
     square_before = np.append(np.inf, squares[:-1])
     square_after = np.append(squares[1:], np.inf)
     minima = np.flatnonzero((squares < square_before) & (squares <= square_after))
-    order = np.argsort(squares[minima], kind="stable")
-    return np.sort(minima[order[:_PLACES]])
+    nearest_first = np.argsort(squares[minima], kind="stable")
+    return np.sort(minima[nearest_first[:_PLACES]])
 
 
 def _chords(p_difference: Array, q_difference: Array) -> tuple[Array, Array]:

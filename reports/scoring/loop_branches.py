@@ -282,7 +282,7 @@ def _cycle_twice(load: Array, time: Array, closing_row: int) -> tuple[Array, Arr
 
 
 def _times_of_turns(
-    middles: Array,
+    crossing_times: Array,
     rises_at_crossing: NDArray[np.bool_],
     highest_after_centre: float,
     lowest_after_centre: float,
@@ -299,10 +299,11 @@ def _times_of_turns(
     highest_after_centre, lowest_after_centre
         time from the centre between two crossings to the upper and to the lower turning point
     """
-    centres = (middles[1:] + middles[:-1]) / 2
+    centres = (crossing_times[1:] + crossing_times[:-1]) / 2
     is_top = rises_at_crossing[:-1]
     half_branch = {
-        side: float(np.median(np.diff(middles)[is_top == side])) / 2 for side in (True, False)
+        is_rising: float(np.median(np.diff(crossing_times)[is_top == is_rising])) / 2
+        for is_rising in (True, False)
     }
     turn_after_centre = {True: highest_after_centre, False: lowest_after_centre}
     turns = centres + np.where(is_top, highest_after_centre, lowest_after_centre)
@@ -310,9 +311,9 @@ def _times_of_turns(
     rises_last = bool(rises_at_crossing[-1])
     return np.concatenate(
         [
-            [middles[0] - half_branch[not rises_first] + turn_after_centre[not rises_first]],
+            [crossing_times[0] - half_branch[not rises_first] + turn_after_centre[not rises_first]],
             turns,
-            [middles[-1] + half_branch[rises_last] + turn_after_centre[rises_last]],
+            [crossing_times[-1] + half_branch[rises_last] + turn_after_centre[rises_last]],
         ]
     )
 
@@ -470,8 +471,8 @@ def _crossing_times(
     for row_before, row_after in zip(rows_before.tolist(), rows_after.tolist(), strict=True):
         rows = slice(row_before, row_after + 1)
         mean_time = float(np.mean(time[rows]))
-        rate, level = np.polyfit(time[rows] - mean_time, tangential_load[rows], 1)
-        crossing_time = mean_time + (middle_load - level) / rate if rate else mean_time
+        slope, mean_load = np.polyfit(time[rows] - mean_time, tangential_load[rows], 1)
+        crossing_time = mean_time + (middle_load - mean_load) / slope if slope else mean_time
         times.append(
             min(max(float(crossing_time), float(time[row_before])), float(time[row_after]))
         )

@@ -298,15 +298,17 @@ class MasingLoop:
         half_range = self.values[RANGE] / 2
         argument_at_turn = np.array(half_range / friction)
         argument_at_place = share_of_range * half_range / friction
-        rate_at_turn = self.curve.rate(argument_at_turn)
-        rate = self.curve.rate(argument_at_place)
+        slope_at_turn = self.curve.rate(argument_at_turn)
+        slope_at_place = self.curve.rate(argument_at_place)
         shift_derivatives = np.zeros((len(place), 7))
         load_derivatives = np.zeros((len(place), 7))
-        shift_by_friction = 2 * (self.curve.value(argument_at_place) - argument_at_place * rate)
-        shift_by_friction -= self.curve.value(argument_at_turn) - argument_at_turn * rate_at_turn
+        shift_by_friction = 2 * (
+            self.curve.value(argument_at_place) - argument_at_place * slope_at_place
+        )
+        shift_by_friction -= self.curve.value(argument_at_turn) - argument_at_turn * slope_at_turn
         shift_derivatives[:, LOG_F] = friction * shift_by_friction
         load_derivatives[:, RANGE] = share_of_range - 0.5
-        shift_by_range = share_of_range * rate - rate_at_turn / 2
+        shift_by_range = share_of_range * slope_at_place - slope_at_turn / 2
         shift_derivatives[:, RANGE] = shift_by_range + self.values[COMPLIANCE] * (
             share_of_range - 0.5
         )

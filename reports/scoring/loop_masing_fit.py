@@ -209,16 +209,18 @@ class _Search:
         residuals = np.zeros(2)
         derivatives = np.zeros((2, 7))
         turns_of_rows = (rows.branches.highest, rows.branches.lowest)
-        for k, (turn, side, instant) in enumerate(
+        for k, (turn, sign_of_turn, instant) in enumerate(
             zip(turns_of_rows, (1.0, -1.0), rows.instants_of_turns, strict=True)
         ):
-            derivatives_of_shift = side * shift_derivatives[0]
+            derivatives_of_shift = sign_of_turn * shift_derivatives[0]
             derivatives_of_shift[ORIGIN] = 1.0
             derivatives_of_shift[DRIFT_RATE] = instant
-            derivatives_of_load = side * load_derivatives[0]
+            derivatives_of_load = sign_of_turn * load_derivatives[0]
             derivatives_of_load[MIDDLE] = 1.0
-            shift_here = side * shift_at_turn[0] + values[ORIGIN] + values[DRIFT_RATE] * instant
-            load_here = side * load_at_turn[0] + values[MIDDLE]
+            shift_here = (
+                sign_of_turn * shift_at_turn[0] + values[ORIGIN] + values[DRIFT_RATE] * instant
+            )
+            load_here = sign_of_turn * load_at_turn[0] + values[MIDDLE]
             height_of_loop = shift_here / range_of_shift + load_here / range_of_load
             error = max(turn.error, _ERROR_OF_TURN)
             residuals[k] = (height_of_loop - turn.load) / error
@@ -452,12 +454,12 @@ class _Search:
 
 
 def passes(
-    function: Callable[[float], float], begin: float, side: float, step: float
+    function: Callable[[float], float], begin: float, direction: float, step: float
 ) -> float | None:
     """Where a function that grows from 0 at `begin` passes 1, to 1 % of the distance from `begin`.
 
-    It is sought upwards of `begin` for `side` 1, downwards for -1, with `step` as the first step.
-    None where it is not reached within ln 60 of `begin`.
+    It is sought upwards of `begin` for `direction` 1, downwards for -1; `step` is the first
+    distance tried. None where it is not reached within ln 60 of `begin`.
 
     >>> end = passes(lambda x: 2 * abs(x), 0.0, 1.0, 0.3)
     >>> abs(end - 0.5) < 0.005
@@ -467,7 +469,7 @@ def passes(
     value_within = 0.0
     for _ in range(_STEPS):
         distance_beyond = distance_within + min(step, 0.5)
-        value_beyond = function(begin + side * distance_beyond)
+        value_beyond = function(begin + direction * distance_beyond)
         if value_beyond > 1:
             break
         if distance_beyond > math.log(_FARTHEST):
@@ -484,16 +486,16 @@ def passes(
         distance_between = distance_within + float(np.clip(share, 0.1, 0.9)) * (
             distance_beyond - distance_within
         )
-        value_between = function(begin + side * distance_between)
+        value_between = function(begin + direction * distance_between)
         if abs(value_between - 1) < 0.01:
-            return begin + side * distance_between
+            return begin + direction * distance_between
         if value_between > 1:
             distance_beyond = distance_between
             value_beyond = value_between
         else:
             distance_within = distance_between
             value_within = value_between
-    return begin + side * distance_beyond
+    return begin + direction * distance_beyond
 
 
 def _noise_of_rows(

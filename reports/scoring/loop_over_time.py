@@ -165,7 +165,10 @@ class _Search:
         return self.against_theory(log_friction, share, scale)[0]
 
     def best(self, between: tuple[float, float], share: Array, scale: float) -> float:
-        """The ln f between two others at which the sum of squares is least."""
+        """The friction coefficient f at which the sum of squares between theory and rows is least,
+        as ln f, among those between the two values of ln f in `between`. `share` (n,) is where the
+        rows lie on the cycle, `scale` the factor from the scene's Q to that of the rows.
+        """
         from scipy.optimize import minimize_scalar
 
         minimum = minimize_scalar(
@@ -347,12 +350,12 @@ def _noise_of_load(
     scene_load = scale * np.interp(share, SHARES, load_of_cycle)
     load_from_mean = scene_load - scene_load.mean()
     noise = float(np.std(loop.load - scene_load))
-    rate = np.interp(
+    load_per_cycle = np.interp(
         share,
         (SHARES[1:] + SHARES[:-1]) / 2,
         scale * np.diff(load_of_cycle) * (INSTANTS - 1),
         period=1.0,
     )
-    place_error = noise / math.sqrt(float(rate @ rate))
+    place_error = noise / math.sqrt(float(load_per_cycle @ load_per_cycle))
     scale_error = noise / math.sqrt(float(load_from_mean @ load_from_mean))
     return noise, place_error, scale_error

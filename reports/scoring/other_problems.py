@@ -549,13 +549,13 @@ def _rolling(discrepancy: Discrepancy) -> ProblemFit | None:
         if square < least_square:
             least_square = square
             best_shear = shear
-            side = "right" if direction > 0 else "left"
+            leading_side = "right" if direction > 0 else "left"
     return ProblemFit(
         _with(discrepancy, SHEAR, best_shear),
         discrepancy.reference_tractions,
         1,
         discrepancy.in_contact(discrepancy.reference_tractions),
-        {"side": side},
+        {"side": leading_side},
     )
 
 

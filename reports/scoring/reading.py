@@ -207,15 +207,16 @@ def _surface_of_rows(
             f" {points_of_instants[0]}: every instant needs the same points, with zeros where"
             " nothing touches"
         )
-    order = np.argsort(instants, kind="stable")
+    rows_by_instant = np.argsort(instants, kind="stable")
     value_grids: dict[str, Array] = {
-        name: values[order].reshape(len(points_of_instants), -1)
+        name: values[rows_by_instant].reshape(len(points_of_instants), -1)
         for name, values in columns.items()
         if name != "frame"
     }
-    order_of_x = np.argsort(value_grids["x"], axis=1, kind="stable")
+    indices_by_x = np.argsort(value_grids["x"], axis=1, kind="stable")
     value_grids = {
-        name: np.take_along_axis(values, order_of_x, axis=1) for name, values in value_grids.items()
+        name: np.take_along_axis(values, indices_by_x, axis=1)
+        for name, values in value_grids.items()
     }
     series: dict[str, Array | None] = {}
     for name in ("time", "normal_load", "tangential_load"):
@@ -235,7 +236,7 @@ def _surface_of_rows(
         series["time"] = stated_times(source, mapping, len(points_of_instants))
     if np.any(np.diff(instants) < 0):
         notes = [*notes, "the rows were not in the order of the instants and were sorted"]
-    if np.any(np.diff(order_of_x, axis=1) < 0):
+    if np.any(np.diff(indices_by_x, axis=1) < 0):
         notes = [*notes, "the points were not in the order of x and were sorted"]
     fields = {name: value_grids.get(name) for name in ("pressure", "shear", "slip")}
     return surface_result(source, mapping.code, value_grids["x"], dict(fields), dict(series), notes)

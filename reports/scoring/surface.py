@@ -146,13 +146,13 @@ def surface_result(
         places, sentence = _one_line(source, places)
         if sentence:
             all_notes.append(sentence)
-    order = np.argsort(places, kind="stable")
-    if np.any(np.diff(order) < 0):
+    indices_by_x = np.argsort(places, kind="stable")
+    if np.any(np.diff(indices_by_x) < 0):
         all_notes.append("the points were not in the order of x and were sorted")
     arrays = {"shear": freeze(np.full(shape, np.nan))}
-    arrays |= {name: freeze(values[:, order]) for name, values in field_arrays.items()}
+    arrays |= {name: freeze(values[:, indices_by_x]) for name, values in field_arrays.items()}
     arrays |= {name: freeze(values) for name, values in series_arrays.items()}
-    sorted_x = freeze(places[order])
+    sorted_x = freeze(places[indices_by_x])
     outliers = tuple(_outliers(arrays, sorted_x))
     return SurfaceResult(
         source,

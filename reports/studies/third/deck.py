@@ -477,13 +477,13 @@ def _upper_places(mesh: BodyMesh, profile: Profile | None) -> Array:
     if profile is None:
         return np.stack([x, y])
     touching_end = mesh.grading.outer
-    step = 1e-4 * touching_end
-    side = np.where(x < 0, -1.0, 1.0)
+    small_distance = 1e-4 * touching_end
+    sign_of_x = np.where(x < 0, -1.0, 1.0)
     distance = np.abs(x)
-    height_before_end = np.asarray(profile.height(side * (touching_end - step)))
-    height_at_end = np.asarray(profile.height(side * touching_end))
-    slope_at_end = (height_at_end - height_before_end) / step
-    gap = np.asarray(profile.height(side * np.minimum(distance, touching_end)))
+    height_before_end = np.asarray(profile.height(sign_of_x * (touching_end - small_distance)))
+    height_at_end = np.asarray(profile.height(sign_of_x * touching_end))
+    slope_at_end = (height_at_end - height_before_end) / small_distance
+    gap = np.asarray(profile.height(sign_of_x * np.minimum(distance, touching_end)))
     gap = gap + slope_at_end * touching_end * np.tanh(
         np.maximum(distance - touching_end, 0.0) / touching_end
     )
