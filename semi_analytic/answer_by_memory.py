@@ -132,7 +132,7 @@ class Request:
         (m,) points as asked for
     distance
         (k,) different |x|; different x of an unsymmetric contact
-    fold
+    number_of_distance
         (m,) where each x finds its own distance
     fields
         the fields that are wanted
@@ -145,12 +145,12 @@ class Request:
     time: Array
     x: Array
     distance: Array
-    fold: Indices
+    number_of_distance: Indices
     fields: frozenset[str]
     family: OneCurve | None = None
 
     @property
-    def unit(self) -> float:
+    def unit_compliance(self) -> float:
         """A/pi, with A = 2/E*."""
         return 2 / (math.pi * self.modulus)
 
@@ -214,7 +214,7 @@ def by_memory(question: Question, family: OneCurve | None) -> Findings:
             "dissipation": work_of_last_cycle,
             "loop_work": loop_work,
             "cycle_dissipation": path_answer.works,
-            "dissipation_density": path_answer.density[request.fold],
+            "dissipation_density": path_answer.density[request.number_of_distance],
             "steady_from": path.steady_from,
         },
         termination=termination,
@@ -530,7 +530,7 @@ class _SeriesSums:
             f
         """
         contact = request.contact
-        work_per_sum = request.unit * friction
+        work_per_sum = request.unit_compliance * friction
         slipping_records = block.records.slipping()
         if wanted.work:
             integrals = self.add_work(part_number, contact, slipping_records, work_per_sum)
@@ -649,7 +649,7 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
         counts={
             "rows": len(series.times),
             **sums.counts,
-            "curves": len(snapshot.actives) if states.curves else 0,
+            "curves": len(snapshot.uppermost_pieces) if states.curves else 0,
         },
         full_stick=sums.full_stick,
     )
@@ -739,7 +739,7 @@ def _result_of_history(history: History, request: Request) -> PathResult:
         increments=np.empty(0),
         counts={
             "spans": len(history.spans),
-            "pieces_alive": max(len(list(pieces(span.active))) for span in history.spans),
+            "pieces_alive": max(len(list(pieces(span.sticking_piece))) for span in history.spans),
             "slip_quadratures": n_slipping,
             "quadrature_nodes": n_slipping * NODES,
         },
@@ -776,7 +776,7 @@ def _works_of_cycles(history: History, request: Request) -> dict[int, _WorkOfCyc
         if ellipses is not None and is_steady:
             error = float(digits_of_loop(ellipses)[0])
             forward_and_reverse = [part[0] for part in works_over_time(ellipses, contact)]
-            work = request.unit * friction**2 * float(sum(forward_and_reverse))
+            work = request.unit_compliance * friction**2 * float(sum(forward_and_reverse))
             works[cycle] = _WorkOfCycle(work, error if error > PROMISED else 0.0)
         else:
             spans = history.cycles[cycle]
@@ -839,7 +839,7 @@ def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     if request.wants("tangential_displacement"):
         displacement_over_unit = Integrals(contact, np.zeros(1), "shift").over(snapshot)[:, 0]
     if request.wants("normal_approach"):
-        approach = request.unit * contact.log_distance(snapshot.load)
+        approach = request.unit_compliance * contact.log_distance(snapshot.load)
     sides = np.array([-1.0, 1.0])
     contact_edges = half_width[:, None] * sides
     stick_edges = stick_half_width[:, None] * sides
@@ -862,7 +862,7 @@ def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     return bulk_and_tilt | {
         "normal_load": snapshot.load,
         "tangential_load": tangential_load,
-        "tangential_displacement": request.unit * displacement_over_unit,
+        "tangential_displacement": request.unit_compliance * displacement_over_unit,
         "normal_approach": approach,
         "contact_half_width": half_width,
         "stick_half_width": stick_half_width,
@@ -905,7 +905,7 @@ def _grids_of(
     """
     contact = request.contact
     distances = request.distance
-    shape = (len(request.time), len(request.fold))
+    shape = (len(request.time), len(request.number_of_distance))
     fields: dict[str, NDArray[Any]] = {
         name: np.broadcast_to(np.nan, shape) for name in ("pressure", "shear", "slip")
     }
@@ -918,12 +918,12 @@ def _grids_of(
     if request.wants("shear"):
         fields_at_distances["shear"] = shear_integrals.over(snapshot)
     if request.wants("slip"):
-        fields_at_distances["slip"] = request.unit * slip_integrals.over(snapshot)
+        fields_at_distances["slip"] = request.unit_compliance * slip_integrals.over(snapshot)
     if request.wants("state"):
         fields_at_distances["state"] = _state_of(request, snapshot, series)
     for name, values in fields_at_distances.items():
         _require_finite(name, values, request)
-        field_at_points = values.take(request.fold, axis=1)
+        field_at_points = values.take(request.number_of_distance, axis=1)
         field_at_points.flags.writeable = False
         fields[name] = field_at_points
     return fields, {"shear": shear_integrals.arc_error, "slip": slip_integrals.arc_error}
@@ -1013,7 +1013,7 @@ def _errors(
         errors["tangential_displacement"] = rounding_of_shift(
             path_answer.snapshot.friction,
             request.contact.log_distance(loads_and_edges["normal_load"]),
-            loads_and_edges["tangential_displacement"] / request.unit,
+            loads_and_edges["tangential_displacement"] / request.unit_compliance,
         )
     if request.wants("dissipation"):
         errors["loop_work"], errors["dissipation"] = _errors_of_work(
@@ -1063,7 +1063,7 @@ def _errors_of_tractions(
     x = request.distance[numbers_of_points]
     # p is infinite at the tip of a sharp wedge, s NaN where it was not asked for.
     largest_pressure = _largest_finite(contact.pressure(x, loads))
-    largest_slip = _largest_finite(np.abs(fields["slip"]) / request.unit)
+    largest_slip = _largest_finite(np.abs(fields["slip"]) / request.unit_compliance)
     has_slip = largest_slip > _TINY
     arc_shares = {"shear": 0.0, "slip": 0.0}
     if friction:
@@ -1100,7 +1100,7 @@ def _largest_finite(values: Array) -> float:
 
 def _most_pieces(snapshot: Snapshot, instants: Indices) -> int:
     """Of how many pieces a memory curve of some instants is at most."""
-    curves = [snapshot.actives[k] for k in snapshot.active_number[instants]]
+    curves = [snapshot.uppermost_pieces[k] for k in snapshot.piece_number[instants]]
     return max((len(list(pieces(curve))) for curve in curves), default=0)
 
 
@@ -1165,13 +1165,13 @@ def _errors_of_work(
         sum_left_out = math.fsum(
             _left_out_of_work(request.contact, span) for span in path_answer.spans
         )
-        work_error += request.unit * sum_left_out / work
+        work_error += request.unit_compliance * sum_left_out / work
     return loop_error, work_error
 
 
 def _left_out_of_work(contact: Contact, span: Span) -> float:
     """What the quadratures of Lam leave out of f int w' Lam dt over a span."""
-    if not span.direction or span.active is None:
+    if not span.direction or span.sticking_piece is None:
         return 0.0
     times = np.linspace(span.begin.time, span.end.time, 9)[1:-1]
     growth = np.maximum(span.leg.rate_of(level(span.direction, span.friction), times), 0.0)

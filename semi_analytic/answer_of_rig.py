@@ -149,7 +149,7 @@ def rigged(scene: Scene, effects: BodyEffects | None) -> Rigged:
         effects = BodyEffects(datum_length=rig.datum_length)
     modulus = composite_modulus(scene.material)
     compliance = Compliance(
-        unit=2 / (math.pi * modulus),
+        unit_compliance=2 / (math.pi * modulus),
         datum_length=effects.datum_length,
         normal=effects.normal_compliance.value,
         tangential=effects.tangential_compliance.value,
@@ -179,7 +179,7 @@ class _Slide(NamedTuple):
 
     begin: float  # time
     end: float
-    way: float  # signed, of the upper body over the lower along +x [length]
+    distance: float  # signed, of the upper body over the lower along +x [length]
     work: float  # f P times the way [energy / thickness]
 
 
@@ -207,13 +207,13 @@ def slides_of(driven: Driven, rows: slice) -> list[_Slide]:
         if (
             slides
             and slides[-1].end == slide_in_step.begin
-            and slides[-1].way * slide_in_step.way > 0
+            and slides[-1].distance * slide_in_step.distance > 0
         ):
             slide_before = slides[-1]
             slides[-1] = _Slide(
                 slide_before.begin,
                 slide_in_step.end,
-                slide_before.way + slide_in_step.way,
+                slide_before.distance + slide_in_step.distance,
                 slide_before.work + slide_in_step.work,
             )
         else:
@@ -479,13 +479,13 @@ def _to_datum_of_answers(rig: Rigged) -> float:
     if not rig.scene.bodies.half_planes:
         return 0.0
     ratio = rig.scene.profile.datum_length / rig.compliance.datum_length
-    return rig.compliance.unit * math.log(ratio)
+    return rig.compliance.unit_compliance * math.log(ratio)
 
 
 def _series(rig: Rigged, driven: Driven) -> PathSeries:
     """Of the curvatures, which the loads were found with."""
     effects = without_next_order(rig.effects)
-    return PathSeries(driven.followed, rig.contact, rig.modulus, effects, driven.free)
+    return PathSeries(driven.followed, rig.contact, rig.modulus, effects, driven.rigid_displacement)
 
 
 def _followed(rig: Rigged, time: Array | None) -> tuple[Driven, Driven, int | None]:
@@ -757,7 +757,7 @@ def notes_of_slides(scene: Scene, driven: Driven, last_cycle: slice) -> Iterator
     if not slides:
         yield f"gross sliding: none in {span_text}"
     else:
-        slide_distance = sum(abs(slide.way) for slide in slides)
+        slide_distance = sum(abs(slide.distance) for slide in slides)
         work = sum(slide.work for slide in slides)
         named_slides = "; ".join(_in_words(slide, length_unit) for slide in slides[:_MOST_NAMED])
         rest_text = f"; and {len(slides) - _MOST_NAMED} more" if len(slides) > _MOST_NAMED else ""
@@ -774,8 +774,8 @@ def notes_of_slides(scene: Scene, driven: Driven, last_cycle: slice) -> Iterator
 
 
 def _in_words(slide: _Slide, length: str) -> str:
-    direction = "forward" if slide.way > 0 else "back"
+    direction = "forward" if slide.distance > 0 else "back"
     return (
-        f"from time {slide.begin:.6g} to {slide.end:.6g} {direction} by {abs(slide.way):.6g}"
+        f"from time {slide.begin:.6g} to {slide.end:.6g} {direction} by {abs(slide.distance):.6g}"
         f" {length}"
     )

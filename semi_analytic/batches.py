@@ -109,8 +109,8 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     Between the half-widths at which the law of W(x) changes it is sampled with half of the
     quadrature nodes. A maximum is looked for about every sample above its neighbours.
     """
-    if len(ellipses.mean) > _MEMBERS:
-        block_starts = range(0, len(ellipses.mean), _MEMBERS)
+    if len(ellipses.mean_load) > _MEMBERS:
+        block_starts = range(0, len(ellipses.mean_load), _MEMBERS)
         maxima_of_blocks = [
             maxima_of(ellipses.take(slice(k, k + _MEMBERS)), contact) for k in block_starts
         ]
@@ -223,7 +223,7 @@ def _largest_of(
     deepest_load = ellipses.deepest_slip
     relative_error = (
         LAST_DIGITS
-        * (ellipses.mean + ellipses.amplitude)
+        * (ellipses.mean_load + ellipses.load_amplitude)
         / np.where(deepest_load > 0, deepest_load, np.inf)
     )
     relative_error = PROMISED + 3 * relative_error
@@ -236,7 +236,7 @@ def _largest_of(
         * deepest_load
         / np.where(stick_edge > 0, stick_edge, largest_half_width)
     )
-    n_ellipses = len(ellipses.mean)
+    n_ellipses = len(ellipses.mean_load)
     number = maxima.largest_of_ellipses(n_ellipses)
     work = np.where(is_unknown, np.nan, 0.0)
     error = np.where(is_unknown, np.nan, error_without_slip)
@@ -338,18 +338,20 @@ def _points_of_search(ellipses: Ellipses, contact: SymmetricContact) -> Array:
     They lie between the half-widths at which the law of W(x) changes: contact or stick edge at an
     event of the cycle, corners of the profile. More lie next to the kinks of W(x).
     """
-    least_load = ellipses.mean - ellipses.amplitude
-    largest_load = ellipses.mean + ellipses.amplitude
+    least_load = ellipses.mean_load - ellipses.load_amplitude
+    largest_load = ellipses.mean_load + ellipses.load_amplitude
     event_cosines = (
-        ellipses.cosine,
-        np.cos(ellipses.start + ellipses.turn),
-        -ellipses.cosine,
-        np.cos(ellipses.start - ellipses.turn),
+        ellipses.cosine_of_start,
+        np.cos(ellipses.slip_start + ellipses.slip_angle),
+        -ellipses.cosine_of_start,
+        np.cos(ellipses.slip_start - ellipses.slip_angle),
     )
     event_loads = [ellipses.load(cosine) for cosine in event_cosines]
-    corners = np.clip(contact.break_loads[:, None], ellipses.permanent_load, largest_load)
-    loads = np.stack([ellipses.permanent_load, least_load, *event_loads, *corners, largest_load])
-    loads = np.clip(loads, ellipses.permanent_load, largest_load)
+    corners = np.clip(contact.break_loads[:, None], ellipses.permanent_stick_load, largest_load)
+    loads = np.stack(
+        [ellipses.permanent_stick_load, least_load, *event_loads, *corners, largest_load]
+    )
+    loads = np.clip(loads, ellipses.permanent_stick_load, largest_load)
     clipped_least_load = loads[1:2]
     half_widths = contact.half_width(np.sort(loads, axis=0))
     few_corners = len(corners) <= _FEW
@@ -701,7 +703,13 @@ def _works_of(members: Members) -> Array:
     forward_of_members = np.where(members.mirrored, reverse, forward)
     reverse_of_members = np.where(members.mirrored, forward, reverse)
     return np.stack(
-        [forward + reverse, forward_of_members, reverse_of_members, error, ellipses.permanent_load]
+        [
+            forward + reverse,
+            forward_of_members,
+            reverse_of_members,
+            error,
+            ellipses.permanent_stick_load,
+        ]
     )
 
 
@@ -1135,9 +1143,12 @@ def _reasons(
     tangential_amplitude, friction
         (m,) Q1 and f
     """
-    limit = friction * ellipses.mean
+    limit = friction * ellipses.mean_load
     round_off = 4e-16 * (
-        np.abs(mean_tangential_load) + tangential_amplitude + limit + friction * ellipses.amplitude
+        np.abs(mean_tangential_load)
+        + tangential_amplitude
+        + limit
+        + friction * ellipses.load_amplitude
     )
     # The greatest Q - f P and -Q - f P; without friction u and v are those of another coefficient.
     slides = (
@@ -1150,7 +1161,7 @@ def _reasons(
     slides |= (friction == 0) & (tangential_amplitude > 0)
     reasons = np.full(len(limit), Reason.NONE, dtype=np.int8)
     reasons[slides] = Reason.SLIDING
-    reasons[ellipses.amplitude > ellipses.mean] = Reason.SEPARATION
+    reasons[ellipses.load_amplitude > ellipses.mean_load] = Reason.SEPARATION
     return reasons
 
 

@@ -244,7 +244,7 @@ def _contact_with_one_curve(
         whether the profile is a parabola, and P constant
     """
     contact = TiltedProfile(intervals, datum_length)
-    if not is_strain_alone and contact.is_nested(intervals.most):
+    if not is_strain_alone and contact.is_nested(intervals.largest_load):
         return contact
     if not may_slip_apart:
         return None
@@ -360,7 +360,7 @@ def _slipping_apart(
         intervals, datum_length, friction=friction, reach=largest_shear, share=share_of_shear
     )
     try:
-        return contact if contact.is_nested(intervals.most) else None
+        return contact if contact.is_nested(intervals.largest_load) else None
     except (ArithmeticError, Unresolved):
         return None
 

@@ -503,7 +503,7 @@ class PathSeries:
         normal contact of half-planes, E*
     effects
         what the bodies add; None: nothing
-    way
+    rigid_displacement
         (n,) how far the bodies slid as a whole or moved while apart; None: they never did
     """
 
@@ -511,10 +511,10 @@ class PathSeries:
     contact: SymmetricContact
     modulus: float
     effects: BodyEffects | None
-    way: Array | None = None
+    rigid_displacement: Array | None = None
 
     @property
-    def unit(self) -> float:
+    def unit_compliance(self) -> float:
         """A/pi."""
         return 2 / (math.pi * self.modulus)
 
@@ -522,7 +522,7 @@ class PathSeries:
     def half_width(self) -> Array:
         """a, (n,)."""
         half = self.followed.table.half_width(self.followed.edge)
-        return np.where(self.followed.normal_load > 0, half, self.contact.least)
+        return np.where(self.followed.normal_load > 0, half, self.contact.least_half_width)
 
     @cached_property
     def stick_half_width(self) -> Array:
@@ -544,9 +544,9 @@ class PathSeries:
         compliance.
         """
         _, shear_logarithm = self._logarithms
-        displacement = self.unit * shear_logarithm
-        if self.way is not None:
-            displacement = displacement + self.way
+        displacement = self.unit_compliance * shear_logarithm
+        if self.rigid_displacement is not None:
+            displacement = displacement + self.rigid_displacement
         if self.effects is None:
             return displacement
         curvatures = curvatures_of(self.effects)
@@ -568,7 +568,7 @@ class PathSeries:
         and int x^k q dx; N, T_P, N_4 curvatures per load, c_n a compliance.
         """
         pressure_logarithm, _ = self._logarithms
-        approach = self.unit * pressure_logarithm
+        approach = self.unit_compliance * pressure_logarithm
         if self.effects is None:
             return approach
         curvatures = curvatures_of(self.effects)
@@ -715,7 +715,7 @@ class PathSeries:
 
     def work(self, rows: slice) -> float:
         """Friction work of the steps of a cycle, or of the path."""
-        return self.unit * float(np.sum(self.followed.step_work[rows][1:]))
+        return self.unit_compliance * float(np.sum(self.followed.step_work[rows][1:]))
 
 
 class PointFields:
@@ -818,8 +818,8 @@ class PointFields:
             slip_by_parabola, slip_by_fourth = self._outside(self.series.half_width[rows])
             slip = slip + curvature * (slip_by_parabola - self._x**2 / 2)
             slip = slip + fourth_coefficient * (slip_by_fourth - self._x**4 / 24)
-        if self.series.way is not None:
-            slip = slip + self.series.way[rows, None]
+        if self.series.rigid_displacement is not None:
+            slip = slip + self.series.rigid_displacement[rows, None]
         for number, further in self.inner_slips(rows):
             slip[number] += further.slip
         return np.asarray(slip)
@@ -882,7 +882,7 @@ class PointFields:
         followed = self._followed
         pieces, curves = followed.pieces.of_curves(followed.curve[rows])
         profile_slips = self.series.contact.slip_integral(self._x, pieces.load[:, None])
-        terms = [(self.series.unit * pieces.slope, profile_slips)]
+        terms = [(self.series.unit_compliance * pieces.slope, profile_slips)]
         if np.any(pieces.parabola_slope) or np.any(pieces.fourth_slope):
             parabola_slips, fourth_slips = self._outside(followed.table.half_width(pieces.top))
             terms += [(pieces.parabola_slope, parabola_slips), (pieces.fourth_slope, fourth_slips)]
@@ -1165,7 +1165,7 @@ def table_of(
         largest_half_width *= _BEYOND
     else:
         raise splits()
-    s_of_punches = np.linspace(1.0 if contact.least else 0.0, table.last, 200)
+    s_of_punches = np.linspace(1.0 if contact.least_half_width else 0.0, table.last, 200)
     least_curvature_of_all = min(float(np.min(gap_curvature)), 0.0)
     if np.any(
         np.diff(table.load(s_of_punches) + least_curvature_of_all * table.parabola(s_of_punches))
@@ -1551,7 +1551,7 @@ def left_of_work(
         curvatures_alone = curvatures_of(with_these_alone(effects, names))
         table_and_loads = (followed.table, followed.friction, *loads)
         memory_with_these = follow(*table_and_loads, curvatures_alone, half_planes.followed)
-        work = bodies.unit * float(np.sum(memory_with_these.step_work[rows][1:]))
+        work = bodies.unit_compliance * float(np.sum(memory_with_these.step_work[rows][1:]))
         change_by_these = work / work_of_half_planes - 1
         uncertainty += abs(change_by_these) * left_by_curvature[names]
         change_left -= change_by_these
@@ -1623,7 +1623,9 @@ def _work_of_halved_steps(paths: _Paths) -> float:
     )
     begin, end, _ = paths.last_cycle.indices(n_rows)
     is_of_cycle = (row_places > begin) & (row_places <= end - 1)
-    return paths.bodies.unit * float(np.sum(memory_of_halved_steps.step_work[is_of_cycle]))
+    return paths.bodies.unit_compliance * float(
+        np.sum(memory_of_halved_steps.step_work[is_of_cycle])
+    )
 
 
 def _odd_part(paths: _Paths) -> OddPart:

@@ -194,7 +194,7 @@ def _works_of_some(
     """
 
     def bounds_at(half_width: Array) -> Bounds:
-        eta = np.where(half_width > contact.least, contact.load(half_width), 0.0)
+        eta = np.where(half_width > contact.least_half_width, contact.load(half_width), 0.0)
         return bounds_of(loads, bends, eta, math.pi * modulus / 4 * half_width**2)
 
     def largest_beyond(half_width: Array) -> Array:

@@ -164,7 +164,7 @@ class PunchTable:
         modulus
             E* [stress]
         """
-        corners = [contact.least, *contact.breaks]
+        corners = [contact.least_half_width, *contact.breaks]
         inner_corners = sorted({corner for corner in corners if 0 < corner < largest_half_width})
         self._ends = np.array([0.0, *inner_corners, largest_half_width])
         self._begins: list[float] = self._ends[:-1].tolist()
@@ -180,7 +180,7 @@ class PunchTable:
         half_width_rate = 2 * interval_length * sigma
         load = contact.load(half_width)
         load_rate = contact.stiffness(half_width) * half_width_rate
-        is_flat = half_width < contact.least * (1 - 1e-14)
+        is_flat = half_width < contact.least_half_width * (1 - 1e-14)
         load = np.where(is_flat, 0.0, load)
         load_rate = np.where(is_flat | (half_width_rate == 0), 0.0, load_rate)
         self._load = self._cubics(load[:, :-1], load[:, 1:], load_rate[:, :-1], load_rate[:, 1:])

@@ -96,7 +96,7 @@ class Compliance(NamedTuple):
 
     Attributes
     ----------
-    unit
+    unit_compliance
         A/pi [1 / stress]
     datum_length
         L [length]
@@ -111,7 +111,7 @@ class Compliance(NamedTuple):
         beside x = 0 by the tilt, moves the bodies along x by alpha_Q M = -tilts . (P^2, P Q)
     """
 
-    unit: float
+    unit_compliance: float
     datum_length: float
     normal: float = 0.0
     tangential: float = 0.0
@@ -139,8 +139,8 @@ class Compliance(NamedTuple):
         half = np.asarray(half_width, dtype=float)
         squared_width = half**2
         face_curvature = self.curvatures.tangential
-        parabola = squared_width / (2 * self.unit)  # G(c) = (pi E*/4) c^2 = c^2/(2 A/pi)
-        half_plane_rate = self.unit * np.log(2 * self.datum_length / half)
+        parabola = squared_width / (2 * self.unit_compliance)  # G(c) = (pi E*/4) c^2 = c^2/(2 A/pi)
+        half_plane_rate = self.unit_compliance * np.log(2 * self.datum_length / half)
         body_rate = (
             self.tangential
             + face_curvature * squared_width / 2
@@ -372,7 +372,9 @@ def _load_and_approach(table: PunchTable, compliance: Compliance, s: Array) -> t
     logarithm, parabola_logarithm, second_moment, parabola_second = np.array(punch_sums).T
     gap_curvature = normal_curvature * load
     moment = second_moment + gap_curvature * parabola_second
-    approach_of_profile = compliance.unit * (logarithm + gap_curvature * parabola_logarithm)
+    approach_of_profile = compliance.unit_compliance * (
+        logarithm + gap_curvature * parabola_logarithm
+    )
     approach_of_load = (compliance.normal + compliance.normal_spring) * load
     return load, approach_of_profile + approach_of_load + normal_curvature * moment / 2
 
@@ -389,7 +391,7 @@ def _table_of_approach(
         For an approach beyond the profile, and where the approach falls while P grows.
     """
     extent = contact.extent if math.isfinite(contact.extent) else math.inf
-    half_width = min(max(contact.least, 1e-6 * compliance.datum_length) * 1.01, extent)
+    half_width = min(max(contact.least_half_width, 1e-6 * compliance.datum_length) * 1.01, extent)
     for _ in range(_DOUBLINGS):
         table = PunchTable(contact, modulus, half_width)
         _, approach_at_end = _load_and_approach(table, compliance, np.array([table.last]))
@@ -434,7 +436,7 @@ class Driven:
     slide
         (n,) way that the contact slides as a whole in the step that ends at the row, positive of
         the upper body over the lower one along +x [length]
-    free
+    rigid_displacement
         (n,) sum of all slides and of the way while the bodies were apart: U of the contact is U(Q)
         plus this [length]
     actuator
@@ -447,7 +449,7 @@ class Driven:
     followed: Followed
     compliance: Compliance
     slide: Array
-    free: Array
+    rigid_displacement: Array
     actuator: Array
     ends: tuple[int, ...]
 
@@ -467,7 +469,7 @@ class Driven:
     @cached_property
     def slip_work(self) -> Array:
         """Friction work of partial slip of the same steps, (n,) [energy / thickness]."""
-        return self.compliance.unit * self.followed.step_work
+        return self.compliance.unit_compliance * self.followed.step_work
 
     def work(self, rows: slice) -> float:
         """Friction work of a cycle or of the path, whose first row ends the step before it."""
@@ -500,7 +502,9 @@ def follow_actuator(
     ...     displacement=np.array([0.0, 0.0, 10.0, 10.0]),
     ...     ends=(3,),
     ... )
-    >>> driven = follow_actuator(table, 0.4, Compliance(unit=0.5, datum_length=50.0), rows)
+    >>> driven = follow_actuator(
+    ...     table, 0.4, Compliance(unit_compliance=0.5, datum_length=50.0), rows
+    ... )
     >>> driven.followed.tangential_load.tolist()  # at rest, at the begin of the slide, sliding
     [0.0, 0.0, 0.4, 0.4, 0.2]
     >>> bool(driven.slide[-1] > 0)  # P falls while U rests: the bodies slide on
@@ -525,7 +529,7 @@ def follow_actuator(
         for part_end in stepper.parts(instant_before, instant_after, free_displacement):
             solved_step = stepper.step(state, part_end, instant_before.force, free_displacement)
             slide_of_step = solved_step.slide
-            free_displacement += slide_of_step + solved_step.way_apart
+            free_displacement += slide_of_step + solved_step.distance_apart
             times.append(part_end.time)
             rows_of_memory.append(solved_step.row)
             steps.append(solved_step.step)
@@ -540,7 +544,7 @@ def follow_actuator(
         followed=followed_of(memory, np.array(rows_of_memory).T, steps),
         compliance=compliance,
         slide=np.array(slides),
-        free=np.array(free_displacements),
+        rigid_displacement=np.array(free_displacements),
         actuator=np.array(actuators),
         ends=tuple(memory_row_of_row[row] for row in rows.ends),
     )
@@ -572,7 +576,7 @@ class _Found(NamedTuple):
     row: Row
     step: Step
     slide: float = 0.0
-    way_apart: float = 0.0
+    distance_apart: float = 0.0
 
 
 class _Stepper:
@@ -671,7 +675,9 @@ class _Stepper:
         memory = self._memory
         if memory.is_unloaded(end.load):
             row = self.row(0.0, 0.0)
-            return _Found(row, memory.step(state, row), way_apart=end.actuator - free_displacement)
+            return _Found(
+                row, memory.step(state, row), distance_apart=end.actuator - free_displacement
+            )
         target_displacement = end.actuator - free_displacement
         friction_limit = memory.friction * end.load
         n_pieces = len(memory.pieces)
@@ -729,7 +735,7 @@ class _Stepper:
         )
         second_moment = self._second_moments[curve] + face_curvature * sums_at_edge.parabola_second
         pressure_second = sums_at_edge.second + row.normal_curvature * sums_at_edge.parabola_second
-        displacement = compliance.unit * logarithm
+        displacement = compliance.unit_compliance * logarithm
         added_compliance = compliance.tangential + compliance.tangential_spring
         displacement += added_compliance * row.tangential_load
         displacement += curvatures.tangential * second_moment / 2

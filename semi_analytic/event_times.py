@@ -165,7 +165,9 @@ def _named(history: History) -> Iterator[Event]:
                     f"{state_names[span_before.direction]} ends, {state_names[span.direction]}"
                     " starts"
                 )
-            elif span.direction and not _same_piece(span_before.active, span.active):
+            elif span.direction and not _same_piece(
+                span_before.sticking_piece, span.sticking_piece
+            ):
                 event_name = (
                     f"the front of {state_names[span.direction]} passes a piece of the memory"
                 )

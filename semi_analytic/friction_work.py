@@ -98,7 +98,9 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
     >>> round(float(global_dissipation(contact, 1.0, spans).total), 12), round(closed, 12)
     (0.004256098192, 0.004256098192)
     """
-    ranges = [_whole_span(span) for span in spans if span.direction and span.active is not None]
+    ranges = [
+        _whole_span(span) for span in spans if span.direction and span.sticking_piece is not None
+    ]
 
     def work(of_span: SpanRanges, rule: QuadratureRule) -> Array:
         span = of_span.span
@@ -267,7 +269,7 @@ def uneven(contact: Contact, span: Span) -> bool:
         return True
     if span.leg.ellipse is not None:
         return False
-    if span.active is not None and span.active.arc is not None:
+    if span.sticking_piece is not None and span.sticking_piece.arc is not None:
         return True
     return not (span.leg.is_straight or span.leg.slope_and_bend(span.leg.end))
 
@@ -301,7 +303,7 @@ def pointwise_dissipation(
     (0.0, 0.008438314611, 0.008438314611)
     """
     edge_loads = contact.load(x)
-    slip_spans = [span for span in spans if span.direction and span.active is not None]
+    slip_spans = [span for span in spans if span.direction and span.sticking_piece is not None]
     ranges = []
     for span in slip_spans:
         begin, end = slip_times(span, edge_loads)
@@ -330,17 +332,17 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     which the edge of contact is at the point: it begins where the stick edge, or the contact,
     reaches the point.
     """
-    assert span.active is not None
+    assert span.sticking_piece is not None
     leg = span.leg
     slip_level = level(span.direction, span.friction)
     begin_instant = span.begin
     end_instant = span.end
-    piece_top = span.active.top
-    piece_bottom = span.active.bottom
+    piece_top = span.sticking_piece.top
+    piece_bottom = span.sticking_piece.bottom
     load_on_piece = np.clip(edge_load, piece_bottom, piece_top)
-    level_at_point = level_on(span.active, span.direction, span.friction, load_on_piece)
+    level_at_point = level_on(span.sticking_piece, span.direction, span.friction, load_on_piece)
     level_rise = level_at_point - float(
-        change_from(span.active.anchor, leg, slip_level, begin_instant.time)
+        change_from(span.sticking_piece.anchor, leg, slip_level, begin_instant.time)
     )
     time_of_stick_edge = leg.time_of(slip_level, level_rise, begin_instant.time, end_instant.time)
     time_of_stick_edge = np.where(edge_load <= piece_bottom, end_instant.time, time_of_stick_edge)

@@ -1274,7 +1274,7 @@ def follow_on_grid(
     loads
         P, Q, eps and alpha of the path
     contact
-        the profile under load and tilt; its path is within its `intervals.most`
+        the profile under load and tilt; its path is within its `intervals.largest_load`
     height
         h(x)
     friction
@@ -1300,7 +1300,7 @@ def follow_on_grid(
         height=height,
         outermost_edges=(float(np.min(contact_edges)), float(np.max(contact_edges))),
         friction=friction,
-        modulus=2 / contact.intervals.product,
+        modulus=2 / contact.intervals.compliance,
     )
     points_of_fields = x if request.pointwise else np.zeros(0)
     runs = _run_coarse_and_fine(setup, loads, points_of_fields, time, request)

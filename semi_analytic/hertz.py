@@ -64,7 +64,7 @@ class HertzContact:
     bends_anywhere: ClassVar[bool] = False
     breaks: ClassVar[tuple[float, ...]] = ()
     break_loads: ClassVar[Array] = np.empty(0)
-    least: ClassVar[float] = 0.0
+    least_half_width: ClassVar[float] = 0.0
     extent: ClassVar[float] = np.inf
     noise: ClassVar[float] = 2 * float(np.finfo(float).eps)
 

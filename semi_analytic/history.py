@@ -1,12 +1,12 @@
 """Curved paths: which part of a leg sticks, which slips, which piece of the memory is being erased,
 and when (Masing rule).
 
-A history is a sequence of spans, in each of which the memory curve keeps its structure: an
-uppermost piece `active` up to a load that moves with time (the load itself while P follows the
-piece, the front P_c in slip), what lies below it untouched, and in slip a line of slope +-f from
-there to (P, Q). Everything that is asked of a history later is evaluated span by span, for many
-instants at once. Any path can be followed so; paths that are straight all along take `load_series`,
-which costs less.
+A history is a sequence of spans, in each of which the memory curve keeps its structure. An
+uppermost piece, `sticking_piece`, goes up to a load that moves with time: the load itself while P
+follows the piece, the load P_c of the stick edge in slip. What lies below it is untouched. In slip
+a line of slope +-f goes from there to (P, Q). Everything that is asked of a history later is
+evaluated span by span, for many instants at once. Any path can be followed so; paths that are
+straight all along take `load_series`, which costs less.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ class Span:
         what makes the leg's time the history's time
     direction
         +1 forward slip, -1 reverse slip, 0 no slip
-    active
+    sticking_piece
         the uppermost piece that is left below the line of slip; None if the front is at P_c = 0
     friction
         f
@@ -97,7 +97,7 @@ class Span:
     end: Instant
     delay: float
     direction: int
-    active: Curve
+    sticking_piece: Curve
     friction: float
 
     @property
@@ -114,10 +114,12 @@ class Span:
         """The same where P is known."""
         if self.direction == 0:
             return np.zeros(t.shape)
-        if self.active is None:
+        if self.sticking_piece is None:
             return load
-        lag = slipped_load(self.active, self.direction, self.friction, self.leg, t)
-        return np.clip(lag, np.maximum(load - self.active.top, 0.0), load - self.active.bottom)
+        lag = slipped_load(self.sticking_piece, self.direction, self.friction, self.leg, t)
+        return np.clip(
+            lag, np.maximum(load - self.sticking_piece.top, 0.0), load - self.sticking_piece.bottom
+        )
 
     @cached_property
     def deepest(self) -> float:
@@ -130,8 +132,10 @@ class Span:
         """The memory curve at a time of the leg."""
         point = instant(self.leg, time)
         if self.direction == 0:
-            return unload_to(self.active, point.normal)
-        return slip_to(self.active, self.direction, self.friction, point, float(self.slipped(time)))
+            return unload_to(self.sticking_piece, point.normal)
+        return slip_to(
+            self.sticking_piece, self.direction, self.friction, point, float(self.slipped(time))
+        )
 
 
 def check(legs: Sequence[LoadSegment], friction: float) -> None:
@@ -612,7 +616,7 @@ class History:
             (spans[k], times) for k, times in zip(numbers_with_times, times_of_spans, strict=True)
         )
         order = np.argsort(order_by_span)
-        columns = ("time", "load", "force", "slipped", "direction", "active_number")
+        columns = ("time", "load", "force", "slipped", "direction", "piece_number")
         return replace(snapshot, **{name: getattr(snapshot, name)[order] for name in columns})
 
 
@@ -792,7 +796,7 @@ def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
         slipped_loads.append(span.slipped_at(leg_times, normal_load))
         directions.append(span.direction)
         counts_of_times.append(len(leg_times))
-        pieces_below_slip.append(span.active)
+        pieces_below_slip.append(span.sticking_piece)
         friction = span.friction
     return Snapshot(
         time=np.concatenate(times),
@@ -800,8 +804,8 @@ def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
         force=np.concatenate(tangential_loads),
         slipped=np.concatenate(slipped_loads),
         direction=np.repeat(np.array(directions), counts_of_times),
-        active_number=np.repeat(np.arange(len(pieces_below_slip)), counts_of_times),
-        actives=tuple(pieces_below_slip),
+        piece_number=np.repeat(np.arange(len(pieces_below_slip)), counts_of_times),
+        uppermost_pieces=tuple(pieces_below_slip),
         friction=friction,
     )
 
@@ -823,11 +827,13 @@ def corner_times(contact: Contact, span: Span) -> Array:
     largest_load = max(begin.normal, end.normal)
     passed_loads = loads[(loads > least_load) & (loads < largest_load)]
     times = [leg.time_of(NORMAL_LOAD, passed_loads - begin.normal, begin.time, end.time)]
-    if span.direction and span.active is not None:
-        loads_on_piece = loads[(loads > span.active.bottom) & (loads < span.active.top)]
+    if span.direction and span.sticking_piece is not None:
+        loads_on_piece = loads[
+            (loads > span.sticking_piece.bottom) & (loads < span.sticking_piece.top)
+        ]
         slip_level = level(span.direction, span.friction)
-        level_at_begin = float(change_from(span.active.anchor, leg, slip_level, begin.time))
-        levels = level_on(span.active, span.direction, span.friction, loads_on_piece)
+        level_at_begin = float(change_from(span.sticking_piece.anchor, leg, slip_level, begin.time))
+        levels = level_on(span.sticking_piece, span.direction, span.friction, loads_on_piece)
         times.append(leg.time_of(slip_level, levels - level_at_begin, begin.time, end.time))
     shortest_time = 1e-12 * max(abs(begin.time), abs(end.time), end.time - begin.time)
     sorted_times = np.sort(np.concatenate(times))

@@ -1030,7 +1030,7 @@ class _StateColumns(NamedTuple):
     force: Array
     slipped: Array
     direction: Array
-    active_number: Indices
+    piece_number: Indices
     balance: Array
 
 
@@ -1093,8 +1093,8 @@ class States:
             force=states.force,
             slipped=states.slipped,
             direction=states.direction.astype(np.int64),
-            active_number=states.active_number,
-            actives=tuple(self._lines) or (None,),
+            piece_number=states.piece_number,
+            uppermost_pieces=tuple(self._lines) or (None,),
             friction=self.friction,
         )
         return snapshot, states.balance

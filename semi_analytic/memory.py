@@ -448,9 +448,9 @@ class Snapshot:
         (n,) P - P_c
     direction
         (n,) +1, -1 or 0
-    active_number
+    piece_number
         (n,) number of the uppermost piece among `actives`
-    actives
+    uppermost_pieces
         the different pieces (None: the front is at P_c = 0)
     friction
         f
@@ -461,8 +461,8 @@ class Snapshot:
     force: Array
     slipped: Array
     direction: NDArray[np.int64]
-    active_number: NDArray[np.intp]
-    actives: tuple[CurvePart | None, ...]
+    piece_number: NDArray[np.intp]
+    uppermost_pieces: tuple[CurvePart | None, ...]
     friction: float
 
     @cached_property
@@ -472,13 +472,13 @@ class Snapshot:
 
         Instants without one, where the contact slips throughout, are left out.
         """
-        order = np.argsort(self.active_number, kind="stable")
-        numbers, starts = np.unique(self.active_number[order], return_index=True)
+        order = np.argsort(self.piece_number, kind="stable")
+        numbers, starts = np.unique(self.piece_number[order], return_index=True)
         pieces_with_instants = []
         for number, (start, end) in zip(
             numbers.tolist(), pairwise([*starts.tolist(), len(order)]), strict=True
         ):
-            piece = self.actives[number]
+            piece = self.uppermost_pieces[number]
             if piece is not None:
                 pieces_with_instants.append((piece, order[start:end]))
         return tuple(pieces_with_instants)

@@ -296,9 +296,9 @@ def centres(span: Span, radius: float, time: Array) -> tuple[Array, Array]:
     contact_centre = -radius * _tilt(normal_load, tangential_load)
     if not span.direction:
         return contact_centre, contact_centre
-    if span.active is None:
+    if span.sticking_piece is None:
         return contact_centre, np.full(contact_centre.shape, np.nan)
-    stick_edge = _stick_edge_at(span, span.active, time, span.slipped(time), radius)
+    stick_edge = _stick_edge_at(span, span.sticking_piece, time, span.slipped(time), radius)
     return contact_centre, contact_centre + stick_edge.distance(radius)
 
 
@@ -341,7 +341,7 @@ class _Strokes:
     def require_no_limit_in_stick(self) -> None:
         """Declined where contact grows or shrinks along the limit of friction: one side slips."""
         for span in self.spans:
-            piece = span.active
+            piece = span.sticking_piece
             if span.direction or piece is None or span.begin.normal == span.end.normal:
                 continue
             if _is_slipped(piece, span.friction):
@@ -478,7 +478,7 @@ def _of_span(span: Span, radius: float, points: int) -> Array:
 
     and the shift of the memory that grew in stick. By Gauss' rule of `points` nodes in time.
     """
-    piece = span.active
+    piece = span.sticking_piece
     if piece is None:
         raise Declined("the contact slides as a whole")
     time, weights = _instants(span, points)
@@ -513,8 +513,8 @@ def _of_kink(span_before: Span, span: Span, radius: float) -> Array:
     curve, those of `span_before` and of `span`. Zero where both are on one piece. `radius` is R of
     the parabola [length].
     """
-    outer_piece = span_before.active
-    inner_piece = span.active
+    outer_piece = span_before.sticking_piece
+    inner_piece = span.sticking_piece
     zero_matrix = np.zeros((4, 4))
     if span_before.direction != span.direction or outer_piece is None or inner_piece is None:
         return zero_matrix
@@ -555,7 +555,7 @@ def _require_no_return(span_before: Span, span: Span, radius: float) -> None:
     """
     friction = span.friction
     begin = span.begin
-    top_of_piece = span.active.top if span.active is not None else 0.0
+    top_of_piece = span.sticking_piece.top if span.sticking_piece is not None else 0.0
     for piece in pieces(span_before.curve(span_before.end.time)):
         load_tolerance = _SAME * max(piece.anchor.normal, begin.normal)
         if piece.bottom < top_of_piece - load_tolerance:
@@ -665,7 +665,7 @@ def _of_passed_end(span: Span, radius: float, panels: int) -> Array:
     - eta) when the stick edge passes eta. `radius` is that of the parabola, `panels` the number of
     quadrature panels.
     """
-    piece = span.active
+    piece = span.sticking_piece
     if piece is None or not flat(piece, -span.direction, span.friction):
         return np.zeros((4, 4))
     smooth_end = _end_of_piece(piece, -span.direction, span.friction, radius)
@@ -705,11 +705,13 @@ def _one_sided(span: Span, radius: float, modulus: float) -> Iterator[Array]:
     half_width = np.sqrt(4 * load * radius / (np.pi * modulus))
     senses = (span.direction,) if span.direction else (1, -1)
     edge_function = half_width
-    if span.active is not None and span.direction:
+    if span.sticking_piece is not None and span.direction:
         slipped = span.slipped(time)
         width_ratio = np.sqrt(np.clip(1 - slipped / load, _LEAST_STICK**2, 1 - _SAME))
         edge_function = half_width * np.sqrt(1 - width_ratio**2) / np.arccosh(1 / width_ratio)
-        centre_distance = _stick_edge_at(span, span.active, time, slipped, radius).distance(radius)
+        centre_distance = _stick_edge_at(span, span.sticking_piece, time, slipped, radius).distance(
+            radius
+        )
         yield centre_distance / (half_width * (1 - width_ratio))[:, None]
     for sense in senses:
         level_rate = np.abs(span.leg.rate_of(level(sense, span.friction), time))

@@ -150,8 +150,8 @@ def _by_gauss(begin: Array, end: Array) -> tuple[Array, Array]:
 
 @lru_cache(maxsize=8)  # the same zones under other values of `rigid`
 def _stick_zones(eccentric: float, forced: float, largest_load: float) -> tuple[Pieces, Pieces]:
-    """b1/a and b2/a over P - eta up to `most`, -e = `eccentric` (P - eta) and Q/(f P) = `forced` (P
-    - eta).
+    """b1/a and b2/a over P - eta up to `largest_load`: -e = `eccentric` (P - eta) and Q/(f P) =
+    `forced` (P - eta).
     """
 
     def ends(v: Array) -> tuple[Array, Array]:
@@ -186,8 +186,8 @@ class OppositeSlip(TiltedProfile):
     @cached_property
     def _contact(self) -> tuple[float, float, float]:
         """P, and centre and half-length of contact."""
-        m, c = self.intervals.exactly(self.intervals.most)
-        return self.intervals.most, float(m), float(c)
+        m, c = self.intervals.exactly(self.intervals.largest_load)
+        return self.intervals.largest_load, float(m), float(c)
 
     @property
     def _deepest(self) -> float:
@@ -264,7 +264,7 @@ class OppositeSlip(TiltedProfile):
         _, middle, half_width = self._contact
         pressure = self.shape.pressure(
             np.asarray(x, dtype=float), np.array(middle), np.array(half_width)
-        ) / (np.pi * self.intervals.product)
+        ) / (np.pi * self.intervals.compliance)
         return np.asarray(self.sense(x) * pressure + 0 * np.asarray(load, dtype=float))
 
     def _to_the_top(
@@ -279,7 +279,7 @@ class OppositeSlip(TiltedProfile):
         one and summed from P down: those close to P_x by the rule for singular ends, the others by
         Gauss' rule.
         """
-        largest_load = self.intervals.most
+        largest_load = self.intervals.largest_load
         least_load = largest_load - self._deepest
         places, loads = np.broadcast_arrays(
             np.asarray(x, dtype=float), np.clip(load, least_load, largest_load)
@@ -320,7 +320,7 @@ class OppositeSlip(TiltedProfile):
 
     def pressure_rise(self, x: ArrayLike, load: ArrayLike) -> Array:
         """Integral of dp/d eta up to a load, less that up to P: -q/f after Q = f (P - eta)."""
-        sticks = self.load(x) < np.minimum(load, self.intervals.most)
+        sticks = self.load(x) < np.minimum(load, self.intervals.largest_load)
         of_stick = self._to_the_top(x, load, "inverse_root") / np.pi
         return -np.where(sticks, of_stick, self.pressure(x, load))
 
@@ -330,7 +330,7 @@ class OppositeSlip(TiltedProfile):
 
     def log_distance(self, load: ArrayLike) -> Array:
         """Integral of `log_ratio` up to a load, less that up to P."""
-        largest_load = self.intervals.most
+        largest_load = self.intervals.largest_load
         least_load = np.clip(load, largest_load - self._deepest, largest_load)
         eta, weight = graded(least_load, np.full(np.shape(least_load), largest_load))
         return np.asarray(-np.sum(weight * self.log_ratio(eta), axis=-1))

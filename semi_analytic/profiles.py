@@ -551,7 +551,7 @@ def flat_and_rounded(modulus: float, radius: float, flat_half_length: float) -> 
     def stiffness(d: Array) -> Array:
         return modulus / radius * (b + d) * np.arctan(tau(d))
 
-    return ContactLaw(load, inverse_of(load, stiffness, b), stiffness, least=b)
+    return ContactLaw(load, inverse_of(load, stiffness, b), stiffness, least_half_width=b)
 
 
 # --- two curvatures
@@ -1046,7 +1046,7 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
         load=partial(value_at, order=0),
         advance=advance,
         stiffness=partial(value_at, order=1),
-        least=least_width,
+        least_half_width=least_width,
         breaks=tuple(begins_of_stretches[1:]),
         power=stretches[0].power if not least_width else 2.0,
         extent=profile.extent,

@@ -95,7 +95,7 @@ class ContactLaw:
     ----------
     load, advance, stiffness
         P(d), d(P) and dP/da(d), arrays of any shape; loads per unit thickness
-    least
+    least_half_width
         a_0, the half-width of no load [length]
     breaks
         half-widths of the corners, ascending
@@ -112,7 +112,7 @@ class ContactLaw:
     load: Function
     advance: Function
     stiffness: Function
-    least: float = 0.0
+    least_half_width: float = 0.0
     breaks: tuple[float, ...] = ()
     power: float = 2.0
     extent: float = np.inf
@@ -124,7 +124,7 @@ class ContactLaw:
         """Advances from 0 up behind which P and dP/da are one smooth function each of the root of
         the distance.
         """
-        return np.array([0.0, *(b - self.least for b in self.breaks)])
+        return np.array([0.0, *(b - self.least_half_width for b in self.breaks)])
 
     @property
     def octave(self) -> float:
@@ -152,9 +152,9 @@ class PunchSuperposition:
     closed_form: ClassVar[bool] = False
 
     @property
-    def least(self) -> float:
+    def least_half_width(self) -> float:
         """a for P = 0 [length]."""
-        return self.law.least
+        return self.law.least_half_width
 
     @property
     def breaks(self) -> tuple[float, ...]:
@@ -189,7 +189,7 @@ class PunchSuperposition:
 
     def half_width(self, load: ArrayLike) -> Array:
         """a(P) [length]. InputError for a load that needs a contact wider than the profile."""
-        return self.least + self.law.advance(as_is(load))
+        return self.least_half_width + self.law.advance(as_is(load))
 
     def advance(self, load: ArrayLike) -> Array:
         """a(P) - a(0), with all its digits beside a flat too [length]."""
@@ -206,11 +206,11 @@ class PunchSuperposition:
     @property
     def _sharp(self) -> bool:
         """Whether the profile is a wedge, whose pressure is infinite at the tip."""
-        return self.least == 0 and self.law.power <= 1
+        return self.least_half_width == 0 and self.law.power <= 1
 
     def _beyond(self, x: ArrayLike) -> Array:
         """How far |x| is beyond the least half-width; 0 inside."""
-        return np.maximum(np.abs(as_is(x)) - self.least, 0.0)
+        return np.maximum(np.abs(as_is(x)) - self.least_half_width, 0.0)
 
     # --- fields of the normal problem
 
@@ -294,8 +294,10 @@ class PunchSuperposition:
         return p * p * self._log_ratio(advance) / 2 + self._logarithm(1, advance)[0]
 
     def _log_ratio(self, advance: Array) -> Array:
-        if self.least > 0:
-            return np.log(2 * self.datum_length / self.least) - np.log1p(advance / self.least)
+        if self.least_half_width > 0:
+            return np.log(2 * self.datum_length / self.least_half_width) - np.log1p(
+                advance / self.least_half_width
+            )
         return np.log(2 * self.datum_length) - np.log(np.maximum(advance, np.finfo(float).tiny))
 
     # --- kernels between a load and a point, from differences of load that are free of cancellation
@@ -318,7 +320,7 @@ class PunchSuperposition:
         outer_advance, load_rise, inner_advance = np.broadcast_arrays(
             self._beyond(x), as_is(excess), as_is(advance)
         )
-        half_width = inner_advance + self.least
+        half_width = inner_advance + self.least_half_width
         square_difference = self._squares_apart(
             inner_advance, np.maximum(outer_advance, inner_advance), load_rise
         )
@@ -334,7 +336,7 @@ class PunchSuperposition:
         distance, load_rise, outer_advance = np.broadcast_arrays(
             np.abs(as_is(x)), as_is(excess), as_is(advance)
         )
-        inner_advance = np.minimum(distance - self.least, outer_advance)
+        inner_advance = np.minimum(distance - self.least_half_width, outer_advance)
         square_difference = self._squares_apart(inner_advance, outer_advance, load_rise)
         return 1 / np.sqrt(np.where(square_difference > 0, square_difference, np.inf))
 
@@ -353,14 +355,15 @@ class PunchSuperposition:
         """
         begins = self.law.begins
         square_difference = np.array(
-            (outer_advance - inner_advance) * (outer_advance + inner_advance + 2 * self.least)
+            (outer_advance - inner_advance)
+            * (outer_advance + inner_advance + 2 * self.least_half_width)
         )
         corners_between = np.searchsorted(begins, outer_advance) - np.searchsorted(
             begins, inner_advance
         )
         close_share = np.where(corners_between > 1, _NEXT, _CLOSE)
         is_close = (inner_advance >= 0) & (
-            square_difference < close_share * np.square(outer_advance + self.least)
+            square_difference < close_share * np.square(outer_advance + self.least_half_width)
         )
         if np.any(is_close):
             rate = self._mean_rate(inner_advance[is_close], outer_advance[is_close])
@@ -406,7 +409,7 @@ class PunchSuperposition:
         advance = corner[:, None] + roots * roots
         weight = root_length[:, None] * weights_of_nodes * roots
         rise_of_load = np.sum(weight * self.law.stiffness(advance), axis=1)
-        rise_of_square = np.sum(weight * 2 * (advance + self.least), axis=1)
+        rise_of_square = np.sum(weight * 2 * (advance + self.least_half_width), axis=1)
         return rise_of_load, rise_of_square
 
     # --- the slip area
@@ -465,7 +468,7 @@ class PunchSuperposition:
         outer_advance, inner_advance = self.law.advance(np.stack([load, edge_load]))
         least_half = np.finfo(float).tiny * np.maximum(outer_advance, 1.0)
         relative_rise = (outer_advance - inner_advance) / np.maximum(
-            self.least + inner_advance, least_half
+            self.least_half_width + inner_advance, least_half
         )
         return np.log1p(relative_rise), outer_advance, inner_advance
 
@@ -541,7 +544,7 @@ class PunchSuperposition:
             else:
                 loads_from_begin, weights = (values[:, 0] for values in graded(0.0, span_column))
             advance = self.law.advance(begin_column + loads_from_begin)
-            rates = (self.least + advance) * self.law.stiffness(advance)
+            rates = (self.least_half_width + advance) * self.law.stiffness(advance)
             # P - eta, with its own digits
             load_above = slipped[parts_of_rule, None] - (
                 (begin_column - edge_load[parts_of_rule, None]) + loads_from_begin
@@ -565,7 +568,7 @@ class PunchSuperposition:
         order = int(name.endswith("_moment"))
         kind = name.removesuffix("_moment")
         advance = self.law.advance(values[-1])
-        half_width = self.least + advance
+        half_width = self.least_half_width + advance
         if kind == "pressure":
             distance = np.abs(values[0])
             value, error = self._pressure(order, distance, values[1])
@@ -574,7 +577,7 @@ class PunchSuperposition:
         elif kind == "slip_integral":
             distance = np.abs(values[0])
             value, error = self._outside(order, distance, values[1])
-            distance_to_edge = np.minimum(half_width, distance) - self.least
+            distance_to_edge = np.minimum(half_width, distance) - self.least_half_width
         else:
             value, error = self._logarithm(order, advance)
             value = value + np.abs(values[0]) ** (1 + order) * np.abs(self._log_ratio(advance))
@@ -611,7 +614,7 @@ class PunchSuperposition:
 
         `advance` is a - a_0 of the edge; with `order` 1 the load stands in front of the integrand.
         """
-        half_width = self.least + advance
+        half_width = self.least_half_width + advance
         distance_to_edge = half_width - distance
         distance_inside = np.maximum(distance_to_edge, 0.0)
         root_ratio = np.sqrt(
@@ -621,7 +624,9 @@ class PunchSuperposition:
         pressure_change = self.law.stiffness(advance) * root_ratio / np.pi
         if order:
             pressure_change = pressure_change * self.law.load(advance)
-        distance_to_corners = np.abs((distance - self.least)[..., None] - self.law.begins)
+        distance_to_corners = np.abs(
+            (distance - self.least_half_width)[..., None] - self.law.begins
+        )
         distance_to_corner = np.maximum(np.min(distance_to_corners, axis=-1), _CLOSEST * advance)
         v = np.arcsinh(
             np.sqrt(distance_inside / np.where(distance_to_corner > 0, distance_to_corner, np.inf))
@@ -740,7 +745,7 @@ class PunchSuperposition:
         the load eta stands in front of g.
         """
         advance = self.law.advance(load)
-        is_inside = distance < self.least + advance
+        is_inside = distance < self.least_half_width + advance
         pressure, error = self._primitive(
             "pressure", order, distance, np.where(is_inside, advance, 0.0)
         )
@@ -767,9 +772,10 @@ class PunchSuperposition:
         inner_advance = np.minimum(advance, outer_advance)
         integral, error = self._primitive("outside", order, distance, inner_advance)
         load_at_x = np.minimum(load, self.law.load(outer_advance))
-        half_width = inner_advance + self.least
+        half_width = inner_advance + self.least_half_width
         root_of_squares = np.sqrt(
-            (outer_advance - inner_advance) * (outer_advance + inner_advance + 2 * self.least)
+            (outer_advance - inner_advance)
+            * (outer_advance + inner_advance + 2 * self.least_half_width)
         )
         arccosh = np.arcsinh(root_of_squares / np.where(half_width > 0, half_width, np.inf))
         return integral + _weight_of_order(order, load_at_x) * arccosh, error
@@ -988,7 +994,7 @@ def primitive_of(kind: Kind, order: int, x: Array, top: float, law: ContactLaw) 
     octaves = top / law.octave ** np.arange(1, _OCTAVES)
     corners = law.begins[law.begins < top]
     ends_of_ranges = np.append(np.union1d(corners, octaves), top)
-    panels_of_points = _panels_of_points(kind, x, law.least, ends_of_ranges, law.begins)
+    panels_of_points = _panels_of_points(kind, x, law.least_half_width, ends_of_ranges, law.begins)
     panels_to_resolve = panels_of_points.cut_to(_LONGEST[kind])
     resolved_panels = _with_empty_panels(_resolved(kind, order, panels_to_resolve, law), x)
     panels = resolved_panels.panels
@@ -1004,7 +1010,9 @@ def primitive_of(kind: Kind, order: int, x: Array, top: float, law: ContactLaw) 
     tails = resolved_panels.tails
     error = _sums_before(panels.point, tails, np.zeros(len(x))) + tails
     first_advances = panels.advance_at_v0 + panels.advance(kind, panels.begin)
-    return Primitive(kind, x, x - law.least, top, panels, first_advances, coefficients, error)
+    return Primitive(
+        kind, x, x - law.least_half_width, top, panels, first_advances, coefficients, error
+    )
 
 
 def _sums_before(point: Indices, values: Array, below_first: Array) -> Array:
@@ -1212,10 +1220,12 @@ def _integrand(kind: Kind, order: int, panels: Panels, v: Array, law: ContactLaw
     advance_beyond_v0 = panels.advance(kind, v)
     advance = advance_at_v0 + advance_beyond_v0
     root = np.sqrt(advance_beyond_v0)
-    half_width = law.least + advance
+    half_width = law.least_half_width + advance
     if kind == "pressure":
         weight_of_kind = law.stiffness(advance) * (law.load(advance) if order else 1.0)
-        advance_at_x = np.maximum(advance_at_v0 - (x - law.least), 0.0) + advance_beyond_v0
+        advance_at_x = (
+            np.maximum(advance_at_v0 - (x - law.least_half_width), 0.0) + advance_beyond_v0
+        )
         return (
             weight_of_kind
             * 2
@@ -1238,7 +1248,7 @@ def _at_the_bottom(kind: Kind, order: int, x: Array, advance: float, law: Contac
     At x = 0 the integrand g/alpha, g = dP/d alpha, goes as a power of the half-width alpha. It is
     integrated by that power. With `order` 1 the load stands in front.
     """
-    if kind != "pressure" or law.least > 0:
+    if kind != "pressure" or law.least_half_width > 0:
         return np.zeros(len(x))
     rate = float(law.stiffness(np.array(advance)))
     power = law.power - 1

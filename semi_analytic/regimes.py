@@ -137,7 +137,7 @@ def fretting_map(
             regime = Regime.MIXED
         regimes[index_in_map] = regime
         dissipation[index_in_map] = driven.work(cycle)
-        slide_distances[index_in_map] = sum(abs(slide.way) for slide in slides_of_cycle)
+        slide_distances[index_in_map] = sum(abs(slide.distance) for slide in slides_of_cycle)
         largest_forces[index_in_map] = np.max(np.abs(driven.followed.tangential_load[cycle]))
     return FrettingMap(
         freeze(regimes, np.int8),

@@ -80,26 +80,26 @@ class Ellipses:
 
     Attributes
     ----------
-    mean, amplitude
+    mean_load, load_amplitude
         P0, P1
     u, v
         amplitudes of (Q -+ f P)/f
-    cosine, sine
-        of t_E
-    turn
-        D
-    permanent_load
+    cosine_of_start, sine_of_start
+        of t_E, at which reverse slip begins
+    slip_angle
+        D, that of reverse slip, E to G
+    permanent_stick_load
         P_T
     """
 
-    mean: Array
-    amplitude: Array
+    mean_load: Array
+    load_amplitude: Array
     u: Array
     v: Array
-    cosine: Array
-    sine: Array
-    turn: Array
-    permanent_load: Array
+    cosine_of_start: Array
+    sine_of_start: Array
+    slip_angle: Array
+    permanent_stick_load: Array
 
     def take(self, members: Any) -> Ellipses:
         """Some of them, in the shape of `members`."""
@@ -109,36 +109,36 @@ class Ellipses:
         """The ellipses with every load divided by a unit of force per thickness, (m,)."""
         loads = {
             name: vars(self)[name] / unit
-            for name in ("mean", "amplitude", "u", "v", "permanent_load")
+            for name in ("mean_load", "load_amplitude", "u", "v", "permanent_stick_load")
         }
         return replace(self, **loads)
 
     @property
-    def start(self) -> Array:
+    def slip_start(self) -> Array:
         """t_E in (0, pi]."""
-        return np.arctan2(self.sine, self.cosine)
+        return np.arctan2(self.sine_of_start, self.cosine_of_start)
 
     @property
     def load_moves(self) -> NDArray[np.bool_]:
         """Whether P moves: an amplitude below 1e-200 of the mean moves no edge, and dividing by a
         subnormal one overflows.
         """
-        return self.amplitude > 1e-200 * self.mean
+        return self.load_amplitude > 1e-200 * self.mean_load
 
     @property
     def deepest_slip(self) -> Array:
         """Largest P - P_c: at the ends of E-G and J-M, or within I-J."""
-        tangent = np.tan(self.turn / 2)
+        tangent = np.tan(self.slip_angle / 2)
         square = tangent * tangent
         ends = np.maximum(self.u, self.v) * square / (1 + square)
         sine = np.where(tangent > 1, 2 * tangent / (1 + square), 1.0)
-        return np.maximum(ends, 2 * self.amplitude * self.sine * sine)
+        return np.maximum(ends, 2 * self.load_amplitude * self.sine_of_start * sine)
 
     def load(self, cosine: Array | float) -> Array:
         """P where cos t is known, from the least load so that it keeps its digits close to full
         unloading.
         """
-        return (self.mean - self.amplitude) + self.amplitude * (1 + cosine)
+        return (self.mean_load - self.load_amplitude) + self.load_amplitude * (1 + cosine)
 
 
 def ellipses_of(
@@ -166,7 +166,7 @@ def ellipses_of(
     >>> loop = ellipses_of(
     ...     *(np.array([value]) for value in (3.0, 1.0, 0.5, math.pi / 2, 0.5))
     ... )  # P0, P1, Q1, phase, f
-    >>> loop.permanent_load.round(12).tolist()  # u = v = sqrt 2: 3 - sqrt 2
+    >>> loop.permanent_stick_load.round(12).tolist()  # u = v = sqrt 2: 3 - sqrt 2
     [1.585786437627]
     """
     # notation: r exp(-i phase) = along_axis - i across_axis, r = Q1/f
@@ -187,15 +187,15 @@ def ellipses_of(
     positive_u = np.where(u > 0, u, 1.0)
     difference_of_squares = (amplitude - shear_over_friction) * (amplitude + shear_over_friction)
     return Ellipses(
-        mean=mean,
-        amplitude=amplitude,
+        mean_load=mean,
+        load_amplitude=amplitude,
         u=u,
         v=v,
-        cosine=(along_axis - amplitude) / positive_u,
-        sine=across_axis / positive_u,
-        turn=np.arctan2(2 * amplitude * across_axis, difference_of_squares),
+        cosine_of_start=(along_axis - amplitude) / positive_u,
+        sine_of_start=across_axis / positive_u,
+        slip_angle=np.arctan2(2 * amplitude * across_axis, difference_of_squares),
         # P_T < 0 is admitted to rounding only: it is gross sliding.
-        permanent_load=np.maximum(mean - (u + v) / 2, 0.0),
+        permanent_stick_load=np.maximum(mean - (u + v) / 2, 0.0),
     )
 
 
@@ -209,22 +209,22 @@ def phase_of(name: str, ellipses: Ellipses, s: Array) -> tuple[Array, Array, Arr
     """
     if name == "I-J":
         sine_of_rate, _ = _sine_and_square(s)
-        _, squared_sine_of_half_time = _sine_and_square(ellipses.start + s)
+        _, squared_sine_of_half_time = _sine_and_square(ellipses.slip_start + s)
         return (
             ellipses.u * sine_of_rate,
-            2 * ellipses.amplitude * ellipses.sine * sine_of_rate,
+            2 * ellipses.load_amplitude * ellipses.sine_of_start * sine_of_rate,
             ellipses.load(2 * squared_sine_of_half_time - 1),
         )
     if name == "E-G":
-        sine_of_rate, _ = _sine_and_square(ellipses.turn - s)
+        sine_of_rate, _ = _sine_and_square(ellipses.slip_angle - s)
         _, squared_sine_of_slip = _sine_and_square(s)
-        _, squared_sine_of_half_time = _sine_and_square(ellipses.start + s)
+        _, squared_sine_of_half_time = _sine_and_square(ellipses.slip_start + s)
         rate = ellipses.v * sine_of_rate
         slipped = ellipses.u * squared_sine_of_slip
     else:
         sine_of_rate, _ = _sine_and_square(s)
-        _, squared_sine_of_slip = _sine_and_square(ellipses.turn + s)
-        _, squared_sine_of_half_time = _sine_and_square(ellipses.start - s)
+        _, squared_sine_of_slip = _sine_and_square(ellipses.slip_angle + s)
+        _, squared_sine_of_half_time = _sine_and_square(ellipses.slip_start - s)
         rate = ellipses.u * sine_of_rate
         slipped = ellipses.v * squared_sine_of_slip
     return rate, slipped, ellipses.load(1 - 2 * squared_sine_of_half_time)
@@ -246,7 +246,7 @@ def _stick_edge_angles(e: Ellipses, loads: Array) -> tuple[Array, Array]:
     """Angles at which the stick edge is at given loads P: 2 arcsin of the roots of (P - P_T)/v and
     of (P - P_T)/u, for the phases of slip E-G and J-M.
     """
-    load_above = np.maximum(loads - e.permanent_load, 0.0)
+    load_above = np.maximum(loads - e.permanent_stick_load, 0.0)
     by_v = half_angle(load_above / np.where(e.v > 0, e.v, np.inf))
     by_u = half_angle(load_above / np.where(e.u > 0, e.u, np.inf))
     return by_v, by_u
@@ -260,20 +260,20 @@ def corner_angles(ellipses: Ellipses, corners: Array) -> dict[str, Array]:
     edge of contact or of stick passes a corner of the profile. There P or P_c, the load at the
     stick edge, equals one of the `corners` (c, 1).
     """
-    cosine_at_corner = (corners - ellipses.mean) / np.where(
-        ellipses.load_moves, ellipses.amplitude, np.inf
+    cosine_at_corner = (corners - ellipses.mean_load) / np.where(
+        ellipses.load_moves, ellipses.load_amplitude, np.inf
     )
     # Corners that are not met, but nearly: a cut at the greatest or least load.
     rising_angle = np.arccos(np.clip(cosine_at_corner, -1.0, 1.0))
     falling_angle = np.arccos(np.clip(-cosine_at_corner, -1.0, 1.0))
     stick_edge_angle_by_v, stick_edge_angle_by_u = _stick_edge_angles(ellipses, corners)
-    start_angle = ellipses.start
+    start_angle = ellipses.slip_start
     full_turn = 2 * math.pi
     inner_cuts = {
         "E-G": (
             rising_angle - start_angle,
             full_turn - rising_angle - start_angle,
-            ellipses.turn - stick_edge_angle_by_v,
+            ellipses.slip_angle - stick_edge_angle_by_v,
         ),
         "I-J": (
             falling_angle - start_angle,
@@ -283,7 +283,11 @@ def corner_angles(ellipses: Ellipses, corners: Array) -> dict[str, Array]:
         ),
         "J-M": (start_angle - rising_angle, start_angle + rising_angle, stick_edge_angle_by_u),
     }
-    lengths = {"E-G": ellipses.turn, "I-J": math.pi - ellipses.turn, "J-M": ellipses.turn}
+    lengths = {
+        "E-G": ellipses.slip_angle,
+        "I-J": math.pi - ellipses.slip_angle,
+        "J-M": ellipses.slip_angle,
+    }
     angles = {}
     for name, length in lengths.items():
         cuts = np.concatenate([np.zeros_like(start_angle)[None], *inner_cuts[name], length[None]])
@@ -374,13 +378,13 @@ def _ranges_of_slip(ellipses: Ellipses, load_at_x: Array) -> tuple[tuple[int, Ar
     2 P1 sin^2(h/2) = P_x - P_min. The stick edge passes it in E-G where sin^2((D - s)/2) = (P_x -
     P_T)/v, in I-J at s = t_E - h, in J-M where sin^2(s/2) = (P_x - P_T)/u.
     """
-    share_of_swing = (load_at_x - ellipses.mean + ellipses.amplitude) / np.where(
-        ellipses.load_moves, 2 * ellipses.amplitude, 1.0
+    share_of_swing = (load_at_x - ellipses.mean_load + ellipses.load_amplitude) / np.where(
+        ellipses.load_moves, 2 * ellipses.load_amplitude, 1.0
     )
-    share_at_rest = np.where(load_at_x > ellipses.mean, 1.0, 0.0)
+    share_at_rest = np.where(load_at_x > ellipses.mean_load, 1.0, 0.0)
     open_angle = half_angle(np.where(ellipses.load_moves, share_of_swing, share_at_rest))
-    start_angle = ellipses.start
-    phase_angle = ellipses.turn
+    start_angle = ellipses.slip_start
+    phase_angle = ellipses.slip_angle
     stick_edge_angle_by_v, stick_edge_angle_by_u = _stick_edge_angles(ellipses, load_at_x)
     passing_angle = np.maximum(phase_angle - stick_edge_angle_by_v, 0.0)
     # E-G before and after the least load, I-J, J-M
@@ -547,9 +551,9 @@ def roundoff_error(ellipses: Ellipses, work: Array) -> Array:
     or the angles D and pi - D of the phases of slip, as many digits are lost. `work` (m,) is that
     value.
     """
-    loop_size = ellipses.amplitude + (ellipses.u + ellipses.v) / 2
+    loop_size = ellipses.load_amplitude + (ellipses.u + ellipses.v) / 2
     least_swing = np.minimum(ellipses.u, ellipses.v)
-    least_angle = np.minimum(ellipses.turn, math.pi - ellipses.turn)
+    least_angle = np.minimum(ellipses.slip_angle, math.pi - ellipses.slip_angle)
     # Nothing slips where one of them is 0.
     lost_by_size = loop_size / np.where(least_swing > _TINY * loop_size, least_swing, np.inf)
     lost_by_angle = math.pi / np.where(least_angle > _TINY, least_angle, np.inf)
@@ -567,10 +571,10 @@ def digits_of_loop(ellipses: Ellipses) -> Array:
     difference of Q1/f and P1 where the loads are nearly in phase. Where the phase is near pi,
     sin(phase) has only the digits of pi - phase.
     """
-    loop_size = ellipses.amplitude + (ellipses.u + ellipses.v) / 2
+    loop_size = ellipses.load_amplitude + (ellipses.u + ellipses.v) / 2
     least_swing = np.minimum(ellipses.u, ellipses.v)
-    across_axis = ellipses.u * ellipses.sine
-    along_axis = ellipses.u * ellipses.cosine + ellipses.amplitude
+    across_axis = ellipses.u * ellipses.sine_of_start
+    along_axis = ellipses.u * ellipses.cosine_of_start + ellipses.load_amplitude
     axis_ratio = -along_axis / np.where(across_axis > _TINY * loop_size, across_axis, np.inf)
     lost_by_phase = np.where(along_axis < 0, axis_ratio, 0.0)
     lost_by_size = loop_size / np.where(least_swing > _TINY * loop_size, least_swing, np.inf)
@@ -619,8 +623,10 @@ def by_largest_load(ellipses: Ellipses) -> Iterator[tuple[Indices, int, int]]:
     Largest loads of a group lie within eight octaves. Which table an ellipse gets follows from its
     own loads alone, whoever else is in the array. Loads below 2^-48 of the mean count as that.
     """
-    largest_load = (ellipses.mean + ellipses.amplitude) * (1 + _MARGIN)
-    least_load = np.maximum(ellipses.permanent_load, LEAST_LOAD * ellipses.mean) * (1 - _MARGIN)
+    largest_load = (ellipses.mean_load + ellipses.load_amplitude) * (1 + _MARGIN)
+    least_load = np.maximum(ellipses.permanent_stick_load, LEAST_LOAD * ellipses.mean_load) * (
+        1 - _MARGIN
+    )
     group = (np.frexp(largest_load)[1] - 1) // _STEP_OF_TABLES
     first_table = (np.frexp(least_load)[1] - 1) // _STEP_OF_TABLES
     for group_number in np.unique(group).tolist():
@@ -659,7 +665,7 @@ def dissipation_and_error(e: Ellipses, contact: SymmetricContact) -> Array:
     """Forward and reverse part of W pi E*/(2 f^2) of m ellipses on any profile, and the error of
     their sum from above, (3, m); NaN where the quadrature does not converge.
     """
-    works = np.empty((3, len(e.mean)))
+    works = np.empty((3, len(e.mean_load)))
     for members, first_load, last_load in by_largest_load(e):
         works[:, members] = _dissipation_of_group(e.take(members), contact, first_load, last_load)
     total = works[0] + works[1]
@@ -678,15 +684,15 @@ def _dissipation_of_group(
     the loads P and P_c. Shallow slip: a table of ln a. The least slip: the kernel Lam = int
     ln(a(eta)/a(P_c)) d eta itself, slow but with all digits.
     """
-    works = np.empty((3, len(ellipses.mean)))
-    deepest_share = ellipses.deepest_slip / ellipses.mean
+    works = np.empty((3, len(ellipses.mean_load)))
+    deepest_share = ellipses.deepest_slip / ellipses.mean_load
     kernel = contact.dissipation_kernel
     is_deep = deepest_share > _DEEP
     is_by_series = np.zeros(len(deepest_share), dtype=bool)
     edge_loads = contact.break_loads
     log_half_width = _log_of(contact)
     table = None
-    if len(ellipses.mean) > _DIRECT and np.any(deepest_share > _SHALLOW):
+    if len(ellipses.mean_load) > _DIRECT and np.any(deepest_share > _SHALLOW):
         table = _log_half_width(contact, first_octave, last_octave + 1)
         edge_loads = table.edges
         log_half_width = table
@@ -726,8 +732,10 @@ def _over_phases(
     """
     corners = contact.break_loads
     # A corner that is nearly met counts too.
-    is_above_least = corners > 0.99 * np.min(ellipses.permanent_load, initial=math.inf)
-    is_below_most = corners < 1.01 * np.max(ellipses.mean + ellipses.amplitude, initial=0.0)
+    is_above_least = corners > 0.99 * np.min(ellipses.permanent_stick_load, initial=math.inf)
+    is_below_most = corners < 1.01 * np.max(
+        ellipses.mean_load + ellipses.load_amplitude, initial=0.0
+    )
     met_corners = corners[is_above_least & is_below_most, None]
     pieces_of_phases = []
     for number, cuts in enumerate(corner_angles(ellipses, met_corners).values()):
@@ -772,7 +780,7 @@ def _over_loads(
     E-G and s in J-M. s is the angle from the begin of a phase, D the angle from E to G.
     """
     # L counts from that of P0: what is left of any constant is round-off.
-    log_at_mean = log_half_width(ellipses.mean[None])[0]
+    log_at_mean = log_half_width(ellipses.mean_load[None])[0]
 
     def weighted_log(course: Indices, ellipse_of_part: Indices, angle: Array) -> Array:
         weight, load = np.empty((2, *angle.shape))
@@ -788,7 +796,7 @@ def _over_loads(
         ellipses, pieces, len(_COURSES), weighted_log, _BEHIND, _SETTLED, _ENOUGH
     )
     load_in_reverse, load_in_forward, edge_in_reverse, edge_early, edge_later = works_of_courses
-    error += _DIGITS * np.square(ellipses.mean + ellipses.amplitude)
+    error += _DIGITS * np.square(ellipses.mean_load + ellipses.load_amplitude)
     forward = load_in_forward + edge_early + edge_later
     return np.stack([forward, load_in_reverse + edge_in_reverse, error])
 
@@ -801,14 +809,14 @@ def _pieces_of_courses(ellipses: Ellipses, edge_loads: Array) -> Pieces:
     I-J and in J-M. A piece begins at its lower load, and is also cut at the largest and at the
     least load.
     """
-    is_met = (edge_loads > 0.99 * np.min(ellipses.permanent_load)) & (
-        edge_loads < np.max(ellipses.mean + ellipses.amplitude)
+    is_met = (edge_loads > 0.99 * np.min(ellipses.permanent_stick_load)) & (
+        edge_loads < np.max(ellipses.mean_load + ellipses.load_amplitude)
     )
     edge_loads = edge_loads[is_met, None]
-    start = ellipses.start
+    start = ellipses.slip_start
     full_turn = 2 * math.pi
-    cosine_at_edge = (edge_loads - ellipses.mean) / np.where(
-        ellipses.load_moves, ellipses.amplitude, np.inf
+    cosine_at_edge = (edge_loads - ellipses.mean_load) / np.where(
+        ellipses.load_moves, ellipses.load_amplitude, np.inf
     )
     angle_at_edge = np.arccos(np.clip(cosine_at_edge, -1.0, 1.0))
     stick_edge_angle_by_v, stick_edge_angle_by_u = _stick_edge_angles(ellipses, edge_loads)
@@ -819,7 +827,7 @@ def _pieces_of_courses(ellipses: Ellipses, edge_loads: Array) -> Pieces:
     courses = (
         (
             start,
-            start + ellipses.turn,
+            start + ellipses.slip_angle,
             (angle_at_edge, least_angle, full_turn - angle_at_edge, largest_angle),
         ),
         (
@@ -827,9 +835,9 @@ def _pieces_of_courses(ellipses: Ellipses, edge_loads: Array) -> Pieces:
             start + full_turn,
             (full_turn - angle_at_edge, largest_angle, full_turn + angle_at_edge),
         ),
-        (zero_angles, ellipses.turn, (stick_edge_angle_by_v,)),
-        (start + ellipses.turn, start + math.pi, (full_turn - angle_at_edge,)),
-        (zero_angles, ellipses.turn, (stick_edge_angle_by_u,)),
+        (zero_angles, ellipses.slip_angle, (stick_edge_angle_by_v,)),
+        (start + ellipses.slip_angle, start + math.pi, (full_turn - angle_at_edge,)),
+        (zero_angles, ellipses.slip_angle, (stick_edge_angle_by_u,)),
     )
     pieces_of_courses = []
     for number, (begin, end, cuts) in enumerate(courses):
@@ -868,7 +876,7 @@ def course_of(name: str, ellipses: Ellipses, angle: Array) -> tuple[Array, Array
             ellipses,
             ellipses.v,
             ellipses.u,
-            ellipses.turn,
+            ellipses.slip_angle,
             squared_tangent * squared_cosine,
             cosine,
             sine,
@@ -878,21 +886,23 @@ def course_of(name: str, ellipses: Ellipses, angle: Array) -> tuple[Array, Array
             ellipses,
             ellipses.u,
             ellipses.v,
-            -ellipses.turn,
+            -ellipses.slip_angle,
             squared_tangent * squared_cosine,
             cosine,
             sine,
         )
-    load = (ellipses.mean - ellipses.amplitude) + 2 * ellipses.amplitude * squared_cosine
+    load = (
+        ellipses.mean_load - ellipses.load_amplitude
+    ) + 2 * ellipses.load_amplitude * squared_cosine
     if name == "P_c, I-J":
-        along_axis = ellipses.cosine * cosine + ellipses.sine * sine
-        across_axis = ellipses.cosine * sine - ellipses.sine * cosine
-        weight = (1 - along_axis) * sine + 2 * ellipses.sine * across_axis * across_axis
-        return -ellipses.u * ellipses.amplitude * weight, load
+        along_axis = ellipses.cosine_of_start * cosine + ellipses.sine_of_start * sine
+        across_axis = ellipses.cosine_of_start * sine - ellipses.sine_of_start * cosine
+        weight = (1 - along_axis) * sine + 2 * ellipses.sine_of_start * across_axis * across_axis
+        return -ellipses.u * ellipses.load_amplitude * weight, load
     swing = ellipses.v if name == "P, E-G" else ellipses.u
-    end = ellipses.start + ellipses.turn if name == "P, E-G" else ellipses.start
+    end = ellipses.slip_start + ellipses.slip_angle if name == "P, E-G" else ellipses.slip_start
     cosine_to_end = np.cos(end) * cosine + np.sin(end) * sine
-    return swing * ellipses.amplitude * sine * (cosine_to_end - 1), load
+    return swing * ellipses.load_amplitude * sine * (cosine_to_end - 1), load
 
 
 def _course_of_stick_edge(
@@ -915,7 +925,7 @@ def _course_of_stick_edge(
     load_above = amplitude * half_square
     cosine_to_turn = np.cos(turn) * cosine + np.sin(turn) * sine
     slipped = other_amplitude / 2 * (1 - cosine_to_turn)
-    return amplitude * sine * (load_above - slipped), ellipses.permanent_load + load_above
+    return amplitude * sine * (load_above - slipped), ellipses.permanent_stick_load + load_above
 
 
 def _over_pieces(
@@ -943,7 +953,7 @@ def _over_pieces(
         a piece has converged if its check is below `settled_share` W, or `least_share` P0^2 where
         that is more
     """
-    n_ellipses = len(ellipses.mean)
+    n_ellipses = len(ellipses.mean_load)
     if n_ellipses < _SOME:  # every call counts, and not its length
         pieces = pieces._replace(rule=np.full(len(pieces.rule), len(rules) - 1))
         least_share = 0.0
@@ -955,9 +965,9 @@ def _over_pieces(
         ellipse_of_piece = pieces.member
         if not halvings:
             work_of_ellipse = np.bincount(ellipse_of_piece, integrals, n_ellipses)
-            work_size = np.maximum(work_of_ellipse, least_share * np.square(ellipses.mean))
+            work_size = np.maximum(work_of_ellipse, least_share * np.square(ellipses.mean_load))
         is_resolved = ~(checks > settled_share * work_size[ellipse_of_piece])
-        is_nothing = checks <= _NOTHING * np.square(ellipses.mean[ellipse_of_piece])
+        is_nothing = checks <= _NOTHING * np.square(ellipses.mean_load[ellipse_of_piece])
         is_done = is_resolved | ((halvings >= _FEW) & is_nothing)
         np.add.at(
             works_of_groups, (pieces.group[is_done], ellipse_of_piece[is_done]), integrals[is_done]
@@ -1001,7 +1011,9 @@ def _integrals(
 
 def _log_of(contact: SymmetricContact) -> Callable[[Array], Array]:
     """L of loads, ln(a/a_0) beside a flat."""
-    level = replace(contact, datum_length=contact.least / 2 if contact.least > 0 else 0.5)
+    level = replace(
+        contact, datum_length=contact.least_half_width / 2 if contact.least_half_width > 0 else 0.5
+    )
     return lambda load: -level.log_ratio(load)
 
 
@@ -1136,7 +1148,7 @@ def works_by_lam(
     )
     # Members alike together: the same rule, and the same way to Lam.
     kind_of_member = 2 * _rule_of(ellipses) + (
-        (ellipses.deepest_slip <= deep_share * ellipses.mean) | is_unlike
+        (ellipses.deepest_slip <= deep_share * ellipses.mean_load) | is_unlike
     )
     order_by_kind = np.argsort(kind_of_member, kind="stable")
     loops_by_kind = _rows(ellipses, least_share).take(order_by_kind, axis=1)
@@ -1157,15 +1169,15 @@ def works_by_lam(
                 loops_by_kind[:, block], _RULES[kind_number // 2], area, memory
             )
     reverse_sum, sum_later, sum_early = 2 * sums
-    twice_largest_slip = 4 * ellipses.amplitude * ellipses.sine
+    twice_largest_slip = 4 * ellipses.load_amplitude * ellipses.sine_of_start
     sum_early *= (
-        (math.pi - ellipses.turn)
+        (math.pi - ellipses.slip_angle)
         * ellipses.u
-        / np.where(twice_largest_slip > _FLOOR * ellipses.mean, twice_largest_slip, np.inf)
+        / np.where(twice_largest_slip > _FLOOR * ellipses.mean_load, twice_largest_slip, np.inf)
     )
     return (
-        sum_later * ellipses.turn * ellipses.u + sum_early,
-        reverse_sum * ellipses.turn * ellipses.v,
+        sum_later * ellipses.slip_angle * ellipses.u + sum_early,
+        reverse_sum * ellipses.slip_angle * ellipses.v,
     )
 
 
@@ -1188,9 +1200,12 @@ def lam_error(ellipses: Ellipses, work: Array, deep_share: float, log_size: Arra
     is_unlike = np.minimum(ellipses.u, ellipses.v) <= deep_share * np.maximum(
         ellipses.u, ellipses.v
     )
-    is_quick = (ellipses.deepest_slip > deep_share * ellipses.mean) & ~is_unlike
+    is_quick = (ellipses.deepest_slip > deep_share * ellipses.mean_load) & ~is_unlike
     last_digits = (
-        _DIGITS * (ellipses.mean + ellipses.amplitude) * (ellipses.u + ellipses.v) * log_size
+        _DIGITS
+        * (ellipses.mean_load + ellipses.load_amplitude)
+        * (ellipses.u + ellipses.v)
+        * log_size
     )
     return (
         roundoff_error(ellipses, work)
@@ -1216,20 +1231,20 @@ def _rule_of(ellipses: Ellipses) -> NDArray[np.uint8]:
     singularity from the ends of the interval [-1, 1]. Twelve at least, since nearly without slip
     the integrand is a cube of sines.
     """
-    length_of_e_to_g = np.maximum(ellipses.turn, _TINY)
-    length_of_i_to_j = np.maximum(math.pi - ellipses.turn, _TINY)
+    length_of_e_to_g = np.maximum(ellipses.slip_angle, _TINY)
+    length_of_i_to_j = np.maximum(math.pi - ellipses.slip_angle, _TINY)
     larger_swing = np.maximum(ellipses.u, ellipses.v)
-    least_load = ellipses.mean - ellipses.amplitude
-    square_at_no_stick = _square_of_imaginary(ellipses.permanent_load, larger_swing)
-    square_at_no_load = _square_of_imaginary(least_load, 2 * ellipses.amplitude)
+    least_load = ellipses.mean_load - ellipses.load_amplitude
+    square_at_no_stick = _square_of_imaginary(ellipses.permanent_stick_load, larger_swing)
+    square_at_no_load = _square_of_imaginary(least_load, 2 * ellipses.load_amplitude)
     # Real part and squared imaginary part, each phase being the interval [-1, 1].
     no_stick_in_e_to_g = (-1.0, square_at_no_stick / (length_of_e_to_g * length_of_e_to_g))
     no_load_in_e_to_g = (
-        2 * (math.pi - ellipses.start) / length_of_e_to_g - 1,
+        2 * (math.pi - ellipses.slip_start) / length_of_e_to_g - 1,
         square_at_no_load / (length_of_e_to_g * length_of_e_to_g),
     )
     no_load_in_i_to_j = (
-        2 * ellipses.start / length_of_i_to_j - 1,
+        2 * ellipses.slip_start / length_of_i_to_j - 1,
         square_at_no_load / (length_of_i_to_j * length_of_i_to_j),
     )
     half_sum_of_distances = np.full(len(length_of_e_to_g), np.inf)
@@ -1260,21 +1275,29 @@ def _rows(ellipses: Ellipses, least_share: float) -> Array:
     E-G is reverse slip, I-J the first part of forward slip. No load counts as less than
     `least_share` of the mean load.
     """
-    phase_rows = np.empty((9, len(ellipses.mean)))
-    phase_rows[0] = ellipses.turn / 2
-    phase_rows[1] = (math.pi - ellipses.turn) / 2
+    phase_rows = np.empty((9, len(ellipses.mean_load)))
+    phase_rows[0] = ellipses.slip_angle / 2
+    phase_rows[1] = (math.pi - ellipses.slip_angle) / 2
     # A permanent or least load of 0 as the smallest load there is: the logarithm of 0 is never
     # asked for.
-    np.maximum(ellipses.permanent_load, least_share * ellipses.mean, out=phase_rows[2])
-    np.maximum(ellipses.mean - ellipses.amplitude, least_share * ellipses.mean, out=phase_rows[3])
+    np.maximum(ellipses.permanent_stick_load, least_share * ellipses.mean_load, out=phase_rows[2])
+    np.maximum(
+        ellipses.mean_load - ellipses.load_amplitude,
+        least_share * ellipses.mean_load,
+        out=phase_rows[3],
+    )
     phase_rows[4] = ellipses.u
     phase_rows[5] = ellipses.v
-    larger_axis = np.sqrt(ellipses.amplitude * (1 + np.abs(ellipses.cosine)))
-    smaller_axis = ellipses.amplitude * ellipses.sine / np.where(larger_axis > 0, larger_axis, 1.0)
-    cosine_is_negative = ellipses.cosine < 0
+    larger_axis = np.sqrt(ellipses.load_amplitude * (1 + np.abs(ellipses.cosine_of_start)))
+    smaller_axis = (
+        ellipses.load_amplitude
+        * ellipses.sine_of_start
+        / np.where(larger_axis > 0, larger_axis, 1.0)
+    )
+    cosine_is_negative = ellipses.cosine_of_start < 0
     phase_rows[6] = np.where(cosine_is_negative, larger_axis, smaller_axis)
     phase_rows[7] = np.where(cosine_is_negative, smaller_axis, larger_axis)
-    phase_rows[8] = 4 * ellipses.amplitude * ellipses.sine
+    phase_rows[8] = 4 * ellipses.load_amplitude * ellipses.sine_of_start
     return phase_rows
 
 
@@ -1432,7 +1455,7 @@ class LamTable:
         octave, cell = (grid.ravel() for grid in np.mgrid[first_load : last_load + 1, :_CELLS])
         load = np.ldexp(1 + (cell[:, None] + (1 + _PLACES) / 2) / _CELLS, octave[:, None])
         # L = ln(a/b) keeps its digits beside the flat
-        contact = replace(contact, datum_length=contact.least / 2)
+        contact = replace(contact, datum_length=contact.least_half_width / 2)
         integral_of_log = -contact.log_distance(load)
         log_half_width = -contact.log_ratio(load)
         # Of a short load_step about the load Lam is half of its square times L', but for a share of

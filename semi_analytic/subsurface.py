@@ -531,7 +531,7 @@ def _lines(snapshot: Snapshot, k: int) -> Iterator[tuple[float, float, Slope]]:
     if stick_edge_load < load:
         slope = float(snapshot.direction[k] * snapshot.friction)
         yield max(stick_edge_load, 0.0), load, lambda eta: np.full(eta.shape, slope)
-    for piece in pieces(snapshot.actives[snapshot.active_number[k]]):
+    for piece in pieces(snapshot.uppermost_pieces[snapshot.piece_number[k]]):
         if piece.bottom < stick_edge_load:
             top = min(piece.top, stick_edge_load)
             yield piece.bottom, top, _slope_of(piece, snapshot.friction)

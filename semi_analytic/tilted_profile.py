@@ -798,29 +798,31 @@ class NestedIntervals:
 
     Attributes
     ----------
-    shape, product
+    shape, compliance
         the profile, A
-    tilt, slope
+    tilt_without_load, tilt_per_load
         alpha_0 and kappa [1/force per thickness]
-    most
+    largest_load
         the largest load that is asked for
     """
 
     shape: ConvexProfile
-    product: float
-    tilt: float
-    slope: float
-    most: float
+    compliance: float
+    tilt_without_load: float
+    tilt_per_load: float
+    largest_load: float
 
     def exactly(self, load: ArrayLike) -> tuple[Array, Array]:
         """m and c of I(eta) from the equations themselves."""
         eta = np.asarray(load, dtype=float)
-        return self.shape.contact(self.product * eta, self.tilt + self.slope * eta)
+        return self.shape.contact(
+            self.compliance * eta, self.tilt_without_load + self.tilt_per_load * eta
+        )
 
     @cached_property
     def scale(self) -> float:
         """The largest half-length."""
-        return float(self.exactly(self.most)[1])
+        return float(self.exactly(self.largest_load)[1])
 
     @cached_property
     def start(self) -> tuple[Array, Array]:
@@ -839,7 +841,7 @@ class NestedIntervals:
     def break_loads(self) -> Array:
         """Loads at which an end of I(eta) is at a knot, ascending."""
         loads = self.load(self.shape.breaks)
-        return np.unique(loads[np.isfinite(loads) & (loads > 1e-12 * self.most)])
+        return np.unique(loads[np.isfinite(loads) & (loads > 1e-12 * self.largest_load)])
 
     @cached_property
     def _series(self) -> _IntervalSeries:
@@ -850,8 +852,8 @@ class NestedIntervals:
         both are smooth in the root of the load since then; these roots are laid side by side on one
         axis.
         """
-        breaks = self.break_loads[self.break_loads < self.most * (1 - 1e-9)]
-        loads_of_cuts = np.concatenate([[0.0], breaks, [self.most]])
+        breaks = self.break_loads[self.break_loads < self.largest_load * (1 - 1e-9)]
+        loads_of_cuts = np.concatenate([[0.0], breaks, [self.largest_load]])
         ends_on_axis = np.concatenate([[0.0], np.cumsum(np.sqrt(np.diff(loads_of_cuts)))])
         middle_series = []
         half_width_series = []
@@ -888,15 +890,15 @@ class NestedIntervals:
             )
         except Unresolved as fault:
             raise NotFoundError(
-                f"no contact was found under the tilt {self.tilt:.6g} and loads of about"
-                f" {lower_load:.6g}"
+                f"no contact was found under the tilt {self.tilt_without_load:.6g} and loads of"
+                f" about {lower_load:.6g}"
             ) from fault
 
     def at(self, load: ArrayLike) -> tuple[Array, Array]:
         """m and c of I(eta)."""
         if self.shape.radius is not None:
             return self.exactly(load)
-        eta = np.clip(np.asarray(load, dtype=float), 0.0, self.most)
+        eta = np.clip(np.asarray(load, dtype=float), 0.0, self.largest_load)
         series = self._series
         number = np.searchsorted(series.begin_loads, eta, side="right") - 1
         root = np.sqrt(eta - series.begin_loads[number])
@@ -916,8 +918,8 @@ class NestedIntervals:
         if radius is not None:  # of a parabola in closed form
             _, half_after = self.exactly(load)
             _, half_before = self.exactly(load - load_rise)
-            widening = 2 * self.product * radius / np.pi / (half_after + half_before)
-            return load_rise * (widening - side * radius * self.slope)
+            widening = 2 * self.compliance * radius / np.pi / (half_after + half_before)
+            return load_rise * (widening - side * radius * self.tilt_per_load)
         series = self._series
         series_number = np.searchsorted(series.begin_loads, load, side="right") - 1
         outward_growth = np.zeros(load.shape)
@@ -951,20 +953,20 @@ class NestedIntervals:
         With x fixed as an end, the mean slope falls as the half-length c grows. Newton's method
         finds the c at which it balances the tilt, kept in a bracket.
         """
-        middle, half_width = self.exactly(self.most)
+        middle, half_width = self.exactly(self.largest_load)
         is_reached = np.abs(x - middle) <= half_width * (1 + 1e-8)
         reached_x = x[is_reached]
-        tilt_per_product = self.slope / self.product
-        side = np.where(reached_x < float(self.shape.touch(self.tilt)), -1.0, 1.0)
+        tilt_over_compliance = self.tilt_per_load / self.compliance
+        side = np.where(reached_x < float(self.shape.touch(self.tilt_without_load)), -1.0, 1.0)
         least_c = np.zeros(reached_x.shape)
         largest_c = np.full(reached_x.shape, 2.1 * self.scale)
         c = largest_c / 2
         for _ in range(_STEPS):
             balance = self.shape.balance(reached_x - side * c, c)
-            slope_excess = side * (balance.mean_slope + self.tilt)
-            slope_excess = slope_excess + side * tilt_per_product * balance.load
+            slope_excess = side * (balance.mean_slope + self.tilt_without_load)
+            slope_excess = slope_excess + side * tilt_over_compliance * balance.load
             rate = (balance.bend_sum - side * balance.bend_cosine_sum) * (
-                1 / np.pi - side * tilt_per_product * c
+                1 / np.pi - side * tilt_over_compliance * c
             )
             least_c = np.where(slope_excess > 0, c, least_c)
             largest_c = np.where(slope_excess > 0, largest_c, c)
@@ -977,8 +979,8 @@ class NestedIntervals:
             if np.all(is_done):
                 break
         loads = np.full(x.shape, np.inf)
-        loads[is_reached] = self.shape.balance(reached_x - side * c, c).load / self.product
-        return np.where(loads <= self.most * (1 + 1e-9), loads, np.inf)
+        loads[is_reached] = self.shape.balance(reached_x - side * c, c).load / self.compliance
+        return np.where(loads <= self.largest_load * (1 + 1e-9), loads, np.inf)
 
 
 class _IntervalSeries(NamedTuple):
@@ -1022,7 +1024,7 @@ class TiltedProfile:
     rigid: Literal["displacement", "loop", "moment"] = "displacement"
     bends_anywhere: ClassVar[bool] = False
     breaks: ClassVar[tuple[float, ...]] = ()
-    least: ClassVar[float] = 0.0
+    least_half_width: ClassVar[float] = 0.0
     share: ClassVar[float] = 1.0
     """Rise of Q over that of the load in whose terms the memory curve is: 1, or 0 where bulk strain
     alone changes.
@@ -1044,14 +1046,14 @@ class TiltedProfile:
         return self.intervals.shape
 
     @property
-    def _product(self) -> float:
+    def _compliance(self) -> float:
         """A."""
-        return self.intervals.product
+        return self.intervals.compliance
 
     @cached_property
     def lean(self) -> float:
         """pi kappa/A."""
-        return float(np.pi * self.intervals.slope / self._product)
+        return float(np.pi * self.intervals.tilt_per_load / self._compliance)
 
     def at(self, load: ArrayLike) -> tuple[Array, Array]:
         """m and c of I(eta)."""
@@ -1097,21 +1099,21 @@ class TiltedProfile:
 
     def under(self, load: Array, tilt: Array) -> tuple[Array, Array]:
         """m and c of the contact of loads and tilts (n,)."""
-        return self.shape.contact(self._product * load, tilt)
+        return self.shape.contact(self._compliance * load, tilt)
 
     def pressure_over(self, x: Array, m: Array, c: Array) -> Array:
         """p at points (k,) of contacts (n,): (n, k)."""
         pressure = np.maximum(self.shape.pressure(x, m[:, None], c[:, None]), 0.0)
-        return np.asarray(pressure / (np.pi * self._product))
+        return np.asarray(pressure / (np.pi * self._compliance))
 
     def approach(self, m: Array, c: Array, load: Array, tilt: Array) -> Array:
         """Normal approach at x = 0 of contacts (n,) [length]."""
-        return self.shape.approach(m, c, tilt) + self._product / np.pi * load * self.logarithm(c)
+        return self.shape.approach(m, c, tilt) + self._compliance / np.pi * load * self.logarithm(c)
 
     def moment(self, m: Array, c: Array, load: Array, tilt: Array) -> Array:
         """int x p of contacts (n,) [force]."""
         del load
-        return self.shape.moment(m, c, tilt) / self._product
+        return self.shape.moment(m, c, tilt) / self._compliance
 
     def tilt_under(self, load: Array, moment: Array) -> Array:
         """The tilt at which contacts under loads (n,) carry given moments (n,), moment = int x p
@@ -1145,8 +1147,8 @@ class TiltedProfile:
             largest_tilt = np.where(excess_moment > 0, largest_tilt, tilt)
             # A change of tilt adds -(d alpha/A) t/sqrt(c^2 - t^2) to p. No step moves a contact by
             # more than about a third of it.
-            longest_step = self._product * load / (4 * half_width)
-            step = 2 * self._product * excess_moment / (np.pi * half_width**2)
+            longest_step = self._compliance * load / (4 * half_width)
+            step = 2 * self._compliance * excess_moment / (np.pi * half_width**2)
             new_tilt = tilt + np.clip(step, -longest_step, longest_step)
             is_in_bracket = (new_tilt >= least_tilt) & (new_tilt <= largest_tilt)
             new_tilt = np.where(is_in_bracket, new_tilt, (least_tilt + largest_tilt) / 2)
@@ -1163,7 +1165,7 @@ class TiltedProfile:
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
         """p(x, P) >= 0 [stress], 0 outside the contact."""
         value = self.shape.pressure(np.asarray(x, dtype=float), *self.intervals.at(load))
-        return np.asarray(np.maximum(value, 0.0) / (np.pi * self._product))
+        return np.asarray(np.maximum(value, 0.0) / (np.pi * self._compliance))
 
     pressure_rise = pressure
 
@@ -1191,7 +1193,7 @@ class TiltedProfile:
         x = np.asarray(x, dtype=float)
         gap_before = self.shape.gap(x, *self.intervals.start)
         gap_after = self.shape.gap(x, *self.intervals.at(load))
-        return np.maximum(gap_before - gap_after, 0.0) * np.pi / self._product
+        return np.maximum(gap_before - gap_after, 0.0) * np.pi / self._compliance
 
     def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
         """The same with eta in front [force^2 per thickness^2]."""
@@ -1275,13 +1277,15 @@ class TiltedProfile:
         """
         load = np.asarray(load, dtype=float)
         m, c = self.intervals.at(load)
-        tilt = self.intervals.tilt + self.intervals.slope * load
-        moment = self.shape.moment(m, c, tilt) / self._product
+        tilt = self.intervals.tilt_without_load + self.intervals.tilt_per_load * load
+        moment = self.shape.moment(m, c, tilt) / self._compliance
         if self.rigid == "moment":
             return moment
-        approach_of_start = self.shape.approach(*self.intervals.start, self.intervals.tilt)
+        approach_of_start = self.shape.approach(
+            *self.intervals.start, self.intervals.tilt_without_load
+        )
         approach = self.shape.approach(m, c, tilt) - approach_of_start
-        approach_over_unit = np.pi / self._product * approach + load * self.logarithm(c)
+        approach_over_unit = np.pi / self._compliance * approach + load * self.logarithm(c)
         if self.rigid == "loop":
             return approach_over_unit + self.lean * moment
         return approach_over_unit

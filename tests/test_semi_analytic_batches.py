@@ -206,7 +206,9 @@ def test_batch_and_marching_agree(ratio, use, phase, friction, flat, part):
     assert float(work.forward) == pytest.approx(float(marched.forward), rel=1e-9, abs=floor)
     assert float(work.reverse) == pytest.approx(float(marched.reverse), rel=1e-9, abs=floor)
     loop = ellipses_of(*(np.array([value]) for value in (1.0, ratio, q1, angle, friction)))
-    inner, outer = (float(contact.half_width(load)) for load in (loop.permanent_load[0], 1 + ratio))
+    inner, outer = (
+        float(contact.half_width(load)) for load in (loop.permanent_stick_load[0], 1 + ratio)
+    )
     x = np.array([inner + part * (outer - inner)])
     density = sum(density_of(loop, contact, x)) * 2 * friction**2 / math.pi
     assert float(density[0]) == pytest.approx(

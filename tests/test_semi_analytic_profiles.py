@@ -178,7 +178,7 @@ def test_half_width_inverts_load_over_sixteen_decades(name):
     # the edge keeps all.
     load_again = (
         contact.law.load(contact.law.advance(load))
-        if contact.least
+        if contact.least_half_width
         else contact.load(contact.half_width(load))
     )
     np.testing.assert_allclose(load_again, load, rtol=2e-14)
@@ -211,7 +211,7 @@ def test_close_half_widths_keep_their_digits(name):
                 if part > 1e-3
                 else np.arcsinh(np.sqrt((outer - a) * (outer + a)) / a)
             )
-            limit = 1e-11 + 4e-14 / part * a / max(a - contact.least, 1e-9 * a)
+            limit = 1e-11 + 4e-14 / part * a / max(a - contact.least_half_width, 1e-9 * a)
             assert float(contact.arccosh_ratio(outer, excess, advance)) == pytest.approx(
                 reach, rel=limit
             )
@@ -335,7 +335,7 @@ SAME = {
     # As much as the last digit of a leaves of a - b.
     "beside the flat of a table": (
         KNEE,
-        FlatRounded(radius=1 / BEND, flat_half_length=contact_on(KNEE).least),
+        FlatRounded(radius=1 / BEND, flat_half_length=contact_on(KNEE).least_half_width),
         tuple(
             share * float(contact_on(KNEE).load(contact_on(KNEE).breaks[0])) for share in (1e-2,)
         ),
@@ -511,7 +511,7 @@ def judged(x, h):
             words in str(refusal) for words in ("row", "near a half-width of")
         ) and "\n" not in str(refusal)
         return "split" if named else f"refused in other words: {refusal}"
-    loads = contact.load(np.linspace(contact.least, contact.extent, 3001)[1:])
+    loads = contact.load(np.linspace(contact.least_half_width, contact.extent, 3001)[1:])
     load = loads[-1] * np.geomspace(1e-4, 1, 40)
     if (
         np.min(np.diff(loads)) < -1e-13 * loads[-1]

@@ -79,7 +79,7 @@ def followed(
     )
     rows = ActuatorRows(time, load, displacement, (len(time) - 1,))
     table = PunchTable(CONTACT, MODULUS, 1.02 * math.sqrt(max(load)))
-    compliance = Compliance(unit=UNIT, datum_length=DATUM, tangential_spring=spring)
+    compliance = Compliance(unit_compliance=UNIT, datum_length=DATUM, tangential_spring=spring)
     return follow_actuator(table, friction, compliance, rows)
 
 
@@ -214,7 +214,7 @@ def test_the_load_of_an_approach_is_that_of_published_formulas(
     lengths = [body.datum_length for body in bodies]
     datum_length = math.exp(float(np.dot(shares, np.log(lengths))))
     contact = HertzContact(modulus=modulus, radius=radius, datum_length=datum_length)
-    compliance = Compliance(unit=2 / (math.pi * modulus), datum_length=datum_length)
+    compliance = Compliance(unit_compliance=2 / (math.pi * modulus), datum_length=datum_length)
     found = loads_of_approach(contact, modulus, compliance, approach)
     assert found == pytest.approx(load, rel=1e-9)
 
