@@ -719,26 +719,33 @@ class _Stepper:
         return step, self._displacement(row, step)
 
     def _displacement(self, row: Row, step: Step) -> float:
-        """Displacement of the actuator that the loads of a `row` make [length]: U of the contact,
-        plus what the bodies and the tangential spring give way by.
+        """Displacement U + Q/k_s of the actuator under the loads P, Q of a `row` [length]: U of
+        contact and bodies, plus what the tangential spring k_s takes.
 
-        `step` holds the friction memory at its end, along which ln(2 L/c) and c^2/2 are integrated.
+            (A/pi) int ln(2 L/c) dM + (c_t + 1/k_s) Q + T q_2/2 + N_Q p_2/2 + part of the tilt
+
+        M is the memory curve at the end of the `step`, the tangential force of flat punches up to
+        half-width c. p_2 and q_2 are the second moments of pressure and shear, T and N_Q curvatures
+        of the bodies, c_t their compliance.
         """
         self._add_up()
         compliance = self._compliance
         curvatures = compliance.curvatures
         sums_at_edge = self._table.sums_at(row.edge, compliance.datum_length)
-        curve = step.state.curve
+        uppermost_piece = step.state.curve
         face_curvature = row.tangential_curvature
-        logarithm = (
-            self._logarithm_integrals[curve] + face_curvature * sums_at_edge.parabola_logarithm
+        integral_of_logarithm = (
+            self._logarithm_integrals[uppermost_piece]
+            + face_curvature * sums_at_edge.parabola_logarithm
         )
-        second_moment = self._second_moments[curve] + face_curvature * sums_at_edge.parabola_second
+        shear_second = (
+            self._second_moments[uppermost_piece] + face_curvature * sums_at_edge.parabola_second
+        )
         pressure_second = sums_at_edge.second + row.normal_curvature * sums_at_edge.parabola_second
-        displacement = compliance.unit_compliance * logarithm
+        displacement = compliance.unit_compliance * integral_of_logarithm
         added_compliance = compliance.tangential + compliance.tangential_spring
         displacement += added_compliance * row.tangential_load
-        displacement += curvatures.tangential * second_moment / 2
+        displacement += curvatures.tangential * shear_second / 2
         displacement += curvatures.normal_under_shear * pressure_second / 2
         return displacement + float(compliance.of_tilt(row.normal_load, row.tangential_load))
 

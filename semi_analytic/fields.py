@@ -390,27 +390,35 @@ def _turn(segment: LoadSegment, arc_end: float, other_end: float) -> TurningPoin
     """The turning point of the load P(t) at one end of an arc of a load segment, or beyond that end
     by less than the arc's length; the end itself where there is none.
 
-    Newton's method on dP/dt; the formulas of the segment hold beyond its ends too.
+    An arc is a part of the segment between the times `arc_end` and `other_end`. Newton's method on
+    dP/dt; the formulas of the segment hold beyond its ends too.
     """
     arc_length = other_end - arc_end
     time_step = 1e-3 * arc_length
-    sign = math.copysign(1.0, arc_length)
+    # P grows along the arc: it is least at the begin, largest at the end.
+    sign_of_curvature = math.copysign(1.0, arc_length)
     turning_time = arc_end
     for _ in range(20):
         load_rate = float(segment.rate_of(NORMAL_LOAD, turning_time))
         rate_after = segment.rate_of(NORMAL_LOAD, turning_time + time_step)
         rate_before = segment.rate_of(NORMAL_LOAD, turning_time - time_step)
-        load_bend = float(rate_after - rate_before) / (2 * time_step)
-        newton_step = load_rate / load_bend if load_bend * sign > 0 else math.inf
+        load_curvature = float(rate_after - rate_before) / (2 * time_step)
+        newton_step = (
+            load_rate / load_curvature if load_curvature * sign_of_curvature > 0 else math.inf
+        )
         if abs(newton_step) > abs(arc_length) or (
             arc_end - turning_time + newton_step
-        ) * sign < -abs(time_step):
-            return TurningPoint(arc_end, float(segment.loads(arc_end)[0]), sign, other_end)
+        ) * sign_of_curvature < -abs(time_step):
+            return TurningPoint(
+                arc_end, float(segment.loads(arc_end)[0]), sign_of_curvature, other_end
+            )
         turning_time -= newton_step
         if abs(newton_step) <= 1e-15 * (abs(turning_time) + abs(arc_length)):
             break
     turning_time = min(turning_time, arc_end) if arc_length > 0 else max(turning_time, arc_end)
-    return TurningPoint(turning_time, float(segment.loads(turning_time)[0]), sign, other_end)
+    return TurningPoint(
+        turning_time, float(segment.loads(turning_time)[0]), sign_of_curvature, other_end
+    )
 
 
 def _force_over_root(leg: LoadSegment, turn: TurningPoint, z: Array) -> Array:

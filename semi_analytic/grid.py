@@ -799,8 +799,8 @@ class _Path:
                 self._known[key_of_times] = self.loads.values(times_of_segment).T
             loads.append(self._known[key_of_times])
         all_times = np.concatenate(times_of_segments)
-        is_behind_start = (time_in_cycle > segments[0].start) | (cycle_number < 0)
-        instants_in_cycle = np.flatnonzero((time_in_cycle <= segments[-1].end) & is_behind_start)
+        is_after_start = (time_in_cycle > segments[0].start) | (cycle_number < 0)
+        instants_in_cycle = np.flatnonzero((time_in_cycle <= segments[-1].end) & is_after_start)
         rows_of_instants = [
             np.argmin(np.abs(all_times - max(t, path.start)))
             for t in time_in_cycle[instants_in_cycle]

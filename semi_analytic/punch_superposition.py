@@ -1211,8 +1211,9 @@ def _integrand(kind: Kind, order: int, panels: Panels, v: Array, law: ContactLaw
         outside      W x/(a sqrt(x^2 - a^2)) da/dv
         logarithm    W/a da/dv
 
-    W = P, or P^2/2 with `order` 1. With order 1 of the pressure P stands in front of g. a is the
-    half-width of a punch, P = `law.load` of its advance a - a_0.
+    a is the half-width of a punch, P = `law.load` of its advance a - a_0, a_0 the half-width
+    without load. W = P, or P^2/2 with `order` 1; with order 1 of the pressure P stands in front of
+    g. In v the root of the integrand is smooth; a panel is a range of v for one point x.
     """
     x = panels.x[:, None]
     advance_at_v0 = panels.advance_at_v0[:, None]
@@ -1223,7 +1224,7 @@ def _integrand(kind: Kind, order: int, panels: Panels, v: Array, law: ContactLaw
     half_width = law.least_half_width + advance
     if kind == "pressure":
         weight_of_kind = law.stiffness(advance) * (law.load(advance) if order else 1.0)
-        advance_at_x = (
+        distance_beyond_x = (
             np.maximum(advance_at_v0 - (x - law.least_half_width), 0.0) + advance_beyond_v0
         )
         return (
@@ -1232,7 +1233,7 @@ def _integrand(kind: Kind, order: int, panels: Panels, v: Array, law: ContactLaw
             * root
             * scale
             * np.cosh(v)
-            / np.sqrt(advance_at_x * (half_width + x))
+            / np.sqrt(distance_beyond_x * (half_width + x))
             / np.pi
         )
     load = law.load(advance)
