@@ -565,22 +565,22 @@ class PunchSuperposition:
         values = np.broadcast_arrays(*(as_is(argument) for argument in arguments))
         if name == "dissipation_kernel":
             return self._kernel_error(*values)
-        order = int(name.endswith("_moment"))
+        load_power = int(name.endswith("_moment"))
         kind = name.removesuffix("_moment")
         advance = self.law.advance(values[-1])
         half_width = self.least_half_width + advance
         if kind == "pressure":
             distance = np.abs(values[0])
-            value, error = self._pressure(order, distance, values[1])
-            error = error + self._last_digit_of_variable(order, distance, advance)
+            value, error = self._pressure(load_power, distance, values[1])
+            error = error + self._last_digit_of_variable(load_power, distance, advance)
             distance_to_edge = np.abs(half_width - distance)
         elif kind == "slip_integral":
             distance = np.abs(values[0])
-            value, error = self._outside(order, distance, values[1])
+            value, error = self._outside(load_power, distance, values[1])
             distance_to_edge = np.minimum(half_width, distance) - self.least_half_width
         else:
-            value, error = self._logarithm(order, advance)
-            value = value + np.abs(values[0]) ** (1 + order) * np.abs(self._log_ratio(advance))
+            value, error = self._logarithm(load_power, advance)
+            value = value + np.abs(values[0]) ** (1 + load_power) * np.abs(self._log_ratio(advance))
             distance_to_edge = half_width
         # What the last digit of a half-width does to the result, and errors of P(a).
         least_distance = _EPS * np.maximum(half_width, np.finfo(float).tiny)
@@ -603,7 +603,7 @@ class PunchSuperposition:
         error_of_difference = np.where(self._is_far(load, slipped), error_of_difference, 0.0)
         return error_of_difference + (_OF_AREA * _EPS + self.noise) * kernel
 
-    def _last_digit_of_variable(self, order: int, distance: Array, advance: Array) -> Array:
+    def _last_digit_of_variable(self, load_power: int, distance: Array, advance: Array) -> Array:
         """Change of the pressure at |x| = `distance` by the last digit of v, the variable in which
         its integral is a series; arrays of one shape [stress].
 
@@ -612,7 +612,8 @@ class PunchSuperposition:
         x = 0 v reaches 28, and p of a profile |x|^n goes as a^(n - 1): for |x|^20 that is 2e-13 of
         p.
 
-        `advance` is a - a_0 of the edge; with `order` 1 the load stands in front of the integrand.
+        `advance` is a - a_0 of the edge; with `load_power` 1 the load stands in front of the
+        integrand.
         """
         half_width = self.least_half_width + advance
         distance_to_edge = half_width - distance
@@ -622,7 +623,7 @@ class PunchSuperposition:
         )
         # Of dp/da = g/(pi sqrt(a^2 - x^2)), times the way ahead.
         pressure_change = self.law.stiffness(advance) * root_ratio / np.pi
-        if order:
+        if load_power:
             pressure_change = pressure_change * self.law.load(advance)
         distance_to_corners = np.abs(
             (distance - self.least_half_width)[..., None] - self.law.begins
@@ -644,14 +645,16 @@ class PunchSuperposition:
         """Those of earlier calls: a cache, and nothing else."""
         return {}
 
-    def _primitive(self, kind: Kind, order: int, x: Array, advance: Array) -> tuple[Array, Array]:
+    def _primitive(
+        self, kind: Kind, load_power: int, x: Array, advance: Array
+    ) -> tuple[Array, Array]:
         """An integral over flat punches at points `x`, from no load up to an `advance` a - a_0 of
         the edge of contact, and its error; both arrays broadcast.
 
-        `kind` names the integral: pressure, arccosh outside the punches, or logarithm. With `order`
-        1 the load eta stands in front of the integrand. A primitive, the integral as a function of
-        its upper end, keeps its digits over a limited ratio of advances; wider apart they are taken
-        in bands.
+        `kind` names the integral: pressure, arccosh outside the punches, or logarithm. With
+        `load_power` 1 the load eta stands in front of the integrand. A primitive, the integral as a
+        function of its upper end, keeps its digits over a limited ratio of advances; wider apart
+        they are taken in bands.
         """
         is_positive = advance > 0
         if not np.any(is_positive) or not np.size(x):
@@ -660,7 +663,7 @@ class PunchSuperposition:
         largest_advance = float(np.max(advance))
         least_advance = float(np.min(advance, where=is_positive, initial=np.inf))
         if largest_advance < least_advance * self._band:
-            return self._primitive_of_band(kind, order, x, advance)
+            return self._primitive_of_band(kind, load_power, x, advance)
         points, advances = np.broadcast_arrays(x, advance)
         band = np.full(advances.shape, -1)
         band[advances > 0] = np.log(largest_advance / advances[advances > 0]) / math.log(self._band)
@@ -670,7 +673,7 @@ class PunchSuperposition:
             is_in_band = band == band_number
             if np.any(is_in_band):
                 integral[is_in_band], error[is_in_band] = self._primitive_of_band(
-                    kind, order, points[is_in_band], advances[is_in_band]
+                    kind, load_power, points[is_in_band], advances[is_in_band]
                 )
         return integral, error
 
@@ -682,13 +685,13 @@ class PunchSuperposition:
         return float(self.law.octave ** (_OCTAVES // 2))
 
     def _primitive_of_band(
-        self, kind: Kind, order: int, x: Array, advance: Array
+        self, kind: Kind, load_power: int, x: Array, advance: Array
     ) -> tuple[Array, Array]:
         """An integral over flat punches at points `x`, up to advances a - a_0 of the edge of
         contact that lie close enough for one stored primitive; with its error.
 
-        `kind` names the integral; with `order` 1 the load eta stands in front of the integrand.
-        Advances may be 0 too. `x` and `advance` broadcast.
+        `kind` names the integral; with `load_power` 1 the load eta stands in front of the
+        integrand. Advances may be 0 too. `x` and `advance` broadcast.
         """
         if np.ndim(x) and np.shape(x)[-1] > _POINTS:  # a primitive takes some kilobytes a point
             advance_of_points = np.broadcast_to(
@@ -699,58 +702,58 @@ class PunchSuperposition:
             for k in range(0, np.shape(x)[-1], _POINTS):
                 chunk = slice(k, k + _POINTS)
                 integral, error = self._primitive(
-                    kind, order, x[..., chunk], advance_of_points[..., chunk]
+                    kind, load_power, x[..., chunk], advance_of_points[..., chunk]
                 )
                 integrals.append(integral)
                 errors.append(error)
             return np.concatenate(integrals, axis=-1), np.concatenate(errors, axis=-1)
         points, number_in_points = np.unique(np.ravel(x), return_inverse=True)
         primitive, index_in_primitive = self._cached_primitive(
-            kind, order, points, float(np.max(advance))
+            kind, load_power, points, float(np.max(advance))
         )
         return primitive(
             *np.broadcast_arrays(index_in_primitive[number_in_points].reshape(np.shape(x)), advance)
         )
 
     def _cached_primitive(
-        self, kind: Kind, order: int, points: Array, largest_advance: float
+        self, kind: Kind, load_power: int, points: Array, largest_advance: float
     ) -> tuple[Primitive, Indices]:
         """A stored integral over flat punches as a function of its upper end, made where none
         of the last eight serves; with the indices of the points in it.
 
         Parameters
         ----------
-        kind, order
-            which integral; with order 1 the load stands in front of the integrand
+        kind, load_power
+            which integral; with 1 the load stands in front of the integrand
         points
             (k,) distances |x| [length], ascending
         largest_advance
             largest upper end, a - a_0 of the edge of contact [length]
         """
-        cached_primitives = self._primitives.setdefault((kind, order), [])
+        cached_primitives = self._primitives.setdefault((kind, load_power), [])
         for primitive in cached_primitives:
             indices = np.minimum(np.searchsorted(primitive.x, points), len(primitive.x) - 1)
             reaches_top = largest_advance <= primitive.top < largest_advance * self._band
             if reaches_top and np.array_equal(primitive.x[indices], points):
                 return primitive, indices
-        primitive = primitive_of(kind, order, points, largest_advance, self.law)
+        primitive = primitive_of(kind, load_power, points, largest_advance, self.law)
         cached_primitives[:] = [primitive, *cached_primitives[: _KEPT - 1]]
         return primitive, np.arange(len(points))
 
-    def _pressure(self, order: int, distance: Array, load: Array) -> tuple[Array, Array]:
+    def _pressure(self, load_power: int, distance: Array, load: Array) -> tuple[Array, Array]:
         """Pressure at |x| = `distance` under a load, and its error [stress]: int g/(pi sqrt(alpha^2
         - x^2)) d alpha over the flat punches that reach beyond x.
 
-        alpha is the half-width of a punch, g = dP/d alpha its load per half-width. With `order` 1
-        the load eta stands in front of g.
+        alpha is the half-width of a punch, g = dP/d alpha its load per half-width. With
+        `load_power` 1 the load eta stands in front of g.
         """
         advance = self.law.advance(load)
         is_inside = distance < self.least_half_width + advance
         pressure, error = self._primitive(
-            "pressure", order, distance, np.where(is_inside, advance, 0.0)
+            "pressure", load_power, distance, np.where(is_inside, advance, 0.0)
         )
         pressure = np.where(is_inside & (advance > 0), pressure, 0.0)
-        if self._sharp and order == 0:
+        if self._sharp and load_power == 0:
             # The tip of a sharp wedge: what lies below the least octave, int g/alpha, has no lower
             # end but differences.
             with np.errstate(divide="ignore"):
@@ -760,17 +763,17 @@ class PunchSuperposition:
             pressure = np.where(distance == 0, pressure_at_tip, pressure)
         return pressure, error
 
-    def _outside(self, order: int, distance: Array, load: Array) -> tuple[Array, Array]:
+    def _outside(self, load_power: int, distance: Array, load: Array) -> tuple[Array, Array]:
         """Integral of arccosh(|x|/alpha) dP over the flat punches of half-width alpha < |x| =
         `distance` up to a load, and its error [force per thickness].
 
         By parts it is int W x/(alpha sqrt(x^2 - alpha^2)) d alpha plus W arccosh(|x|/alpha) at the
-        upper end. W = P; with `order` 1, where the load stands in front, W = P^2/2.
+        upper end. W = P; with `load_power` 1, where the load stands in front, W = P^2/2.
         """
         advance = self.law.advance(load)
         outer_advance = self._beyond(distance)
         inner_advance = np.minimum(advance, outer_advance)
-        integral, error = self._primitive("outside", order, distance, inner_advance)
+        integral, error = self._primitive("outside", load_power, distance, inner_advance)
         load_at_x = np.minimum(load, self.law.load(outer_advance))
         half_width = inner_advance + self.least_half_width
         root_of_squares = np.sqrt(
@@ -778,11 +781,13 @@ class PunchSuperposition:
             * (outer_advance + inner_advance + 2 * self.least_half_width)
         )
         arccosh = np.arcsinh(root_of_squares / np.where(half_width > 0, half_width, np.inf))
-        return integral + _weight_of_order(order, load_at_x) * arccosh, error
+        return integral + _load_to_power(load_power, load_at_x) * arccosh, error
 
-    def _logarithm(self, order: int, advance: Array) -> tuple[Array, Array]:
-        """int_0^a P/alpha d alpha, of order 1 int_0^a P^2/(2 alpha) d alpha, and the error."""
-        value, error = self._primitive("logarithm", order, np.zeros(1), advance.reshape(-1, 1))
+    def _logarithm(self, load_power: int, advance: Array) -> tuple[Array, Array]:
+        """int_0^a P/alpha d alpha, with `load_power` 1 int_0^a P^2/(2 alpha) d alpha, and the
+        error.
+        """
+        value, error = self._primitive("logarithm", load_power, np.zeros(1), advance.reshape(-1, 1))
         return value.reshape(advance.shape), error.reshape(advance.shape)
 
 
@@ -957,9 +962,9 @@ def _nodes_in_root(begin_distance: Array, length_of_span: Array) -> tuple[Array,
     return distances_from_begin, weights
 
 
-def _weight_of_order(order: int, force: Array) -> Array:
+def _load_to_power(load_power: int, force: Array) -> Array:
     """W: P, or P^2/2 for the moments."""
-    return force * force / 2 if order else force
+    return force * force / 2 if load_power else force
 
 
 class _Resolved(NamedTuple):
@@ -974,7 +979,7 @@ class _Resolved(NamedTuple):
         return _Resolved(self.panels.take(numbers), self.coefficients[numbers], self.tails[numbers])
 
 
-def primitive_of(kind: Kind, order: int, x: Array, top: float, law: ContactLaw) -> Primitive:
+def primitive_of(kind: Kind, load_power: int, x: Array, top: float, law: ContactLaw) -> Primitive:
     """An integral over flat punches as a function of its upper end, the advance d = a - a_0 of the
     edge of contact, from 0 to `top` [length].
 
@@ -983,8 +988,8 @@ def primitive_of(kind: Kind, order: int, x: Array, top: float, law: ContactLaw) 
 
     Parameters
     ----------
-    kind, order
-        which integral; with order 1 the load eta stands in front of the integrand
+    kind, load_power
+        which integral; with 1 the load eta stands in front of the integrand
     x
         (k,) distances of the points from the middle [length], ascending
     law
@@ -996,7 +1001,7 @@ def primitive_of(kind: Kind, order: int, x: Array, top: float, law: ContactLaw) 
     ends_of_ranges = np.append(np.union1d(corners, octaves), top)
     panels_of_points = _panels_of_points(kind, x, law.least_half_width, ends_of_ranges, law.begins)
     panels_to_resolve = panels_of_points.cut_to(_LONGEST[kind])
-    resolved_panels = _with_empty_panels(_resolved(kind, order, panels_to_resolve, law), x)
+    resolved_panels = _with_empty_panels(_resolved(kind, load_power, panels_to_resolve, law), x)
     panels = resolved_panels.panels
     outwards_at_point = np.lexsort((panels.begin, panels.advance_at_v0, panels.point))
     resolved_panels = resolved_panels.take(outwards_at_point)
@@ -1005,7 +1010,7 @@ def primitive_of(kind: Kind, order: int, x: Array, top: float, law: ContactLaw) 
     coefficients = chebyshev.chebint(resolved_panels.coefficients.T, lbnd=-1)
     coefficients = _without_round_off(coefficients * ((panels.end - panels.begin) / 2))
     integrals_of_panels = np.sum(coefficients, axis=0)
-    below_first_panel = _at_the_bottom(kind, order, x, float(ends_of_ranges[1]), law)
+    below_first_panel = _at_the_bottom(kind, load_power, x, float(ends_of_ranges[1]), law)
     coefficients[0] += _sums_before(panels.point, integrals_of_panels, below_first_panel)
     tails = resolved_panels.tails
     error = _sums_before(panels.point, tails, np.zeros(len(x))) + tails
@@ -1038,13 +1043,13 @@ def _sums_before(point: Indices, values: Array, below_first: Array) -> Array:
     return np.cumsum(terms, axis=1)[point, number_at_point]
 
 
-def _resolved(kind: Kind, order: int, panels: Panels, law: ContactLaw) -> _Resolved:
+def _resolved(kind: Kind, load_power: int, panels: Panels, law: ContactLaw) -> _Resolved:
     """Chebyshev series of an integrand on panels, ranges of the variable v, which are halved until
     the last coefficients of each series no longer count.
 
     What halving does not make smaller is noise of P(d) and dP/dd themselves: it stays, and counts
-    as error. `kind` and `order` name the integral, `law` is P(d) of the profile. Panels come back
-    in any order.
+    as error. `kind` and `load_power` name the integral, `law` is P(d) of the profile. Panels come
+    back in any order.
     """
     finished_panels: list[_Resolved] = []
     last_terms_before = np.full(len(panels.point), np.inf)
@@ -1053,7 +1058,7 @@ def _resolved(kind: Kind, order: int, panels: Panels, law: ContactLaw) -> _Resol
         for k in range(0, len(panels.point), _AT_ONCE):
             chunk = panels.take(np.arange(k, min(k + _AT_ONCE, len(panels.point))))
             v = chunk.begin[:, None] + (chunk.end - chunk.begin)[:, None] * (1 + NODES) / 2
-            series_of_chunks.append(series(_integrand(kind, order, chunk, v, law)))
+            series_of_chunks.append(series(_integrand(kind, load_power, chunk, v, law)))
         coefficients = np.concatenate(series_of_chunks)
         half_length = (panels.end - panels.begin) / 2
         last_terms = tail(coefficients)
@@ -1061,7 +1066,7 @@ def _resolved(kind: Kind, order: int, panels: Panels, law: ContactLaw) -> _Resol
         if kind != "pressure":
             # By parts W stands there too: where that is larger, its last digit counts.
             load_at_end = law.load(panels.advance_at_v0 + panels.advance(kind, panels.end))
-            integral_size = np.maximum(integral_size, _weight_of_order(order, load_at_end))
+            integral_size = np.maximum(integral_size, _load_to_power(load_power, load_at_end))
         is_small = last_terms * half_length <= _RESOLVED * integral_size
         is_noise = last_terms > _NOISE * last_terms_before
         is_done = is_small | is_noise | (halvings == _HALVINGS)
@@ -1203,7 +1208,7 @@ def _ranges_of_pressure(
     )
 
 
-def _integrand(kind: Kind, order: int, panels: Panels, v: Array, law: ContactLaw) -> Array:
+def _integrand(kind: Kind, load_power: int, panels: Panels, v: Array, law: ContactLaw) -> Array:
     """Integrand over the variable v, at nodes v (n, nodes) of panels, for an integral over flat
     punches, (n, nodes).
 
@@ -1212,7 +1217,7 @@ def _integrand(kind: Kind, order: int, panels: Panels, v: Array, law: ContactLaw
         logarithm    W/a da/dv
 
     a is the half-width of a punch, P = `law.load` of its advance a - a_0, a_0 the half-width
-    without load. W = P, or P^2/2 with `order` 1; with order 1 of the pressure P stands in front of
+    without load. W = P, or P^2/2 with `load_power` 1; with 1 of the pressure P stands in front of
     g. In v the root of the integrand is smooth; a panel is a range of v for one point x.
     """
     x = panels.x[:, None]
@@ -1223,7 +1228,7 @@ def _integrand(kind: Kind, order: int, panels: Panels, v: Array, law: ContactLaw
     root = np.sqrt(advance_beyond_v0)
     half_width = law.least_half_width + advance
     if kind == "pressure":
-        weight_of_kind = law.stiffness(advance) * (law.load(advance) if order else 1.0)
+        weight_of_kind = law.stiffness(advance) * (law.load(advance) if load_power else 1.0)
         distance_beyond_x = (
             np.maximum(advance_at_v0 - (x - law.least_half_width), 0.0) + advance_beyond_v0
         )
@@ -1237,23 +1242,23 @@ def _integrand(kind: Kind, order: int, panels: Panels, v: Array, law: ContactLaw
             / np.pi
         )
     load = law.load(advance)
-    weight_over_width = _weight_of_order(order, load) / np.where(half_width > 0, half_width, 1.0)
+    weight_over_width = _load_to_power(load_power, load) / np.where(half_width > 0, half_width, 1.0)
     weight_of_kind = np.where(half_width > 0, weight_over_width, 0.0)
     return weight_of_kind * 2 * root * (x / np.sqrt(x + half_width) if kind == "outside" else 1.0)
 
 
-def _at_the_bottom(kind: Kind, order: int, x: Array, advance: float, law: ContactLaw) -> Array:
+def _at_the_bottom(kind: Kind, load_power: int, x: Array, advance: float, law: ContactLaw) -> Array:
     """What the integral for the pressure gathers over the smallest punches, below `advance`, at
     points x (k,); 0 of other integrals and at x > 0.
 
     At x = 0 the integrand g/alpha, g = dP/d alpha, goes as a power of the half-width alpha. It is
-    integrated by that power. With `order` 1 the load stands in front.
+    integrated by that power. With `load_power` 1 the load stands in front.
     """
     if kind != "pressure" or law.least_half_width > 0:
         return np.zeros(len(x))
     rate = float(law.stiffness(np.array(advance)))
     power = law.power - 1
-    if order:
+    if load_power:
         rate = rate * float(law.load(np.array(advance)))
         power = 2 * law.power - 1
     at_middle = rate / (np.pi * power) if power > 0 else 0.0
