@@ -140,8 +140,10 @@ def _stick_zones(
 ) -> tuple[Array, Array]:
     """Middles and half-widths of stick, (n,) each, where Q is `force`."""
     forward, reverse = ways
-    share = np.clip((force - forward.begin[1]) / forward.change[1], 0, 1)
-    middle, half_width = np.where(rises, forward.stick(share), reverse.stick(1 - share))
+    share_of_stroke = np.clip((force - forward.begin[1]) / forward.change[1], 0, 1)
+    middle, half_width = np.where(
+        rises, forward.stick(share_of_stroke), reverse.stick(1 - share_of_stroke)
+    )
     return middle, half_width
 
 

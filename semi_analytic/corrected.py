@@ -674,11 +674,11 @@ class PathSeries:
         """What slips further at those of some rows at which |q| of the memory curve is beyond f p,
         with the number of the row among them.
         """
-        for number in np.flatnonzero(self._inner_senses[rows]).tolist():
-            row = int(rows[number])
+        for row_place in np.flatnonzero(self._inner_senses[rows]).tolist():
+            row = int(rows[row_place])
             if row not in self._inner_slips:
                 self._inner_slips[row] = self._inner_slip(row)
-            yield number, self._inner_slips[row]
+            yield row_place, self._inner_slips[row]
 
     def _inner_slip(self, row: int) -> InnerSlip:
         """Extra slip inside the contact at instant number `row`, where the shear of the memory
@@ -750,8 +750,8 @@ class PointFields:
     def shear(self, rows: Indices) -> Array:
         """q, (n, k)."""
         shear = self.shear_of_memory(rows)
-        for number, further in self.inner_slips(rows):
-            shear[number] += further.shear
+        for row_place, further in self.inner_slips(rows):
+            shear[row_place] += further.shear
         return shear
 
     def shear_of_memory(self, rows: Indices) -> Array:
@@ -795,9 +795,9 @@ class PointFields:
         """s, (n, k)."""
         known_rows, known_slip = self._known_slip
         if len(known_rows):
-            place = np.minimum(np.searchsorted(known_rows, rows), len(known_rows) - 1)
-            if np.array_equal(known_rows[place], rows):
-                return known_slip[place]
+            place_among_known = np.minimum(np.searchsorted(known_rows, rows), len(known_rows) - 1)
+            if np.array_equal(known_rows[place_among_known], rows):
+                return known_slip[place_among_known]
         slip = self._slip(rows)
         if np.all(np.diff(rows) > 0):
             self._known_slip = (rows, slip)
@@ -820,17 +820,17 @@ class PointFields:
             slip = slip + fourth_coefficient * (slip_by_fourth - self._x**4 / 24)
         if self.series.rigid_displacement is not None:
             slip = slip + self.series.rigid_displacement[rows, None]
-        for number, further in self.inner_slips(rows):
-            slip[number] += further.slip
+        for row_place, further in self.inner_slips(rows):
+            slip[row_place] += further.slip
         return np.asarray(slip)
 
     def inner_slips(self, rows: Indices) -> Iterator[tuple[int, SlipAtPoints]]:
         """What slips further at some rows, as of the path, at the points."""
-        for number, further in self.series.inner_slips(rows):
-            row = int(rows[number])
+        for row_place, further in self.series.inner_slips(rows):
+            row = int(rows[row_place])
             if row not in self._inner_slips:
                 self._inner_slips[row] = further.at(self._x)
-            yield number, self._inner_slips[row]
+            yield row_place, self._inner_slips[row]
 
     @cached_property
     def _inner_slips(self) -> dict[int, SlipAtPoints]:
@@ -1357,12 +1357,12 @@ def _states(points: PointFields, distance: Array, row_numbers: Indices) -> NDArr
     states = np.where(is_within_stick_edge, np.int8(STICK), state_at_edge)
     is_in_ring = (distance > ring_ends[:, [0]]) & (distance < ring_ends[:, [1]])
     states = np.where(is_in_ring, state_in_ring, states)
-    for number, slip_zone in points.inner_slips(row_numbers):
+    for row_place, slip_zone in points.inner_slips(row_numbers):
         states_of_row = np.where(
-            is_within_stick_edge[number], np.int8(STICK), state_at_edge[number]
+            is_within_stick_edge[row_place], np.int8(STICK), state_at_edge[row_place]
         )
         state_of_zone = states_by_sense[slip_zone.sense + 1]
-        states[number] = np.where(slip_zone.slips, state_of_zone, states_of_row)
+        states[row_place] = np.where(slip_zone.slips, state_of_zone, states_of_row)
     is_pressed = history.normal_load[row_numbers, None] > 0
     is_in_contact = between(half_width * sides, distance) & is_pressed
     return np.where(is_in_contact, states, np.int8(OPEN))

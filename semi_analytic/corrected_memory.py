@@ -242,25 +242,25 @@ class PunchTable:
         )
 
     def _value(self, cubics: Array, s: ArrayLike) -> Array:
-        place = np.asarray(s, dtype=float) * self._cells_per_corner
-        cell = np.minimum(place.astype(int), len(cubics) - 1)
-        share = place - cell
+        place_in_cells = np.asarray(s, dtype=float) * self._cells_per_corner
+        cell = np.minimum(place_in_cells.astype(int), len(cubics) - 1)
+        share_of_cell = place_in_cells - cell
         c0, c1, c2, c3 = np.moveaxis(cubics[cell], -1, 0)
-        return np.asarray(c0 + share * (c1 + share * (c2 + share * c3)))
+        return np.asarray(c0 + share_of_cell * (c1 + share_of_cell * (c2 + share_of_cell * c3)))
 
     def half_width(self, s: ArrayLike) -> Array:
         """c [length]."""
-        place = np.asarray(s, dtype=float)
-        number = np.minimum(place.astype(int), int(self.last) - 1)
-        length = np.diff(self._ends)[number]
-        return np.asarray(self._ends[number] + length * (place - number) ** 2)
+        s_of_punches = np.asarray(s, dtype=float)
+        interval = np.minimum(s_of_punches.astype(int), int(self.last) - 1)
+        length = np.diff(self._ends)[interval]
+        return np.asarray(self._ends[interval] + length * (s_of_punches - interval) ** 2)
 
     def half_width_rate(self, s: ArrayLike) -> Array:
         """dc/ds [length]."""
-        place = np.asarray(s, dtype=float)
-        number = np.minimum(place.astype(int), int(self.last) - 1)
-        length = np.diff(self._ends)[number]
-        return np.asarray(2 * length * (place - number))
+        s_of_punches = np.asarray(s, dtype=float)
+        interval = np.minimum(s_of_punches.astype(int), int(self.last) - 1)
+        length = np.diff(self._ends)[interval]
+        return np.asarray(2 * length * (s_of_punches - interval))
 
     def load(self, s: ArrayLike) -> Array:
         """eta(c): load of the profile's punches up to c [force per thickness]."""
@@ -277,9 +277,11 @@ class PunchTable:
 
     def place_of(self, parabola: float) -> float:
         """s of the punch up to which a parabola carries G."""
-        half = math.sqrt(max(parabola, 0.0) / self.parabola_stiffness)
-        number = max(bisect_left(self._begins, half) - 1, 0)
-        return number + math.sqrt(max(half - self._begins[number], 0.0) / self._lengths[number])
+        half_width = math.sqrt(max(parabola, 0.0) / self.parabola_stiffness)
+        interval = max(bisect_left(self._begins, half_width) - 1, 0)
+        return interval + math.sqrt(
+            max(half_width - self._begins[interval], 0.0) / self._lengths[interval]
+        )
 
     def loads_at(self, s: float) -> PunchLoads:
         """Loads that the flat punches up to the one at coordinate s carry, and their rates per s.
@@ -444,11 +446,13 @@ class PunchTable:
 
     def _load_rate(self, s: Array) -> Array:
         """d eta/ds, (n,)."""
-        place = s * self._cells_per_corner
-        cell = np.minimum(place.astype(int), len(self._load) - 1)
-        share = place - cell
+        place_in_cells = s * self._cells_per_corner
+        cell = np.minimum(place_in_cells.astype(int), len(self._load) - 1)
+        share_of_cell = place_in_cells - cell
         _, c1, c2, c3 = self._load[cell].T
-        return np.asarray((c1 + share * (2 * c2 + 3 * share * c3)) * self._cells_per_corner)
+        return np.asarray(
+            (c1 + share_of_cell * (2 * c2 + 3 * share_of_cell * c3)) * self._cells_per_corner
+        )
 
     def _parabola_rate(self, s: Array) -> Array:
         """dG/ds, (n,)."""
@@ -947,8 +951,8 @@ class PieceTable:
         for below in self.parent[1:].tolist():
             depth.append(depth[below] + 1)
         depths = np.array(depth)
-        order = np.argsort(depths, kind="stable")
-        levels = np.split(order, np.cumsum(np.bincount(depths))[:-1])
+        order_by_depth = np.argsort(depths, kind="stable")
+        levels = np.split(order_by_depth, np.cumsum(np.bincount(depths))[:-1])
         return levels[1:]
 
     def sums(self, *terms: tuple[Array, Array]) -> Array:
@@ -1285,8 +1289,8 @@ class MemoryCurve:
             loads, curvatures and edge of contact at its end
         """
         pieces = self.pieces
-        number = curve
-        piece = pieces[number]
+        piece_number = curve
+        piece = pieces[piece_number]
         loads = row.edge_loads
         if row.edge > piece.top:
             force_without_fourth = (
@@ -1303,11 +1307,11 @@ class MemoryCurve:
             # The face is still flat: only the curvature of the bodies has punches here.
             parabola_slope = force_rise / (row.edge_parabola - piece.parabola)
             return pieces.above(curve, row.edge, loads, (0.0, parabola_slope, 0.0)), None
-        while number and pieces[piece.parent].top >= row.edge:
-            number = piece.parent
-            piece = pieces[number]
+        while piece_number and pieces[piece.parent].top >= row.edge:
+            piece_number = piece.parent
+            piece = pieces[piece_number]
         if piece.top <= row.edge:
-            return piece, number
+            return piece, piece_number
         return pieces.above(piece.parent, row.edge, loads, piece.slopes), None
 
     def slide(self, row: Row, direction: int) -> Step:
@@ -1365,7 +1369,7 @@ def _stick_below_slip(
     table: PunchTable,
     pieces: Pieces,
     piece: Piece,
-    number: int | None,
+    piece_number: int | None,
     bound: _Bound,
     round_off: float,
 ) -> int:
@@ -1390,7 +1394,7 @@ def _stick_below_slip(
     empty_curve = pieces[0]
     piece_below = pieces[piece.parent]
     while piece is not empty_curve and bound.excess(piece_below) > round_off:
-        number = piece.parent
+        piece_number = piece.parent
         piece = piece_below
         piece_below = pieces[piece.parent]
     excess_below = bound.excess(piece_below)
@@ -1398,11 +1402,11 @@ def _stick_below_slip(
         return piece.parent
     excess_at_top = bound.excess(piece)
     if excess_at_top <= 0:
-        return pieces.append_numbered(piece) if number is None else number
-    place, punch = _crossing(
+        return pieces.append_numbered(piece) if piece_number is None else piece_number
+    crossing_s, loads_at_crossing = _crossing(
         table, (piece_below, piece), (excess_below, excess_at_top), bound, round_off
     )
-    return pieces.add(piece.parent, place, punch.loads, piece.slopes)
+    return pieces.add(piece.parent, crossing_s, loads_at_crossing.loads, piece.slopes)
 
 
 def _ring(
@@ -1425,15 +1429,15 @@ def _ring(
     round_off
         excess of F that counts as round-off
     """
-    number = top
-    piece = pieces[number]
+    piece_number = top
+    piece = pieces[piece_number]
     pieces_above = []
-    while number and bound.excess(pieces[piece.parent]) <= round_off:
+    while piece_number and bound.excess(pieces[piece.parent]) <= round_off:
         pieces_above.append(piece)
-        number = piece.parent
-        piece = pieces[number]
+        piece_number = piece.parent
+        piece = pieces[piece_number]
     excess_at_top = bound.excess(piece)
-    if not number or excess_at_top > 0:
+    if not piece_number or excess_at_top > 0:
         edge = pieces[top].top
         return top, edge, edge
     piece_ends = (pieces[piece.parent], piece)

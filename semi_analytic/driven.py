@@ -288,24 +288,24 @@ def _root(function: Callable[[float], float], begin: float, end: float) -> float
     value_at_begin = function(begin)
     value_at_end = function(end)
     largest_value = max(abs(value_at_begin), abs(value_at_end))
-    place = begin
+    root = begin
     moved_end = 0  # which end moved last: -1 the lower, 1 the upper
     for _ in range(_MOST_STEPS):
-        place = (begin * value_at_end - end * value_at_begin) / (value_at_end - value_at_begin)
-        value = function(place)
+        root = (begin * value_at_end - end * value_at_begin) / (value_at_end - value_at_begin)
+        value = function(root)
         if abs(value) <= _ROUNDING_OF_ROOT * largest_value:
             break
         if (value > 0) == (value_at_end > 0):
-            end = place
+            end = root
             value_at_end = value
             value_at_begin = value_at_begin / 2 if moved_end == 1 else value_at_begin
             moved_end = 1
         else:
-            begin = place
+            begin = root
             value_at_begin = value
             value_at_end = value_at_end / 2 if moved_end == -1 else value_at_end
             moved_end = -1
-    return place
+    return root
 
 
 def loads_of_approach(

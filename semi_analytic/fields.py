@@ -844,25 +844,29 @@ class Integrals:
         """
         integrals: list[Array | float] = [0.0] * len(pieces_and_edge_loads)
         pieces_of_arc: dict[tuple[int, float, float], list[tuple[int, Piece]]] = {}
-        for number, (piece, edge_load) in enumerate(pieces_and_edge_loads):
+        for pair_number, (piece, edge_load) in enumerate(pieces_and_edge_loads):
             if isinstance(piece, Piece) and piece.arc is not None:
                 key = (id(piece.anchor.leg), piece.arc[0], piece.anchor.time)
-                pieces_of_arc.setdefault(key, []).append((number, piece))
+                pieces_of_arc.setdefault(key, []).append((pair_number, piece))
             elif piece.bend:
                 moments = self.moment(1, edge_load) - self.moment(1, np.array([piece.bottom]))
-                integrals[number] = 2 * piece.bend * moments
+                integrals[pair_number] = 2 * piece.bend * moments
         for key, numbered_pieces in pieces_of_arc.items():
             _, piece = numbered_pieces[0]
             if key not in self._arcs:
                 self._arcs[key] = piece, Arc(self.contact, self.kernel, piece, self.x)
             edge_loads_of_pieces = [
-                pieces_and_edge_loads[number][1] for number, _ in numbered_pieces
+                pieces_and_edge_loads[pair_number][1] for pair_number, _ in numbered_pieces
             ]
             times = front_time(piece, np.concatenate(edge_loads_of_pieces))
-            bounds = np.cumsum([len(part) for part in edge_loads_of_pieces])[:-1]
+            bounds = np.cumsum(
+                [len(edge_loads_of_piece) for edge_loads_of_piece in edge_loads_of_pieces]
+            )[:-1]
             integrals_of_pieces = np.split(self._arcs[key][1].up_to(times), bounds)
-            for (number, _), integral in zip(numbered_pieces, integrals_of_pieces, strict=True):
-                integrals[number] = integral
+            for (pair_number, _), integral in zip(
+                numbered_pieces, integrals_of_pieces, strict=True
+            ):
+                integrals[pair_number] = integral
         return integrals
 
     @property

@@ -102,9 +102,9 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
         _whole_span(span) for span in spans if span.direction and span.sticking_piece is not None
     ]
 
-    def work(of_span: SpanRanges, rule: QuadratureRule) -> Array:
-        span = of_span.span
-        times, weights = rule(of_span.begin, of_span.end)
+    def work(span_range: SpanRanges, rule: QuadratureRule) -> Array:
+        span = span_range.span
+        times, weights = rule(span_range.begin, span_range.end)
         load, _tangential = span.leg.loads(times)
         kernel = contact.dissipation_kernel(load, span.slipped_at(times, load))
         return np.asarray(np.sum(weights * _growth(span, times) * kernel, axis=-1))
@@ -139,7 +139,7 @@ def _span_by_span(integral_along: Callable[[SpanRanges, QuadratureRule], Array])
     """Integrals along spans, one span after the other."""
 
     def integrals_along(ranges: Sequence[SpanRanges], rule: QuadratureRule) -> list[Array]:
-        return [integral_along(of_span, rule) for of_span in ranges]
+        return [integral_along(span_range, rule) for span_range in ranges]
 
     return integrals_along
 
@@ -174,11 +174,11 @@ def _over_spans(
     Split
         forward, reverse and the error of both, (n_integrals,) each
     """
-    cuts_of_spans = [corner_times(contact, of_span.span) for of_span in ranges]
+    cuts_of_spans = [corner_times(contact, span_range.span) for span_range in ranges]
     is_rough = np.array(
         [
-            len(cuts) > 0 or uneven(contact, of_span.span)
-            for cuts, of_span in zip(cuts_of_spans, ranges, strict=True)
+            len(cuts) > 0 or uneven(contact, span_range.span)
+            for cuts, span_range in zip(cuts_of_spans, ranges, strict=True)
         ],
         dtype=bool,
     )
@@ -201,17 +201,23 @@ def _over_spans(
         error_share = np.where(has_cuts, min(CONVERGED, 25 * contact.noise), CONVERGED)
         allowed_errors = error_share * size_of_spans
         rough_ranges = [ranges[k] for k in rough_spans]
-        span_number = np.repeat(rough_spans, [len(of_span.number) for of_span in rough_ranges])
-        number = np.concatenate([of_span.number for of_span in rough_ranges])
-        values[span_number, number], errors[span_number, number] = by_halving(
-            partial(_integrals_of_parts, ranges, integrals_along, span_number, number),
-            np.concatenate([of_span.begin for of_span in rough_ranges]),
-            np.concatenate([of_span.end for of_span in rough_ranges]),
-            allowed_errors[span_number],
-            np.unique(np.concatenate([cuts_of_spans[k] for k in rough_spans])),
-            first_estimate=values[span_number, number],
+        span_number = np.repeat(
+            rough_spans, [len(span_range.number) for span_range in rough_ranges]
         )
-    is_forward = np.array([of_span.span.direction > 0 for of_span in ranges], dtype=bool)
+        number_of_integral = np.concatenate([span_range.number for span_range in rough_ranges])
+        values[span_number, number_of_integral], errors[span_number, number_of_integral] = (
+            by_halving(
+                partial(
+                    _integrals_of_parts, ranges, integrals_along, span_number, number_of_integral
+                ),
+                np.concatenate([span_range.begin for span_range in rough_ranges]),
+                np.concatenate([span_range.end for span_range in rough_ranges]),
+                allowed_errors[span_number],
+                np.unique(np.concatenate([cuts_of_spans[k] for k in rough_spans])),
+                first_estimate=values[span_number, number_of_integral],
+            )
+        )
+    is_forward = np.array([span_range.span.direction > 0 for span_range in ranges], dtype=bool)
     unit_compliance = 2 / (math.pi * modulus)
     return Split(
         forward=unit_compliance * np.sum(values[is_forward], axis=0),
@@ -224,7 +230,7 @@ def _integrals_of_parts(
     ranges: Sequence[SpanRanges],
     integrals_along: IntegralsAlong,
     span_number: Indices,
-    number: Indices,
+    number_of_integral: Indices,
     which: Indices,
     begins: Array,
     ends: Array,
@@ -245,12 +251,19 @@ def _integrals_of_parts(
     spans_of_parts = np.unique(span_number[which]).tolist()
     places = [np.flatnonzero(span_number[which] == k) for k in spans_of_parts]
     parts = [
-        SpanRanges(ranges[k].span, number[which[place]], begins[place], ends[place])
-        for k, place in zip(spans_of_parts, places, strict=True)
+        SpanRanges(
+            ranges[k].span,
+            number_of_integral[which[places_of_span]],
+            begins[places_of_span],
+            ends[places_of_span],
+        )
+        for k, places_of_span in zip(spans_of_parts, places, strict=True)
     ]
     integrals = np.zeros(len(which))
-    for place, integrals_of_span in zip(places, integrals_along(parts, crowded), strict=True):
-        integrals[place] = integrals_of_span
+    for places_of_span, integrals_of_span in zip(
+        places, integrals_along(parts, crowded), strict=True
+    ):
+        integrals[places_of_span] = integrals_of_span
     return integrals
 
 
@@ -310,13 +323,13 @@ def pointwise_dissipation(
         points = np.flatnonzero(end > begin)
         ranges.append(SpanRanges(span, points, begin[points], end[points]))
 
-    def work(of_span: SpanRanges, rule: QuadratureRule) -> Array:
-        span = of_span.span
-        times, weights = rule(of_span.begin, of_span.end)
-        places = x[of_span.number, None]
+    def work(span_range: SpanRanges, rule: QuadratureRule) -> Array:
+        span = span_range.span
+        times, weights = rule(span_range.begin, span_range.end)
+        places = x[span_range.number, None]
         load, _tangential = span.leg.loads(times)
         stick_edge_load = load - span.slipped_at(times, load)
-        excess = np.maximum(edge_loads[of_span.number, None] - stick_edge_load, 0.0)
+        excess = np.maximum(edge_loads[span_range.number, None] - stick_edge_load, 0.0)
         ratio = contact.arccosh_ratio(places, excess, contact.advance(stick_edge_load))
         works = weights * _growth(span, times) * contact.pressure(places, load) * ratio
         return np.asarray(np.sum(works, axis=-1))
@@ -414,16 +427,17 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
 
         U is evaluated at the quadrature nodes of all of them together, over A/pi.
         """
-        nodes = [rule(of_span.begin, of_span.end) for of_span in ranges]
+        nodes = [rule(span_range.begin, span_range.end) for span_range in ranges]
         times_of_spans = [
-            (of_span.span, times.ravel()) for of_span, (times, _) in zip(ranges, nodes, strict=True)
+            (span_range.span, times.ravel())
+            for span_range, (times, _) in zip(ranges, nodes, strict=True)
         ]
         displacement = integrals.over(snapshot_of(times_of_spans))[:, 0]
         ends = np.cumsum([len(times) for _, times in times_of_spans])
         works = []
-        for of_span, (times, weights), end in zip(ranges, nodes, ends.tolist(), strict=True):
+        for span_range, (times, weights), end in zip(ranges, nodes, ends.tolist(), strict=True):
             displacement_of_span = displacement[end - times.size : end].reshape(times.shape)
-            force_rate = of_span.span.leg.rate_of(Combination(0.0, 1.0), times)
+            force_rate = span_range.span.leg.rate_of(Combination(0.0, 1.0), times)
             works.append(-np.sum(displacement_of_span * force_rate * weights, axis=1))
         return works
 
@@ -470,9 +484,9 @@ def _means(contact: Contact, records: Records, values: Values) -> tuple[Array, i
     )
     means = np.zeros(len(records.row))
     node_count = 0
-    for number, (rule, _) in enumerate(_RULES):
+    for rule_number, (rule, _) in enumerate(_RULES):
         share_of_part, weights = rule(0.0, 1.0)
-        parts_of_rule = smooth_parts.take(np.flatnonzero(rule_of_part == number))
+        parts_of_rule = smooth_parts.take(np.flatnonzero(rule_of_part == rule_number))
         load_growth = parts_of_rule.load_after - parts_of_rule.load
         slip_growth = parts_of_rule.slipped_after - parts_of_rule.slipped
         load = parts_of_rule.load[:, None] + load_growth[:, None] * share_of_part
@@ -523,7 +537,7 @@ def _share_of_way(parts: Records, corners: Array) -> Array:
 
     P_c is the load at the stick edge; `corners` are loads at which the contact edge is at a corner.
     """
-    share = np.zeros(len(parts.row))
+    largest_share = np.zeros(len(parts.row))
     edge_load = parts.load - parts.slipped
     edge_load_after = parts.load_after - parts.slipped_after
     for begin, end in ((parts.load, parts.load_after), (edge_load, edge_load_after)):
@@ -532,10 +546,10 @@ def _share_of_way(parts: Records, corners: Array) -> Array:
         corner_below = np.append(0.0, corners)[
             np.searchsorted(corners, (least_load + largest_load) / 2)
         ]
-        share = np.maximum(
-            share, _share_to_zero(least_load - corner_below, largest_load - corner_below)
+        largest_share = np.maximum(
+            largest_share, _share_to_zero(least_load - corner_below, largest_load - corner_below)
         )
-    return share
+    return largest_share
 
 
 def _share_to_zero(begin: Array, end: Array) -> Array:
@@ -666,19 +680,19 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
     begin_shares, end_shares = _shares_in_slip(
         load, load_growth, stick_edge_load, stick_edge_drop, edge_loads
     )
-    part, point = np.nonzero(end_shares > begin_shares)
-    begin_share = begin_shares[part, point][:, None]
-    end_share = end_shares[part, point][:, None]
+    part_number, point = np.nonzero(end_shares > begin_shares)
+    begin_share = begin_shares[part_number, point][:, None]
+    end_share = end_shares[part_number, point][:, None]
     places = x[point, None]
     load_at_place = edge_loads[point, None]
 
     def loads_at(pairs: Indices, shares_at_nodes: Array) -> tuple[Array, Array]:
         """P and P_c at shares of the part (n, m) for pairs (n,)."""
-        numbers = part[pairs]
+        numbers = part_number[pairs]
         stick_loads = stick_edge_load[numbers] - stick_edge_drop[numbers] * shares_at_nodes
         return load[numbers] + load_growth[numbers] * shares_at_nodes, np.maximum(stick_loads, 0.0)
 
-    all_pairs = np.arange(len(part))
+    all_pairs = np.arange(len(part_number))
     load_at_begin, stick_load_at_begin = loads_at(all_pairs, begin_share)
     load_at_end, stick_load_at_end = loads_at(all_pairs, end_share)
     share_to_singularity = np.max(
@@ -689,11 +703,11 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
         ],
         axis=0,
     )[:, 0]
-    share_to_corner = _share_of_way(parts, contact.break_loads)[part]
+    share_to_corner = _share_of_way(parts, contact.break_loads)[part_number]
     rule_of_pair = _rule_numbers(share_to_singularity, share_to_corner)
     density = np.zeros(len(x))
-    for number, (rule, n_nodes) in enumerate(_RULES):
-        pairs_of_rule = np.flatnonzero(rule_of_pair == number)
+    for rule_number, (rule, n_nodes) in enumerate(_RULES):
+        pairs_of_rule = np.flatnonzero(rule_of_pair == rule_number)
         for j in range(0, len(pairs_of_rule), _CHUNK // n_nodes):
             pairs = pairs_of_rule[j : j + _CHUNK // n_nodes]
             shares_at_nodes, weights = rule(begin_share[pairs, 0], end_share[pairs, 0])
@@ -701,7 +715,7 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
             excess = np.maximum(load_at_place[pairs] - stick_load, 0.0)
             ratio = contact.arccosh_ratio(places[pairs], excess, contact.advance(stick_load))
             values_at_nodes = weights * contact.pressure(places[pairs], load_at_nodes) * ratio
-            work = parts.rise[part[pairs]] * np.sum(values_at_nodes, axis=1)
+            work = parts.rise[part_number[pairs]] * np.sum(values_at_nodes, axis=1)
             density += np.bincount(point[pairs], work, len(x))
     return density
 

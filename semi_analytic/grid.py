@@ -279,14 +279,14 @@ class Grid:
         self._directions: NDArray[np.intp] = np.zeros(self.x.shape, dtype=int)
         self._last: dict[str, Any] | None = None
 
-    def compliance_at(self, x: Array, number: int) -> Array:
+    def compliance_at(self, x: Array, grid_number: int) -> Array:
         """Surface displacement at points x (m,) by a unit traction on each cell of grid `number`,
         (m, k) [length/stress], against a datum at the distance of the grid's length.
 
         It is the integral of -(2/(pi E*)) ln(|x - xi|/L) over the cell, the half-plane's Green's
         function.
         """
-        distance = (x[:, None] - self.x[number])[..., None]
+        distance = (x[:, None] - self.x[grid_number])[..., None]
         distances_of_ends = (distance + self.step * np.array([-0.5, 0.5])) / self._length
         with np.errstate(divide="ignore", invalid="ignore"):
             integrals_to_ends = np.where(
@@ -573,7 +573,7 @@ class Grid:
 
         def slip(x: Array) -> Array:
             displacements_by_shear = [
-                self.compliance_at(x, number) @ row for number, row in enumerate(shear)
+                self.compliance_at(x, grid_number) @ row for grid_number, row in enumerate(shear)
             ]
             return np.asarray(mean_shift - strain * x - np.mean(displacements_by_shear, axis=0))
 
@@ -1058,21 +1058,21 @@ def _run(
     works: list[Array] = []
     kernels = np.zeros(0)
     if len(time):
-        kernels = np.array([grid.compliance_at(x, number) for number in range(grids)])
-    for number in cycle_numbers:
-        if number >= 0:
+        kernels = np.array([grid.compliance_at(x, cycle_number) for cycle_number in range(grids)])
+    for cycle_number in cycle_numbers:
+        if cycle_number >= 0:
             answers.slip_at_starts.append(grid.slip_field())
-        rows = path.rows(number, time)
+        rows = path.rows(cycle_number, time)
         slip_before = grid.slip
         try:
             fields = grid.follow(rows.loads)
         except ArithmeticError as fault:
             raise InputError(
                 f"load: half-plane theory takes grids for such bulk stress or tilt, and {fault} of"
-                f" cycle {number + 1}; finite elements may take the scene"
+                f" cycle {cycle_number + 1}; finite elements may take the scene"
             ) from fault
         answers.take_up(grid, fields, rows, x, kernels, stride)
-        if number >= 0 or not path.loads.path.cycle:
+        if cycle_number >= 0 or not path.loads.path.cycle:
             works.append(np.sum(fields.work, axis=0))
         if len(works) >= max(least_cycles, 2):
             work_change = abs(np.mean(works[-1] - works[-2]))
@@ -1100,10 +1100,10 @@ def _permanent_edges(grid: Grid, fields: Fields, slip_before: Array) -> Array:
     longest_slip_path = np.max(slip_path_of_cell, axis=1, where=is_finite, initial=0.0)
     is_stuck = slip_path_of_cell <= _STAYS * longest_slip_path[:, None]
     edges_of_grids = np.full((len(grid.x), 2), np.nan)
-    for number, middles in enumerate(grid.x):
-        stuck_middles = middles[is_stuck[number]]
+    for grid_number, middles in enumerate(grid.x):
+        stuck_middles = middles[is_stuck[grid_number]]
         if len(stuck_middles):
-            edges_of_grids[number] = (
+            edges_of_grids[grid_number] = (
                 np.min(stuck_middles) - grid.step / 2,
                 np.max(stuck_middles) + grid.step / 2,
             )
@@ -1187,9 +1187,9 @@ def cycles_needed(path: LoadPath, time: Array | None) -> int:
 
 def first_repeat(works: Sequence[float] | Array, share: float) -> int | None:
     """Index of the first cycle whose work is that of the one before, to a share of it."""
-    for number in range(1, len(works)):
-        if abs(works[number] - works[number - 1]) <= share * works[number]:
-            return number
+    for cycle in range(1, len(works)):
+        if abs(works[cycle] - works[cycle - 1]) <= share * works[cycle]:
+            return cycle
     return None
 
 
@@ -1538,8 +1538,10 @@ def _errors_of_work(runs: _Runs, density_of_grids: Array, x: Array) -> dict[str,
     """
     coarse_density = _density_at(runs.coarse_grids, runs.coarse_answers, x)
     return {
-        "dissipation": _error(runs.fine_answers.work, runs.coarse_answers.work, order=1.5),
-        "dissipation_density": _error(density_of_grids, coarse_density, order=1),
+        "dissipation": _error(
+            runs.fine_answers.work, runs.coarse_answers.work, convergence_order=1.5
+        ),
+        "dissipation_density": _error(density_of_grids, coarse_density, convergence_order=1),
     }
 
 
@@ -1550,9 +1552,11 @@ def _errors_of_fields(runs: _Runs, friction_limit: Array) -> dict[str, float]:
     coarse = runs.coarse_answers
     return {
         "shear": _error(
-            limit * fine.limit_share_by_grid, limit * coarse.limit_share_by_grid, order=1
+            limit * fine.limit_share_by_grid,
+            limit * coarse.limit_share_by_grid,
+            convergence_order=1,
         ),
-        "slip": _error(fine.slip_by_grid, coarse.slip_by_grid, order=0.9),
+        "slip": _error(fine.slip_by_grid, coarse.slip_by_grid, convergence_order=0.9),
     }
 
 
@@ -1649,7 +1653,7 @@ def _density_at(grid: Grid, answers: _Answers, x: Array) -> Array:
     return np.array(rows)
 
 
-def _error(fine_values: Array, coarse_values: Array, order: float) -> float:
+def _error(fine_values: Array, coarse_values: Array, convergence_order: float) -> float:
     """Relative error of the mean over the fine grids, as a root mean square over its largest value.
 
     It is the change of the mean from coarse grids, over 2^order - 1 (Richardson), plus twice the
@@ -1662,5 +1666,5 @@ def _error(fine_values: Array, coarse_values: Array, order: float) -> float:
     change_from_coarse = np.mean(fine_values, axis=0) - np.mean(coarse_values, axis=0)
     means_of_groups = np.array([np.mean(fine_values[k::_GROUPS], axis=0) for k in range(_GROUPS)])
     variance = np.var(means_of_groups, axis=0) / (_GROUPS - 1)
-    error_by_change = np.sqrt(np.mean(change_from_coarse**2)) / (2**order - 1)
+    error_by_change = np.sqrt(np.mean(change_from_coarse**2)) / (2**convergence_order - 1)
     return float(2 * np.sqrt(np.mean(variance)) + error_by_change) / largest_value

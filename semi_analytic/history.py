@@ -602,7 +602,7 @@ class History:
         number_of_span = np.minimum(
             np.searchsorted(path_ends, path_time - slack, side="left"), len(spans) - 1
         )
-        leg_times = np.clip(
+        times_in_segments = np.clip(
             path_time - span_delays[number_of_span],
             span_begins[number_of_span],
             span_ends[number_of_span],
@@ -611,13 +611,15 @@ class History:
         numbers_with_times, first_of_span = np.unique(
             number_of_span[order_by_span], return_index=True
         )
-        times_of_spans = np.split(leg_times[order_by_span], first_of_span[1:])
+        times_of_spans = np.split(times_in_segments[order_by_span], first_of_span[1:])
         snapshot = snapshot_of(
             (spans[k], times) for k, times in zip(numbers_with_times, times_of_spans, strict=True)
         )
-        order = np.argsort(order_by_span)
+        order_in_time = np.argsort(order_by_span)
         columns = ("time", "load", "force", "slipped", "direction", "piece_number")
-        return replace(snapshot, **{name: getattr(snapshot, name)[order] for name in columns})
+        return replace(
+            snapshot, **{name: getattr(snapshot, name)[order_in_time] for name in columns}
+        )
 
 
 def follow(loading: Sequence[LoadSegment], turns: Iterable[Turn], friction: float) -> History:
@@ -635,12 +637,12 @@ def follow(loading: Sequence[LoadSegment], turns: Iterable[Turn], friction: floa
     curves_between_cycles = [curve]
     cycles = []
     steady_from = None
-    for number, turn in enumerate(turns):
+    for cycle_number, turn in enumerate(turns):
         cycle, curve = march(curve, turn.legs, friction, turn.delay)
         cycles.append(cycle)
         curves_between_cycles.append(curve)
         if same(curves_between_cycles[-2], curve, friction, repeats_within(slipped_share(cycle))):
-            steady_from = number
+            steady_from = cycle_number
             break
     return History(spans, tuple(cycles), tuple(curves_between_cycles), steady_from)
 
@@ -785,17 +787,17 @@ def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
     counts_of_times = []
     pieces_below_slip: list[Curve] = []
     friction = 0.0
-    for span, leg_times in parts:
-        normal_load, tangential_load = span.leg.loads(leg_times)
+    for span, times_in_segment in parts:
+        normal_load, tangential_load = span.leg.loads(times_in_segment)
         normal_load = np.maximum(
             normal_load, 0.0
         )  # a path that unloads fully may end below 0 by rounding
-        times.append(leg_times)
+        times.append(times_in_segment)
         normal_loads.append(normal_load)
         tangential_loads.append(tangential_load)
-        slipped_loads.append(span.slipped_at(leg_times, normal_load))
+        slipped_loads.append(span.slipped_at(times_in_segment, normal_load))
         directions.append(span.direction)
-        counts_of_times.append(len(leg_times))
+        counts_of_times.append(len(times_in_segment))
         pieces_below_slip.append(span.sticking_piece)
         friction = span.friction
     return Snapshot(

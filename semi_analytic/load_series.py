@@ -479,8 +479,8 @@ def _unload(
     )
     station = begin_station
     for part in earlier_parts:
-        share = begin_share + part.fall / load_drop * (end_share - begin_share)
-        end = (load - part.fall, force - path_slope * part.fall, share)
+        share_of_step = begin_share + part.fall / load_drop * (end_share - begin_share)
+        end = (load - part.fall, force - path_slope * part.fall, share_of_step)
         curve = _unload_part(curve, part.side, station, end, friction, recorder)
         station = end
     curve = _unload_part(curve, last_part.side, station, end_station, friction, recorder)
@@ -1043,7 +1043,7 @@ class States:
         self._columns: list[_StateColumns] = []
         self._lines: list[Knot | None] = []
 
-    def add(self, block: StepBlock, step: Indices, share: Array, slack: Array) -> None:
+    def add(self, block: StepBlock, step: Indices, share_of_step: Array, slack: Array) -> None:
         """Add the friction state at instants (n,) within a block of load steps: P, Q, P - P_c,
         direction of slip, and the line of the memory curve at the stick edge.
 
@@ -1054,15 +1054,15 @@ class States:
         if not len(step):
             return
         records = block.records
-        record_number = _record_at(records, step, share - slack)
+        record_number = _record_at(records, step, share_of_step - slack)
         # an instant that counts as the end of a record has the loads of that end
-        share = np.minimum(share, records.until[record_number])
-        load, force = _loads_at(block.rows, step, share)
+        share_of_step = np.minimum(share_of_step, records.until[record_number])
+        load, force = _loads_at(block.rows, step, share_of_step)
         line = LineTable(*(column[record_number] for column in block.line_table))
         direction = records.direction[record_number]
         slipped = records.slipped[record_number]
         slipped_growth = (records.slipped_after - records.slipped)[record_number]
-        slipped = slipped + _share_of_record(records, record_number, share) * slipped_growth
+        slipped = slipped + _share_of_record(records, record_number, share_of_step) * slipped_growth
         # the stick edge is on the line
         least_slipped = np.maximum(load - line.top, 0.0)
         largest_slipped = np.maximum(load - (line.top - line.length), 0.0)
@@ -1100,25 +1100,25 @@ class States:
         return snapshot, states.balance
 
 
-def _record_at(records: Records, step: Indices, share: Array) -> Indices:
+def _record_at(records: Records, step: Indices, share_of_step: Array) -> Indices:
     """Number of the record of each step (n,) that holds a share of it: (n,)."""
-    number = np.searchsorted(records.row + records.until, step + share, side="left")
-    number = np.minimum(number, len(records.row) - 1)
-    return number + (records.row[number] < step)
+    record_number = np.searchsorted(records.row + records.until, step + share_of_step, side="left")
+    record_number = np.minimum(record_number, len(records.row) - 1)
+    return record_number + (records.row[record_number] < step)
 
 
-def _share_of_record(records: Records, number: Indices, share: Array) -> Array:
+def _share_of_record(records: Records, record_number: Indices, share_of_step: Array) -> Array:
     """The share of a record that is over at a share of its step, (n,)."""
     is_first = np.diff(records.row, prepend=-1) > 0
-    begin = np.where(is_first, 0.0, np.append(0.0, records.until[:-1]))[number]
-    length = np.maximum(records.until[number] - begin, np.finfo(float).tiny)
-    return np.clip((share - begin) / length, 0.0, 1.0)
+    begin = np.where(is_first, 0.0, np.append(0.0, records.until[:-1]))[record_number]
+    length = np.maximum(records.until[record_number] - begin, np.finfo(float).tiny)
+    return np.clip((share_of_step - begin) / length, 0.0, 1.0)
 
 
-def _loads_at(rows: Array, step: Indices, share: Array) -> tuple[Array, Array]:
+def _loads_at(rows: Array, step: Indices, share_of_step: Array) -> tuple[Array, Array]:
     """P and Q, (n,) each, at shares of steps between rows (m + 1, 2), from the nearer row."""
     change = rows[step + 1] - rows[step]
-    from_begin = rows[step] + share[:, None] * change
-    from_end = rows[step] + change - (1 - share)[:, None] * change
-    load, force = np.where(share[:, None] > 0.5, from_end, from_begin).T
+    from_begin = rows[step] + share_of_step[:, None] * change
+    from_end = rows[step] + change - (1 - share_of_step)[:, None] * change
+    load, force = np.where(share_of_step[:, None] > 0.5, from_end, from_begin).T
     return np.maximum(load, 0.0), force  # a path that unloads fully may end below 0 by rounding

@@ -390,17 +390,17 @@ def _slipped_on_arc(
     """
     arc_begin, arc_end = _whole_arc(piece)
     slip_level = level(direction, friction)
-    arc_leg = piece.anchor.leg
-    if arc_leg is leg:
+    arc_segment = piece.anchor.leg
+    if arc_segment is leg:
         mirrored_time = leg.mirrored(slip_level, time, (arc_begin + arc_end) / 2)
         if mirrored_time is not None:
             return leg.change_of(NORMAL_LOAD, time, mirrored_time)
     level_rise = change_from(piece.anchor, leg, slip_level, time)
     # Back from the end of the arc, where the path may have turned: counted from its begin, rounding
     # would leave half the digits.
-    time_at_front = arc_leg.time_of(slip_level, level_rise, arc_end, arc_begin)
-    return change_from(piece.anchor, leg, NORMAL_LOAD, time) - arc_leg.change_of(
-        NORMAL_LOAD, time_at_front, arc_end
+    time_at_stick_edge = arc_segment.time_of(slip_level, level_rise, arc_end, arc_begin)
+    return change_from(piece.anchor, leg, NORMAL_LOAD, time) - arc_segment.change_of(
+        NORMAL_LOAD, time_at_stick_edge, arc_end
     )
 
 
@@ -472,13 +472,13 @@ class Snapshot:
 
         Instants without one, where the contact slips throughout, are left out.
         """
-        order = np.argsort(self.piece_number, kind="stable")
-        numbers, starts = np.unique(self.piece_number[order], return_index=True)
+        order_by_piece = np.argsort(self.piece_number, kind="stable")
+        numbers, starts = np.unique(self.piece_number[order_by_piece], return_index=True)
         pieces_with_instants = []
-        for number, (start, end) in zip(
-            numbers.tolist(), pairwise([*starts.tolist(), len(order)]), strict=True
+        for piece_number, (start, end) in zip(
+            numbers.tolist(), pairwise([*starts.tolist(), len(order_by_piece)]), strict=True
         ):
-            piece = self.uppermost_pieces[number]
+            piece = self.uppermost_pieces[piece_number]
             if piece is not None:
-                pieces_with_instants.append((piece, order[start:end]))
+                pieces_with_instants.append((piece, order_by_piece[start:end]))
         return tuple(pieces_with_instants)

@@ -182,14 +182,18 @@ def _convex_power(profile: PowerLaw) -> ConvexProfile:
             f" exponents from {_SHARPEST}; a wedge with a rounded tip has kind = 'wedge'"
         )
 
-    def derivative(order: int, x: Array) -> Array:
-        factor = height_at_length / length**order * math.prod(exponent - k for k in range(order))
+    def derivative(derivative_order: int, x: Array) -> Array:
+        factor = (
+            height_at_length
+            / length**derivative_order
+            * math.prod(exponent - k for k in range(derivative_order))
+        )
         relative_distance = np.abs(x) / length
         power_of_distance = np.where(relative_distance > 0, relative_distance, 1.0) ** (
-            exponent - order
+            exponent - derivative_order
         )
         return np.asarray(
-            factor * np.sign(x) ** order * power_of_distance * (relative_distance > 0)
+            factor * np.sign(x) ** derivative_order * power_of_distance * (relative_distance > 0)
         )
 
     # A high power is a peak at the end: with the usual steps |x|^20 would lose 2e-10 of the load,
@@ -614,11 +618,11 @@ class _Series:
     load: Powers
     rate: Powers
 
-    def on(self, number: Indices, u: Array, values: Powers) -> Array:
+    def on(self, piece_number: Indices, u: Array, values: Powers) -> Array:
         """Value of one of the two at u on pieces of these numbers."""
-        low = self.low[number]
-        high = self.high[number]
-        return values(number, np.minimum((2 * u - low - high) / (high - low), 1.0))
+        low = self.low[piece_number]
+        high = self.high[piece_number]
+        return values(piece_number, np.minimum((2 * u - low - high) / (high - low), 1.0))
 
     def sample_half_widths(self) -> Array:
         """Half-widths at the nodes and both ends of every piece, (n, nodes): where dP/da falls
@@ -889,23 +893,23 @@ def _series_of_rows(knots: Array, curvature_stiffness: Array) -> _Series:
     while ranges:
         range_before = ranges.pop()
         range_ends = (half_widths[range_before.first, 0], half_widths[range_before.last - 1, -1])
-        part = sums.with_far_knots(range_before, range_ends)
-        if part.last - part.first > _TOGETHER:
-            middle = (part.first + part.last) // 2
-            ranges.append(part._replace(last=middle))
-            ranges.append(part._replace(first=middle))
+        range_of_pieces = sums.with_far_knots(range_before, range_ends)
+        if range_of_pieces.last - range_of_pieces.first > _TOGETHER:
+            middle = (range_of_pieces.first + range_of_pieces.last) // 2
+            ranges.append(range_of_pieces._replace(last=middle))
+            ranges.append(range_of_pieces._replace(first=middle))
             continue
-        numbers = slice(part.first, part.last)
+        numbers = slice(range_of_pieces.first, range_of_pieces.last)
         knots_reached = int(np.searchsorted(knots[:-1], range_ends[1]))
         range_length = range_ends[1] - range_ends[0]
         place_in_series = (half_widths[numbers] - range_ends[0]) * 2 / range_length - 1
-        far_sums = chebyshev.chebval(place_in_series, part.smooth)
+        far_sums = chebyshev.chebval(place_in_series, range_of_pieces.smooth)
         load_and_rate[numbers] = np.moveaxis(far_sums, 0, -1)
         load_and_rate[numbers] += sums.over_knots(
             half_widths[numbers, :, None],
             begin_of_pieces[numbers, None, None],
             distances[numbers, :, None],
-            slice(part.known, knots_reached),
+            slice(range_of_pieces.known, knots_reached),
         )
     load = load_and_rate[..., 0]
     rate = load_and_rate[..., 1] * half_widths
@@ -977,15 +981,15 @@ class _Stretch:
             * (2 * first_edge if self.rooted else 1.0)
         )
 
-    def at(self, u: Array, order: int) -> Array:
+    def at(self, u: Array, derivative_order: int) -> Array:
         """P (order 0) or dP/da (1); below the least octave as a power."""
-        pieces = (self.loads, self.rates)[order]
+        pieces = (self.loads, self.rates)[derivative_order]
         first_edge = float(pieces.edges[0])
         values_inside = pieces(np.maximum(u, first_edge))
         if first_edge == 0:
             return values_inside
         # of dP/da of a sharp wedge 0, to round-off
-        power = max(self.power - order * (2 if self.rooted else 1), 0.0)
+        power = max(self.power - derivative_order * (2 if self.rooted else 1), 0.0)
         return values_inside * np.minimum(u / first_edge, 1.0) ** power
 
 
@@ -1017,8 +1021,8 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
 
     value_at = partial(_value_on_stretches, stretches, least_width)
     inverse = inverse_of(
-        partial(value_at, order=0),
-        partial(value_at, order=1),
+        partial(value_at, derivative_order=0),
+        partial(value_at, derivative_order=1),
         profile.extent,
         extent=profile.extent - least_width,
     )
@@ -1043,9 +1047,9 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
             f"profile: the contact would split near a half-width of {first_fall_width:.6g}"
         )
     return ContactLaw(
-        load=partial(value_at, order=0),
+        load=partial(value_at, derivative_order=0),
         advance=advance,
-        stiffness=partial(value_at, order=1),
+        stiffness=partial(value_at, derivative_order=1),
         least_half_width=least_width,
         breaks=tuple(begins_of_stretches[1:]),
         power=stretches[0].power if not least_width else 2.0,
@@ -1057,7 +1061,7 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
 
 
 def _value_on_stretches(
-    stretches: list[_Stretch], least_width: float, d: Array, order: int
+    stretches: list[_Stretch], least_width: float, d: Array, derivative_order: int
 ) -> Array:
     """P (order 0) or dP/da (order 1) of a contact whose edge is d beyond the half-width without
     load, `least_width`.
@@ -1074,7 +1078,7 @@ def _value_on_stretches(
             # d itself has more digits beside a flat.
             distance = (d if k == 0 else half_width - stretch.begin)[in_stretch]
             series_argument = np.sqrt(distance) if stretch.rooted else distance
-            values[in_stretch] = stretch.at(series_argument, order)
+            values[in_stretch] = stretch.at(series_argument, derivative_order)
     return values
 
 
@@ -1107,9 +1111,9 @@ def _stretch(
     elif is_rooted:
         edges_of_pieces = edges_of_pieces[edges_of_pieces > 1e-5 * np.sqrt(begin)]
 
-    def integral(u: Array, order: int) -> Array:
+    def integral(u: Array, derivative_order: int) -> Array:
         distance = u**2 if is_rooted else u
-        return _abel_integral(modulus, profile, begin, distance, cuts, order)
+        return _abel_integral(modulus, profile, begin, distance, cuts, derivative_order)
 
     # Beside a flat, or behind a corner, the slope is known to round-off of its largest value and
     # its bend jumps within round-off of the corner: 4e-15 of the scale can be had for the load,
@@ -1123,7 +1127,7 @@ def _stretch(
     try:
         loads, rates = (
             halved(
-                partial(integral, order=k),
+                partial(integral, derivative_order=k),
                 edges_of_pieces,
                 floors[k] / 4e-15 * integral(sample_places, k),
             )
@@ -1144,7 +1148,7 @@ def _abel_integral(
     begin: float,
     distance: Array,
     cuts: tuple[float, ...],
-    order: int,
+    derivative_order: int,
 ) -> Array:
     """Load P (order 0) or stiffness dP/da (order 1) of a contact of half-width a, by quadrature of
     the profile's slope.
@@ -1172,7 +1176,7 @@ def _abel_integral(
     x = half_width[..., None, None] * cosine
     slopes = (
         profile.slope(x) + profile.bend(x)
-        if order
+        if derivative_order
         else profile.slope(x) * half_width[..., None, None]
     )
     return np.asarray(modulus * np.sum(nodes.weight * cosine * slopes, axis=(-2, -1)))

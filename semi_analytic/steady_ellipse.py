@@ -449,9 +449,9 @@ def _legendre(count: int, crowded_ends: int) -> PieceRule:
     (`crowded_ends` = 1), 3 t^2 - 2 t^3 to both (2), none (0).
     """
     node, weights = gauss(count)
-    order = np.arange(count - 3, count)
-    polynomials = legendre.legvander(2 * node - 1, count - 1)[:, order].T
-    checks = polynomials * (2 * order[:, None] + 1)
+    orders = np.arange(count - 3, count)
+    polynomials = legendre.legvander(2 * node - 1, count - 1)[:, orders].T
+    checks = polynomials * (2 * orders[:, None] + 1)
     if crowded_ends == 0:
         return PieceRule(node[:, None], np.array(True), weights, weights * checks)
     if crowded_ends == 1:
@@ -738,7 +738,7 @@ def _over_phases(
     )
     met_corners = corners[is_above_least & is_below_most, None]
     pieces_of_phases = []
-    for number, cuts in enumerate(corner_angles(ellipses, met_corners).values()):
+    for phase_number, cuts in enumerate(corner_angles(ellipses, met_corners).values()):
         is_long = np.diff(cuts, axis=0) > 1e-14 * cuts[-1]
         ellipse_of_part, number_of_cut = np.nonzero(
             is_long.T & (ellipses.deepest_slip > 0)[:, None]
@@ -746,12 +746,12 @@ def _over_phases(
         begin = cuts[number_of_cut, ellipse_of_part]
         end = cuts[number_of_cut + 1, ellipse_of_part]
         rule = np.minimum(end - begin < cuts[-1, ellipse_of_part], len(rules) - 1)
-        pieces_of_phases.append(Pieces.of_group(number, ellipse_of_part, begin, end, rule))
+        pieces_of_phases.append(Pieces.of_group(phase_number, ellipse_of_part, begin, end, rule))
 
     def work_rate(phase: Indices, ellipse_of_part: Indices, s: Array) -> Array:
         rate, slipped, load = np.empty((3, *s.shape))
-        for number, name in enumerate(PHASES):
-            columns = slice(*np.searchsorted(phase, [number, number + 1]))
+        for phase_number, name in enumerate(PHASES):
+            columns = slice(*np.searchsorted(phase, [phase_number, phase_number + 1]))
             rate[:, columns], slipped[:, columns], load[:, columns] = phase_of(
                 name, ellipses.take(ellipse_of_part[columns]), s[:, columns]
             )
@@ -784,8 +784,8 @@ def _over_loads(
 
     def weighted_log(course: Indices, ellipse_of_part: Indices, angle: Array) -> Array:
         weight, load = np.empty((2, *angle.shape))
-        for number, name in enumerate(_COURSES):
-            columns = slice(*np.searchsorted(course, [number, number + 1]))
+        for course_number, name in enumerate(_COURSES):
+            columns = slice(*np.searchsorted(course, [course_number, course_number + 1]))
             weight[:, columns], load[:, columns] = course_of(
                 name, ellipses.take(ellipse_of_part[columns]), angle[:, columns]
             )
@@ -840,13 +840,13 @@ def _pieces_of_courses(ellipses: Ellipses, edge_loads: Array) -> Pieces:
         (zero_angles, ellipses.slip_angle, (stick_edge_angle_by_u,)),
     )
     pieces_of_courses = []
-    for number, (begin, end, cuts) in enumerate(courses):
+    for course_number, (begin, end, cuts) in enumerate(courses):
         unsorted_ends = np.concatenate([begin[None], *cuts, end[None]])
         ends = np.sort(np.clip(unsorted_ends, begin, np.maximum(begin, end)), axis=0)
         ellipse_of_part, number_of_cut = np.nonzero((np.diff(ends, axis=0) > 1e-14).T)
         begin_angle = ends[number_of_cut, ellipse_of_part]
         end_angle = ends[number_of_cut + 1, ellipse_of_part]
-        if number in (0, 1, 3):
+        if course_number in (0, 1, 3):
             # P grows from pi to 2 pi
             grows = (begin_angle + end_angle) / full_turn % 2 > 1
             begin_angle, end_angle = np.where(
@@ -854,7 +854,7 @@ def _pieces_of_courses(ellipses: Ellipses, edge_loads: Array) -> Pieces:
             )
         rule = np.searchsorted(_SHORT, np.abs(end_angle - begin_angle))
         pieces_of_courses.append(
-            Pieces.of_group(number, ellipse_of_part, begin_angle, end_angle, rule)
+            Pieces.of_group(course_number, ellipse_of_part, begin_angle, end_angle, rule)
         )
     return Pieces.together(pieces_of_courses)
 
@@ -994,8 +994,8 @@ def _integrals(
     """
     integrals = np.empty(len(pieces.member))
     largest_checks = np.empty(len(pieces.member))
-    for number, rule in enumerate(rules):
-        numbers_of_rule = np.flatnonzero(pieces.rule == number)
+    for rule_number, rule in enumerate(rules):
+        numbers_of_rule = np.flatnonzero(pieces.rule == rule_number)
         pieces_at_once = _ELEMENTS // len(rule.weight)
         for k in range(0, len(numbers_of_rule), pieces_at_once):
             numbers = numbers_of_rule[k : k + pieces_at_once]

@@ -277,8 +277,8 @@ def _tensions_of_curves(
     distance_from_edge = _nodes_from(edge, panel_begin, panel_end)  # a(eta) - a(P)
     loads = contact.load(half_widths)
     slopes_at_nodes = np.empty_like(loads)  # M'
-    for number, panel in enumerate(panels):
-        slopes_at_nodes[number] = panel.slope(loads[number])
+    for panel_number, panel in enumerate(panels):
+        slopes_at_nodes[panel_number] = panel.slope(loads[panel_number])
     load_steps = (
         contact.stiffness(half_widths) * (panel_end - panel_begin) * INVERSE_ROOTS.weight
     )  # d eta
@@ -309,9 +309,9 @@ def _panels_of_curves(
     bottoms: list[float] = []
     tops: list[float] = []
     slopes: list[Slope] = []
-    for number, k in enumerate(in_contact.tolist()):
+    for instant_number, k in enumerate(in_contact.tolist()):
         for bottom, top, slope in _lines(snapshot, k):
-            instants.append(number)
+            instants.append(instant_number)
             bottoms.append(bottom)
             tops.append(top)
             slopes.append(slope)

@@ -730,21 +730,21 @@ class CurvedProfile(ConvexProfile):
         quotient is h'' between them.
         """
         xi, _, weights = self._nodes(m, c)
-        place = np.asarray(x)[..., None]
+        place_column = np.asarray(x)[..., None]
         root = np.sqrt(np.maximum((c - x + m) * (c + x - m), 0.0))
-        distance_to_node = xi - place
-        distances_to_knots = np.abs(place - self.knots)
+        distance_to_node = xi - place_column
+        distances_to_knots = np.abs(place_column - self.knots)
         distance_to_next_knot = np.min(distances_to_knots, axis=-1, initial=np.inf, keepdims=True)
         is_near = np.nonzero(
             np.abs(distance_to_node) < _NEAR * np.minimum(distance_to_next_knot, c[..., None])
         )
         places_between = (
-            (place + distance_to_node / 2)[is_near]
+            (place_column + distance_to_node / 2)[is_near]
             if len(is_near[0])
             else distance_to_node[is_near]
         )
         distance_to_node[is_near] = np.inf
-        slope_rise = self.gradient(xi) - self.gradient(place)
+        slope_rise = self.gradient(xi) - self.gradient(place_column)
         quotient = slope_rise / np.where(distance_to_node == 0, np.inf, distance_to_node)
         quotient[is_near] = self.bend(places_between)
         return np.asarray(np.pi * root * np.sum(weights * quotient, axis=-1))
@@ -900,9 +900,9 @@ class NestedIntervals:
             return self.exactly(load)
         eta = np.clip(np.asarray(load, dtype=float), 0.0, self.largest_load)
         series = self._series
-        number = np.searchsorted(series.begin_loads, eta, side="right") - 1
-        root = np.sqrt(eta - series.begin_loads[number])
-        place = np.minimum(series.places[number] + root, series.places[number + 1])
+        series_number = np.searchsorted(series.begin_loads, eta, side="right") - 1
+        root = np.sqrt(eta - series.begin_loads[series_number])
+        place = np.minimum(series.places[series_number] + root, series.places[series_number + 1])
         half_width = np.maximum(series.half(place), 0.0)
         return series.middle(place), np.where(eta > 0, half_width, 0.0)
 
@@ -1232,11 +1232,11 @@ class TiltedProfile:
         """
         m, c = self.at(advance)
         face_middle, face_half = self.intervals.face
-        place = np.asarray(x, dtype=float)
+        places = np.asarray(x, dtype=float)
         load_above = np.asarray(excess, dtype=float)
-        t = place - m
+        t = places - m
         difference_of_squares = (c - t) * (c + t)
-        is_beside_face = np.abs(place - face_middle) >= face_half
+        is_beside_face = np.abs(places - face_middle) >= face_half
         is_near = (difference_of_squares < _NEXT * c * c) & (load_above > 0) & is_beside_face
         if np.any(is_near):
             # Next to the edge c - t is how far the edge has moved beyond x.
