@@ -35,7 +35,7 @@ from scenes import OPEN, STICK, Interrupted, Record, Scene, freeze
 from scenes.array_types import Array, Mask, States
 
 # Instants whose edges are found together: a few, so that the arrays of a long run stay small.
-_AT_ONCE = 256
+_INSTANTS_PER_BLOCK = 256
 # Share of f by which Q may grow with P where real bodies stick in full: their size bends q over p a
 # little. On seeds 241 and 243 of benchmarks/covered.py bodies, coarse, none slips below it.
 _CONE_OF_BODIES = 0.8
@@ -43,10 +43,10 @@ _CONE_OF_BODIES = 0.8
 # permanent stick zone that a path with bulk stress or tilt approaches. Slip grows as the distance d
 # from the stick edge to the power 3/2, so this costs d = 3e-4^(2/3), half a hundredth of the slip
 # zone.
-_CREEP = 3e-4
+_LARGEST_CREEP = 3e-4
 # The same of coupled bodies, 1e-3^(3/2): it costs a thousandth of the slip zone, and is above the
 # 2e-5 that nodes which single increments label as slip were seen to move (flat pad of the library).
-_CREEP_OF_COUPLED = 3e-5
+_LARGEST_CREEP_OF_COUPLED = 3e-5
 
 
 def answer_arrays(
@@ -226,8 +226,8 @@ def _edges_of_all(
         its profile (roughness of tabulated heights) and whether it is symmetric
     """
     blocks = []
-    for first_step in range(0, len(states), _AT_ONCE):
-        block = slice(first_step, first_step + _AT_ONCE)
+    for first_step in range(0, len(states), _INSTANTS_PER_BLOCK):
+        block = slice(first_step, first_step + _INSTANTS_PER_BLOCK)
         blocks.append(
             _edges(problem, states[block], surface_states[block], has_no_slip_zone[block], scene)
         )
@@ -413,7 +413,7 @@ def creeping_zone(
     times
         factor on that small part: larger than 1 counts more nodes as creeping
     """
-    range_share = times * (_CREEP if scene.unsymmetric else _CREEP_OF_COUPLED)
+    range_share = times * (_LARGEST_CREEP if scene.unsymmetric else _LARGEST_CREEP_OF_COUPLED)
     creeps = _creeping(slip, is_closed, range_share)
     if not creeps.any():
         return np.full(2, np.nan)
@@ -603,10 +603,10 @@ def record_of(
             of_increments = rule.reduceat(of_increments, first_increments)
         return freeze(np.concatenate([[0.0], of_increments]), dtype)
 
-    energy_names = [name for name in _ENERGIES if note_of_layer is not None or name != "layer"]
+    energy_names = [name for name in _ENERGY_NAMES if note_of_layer is not None or name != "layer"]
     energies = {name: run.column(name) for name in energy_names}
     all_names = list(run.blocks[0]) if run.blocks else []
-    not_checks = (*_ENERGIES, "layer", "loop", "bent")
+    not_checks = (*_ENERGY_NAMES, "layer", "loop", "bent")
     checks = {name: run.column(name) for name in all_names if name not in not_checks}
     balance = np.abs(energies["external"] - energies["elastic"] - energies["interface"])
     largest_work = np.max(np.abs(np.cumsum(energies["external"])), initial=1e-300)
@@ -623,7 +623,7 @@ def record_of(
     )
 
 
-_ENERGIES = [
+_ENERGY_NAMES = [
     "external",
     "external_end_of_step",
     "curve",

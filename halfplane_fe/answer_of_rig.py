@@ -16,7 +16,7 @@ from halfplane_fe.scales import Scales
 from scenes import STICK, PolygonLoad, Rig, Scene
 
 # Slides that a note names one by one.
-_MOST_NAMED = 4
+_MOST_SLIDES_NAMED = 4
 
 
 def scene_of_loads(scene: Scene, run: PathRun, load_unit: float) -> Scene:
@@ -136,9 +136,14 @@ def _notes_of_slides(scene: Scene, friction: float, run: PathRun, scales: Scales
         slide_distance = sum(abs(slide.distance) for slide in slides) * displacement_unit
         work = sum(slide.work for slide in slides) * scales.load * displacement_unit
         slides_in_words = "; ".join(
-            _in_words(slide, displacement_unit, length_unit) for slide in slides[:_MOST_NAMED]
+            _in_words(slide, displacement_unit, length_unit)
+            for slide in slides[:_MOST_SLIDES_NAMED]
         )
-        rest_text = f"; and {len(slides) - _MOST_NAMED} more" if len(slides) > _MOST_NAMED else ""
+        rest_text = (
+            f"; and {len(slides) - _MOST_SLIDES_NAMED} more"
+            if len(slides) > _MOST_SLIDES_NAMED
+            else ""
+        )
         yield (
             f"gross sliding: in {span_text} the bodies slide as a whole by {slide_distance:.6g}"
             f" {length_unit}, which takes {work:.6g} {force_unit}·{length_unit}/{length_unit} of"

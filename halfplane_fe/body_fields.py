@@ -47,43 +47,48 @@ from scenes.array_types import Array, Indices
 from scenes.bodies import Shape, face_of
 
 # VTK's order of an element's nodes the other way round, by number of nodes.
-_REFLECTED = {3: [0, 2, 1], 6: [0, 2, 1, 5, 4, 3], 4: [0, 3, 2, 1], 9: [0, 3, 2, 1, 7, 6, 5, 4, 8]}
+_NODES_OF_MIRRORED = {
+    3: [0, 2, 1],
+    6: [0, 2, 1, 5, 4, 3],
+    4: [0, 3, 2, 1],
+    9: [0, 3, 2, 1, 7, 6, 5, 4, 8],
+}
 
-_BODIES = ("lower", "upper")
+_BODY_NAMES = ("lower", "upper")
 # Distance from the middle of the contact over its half-width up to which the stress at nodes is
 # that of the tractions,
-_OUTER = 3.0
+_OUTER_DISTANCE = 3.0
 # but no further than this share of the way to the nearest support or side;
-_OF_BODY = 0.8
+_SHARE_OF_ROOM = 0.8
 # over the last share of it the elements' takes its place.
-_STEP = 0.2
+_BLENDING_SHARE = 0.2
 # A body has room for the tractions' stress only if that distance over the half-width is larger.
-_LEAST_OUTER = 1.5
+_LEAST_OUTER_DISTANCE = 1.5
 # Depth and distance over the half-width from which on elements are good for what the size of the
 # body adds.
-_BELOW = 0.15
-_BESIDE = 1.2
+_ACCURATE_DEPTH = 0.15
+_ACCURATE_DISTANCE = 1.2
 # Pressure of a node over the largest one up to which it is round-off.
-_TOUCHES = 1e-9
+_NEGLIGIBLE_PRESSURE = 1e-9
 # Step over the place of a kink of the profile by which its curvature on either side is found.
 _STEP_AT_KINK = 1e-3
 # Instants at which what the size of a body adds is found for a whole cycle.
-_SAMPLED = 12
+_N_SAMPLED_STEPS = 12
 # The same where the instants of the largest tension are looked for. Of an ellipse a spline through
 # six is 2 % of the amplitude off.
-_SAMPLED_FOR_SEARCH = 6
+_N_STEPS_OF_SEARCH = 6
 # Instants of a cycle among which the largest tension is looked for.
-_CANDIDATES = 40
+_N_CANDIDATES = 40
 # Of a tension: two ways to sum one series differ by less.
 _ROUND_OFF = 1e-9
 # Tension by fitted edges over that by nodal values, at most: 0.9 to 1.13 on coarse meshes of the
 # library's scenes.
-_NODES_TOO_LOW = 1.3
+_LARGEST_RATIO_TO_NODAL = 1.3
 # Share of what new contact may change that it does change where one of its nodes shows the shear:
 # 0.15 at most on seed 250 of benchmarks/covered.py values, default preset.
 _SHOWN_BY_A_NODE = 0.25
 # Angles over the contact at which tractions meet the kernels of a body, which are smooth.
-_ANGLES = 128
+_N_ANGLES = 128
 # How far an instant may lie outside the solved time by rounding.
 _ROUNDING_OF_TIME = 1e-9
 
@@ -187,7 +192,7 @@ def _fields_of_bodies(
     tension, tension_uncertainty = edge_tension(solution, steps)
     series_of_steps = [tractions_with_uncertainty(_nodal(solution, step)).series for step in steps]
     bodies = []
-    for number, name in enumerate(_BODIES):
+    for number, name in enumerate(_BODY_NAMES):
         displacement, stress = _displacement_and_stress(solution, steps, series_of_steps, number)
         condensed = solution.condensed[number]
         points = condensed.body.mesh.p.T * [1.0, _sign_of_y(number)]
@@ -253,7 +258,7 @@ def _displacement_and_stress(
     places = nodal_fields.basis.mesh.p
     displacement = nodal_fields.displacement.reshape(places.shape[1], 2, -1).swapaxes(0, 1)
     # The elements of other bodies have the bulk stress in them.
-    if isinstance(getattr(solution.scene.bodies, _BODIES[number]), HalfPlane):
+    if isinstance(getattr(solution.scene.bodies, _BODY_NAMES[number]), HalfPlane):
         displacement = displacement + uniform_stretch(material, *places)[..., None] * bulk_stress
         by_bulk_stress = np.array([1.0, 0.0, 0.0, material.poisson_ratio])
         stress = stress + by_bulk_stress[:, None] * bulk_stress
@@ -454,7 +459,7 @@ def _tension_by_bodies(
     has_bulk_stress = any(bulk_stress.any() for bulk_stress in bulk_of_bodies)
     are_mirrored = bodies.lower == bodies.upper and material.alike and not has_bulk_stress
     size_fit_of_lower: _SizeFit | None = None
-    for number, name in enumerate(_BODIES):
+    for number, name in enumerate(_BODY_NAMES):
         if isinstance(getattr(bodies, name), HalfPlane):
             tension[:, number] = bulk_of_bodies[number][:, None]
             continue
@@ -497,19 +502,22 @@ def _tension_by_kernels(
     tractions_on_body
         tractions on the body in its own frame at each step, as sine series over the contact
     """
-    name = _BODIES[number]
+    name = _BODY_NAMES[number]
     kernels = getattr(solution.kernels, name)
     material: Elastic = getattr(solution.scene.material, name)
     modulus = material.young_modulus / (1 - material.poisson_ratio**2)
-    angles = math.pi * (np.arange(_ANGLES) + 0.5) / _ANGLES
+    angles = math.pi * (np.arange(_N_ANGLES) + 0.5) / _N_ANGLES
     tension = np.zeros((len(tractions_on_body), 2))
     uncertainty = 0.0
     for k, tractions_of_step in enumerate(tractions_on_body):
         places_in_contact = tractions_of_step.middle - tractions_of_step.half_width * np.cos(angles)
-        lengths = tractions_of_step.half_width * np.sin(angles) * math.pi / _ANGLES
+        lengths = tractions_of_step.half_width * np.sin(angles) * math.pi / _N_ANGLES
         pressing_forces, shear_forces = (
             np.sin(np.outer(angles, np.arange(1, len(sines) + 1))) @ sines * lengths
-            for sines in (tractions_of_step.pressure[:_ANGLES], tractions_of_step.shear[:_ANGLES])
+            for sines in (
+                tractions_of_step.pressure[:_N_ANGLES],
+                tractions_of_step.shear[:_N_ANGLES],
+            )
         )
         strain, strain_difference = kernels.strain(
             np.array(tractions_of_step.edges), places_in_contact, pressing_forces, shear_forces
@@ -586,7 +594,7 @@ def _size_fit(
     series, bulk
         tractions on the lower body as series, and bulk stress of this body, at the steps
     """
-    evenly_spread = np.linspace(0, len(steps) - 1, _SAMPLED).round().astype(int)
+    evenly_spread = np.linspace(0, len(steps) - 1, _N_SAMPLED_STEPS).round().astype(int)
     sampled_rows = sorted(set(evenly_spread.tolist()))
     sampled_steps = [steps[k] for k in sampled_rows]
     nodal_fields = _nodal_fields(solution, number, sampled_steps, bulk[sampled_rows])
@@ -653,7 +661,7 @@ def stress(
     """
     instant_times = np.atleast_1d(np.asarray(instants, dtype=float))
     steps = [_step(solution, float(instant)) for instant in instant_times]
-    number = _BODIES.index(body)
+    number = _BODY_NAMES.index(body)
     sign_of_y = _sign_of_y(number)
     x_places, y_places = np.broadcast_arrays(
         np.atleast_1d(np.asarray(x, dtype=float)),
@@ -750,7 +758,7 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
         value=float(values[k, body, edge]),
         uncertainty=float(series_uncertainty[edge] + body_uncertainties[body]),
         time=float(solution.time[steps[k]]),
-        body=_BODIES[body],
+        body=_BODY_NAMES[body],
         x=edges[edge],
         edges=edges,
     )
@@ -775,7 +783,7 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
     }
     has_bulk_stress = any(_bulk_stress(solution, cycle, body).any() for body in (0, 1))
     is_exact = solution.scene.bodies.half_planes and not has_bulk_stress
-    n_candidates = 1 if is_exact else _CANDIDATES
+    n_candidates = 1 if is_exact else _N_CANDIDATES
     if len(tension_by_nodes) <= n_candidates:
         return list(tension_by_nodes)
     tension_by_bodies = dict.fromkeys(tension_by_nodes, np.zeros((2, 2)))
@@ -784,7 +792,7 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
             solution, {step: nodal_values[step] for step in tension_by_nodes}
         )
     upper_bounds = {
-        step: _NODES_TOO_LOW * tension + float(tension_by_bodies[step].max())
+        step: _LARGEST_RATIO_TO_NODAL * tension + float(tension_by_bodies[step].max())
         for step, tension in tension_by_nodes.items()
     }
     estimates: dict[int, float] = {}
@@ -811,7 +819,7 @@ def _between_sampled(
     `nodal_values` maps the index of a stored step to the tractions at its nodes.
     """
     steps = list(nodal_values)
-    evenly_spread = np.linspace(0, len(steps) - 1, _SAMPLED_FOR_SEARCH).round().astype(int)
+    evenly_spread = np.linspace(0, len(steps) - 1, _N_STEPS_OF_SEARCH).round().astype(int)
     sampled_steps = [steps[k] for k in evenly_spread]
     series = [tractions(nodal_values[step]) for step in sampled_steps]
     sampled_tensions, _ = _tension_by_bodies(solution, sampled_steps, series)
@@ -838,7 +846,7 @@ def _nodal(solution: ContactSolution, step: int) -> Nodal:
     friction = solution.scene.friction.coefficient
     # A node that just meets or leaves the other face has no pressure but round-off: it counts as
     # open, whatever that is.
-    is_closed = pressure > _TOUCHES * np.max(pressure)
+    is_closed = pressure > _NEGLIGIBLE_PRESSURE * np.max(pressure)
     tangential_load = float(solution.tangential_load[step])
     if solution.scene.bodies.faces_are_true and isinstance(solution, FiniteElementSolution):
         tangential_load = float(shear @ solution.weights)  # on curved faces p carries a part of Q
@@ -929,7 +937,7 @@ def _nodal_fields(
     states = [solution.states[step] for step in steps]
     pressure = np.stack([state.pressure for state in states], axis=1) * solution.scales.load
     shear = np.stack([state.shear for state in states], axis=1) * solution.scales.load
-    forces = body_forces(*solution.condensed, pressure, shear)[_BODIES[body_number]]
+    forces = body_forces(*solution.condensed, pressure, shear)[_BODY_NAMES[body_number]]
     basis, displacements, tensions = displacement_fields(
         condensed, forces, solution.scene.profile.datum_length, bulk_stress
     )
@@ -988,7 +996,7 @@ def _near_contact(
     series
         (k,) tractions on the lower body at the steps, None without contact
     """
-    shape = getattr(solution.scene.bodies, _BODIES[number])
+    shape = getattr(solution.scene.bodies, _BODY_NAMES[number])
     half_widths = [
         tractions_of_step.half_width
         for tractions_of_step in series
@@ -997,8 +1005,8 @@ def _near_contact(
     if not half_widths:
         return None
     half_width = max(half_widths)
-    largest_distance = min(_OUTER * half_width, _OF_BODY * _room(shape))
-    if largest_distance < _LEAST_OUTER * half_width:
+    largest_distance = min(_OUTER_DISTANCE * half_width, _SHARE_OF_ROOM * _room(shape))
+    if largest_distance < _LEAST_OUTER_DISTANCE * half_width:
         return None
     x, y = nodal_fields.basis.mesh.p
     # Depth below the curved face, as if that were flat.
@@ -1012,8 +1020,8 @@ def _near_contact(
     ]
     size_effect = None
     if not isinstance(shape, HalfPlane):
-        is_beside = (np.abs(x) > _BESIDE * half_width) & (y < 0)
-        is_accurate = (y < -_BELOW * half_width) | is_beside
+        is_beside = (np.abs(x) > _ACCURATE_DISTANCE * half_width) & (y < 0)
+        is_accurate = (y < -_ACCURATE_DEPTH * half_width) | is_beside
         x_fitted = x[is_accurate]
         y_fitted = y[is_accurate]
         stress_beyond = nodal_fields.stress[nodes][is_accurate, :3] - _stress_of_tractions(
@@ -1061,7 +1069,7 @@ def _joined_stress(
     traction_stress = _stress_of_tractions(near_contact.series, x, y)
     if near_contact.size_effect is not None:
         traction_stress = traction_stress + near_contact.size_effect.stress(x, y)
-    blending_width = _STEP * near_contact.limit
+    blending_width = _BLENDING_SHARE * near_contact.limit
     s = np.clip((near_contact.limit - np.hypot(x, y)) / blending_width, 0.0, 1.0)
     weight = (s**2 * (3 - 2 * s))[:, None, None]
     stress = nodal_fields.stress.copy()
@@ -1087,7 +1095,7 @@ def _counter_clockwise(points: Array, cells: Indices) -> Indices:
     x = corners[..., 0]
     y = corners[..., 1]
     twice_area = (x * next_corners[..., 1] - next_corners[..., 0] * y).sum(axis=1)
-    return np.where(twice_area[:, None] < 0, cells[:, _REFLECTED[cells.shape[1]]], cells)
+    return np.where(twice_area[:, None] < 0, cells[:, _NODES_OF_MIRRORED[cells.shape[1]]], cells)
 
 
 def _nodal_stress(

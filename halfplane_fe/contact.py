@@ -41,17 +41,17 @@ ROUNDING = 1e-11
 _LEAST_STIFFNESS = 1e-12
 # Rounding of one node's force, against zero or the cone: it is a hundredth of the load and less, of
 # which the laws are met to 1e-9.
-_LEAST_FORCE = 1e-13
+_ROUNDING_OF_FORCE = 1e-13
 
 # Force or gap that is the last digit of an answer, and not left by an event.
 _LAST_DIGIT = 1e-15
 # Rates that are kept: of the sets that increments had, until their energies are found
-# (`run._AT_ONCE`). In bytes, and so many sets at least.
-_RATE_BYTES = 20_000_000
-_LEAST_RATES = 128
+# (`run._INCREMENTS_PER_BATCH`). In bytes, and so many sets at least.
+_MOST_RATE_BYTES = 20_000_000
+_FEWEST_CACHED_SETS = 128
 
-_RIGID = ("approach", "shift", "tilt")
-_NODAL = ("slip", "pressure", "shear", "gap")
+_RIGID_NAMES = ("approach", "shift", "tilt")
+_NODAL_NAMES = ("slip", "pressure", "shear", "gap")
 # Places of the five loads: P, Q, the bulk stresses of both bodies, tilt or moment.
 _BULK_STRESSES = slice(2, 4)
 _TILT_OR_MOMENT = 4
@@ -138,10 +138,10 @@ class InterfaceState:
         """The same but for some of its values, by name, or its states."""
         values = self.values.copy()
         for name, part in parts.items():
-            if name in _RIGID:
-                values[_RIGID.index(name)] = part
+            if name in _RIGID_NAMES:
+                values[_RIGID_NAMES.index(name)] = part
             else:
-                nodal(values)[_NODAL.index(name)] = part
+                nodal(values)[_NODAL_NAMES.index(name)] = part
         states = self.state if state is None else freeze(state, np.int8)
         return replace(self, values=freeze(values), state=states)
 
@@ -530,7 +530,7 @@ class ContactProblem:
             )
         # The oldest sets leave beyond a number of bytes.
         n_sets = len(self._rates)
-        if n_sets > _LEAST_RATES and n_sets * rates_by_load.nbytes > _RATE_BYTES:
+        if n_sets > _FEWEST_CACHED_SETS and n_sets * rates_by_load.nbytes > _MOST_RATE_BYTES:
             self._rates.pop(next(iter(self._rates)))
         return self._rates.setdefault(states.tobytes(), rates_by_load)
 
@@ -705,11 +705,11 @@ class ContactProblem:
         # Within rounding of touching or of the cone a node keeps the state it has.
         states_before = states[changing]
         was_closed = states_before != OPEN
-        has_no_force = np.abs(pressure[changing]) <= _LEAST_FORCE
+        has_no_force = np.abs(pressure[changing]) <= _ROUNDING_OF_FORCE
         is_touching = has_no_force & (np.abs(gap[changing]) <= ROUNDING)
         force_beyond_limit = np.abs(shear[changing]) - limit[changing]
         has_not_moved = np.abs(slip_increment[changing]) <= ROUNDING * self._shear_scale
-        is_at_limit = np.abs(force_beyond_limit) <= _LEAST_FORCE * self._shear_scale
+        is_at_limit = np.abs(force_beyond_limit) <= _ROUNDING_OF_FORCE * self._shear_scale
         keeps_state = was_closed & is_at_limit & has_not_moved
         is_closed = np.where(is_touching, was_closed, states_by_law[changing] != OPEN)
         states_if_touching = np.where(keeps_state, states_before, closed_states[changing])

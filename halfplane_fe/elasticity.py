@@ -53,16 +53,16 @@ class System:
         of the elements, 1 or 2
     cells
         (n_elements, n) nodes of each element, see `cells_of`
-    contact
+    contact_dofs
         (2, n) degrees of freedom (x, y) of the contact nodes, by ascending x
-    around
+    half_plane_arcs
         boundaries to the half-plane around the body; none for a body of finite size
-    arc
+    arc_dofs
         (2, m) the degrees of freedom there; (1, m) along x of the ends, where these hold a body
         on rollers against Q
-    held
+    held_dofs
         those that supports keep at zero
-    pull
+    tension_forces
         (n_dofs,) forces of a unit of tension along x on the ends; zero of a body without ends
         [length]
     """
@@ -71,14 +71,14 @@ class System:
     material: Elastic
     order: int
     cells: Indices
-    contact: Indices
-    around: tuple[str, ...]
-    arc: Indices
-    held: Indices
-    pull: Array
+    contact_dofs: Indices
+    half_plane_arcs: tuple[str, ...]
+    arc_dofs: Indices
+    held_dofs: Indices
+    tension_forces: Array
 
     @cached_property
-    def node(self) -> Indices:
+    def node_of_dof(self) -> Indices:
         """(n_dofs,) of each degree of freedom its node."""
         of_displacement = np.repeat(np.arange(self.mesh.p.shape[1]), 2)
         if not split_lame(self.material, self.order).of_pressure:
@@ -182,21 +182,21 @@ def assemble(body: BodyMesh, material: Elastic) -> System:
         material=material,
         order=order,
         cells=cells_of(mesh, order),
-        contact=boundary_dofs["contact"],
-        around=half_plane_arcs,
-        arc=arc_dofs,
-        held=np.unique(np.concatenate(held_dofs)),
-        pull=np.empty(0),
+        contact_dofs=boundary_dofs["contact"],
+        half_plane_arcs=half_plane_arcs,
+        arc_dofs=arc_dofs,
+        held_dofs=np.unique(np.concatenate(held_dofs)),
+        tension_forces=np.empty(0),
     )
     facets_of_ends = [facet for name in pulled_ends for facet in mesh.boundaries[name]]
-    return replace(system, pull=_pull(system, facets_of_ends))
+    return replace(system, tension_forces=_pull(system, facets_of_ends))
 
 
 def _pull(system: System, facets: list[int]) -> Array:
     """Nodal forces (n_dofs,) by a unit of tension along x on the ends of a body [length]; `facets`
     are the numbers of the element sides there, whose outward normals are along x.
     """
-    forces = np.zeros(len(system.node))
+    forces = np.zeros(len(system.node_of_dof))
     if facets:
         ends = skfem.FacetBasis(system.mesh, system.basis.elem, facets=np.array(facets), intorder=4)
         forces[: ends.N] = skfem.LinearForm(lambda v, w: w.n[0] * v[0]).assemble(ends)
@@ -268,7 +268,7 @@ def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
     rows = np.broadcast_to(dofs[:, :, None], blocks.shape)
     columns = np.broadcast_to(dofs[:, None, :], blocks.shape)
     entries = (blocks.ravel(), (rows.ravel(), columns.ravel()))
-    return sparse.csr_matrix(entries, shape=(len(system.node),) * 2)
+    return sparse.csr_matrix(entries, shape=(len(system.node_of_dof),) * 2)
 
 
 # How far a compliance may be from the solution of its mesh under a random load. Rounding leaves
@@ -333,23 +333,23 @@ class _Mode(NamedTuple):
 
     Attributes
     ----------
-    dofs
+    leading_dofs
         (k,) degrees of freedom that stand for themselves and for their mirror images
-    column, factor
+    column_of_dof, factor_of_dof
         (n_dofs,) which of them each one follows, and by how much, so that the motions are
         orthonormal; 0 if it is at rest
     """
 
-    dofs: Indices
-    column: Indices
-    factor: Array
+    leading_dofs: Indices
+    column_of_dof: Indices
+    factor_of_dof: Array
 
     def motions(self, moved_dofs: Indices, by: Indices) -> sparse.csr_matrix:
         """(m, n) displacement of m degrees of freedom of the body by n of the k of the mode."""
-        place = np.full(len(self.dofs), -1)
+        place = np.full(len(self.leading_dofs), -1)
         place[by] = np.arange(len(by))
-        column = place[self.column[moved_dofs]]
-        factor = np.where(column >= 0, self.factor[moved_dofs], 0.0)
+        column = place[self.column_of_dof[moved_dofs]]
+        factor = np.where(column >= 0, self.factor_of_dof[moved_dofs], 0.0)
         return sparse.csr_matrix(
             (factor, np.maximum(column, 0), np.arange(len(moved_dofs) + 1)),
             shape=(len(moved_dofs), len(by)),
@@ -370,12 +370,12 @@ def _modes(system: System) -> tuple[Indices, tuple[_Mode, ...]]:
         that is not its own mirror image to the last bit.
     """
     mesh = system.mesh
-    all_dofs = np.arange(len(system.node))
+    all_dofs = np.arange(len(system.node_of_dof))
     mirror_images = _mirror_images(system)
     right_elements = np.flatnonzero((mesh.p[0, mesh.t] >= 0).all(axis=0))
     if mirror_images is None or 2 * len(right_elements) != mesh.nelements:
         return np.arange(mesh.nelements), (_Mode(all_dofs, all_dofs, np.ones(len(all_dofs))),)
-    on_right = mesh.p[0, system.node] >= 0
+    on_right = mesh.p[0, system.node_of_dof] >= 0
     parity = np.ones(len(all_dofs))
     parity[: 2 * mesh.p.shape[1] : 2] = -1.0
     modes = []
@@ -405,14 +405,16 @@ def _mirror_images(system: System) -> Indices | None:
     images_of_nodes[nodes_from_left] = nodes_from_right
     images_of_displacements = (2 * images_of_nodes[:, None] + [0, 1]).ravel()
     images_of_pressures = 2 * len(images_of_nodes) + images_of_nodes
-    images = np.concatenate([images_of_displacements, images_of_pressures])[: len(system.node)]
+    images = np.concatenate([images_of_displacements, images_of_pressures])[
+        : len(system.node_of_dof)
+    ]
 
     def sorted_columns(numbers: Indices) -> Indices:
         """The columns of a table, each sorted, in one order."""
         rows = np.sort(numbers, axis=0)
         return rows[:, np.lexsort(rows)]
 
-    for dofs in (2 * system.cells.T, system.contact, system.arc, system.held[None]):
+    for dofs in (2 * system.cells.T, system.contact_dofs, system.arc_dofs, system.held_dofs[None]):
         if not np.array_equal(sorted_columns(dofs), sorted_columns(images[dofs])):
             return None
     return images
@@ -428,7 +430,7 @@ def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
     n_nodes = system.mesh.p.shape[1]
     # Half of a mirror-symmetric body has no stiffness at the nodes of the other half.
     stiff_nodes = np.flatnonzero(stiffness.diagonal()[: 2 * n_nodes : 2])
-    outer_dofs = np.concatenate([system.contact[0], system.arc[0]])
+    outer_dofs = np.concatenate([system.contact_dofs[0], system.arc_dofs[0]])
     inner_nodes = stiff_nodes[~np.isin(2 * stiff_nodes, outer_dofs)]
     # The pressure r of contact nodes comes last: first of all, it would fill the factors.
     ranks = np.full(n_nodes, n_nodes)
@@ -436,7 +438,7 @@ def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
         ranks[inner_nodes] = factorise(
             stiffness[2 * inner_nodes][:, 2 * inner_nodes].tocsc()
         ).perm_c
-    return ranks[system.node]
+    return ranks[system.node_of_dof]
 
 
 class _CondensedMode(NamedTuple):
@@ -554,29 +556,29 @@ def _condensed_mode(
     half_plane_loads
         tractions of the half-plane around a half-disc on its arc, by unit forces on the contact
     """
-    contact_dofs = np.flatnonzero(np.isin(mode.dofs, system.contact))
-    arc_dofs = np.flatnonzero(np.isin(mode.dofs, system.arc))
-    held_dofs = np.flatnonzero(np.isin(mode.dofs, system.held))
-    if system.around:
+    contact_dofs = np.flatnonzero(np.isin(mode.leading_dofs, system.contact_dofs))
+    arc_dofs = np.flatnonzero(np.isin(mode.leading_dofs, system.arc_dofs))
+    held_dofs = np.flatnonzero(np.isin(mode.leading_dofs, system.held_dofs))
+    if system.half_plane_arcs:
         # The loads balance, so that holding a half-disc at as few of its nodes as it has rigid
         # motions changes nothing.
         held_dofs, arc_dofs = _held_on_arc(system, mode, arc_dofs)
     inner_dofs = np.delete(
-        np.arange(len(mode.dofs)), np.concatenate([held_dofs, arc_dofs, contact_dofs])
+        np.arange(len(mode.leading_dofs)), np.concatenate([held_dofs, arc_dofs, contact_dofs])
     )
-    inner_dofs = inner_dofs[np.argsort(ranks[mode.dofs[inner_dofs]], kind="stable")]
+    inner_dofs = inner_dofs[np.argsort(ranks[mode.leading_dofs[inner_dofs]], kind="stable")]
     elimination_order = np.concatenate([inner_dofs, arc_dofs, contact_dofs])
     n_arc = len(arc_dofs)
-    all_motions = mode.motions(np.arange(len(mode.column)), elimination_order)
+    all_motions = mode.motions(np.arange(len(mode.column_of_dof)), elimination_order)
     ordered_stiffness = (all_motions.T @ stiffness @ all_motions).tocsc()
     elimination = _Elimination.of(ordered_stiffness, len(inner_dofs))
-    motions = mode.motions(system.contact.ravel(), contact_dofs)
+    motions = mode.motions(system.contact_dofs.ravel(), contact_dofs)
     loads = _ModeLoads(
-        arc_loads=mode.motions(system.arc.ravel(), arc_dofs).T
+        arc_loads=mode.motions(system.arc_dofs.ravel(), arc_dofs).T
         @ (half_plane_loads.by_nodes @ motions),
         tractions_on_arc=(half_plane_loads.tractions @ motions).T,
         displacements_on_arc=half_plane_loads.displacements @ motions,
-        tension_on_ends=all_motions.T @ system.pull,
+        tension_on_ends=all_motions.T @ system.tension_forces,
     )
     inverse_of_schur = elimination.inverse_of_schur
     displacement_by_forces = (
@@ -662,7 +664,7 @@ def _held_on_arc(system: System, mode: _Mode, arc_dofs: Indices) -> tuple[Indice
     Pivoted QR of the rigid motions picks those that hold best. `arc_dofs` are numbers within the
     mode (the body's symmetric or antisymmetric motions).
     """
-    all_arc_dofs = system.arc.ravel()
+    all_arc_dofs = system.arc_dofs.ravel()
     rigid_of_mode = (
         mode.motions(all_arc_dofs, arc_dofs).T @ rigid_motions(system.mesh)[all_arc_dofs]
     )
@@ -675,7 +677,7 @@ def _held_on_arc(system: System, mode: _Mode, arc_dofs: Indices) -> tuple[Indice
 
 # Share of the rows from which on a column of L_ti counts as a dense one: of the times measured the
 # least on bodies of all sizes.
-_DENSE = 1 / 12
+_SHARE_OF_DENSE_COLUMN = 1 / 12
 
 
 def _outer_product(columns: sparse.csc_matrix, factor: Array) -> Array:
@@ -687,7 +689,7 @@ def _outer_product(columns: sparse.csc_matrix, factor: Array) -> Array:
     n_rows = columns.shape[0]
     product = np.zeros((n_rows, n_rows))
     column_counts = np.diff(columns.indptr)
-    is_dense = column_counts > _DENSE * n_rows
+    is_dense = column_counts > _SHARE_OF_DENSE_COLUMN * n_rows
     is_sparse = ~is_dense & (column_counts > 0)
     scaled_columns = columns.copy()
     scaled_columns.data *= np.repeat(np.sqrt(np.abs(factor)), column_counts)
@@ -726,17 +728,17 @@ def arc_loads(system: System, datum_length: float) -> ArcLoads:
     along x. Other bodies have no such loads. `datum_length` is the distance from a force at which
     the half-plane's surface counts as unmoved [length].
     """
-    contact_places = system.mesh.p[0, system.node[system.contact[0]]]
-    arc_places = system.mesh.p[:, system.node[system.arc[0]]]
-    if system.around:
+    contact_places = system.mesh.p[0, system.node_of_dof[system.contact_dofs[0]]]
+    arc_places = system.mesh.p[:, system.node_of_dof[system.arc_dofs[0]]]
+    if system.half_plane_arcs:
         return ArcLoads(
             *arc_work(arc_places, system.order, contact_places, system.material, datum_length)
         )
-    loads_by_nodes = np.zeros((system.arc.size, system.contact.size))
-    if system.arc.size:  # in proportion to the nodal forces of tension: half on either end
-        end_shares = np.abs(system.pull[system.arc.ravel()])
+    loads_by_nodes = np.zeros((system.arc_dofs.size, system.contact_dofs.size))
+    if system.arc_dofs.size:  # in proportion to the nodal forces of tension: half on either end
+        end_shares = np.abs(system.tension_forces[system.arc_dofs.ravel()])
         loads_by_nodes[:, : len(contact_places)] = -(end_shares / end_shares.sum())[:, None]
-    no_points = np.zeros((0, system.contact.size))
+    no_points = np.zeros((0, system.contact_dofs.size))
     return ArcLoads(loads_by_nodes, no_points, no_points)
 
 
@@ -798,7 +800,7 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     elements, modes = _modes(system)
     stiffness = len(modes) * _stiffness(system, elements)
     ranks = _elimination_ranks(system, stiffness)
-    n_dofs = system.contact.size
+    n_dofs = system.contact_dofs.size
     compliance = np.zeros((n_dofs, n_dofs))
     by_stress = np.zeros(n_dofs)
     asymmetry = 0.0
@@ -825,10 +827,10 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
             f" {max(asymmetry, residual):.1e}: the body is too slender for its contact, or some of"
             " its elements are too thin"
         )
-    places = system.mesh.p[:, system.node[system.contact[0]]]
-    dof_shape = system.contact.shape
+    places = system.mesh.p[:, system.node_of_dof[system.contact_dofs[0]]]
+    dof_shape = system.contact_dofs.shape
     by_stress_at_nodes = by_stress.reshape(dof_shape)
-    if system.around:
+    if system.half_plane_arcs:
         by_stress_at_nodes = uniform_stretch(material, *places)
     nodes, shapes, _, tangents = line_elements(places, system.order, 3)
     weights = np.bincount(nodes.ravel(), (np.hypot(*tangents) @ shapes.T).ravel())
@@ -892,15 +894,19 @@ def displacement_fields(
     system = assemble(condensed.body, condensed.material)
     loads_on_contact = forces.reshape(-1, forces.shape[-1])
     nodal_loads = np.zeros((system.stiffness.shape[0], forces.shape[-1]))
-    nodal_loads[system.contact.ravel()] = loads_on_contact
+    nodal_loads[system.contact_dofs.ravel()] = loads_on_contact
     arc = arc_loads(system, datum_length)
-    nodal_loads[system.arc.ravel()] += arc.by_nodes @ loads_on_contact
+    nodal_loads[system.arc_dofs.ravel()] += arc.by_nodes @ loads_on_contact
     if stresses is not None:
-        nodal_loads += system.pull[:, None] * stresses
-    held = system.held
-    if system.around:
+        nodal_loads += system.tension_forces[:, None] * stresses
+    held = system.held_dofs
+    if system.half_plane_arcs:
         # The ends of the arc hold a half-disc without a force, since the loads balance.
-        ends_of_arc = [system.arc[0, 0], system.arc[1, 0], system.arc[1, -1]]  # u_x, u_y; u_y
+        ends_of_arc = [
+            system.arc_dofs[0, 0],
+            system.arc_dofs[1, 0],
+            system.arc_dofs[1, -1],
+        ]  # u_x, u_y; u_y
         held = np.concatenate([held, ends_of_arc])
     free_dofs = np.setdiff1d(np.arange(len(nodal_loads)), held)
     displacements = np.zeros_like(nodal_loads)
@@ -908,15 +914,15 @@ def displacement_fields(
         nodal_loads[free_dofs]
     )
     n_displacements = system.basis.N
-    if system.arc.size:
+    if system.arc_dofs.size:
         # By Betti's theorem the contact nodes move further, by the work of the arc's loads minus
         # that in the half-plane: a rigid motion, which the held nodes took away.
         motions = rigid_motions(system.mesh)
         work_in_half_plane = arc.tractions.T @ (arc.displacements @ loads_on_contact)
         missing_displacement = (
-            arc.by_nodes.T @ displacements[system.arc.ravel()] - work_in_half_plane
+            arc.by_nodes.T @ displacements[system.arc_dofs.ravel()] - work_in_half_plane
         )
-        motions_of_contact = motions[system.contact.ravel()]
+        motions_of_contact = motions[system.contact_dofs.ravel()]
         displacements[:n_displacements] += (
             motions @ np.linalg.lstsq(motions_of_contact, missing_displacement, rcond=None)[0]
         )

@@ -46,25 +46,25 @@ from scenes.array_types import Array, Complex
 RIM = 3
 # Share of the half-width behind them that p^2 is fitted to on fine meshes: there the error of
 # single nodes is left, which many nodes make small.
-_SPAN = 0.3
+_FITTED_SPAN = 0.3
 # Of the width of the contact: places that differ by less are one.
 _ROUND_OFF = 1e-9
 # Nodes that p^2 is fitted to: fewest of all, on a coarse mesh, and most.
-_FEWEST = 6
-_USUAL = 16
-_MANY_FITTED = 100
+_FEWEST_FITTED_NODES = 6
+_USUAL_FITTED_NODES = 16
+_MOST_FITTED_NODES = 100
 # Uncertainty of the tension over f p0 in any case, by r, the spacing of the nodes over the
 # half-width: what is left of the error of single ones on coarse meshes, in proportion to sqrt(r),
 # and on fine ones, where many are fitted, in proportion to r.
-_LEAST_COARSE = 0.012
-_LEAST_FINE = 0.036
+_LEAST_ERROR_COARSE = 0.012
+_LEAST_ERROR_FINE = 0.036
 # Degree of p^2 behind the rim, by the fewest nodes that are fitted with it. On 11 profiles and
 # elements of a/160 the tension has an error of 1e-3 at most with the fourth degree; x^5.3 has 2e-2
 # with a parabola. Where fewer nodes are fitted, higher degrees follow the error of single ones.
-_DEGREES = ((24, 4), (0, 2))
+_DEGREE_BY_NODES = ((24, 4), (0, 2))
 # Root mean square of the relative residual of p^2 above which fewer nodes are fitted: a corner of
 # the profile is among them.
-_ROUGH = 0.02
+_ROUGH_RESIDUAL = 0.02
 FEWEST = 3
 """Fewest nodes in contact whose tractions have a series."""
 # Angles over nodes of the contact; at least and at most.
@@ -72,12 +72,12 @@ _ANGLES_PER_NODE = 8
 _FEWEST_ANGLES = 512
 _MOST_ANGLES = 8192
 # Size of w^k below which the series ends.
-_NEGLIGIBLE = 1e-10
+_NEGLIGIBLE_TERM = 1e-10
 # Distance from an edge over the half-width at which what is finite there counts as that of the
 # edge.
-_AT_EDGE = 1e-9
+_DISTANCE_AT_EDGE = 1e-9
 # Terms of the power series of what the size of a body adds.
-_TERMS = 7
+_N_TERMS = 7
 
 
 class RootFit(NamedTuple):
@@ -98,7 +98,7 @@ class RootFit(NamedTuple):
     rim: int = RIM
     share: float = 1.0
     further_degrees: int = 0
-    most_rough: float = _ROUGH
+    most_rough: float = _ROUGH_RESIDUAL
 
 
 _USUAL_FIT = RootFit()
@@ -116,22 +116,22 @@ _OTHER_FITS = (
 _UNSHORTENED_FIT = RootFit(most_rough=math.inf)
 # The error of the tension over the root mean square of what these change: with the other terms it
 # covers 97 of 100 on seeds 242, 243, 250 and 251 of benchmarks/covered.py values, both presets.
-_BY_OTHERS = 1.65
+_FACTOR_OF_OTHER_FITS = 1.65
 # The same of a tabulated profile, whose curvature bends at every point of the table.
-_BY_OTHERS_OF_TABLE = 3.3
+_FACTOR_OF_OTHER_FITS_OF_TABLE = 3.3
 # Slip zones of so many nodes at most are narrow: there the tension follows the place of the stick
 # edge, which is moved by this many distances of nodes.
 _NARROW = 6
 _STICK_EDGE_MOVED = 0.45
 # Share of what slip as narrow as the rim could change that it does change.
-_UNSEEN = 0.7
+_SHARE_OF_UNSEEN_SLIP = 0.7
 # Share of the tension, times the nodes in contact, where these are too few to find the edges.
-_BY_FEW_NODES = 2.0
+_ERROR_BY_FEW_NODES = 2.0
 # Share of the tension, times (spacing of the nodes over the half-width)^(3/2), that the meshes of
 # coupled bodies leave: their part of the coupling of p and q bends q at the edges. On coarse meshes
 # of blocks and pads, seed 240 of benchmarks/covered.py bodies, 3e-3 to 5e-3 of the tension; on a
 # block of four half-widths 1e-3 at a/64, 5e-4 at a/91.
-_BY_COUPLING = 2.5
+_ERROR_BY_COUPLING = 2.5
 # The same of unlike materials: 3e-3 to 2e-2 of the tension on seeds 241 and 243, coarse.
 _BY_UNLIKE = 6.0
 
@@ -243,7 +243,7 @@ def _sums(series: Array, w: Complex) -> Complex:
     n_terms = series.shape[1]
     exponents = np.arange(1, n_terms + 1)
     with np.errstate(divide="ignore"):
-        terms_to_negligible = math.log(_NEGLIGIBLE) / np.log(np.minimum(np.abs(w), 1 - 1e-12))
+        terms_to_negligible = math.log(_NEGLIGIBLE_TERM) / np.log(np.minimum(np.abs(w), 1 - 1e-12))
         terms_needed = np.minimum(np.ceil(terms_to_negligible), n_terms).astype(int)
     longest_first = np.argsort(-terms_needed, kind="stable")
     terms_needed = np.maximum(terms_needed[longest_first], 1)
@@ -515,15 +515,17 @@ def _tension_uncertainty(nodal: Nodal, series: Tractions) -> Array:
     spacing = float(np.median(np.diff(nodal.x)))
     spacing_ratio = spacing / series.half_width
     least_uncertainty_ratio = min(
-        _LEAST_COARSE * math.sqrt(spacing_ratio), _LEAST_FINE * spacing_ratio
+        _LEAST_ERROR_COARSE * math.sqrt(spacing_ratio), _LEAST_ERROR_FINE * spacing_ratio
     )
     least_uncertainty = least_uncertainty_ratio * nodal.friction * float(nodal.pressure.max())
-    factor_of_other_fits = _BY_OTHERS_OF_TABLE if nodal.tabulated else _BY_OTHERS
+    factor_of_other_fits = (
+        _FACTOR_OF_OTHER_FITS_OF_TABLE if nodal.tabulated else _FACTOR_OF_OTHER_FITS
+    )
     changes = [sampled_tractions(nodal, fit).edge_tension() - tension for fit in _OTHER_FITS]
     by_other_fits = factor_of_other_fits * np.sqrt(np.mean(np.square(changes), axis=0))
     uncertainty = least_uncertainty + by_other_fits
     if series.rough:
-        uncertainty = np.maximum(uncertainty, _BY_FEW_NODES / len(nodal.x) * np.abs(tension))
+        uncertainty = np.maximum(uncertainty, _ERROR_BY_FEW_NODES / len(nodal.x) * np.abs(tension))
     unshortened_series = sampled_tractions(nodal, _UNSHORTENED_FIT)
     difference = np.abs(unshortened_series.edge_tension() - tension)
     uncertainty = np.maximum(uncertainty, difference)
@@ -531,7 +533,7 @@ def _tension_uncertainty(nodal: Nodal, series: Tractions) -> Array:
     difference = np.abs(level_tractions.edge_tension() - tension)
     uncertainty = np.maximum(uncertainty, difference)
     if nodal.coupled:
-        factor_of_coupling = _BY_UNLIKE if nodal.unlike else _BY_COUPLING
+        factor_of_coupling = _BY_UNLIKE if nodal.unlike else _ERROR_BY_COUPLING
         uncertainty += factor_of_coupling * spacing_ratio**1.5 * float(np.max(np.abs(tension)))
     if nodal.slips(1) and not nodal.slips(_NARROW + 1):
         uncertainty += _by_stick_edges(nodal, _STICK_EDGE_MOVED * spacing, tension)
@@ -555,7 +557,9 @@ def _tension_of_unseen_slip(nodal: Nodal, series: Tractions) -> Array:
         [nodal.x[rim_nodes] - series.edges[0], series.edges[1] - nodal.x[-1 - rim_nodes]]
     )
     rim_pressures = np.array([nodal.pressure[rim_nodes], nodal.pressure[-1 - rim_nodes]])
-    return np.asarray(_UNSEEN * 8 / math.pi * nodal.friction * rim_pressures * (depths > 0))
+    return np.asarray(
+        _SHARE_OF_UNSEEN_SLIP * 8 / math.pi * nodal.friction * rim_pressures * (depths > 0)
+    )
 
 
 def _by_stick_edges(nodal: Nodal, distance: float, tension: Array) -> Array:
@@ -620,7 +624,7 @@ def _form(nodal: Nodal) -> Callable[[Array], Array]:
         # notation: u, t, b distances from the middle over the half-width: of a place, of its mirror
         # image if the jump lies on the left, and of the jump (b > 0)
         """
-        u = ((x - middle) / half_width).clip(-1 + _AT_EDGE, 1 - _AT_EDGE)
+        u = ((x - middle) / half_width).clip(-1 + _DISTANCE_AT_EDGE, 1 - _DISTANCE_AT_EDGE)
         root = np.sqrt(1 - u**2)
         over_root = np.zeros_like(u)
         for place, jump in kinks.tolist():
@@ -640,7 +644,7 @@ def _form(nodal: Nodal) -> Callable[[Array], Array]:
     if len(nodal.x) > 3 * RIM:
         inner_x = nodal.x[RIM:-RIM]
         squared_root = (inner_x - left) * (right - inner_x)
-        root = np.sqrt(np.maximum(squared_root, (_AT_EDGE * half_width) ** 2))
+        root = np.sqrt(np.maximum(squared_root, (_DISTANCE_AT_EDGE * half_width) ** 2))
         smooth_part = float(np.mean(nodal.pressure[RIM:-RIM] / root - of_kinks(inner_x)))
     if not len(kinks) or not np.all(smooth_part + of_kinks(nodal.x) > 0):
         return np.ones_like
@@ -682,12 +686,14 @@ def _fitted_edge(x: Array, p: Array, fit: RootFit) -> _FittedEdge | None:
     """
     width = x[-1] - x[0]
     # Fitted nodes lie on a span of a share of the half-width; one at its very end counts.
-    span_end = x[min(fit.rim, len(x) - 1)] + (_SPAN / 2 + _ROUND_OFF) * width
+    span_end = x[min(fit.rim, len(x) - 1)] + (_FITTED_SPAN / 2 + _ROUND_OFF) * width
     nodes_in_span = int(np.searchsorted(x, span_end)) - fit.rim
-    n_nodes = round(fit.share * np.clip(nodes_in_span, _USUAL, _MANY_FITTED))
+    n_nodes = round(fit.share * np.clip(nodes_in_span, _USUAL_FITTED_NODES, _MOST_FITTED_NODES))
     n_nodes = min(n_nodes, len(x) // 2 - fit.rim)
-    while n_nodes >= _FEWEST:
-        degree = fit.further_degrees + next(of for fewest, of in _DEGREES if n_nodes >= fewest)
+    while n_nodes >= _FEWEST_FITTED_NODES:
+        degree = fit.further_degrees + next(
+            of for fewest, of in _DEGREE_BY_NODES if n_nodes >= fewest
+        )
         exponents = np.arange(degree, -1, -1)
         fitted_nodes = slice(fit.rim, fit.rim + n_nodes)
         distance = x[fitted_nodes] - x[fit.rim]
@@ -838,7 +844,7 @@ def size_effect_basis(z: Complex, length: float) -> Array:
     """
     u = z / length
     columns = []
-    for power in range(_TERMS):
+    for power in range(_N_TERMS):
         for factor in (1.0, 1j) if power else (1.0,):
             f = factor * u**power
             f_of_conjugate = factor * u.conj() ** power

@@ -24,7 +24,7 @@ from scenes.array_types import Array, Indices
 
 # Gauss points of an element of the arc: to rounding on elements no longer than their distance from
 # a force.
-_POINTS = 9
+_N_GAUSS_POINTS = 9
 
 
 def surface_force_displacement(
@@ -225,7 +225,7 @@ def arc_work(
         part of its length; the former, transposed, times the latter is the work in the
         half-plane's own displacement
     """
-    elements = line_elements(arc, order, _POINTS)
+    elements = line_elements(arc, order, _N_GAUSS_POINTS)
     x, y = elements.places.reshape(2, -1)
     tangent_x, tangent_y = elements.tangents
     scaled_normal = np.stack([tangent_y.ravel(), -tangent_x.ravel()])  # outward, times the length

@@ -40,7 +40,7 @@ from scenes import Block, InputError, Scene, Shape, freeze
 from scenes.array_types import Array
 
 # The upper body's frame is reflected in y = 0: y points out of it.
-_REFLECTED = np.array([1.0, -1.0])
+_REFLECTION = np.array([1.0, -1.0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,27 +221,27 @@ def _imposed_displacements(
     and of the upper one by a unit of tilt.
     """
     stretch_of_lower = np.broadcast_to(lower.by_stress, (2, len(lower.x)))
-    stretch_of_upper = np.broadcast_to(upper.by_stress, (2, len(upper.x))) * _REFLECTED[:, None]
+    stretch_of_upper = np.broadcast_to(upper.by_stress, (2, len(upper.x))) * _REFLECTION[:, None]
     tilt_of_upper = np.stack([upper.y, upper.x])  # (-y, x) of the common frame
     return stretch_of_lower, stretch_of_upper, tilt_of_upper
 
 
 # Element sizes (distances of nodes) within which what only the mesh makes of N - T and K dies out,
-_LOCAL = 8.5
+_SIZES_IN_BAND = 8.5
 # and up to which what is left behind that is read.
-_PLATEAU = 10.5
+_SIZES_TO_PLATEAU_END = 10.5
 # Digits behind the point of a distance over the element size: far more than matter, and less than
 # what round-off changes.
 _DIGITS_OF_SIZES = 9
 # Largest degree of the polynomial that stands for what is smooth of bodies, in both places
 # together,
-_DEGREE = 8
+_LARGEST_DEGREE = 8
 # nodes that one more degree needs,
-_NODES_A_DEGREE = 25
+_NODES_PER_DEGREE = 25
 # and samples that it goes through.
-_SAMPLES = 48
+_N_SAMPLES = 48
 # Nodes of the contact side below which there is no such plateau.
-_LEAST_NODES = 21
+_FEWEST_NODES = 21
 
 
 def without_local_difference(faces: Interface, scene: Scene) -> Interface | None:
@@ -262,7 +262,7 @@ def without_local_difference(faces: Interface, scene: Scene) -> Interface | None
     if not _has_room_for_plateau(faces, scene):
         return None
     sizes_ahead = _sizes_ahead(faces.x)
-    is_in_band = np.abs(sizes_ahead) <= _LOCAL
+    is_in_band = np.abs(sizes_ahead) <= _SIZES_IN_BAND
     tangential_compliance = _tangential_without_mesh_part(faces, sizes_ahead)
     coupling = faces.coupling
     if coupling is not None:
@@ -280,10 +280,10 @@ def _has_room_for_plateau(faces: Interface, scene: Scene) -> bool:
     over which the mesh distorts a compliance, and the contact has enough nodes to fit its rest.
     """
     spacing = np.diff(faces.x)
-    n_nodes = int(_PLATEAU)
+    n_nodes = int(_SIZES_TO_PLATEAU_END)
     room_beside = face_room(scene) - float(np.abs(faces.x).max())
     return (
-        len(faces.x) >= _LEAST_NODES
+        len(faces.x) >= _FEWEST_NODES
         and room_beside >= n_nodes * max(spacing[0], spacing[-1])
         and least_depth(scene) >= 2 * n_nodes * float(spacing.max())
     )
@@ -306,13 +306,13 @@ def _tangential_without_mesh_part(faces: Interface, sizes_ahead: Array) -> Array
     sizes_ahead
         (n, n) distance of two nodes over the size of the elements there, with its sign
     """
-    is_in_band = np.abs(sizes_ahead) <= _LOCAL
+    is_in_band = np.abs(sizes_ahead) <= _SIZES_IN_BAND
     smooth_difference = _smooth(faces.normal - faces.tangential, faces.x, np.abs(sizes_ahead))
     symmetric_difference = (smooth_difference + smooth_difference.T) / 2
     tangential_compliance = np.where(
         is_in_band, faces.normal - symmetric_difference, faces.tangential
     )
-    is_in_double_band = np.abs(sizes_ahead) <= 2 * _LOCAL
+    is_in_double_band = np.abs(sizes_ahead) <= 2 * _SIZES_IN_BAND
     weights = faces.weights
     sums_of_rows = (tangential_compliance - faces.tangential) @ weights
     # A symmetric matrix v_i + v_j on the double band has these sums.
@@ -343,7 +343,7 @@ def _sizes_ahead(x: Array) -> Array:
     size_on_left = np.insert(spacing, 0, spacing[0])
     distance = np.subtract.outer(x, x)
     size_at_node = np.max(
-        np.maximum(size_on_right, size_on_left) - np.abs(distance) / _LOCAL, axis=1
+        np.maximum(size_on_right, size_on_left) - np.abs(distance) / _SIZES_IN_BAND, axis=1
     )
     return np.round(distance / np.maximum.outer(size_at_node, size_at_node), _DIGITS_OF_SIZES)
 
@@ -366,16 +366,16 @@ def _smooth(matrix: Array, x: Array, sizes_ahead: Array) -> Array:
         are to count
     """
     unit_x = 2 * (x - x[0]) / (x[-1] - x[0]) - 1
-    chebyshev_places = np.cos(np.pi * (np.arange(_SAMPLES) + 0.5) / _SAMPLES)
+    chebyshev_places = np.cos(np.pi * (np.arange(_N_SAMPLES) + 0.5) / _N_SAMPLES)
     sample_nodes = np.searchsorted(unit_x, chebyshev_places).clip(0, len(x) - 1)
     # Together with their mirror images, so that a symmetric compliance stays symmetric.
     sample_nodes = np.union1d(sample_nodes, len(x) - 1 - sample_nodes)
     row_samples, column_samples = np.nonzero(
-        sizes_ahead[np.ix_(sample_nodes, sample_nodes)] > _LOCAL
+        sizes_ahead[np.ix_(sample_nodes, sample_nodes)] > _SIZES_IN_BAND
     )
     row_nodes = sample_nodes[row_samples]
     column_nodes = sample_nodes[column_samples]
-    degree = min(_DEGREE, len(x) // _NODES_A_DEGREE)
+    degree = min(_LARGEST_DEGREE, len(x) // _NODES_PER_DEGREE)
     legendre = np.polynomial.legendre.legvander(unit_x, degree)
     exponents = [(k, m) for k in range(degree + 1) for m in range(degree + 1 - k)]
     products = np.stack(
@@ -395,7 +395,7 @@ def _plateau(matrix: Array, sizes_ahead: Array) -> Array:
     Where the row or the column has no such entries, the other counts alone. `sizes_ahead` (n, n) is
     the distance of two nodes over the size of the elements.
     """
-    is_on_plateau = (sizes_ahead > _LOCAL) & (sizes_ahead <= _PLATEAU)
+    is_on_plateau = (sizes_ahead > _SIZES_IN_BAND) & (sizes_ahead <= _SIZES_TO_PLATEAU_END)
     row_means, column_means = (
         (matrix * is_on_plateau).sum(axis=axis) / np.maximum(is_on_plateau.sum(axis=axis), 1)
         for axis in (1, 0)
@@ -463,12 +463,12 @@ def _square(compliance: Array) -> Array:
 
 def _turned(compliance: Array) -> Array:
     """A compliance of the upper body in the common frame."""
-    return compliance * _REFLECTED[:, None, None, None] * _REFLECTED[:, None]
+    return compliance * _REFLECTION[:, None, None, None] * _REFLECTION[:, None]
 
 
 # Overlap of the faces as they are meshed that is admitted, over their largest gap: curved elements
 # sag by a part of (h/a)^2 where the curvature of a face jumps.
-_OVERLAP = 0.01
+_ADMITTED_OVERLAP = 0.01
 # The same over the width of the side that may touch, for faces without a gap: rounding.
 _ROUNDING = 1e-9
 
@@ -534,7 +534,7 @@ def initial_gap(scene: Scene, interface: Interface) -> Array:
     if not scene.bodies.faces_are_true:
         return np.asarray(scene.profile.height(interface.x))
     x, distance = interface.nearest  # where the faces are nearest to each other
-    by_meshing = _OVERLAP * float(interface.gap.max())
+    by_meshing = _ADMITTED_OVERLAP * float(interface.gap.max())
     rounding = _ROUNDING * float(np.ptp(interface.x))
     if -distance > max(by_meshing, rounding):
         raise InputError(

@@ -64,20 +64,20 @@ from scenes.bodies import Face, arc_depth, face_of
 
 # Largest degree of the polynomials in x and s together, and places of forces at x >= 0; those at x
 # < 0 would repeat them as mirror images.
-_DEGREE = 12
-_FORCES = 8
+_LARGEST_DEGREE = 12
+_N_FORCES = 8
 # The same, and the elements, where the curvature of the face jumps: with degree 20 W of a flat pad,
 # b/a = 0.8, stays 0.2 % too small, with 28 it is within 2e-5.
-_DEGREE_OF_JUMP = 28
-_FORCES_OF_JUMP = 24
-_ELEMENTS_OF_JUMP = 160
+_DEGREE_AT_JUMP = 28
+_N_FORCES_AT_JUMP = 24
+_N_ELEMENTS_AT_JUMP = 160
 # Elements over the distance of the nearest place where the body ends, and at least on the side that
 # may touch; growth of their size.
-_ELEMENTS = 48
-_LEAST_ELEMENTS = 12
-_GROWTH = 0.1
+_N_ELEMENTS = 48
+_FEWEST_ELEMENTS = 12
+_SIZE_GROWTH = 0.1
 # The second mesh, by which the first one's error is judged.
-_COARSER = 2.0
+_FACTOR_OF_COARSE_MESH = 2.0
 # Change of the dissipation by a change d of the kernels over the contact, over d E*: by a curvature
 # T P0 R = tau, where d = T a^2/2, W of Hertz' contact changes by -2.5 tau = -2 T a^2 E* at most
 # (the cycles of `benchmarks/bound.py`).
@@ -240,7 +240,7 @@ class FaceKernels:
 
 
 def fitted_kernels(
-    kernels: RemainderKernels, part_of_face: PartOfFace | None = None, degree: int = _DEGREE
+    kernels: RemainderKernels, part_of_face: PartOfFace | None = None, degree: int = _LARGEST_DEGREE
 ) -> FaceKernels:
     """Least-squares fit of Chebyshev polynomials T_i(x/r) T_j(s/r) to the displacement at x by a
     unit force at s on the face of a body that is its own mirror image in x = 0.
@@ -325,7 +325,7 @@ class BodyKernels:
         return strain, np.abs(strain - self.coarse.strain(x, s, pressing, along))
 
 
-_FLAT = Face(np.zeros_like, flat=True)
+_FLAT_FACE = Face(np.zeros_like, flat=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -336,7 +336,7 @@ class KernelPair:
 
     lower: BodyKernels | None
     upper: BodyKernels | None
-    faces: tuple[Face, Face] = (_FLAT, _FLAT)
+    faces: tuple[Face, Face] = (_FLAT_FACE, _FLAT_FACE)
 
     def added_to(self, faces: Interface) -> Interface:
         """Contact compliance of the finite bodies: that of two half-planes (`faces`) plus what the
@@ -540,17 +540,17 @@ def _kernels_in(
     arc_of_face = face_of(shape, scene.profile).arc
     part_of_face = None if arc_of_face is None else PartOfFace(*arc_of_face, material)
     has_jump = arc_of_face is not None and arc_of_face[0] > 0
-    degree = _DEGREE_OF_JUMP if has_jump else _DEGREE
-    n_forces = _FORCES_OF_JUMP if has_jump else _FORCES
-    n_elements = _ELEMENTS_OF_JUMP if has_jump else _ELEMENTS
+    degree = _DEGREE_AT_JUMP if has_jump else _LARGEST_DEGREE
+    n_forces = _N_FORCES_AT_JUMP if has_jump else _N_FORCES
+    n_elements = _N_ELEMENTS_AT_JUMP if has_jump else _N_ELEMENTS
     kernels_of_meshes = []
-    for size_factor in (1.0, _COARSER):
+    for size_factor in (1.0, _FACTOR_OF_COARSE_MESH):
         size_by_body = nearest_end(shape) / n_elements
-        size_by_reach = reach * _ELEMENTS / _LEAST_ELEMENTS / n_elements
+        size_by_reach = reach * _N_ELEMENTS / _FEWEST_ELEMENTS / n_elements
         element_size = size_factor * min(size_by_body, size_by_reach)
         grading = SurfaceGrading(inner=0.0, outer=reach, size=element_size, edge_size=element_size)
         body = build(
-            name, shape, scene.profile, grading, MeshSettings(growth=size_factor * _GROWTH)
+            name, shape, scene.profile, grading, MeshSettings(growth=size_factor * _SIZE_GROWTH)
         )
         force_places = reach * np.sin(np.linspace(0.0, np.pi / 2, n_forces))
         computed_kernels = remainder_kernels(body, material, force_places, datum_length)

@@ -25,7 +25,7 @@ from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, freeze
 from scenes.array_types import Array, Indices
 
 # By how much a face and its image may differ, over the largest entry: rounding of the condensation.
-_ALIKE = 1e-9
+_MIRROR_ROUNDING = 1e-9
 
 
 def mirrored(faces: Interface, sheared: bool) -> bool:
@@ -54,7 +54,7 @@ def mirrored(faces: Interface, sheared: bool) -> bool:
     if faces.coupling is not None:
         values_and_images.append((faces.coupling, -faces.coupling[::-1, ::-1]))
     return all(
-        bool(np.abs(values - image).max() <= _ALIKE * np.abs(values).max())
+        bool(np.abs(values - image).max() <= _MIRROR_ROUNDING * np.abs(values).max())
         for values, image in values_and_images
     )
 

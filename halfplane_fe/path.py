@@ -30,10 +30,10 @@ from scenes.array_types import Array
 
 # Samples a leg, at least, on which a sign change of a rate is looked for; a turning point and its
 # twin closer than that are missed together.
-_SAMPLES = 721
+_N_SAMPLES = 721
 # Share of the largest load below which a load can't be told from none: the nodal forces are known
 # to about so much of it.
-_LEAST_LOAD = 1e-12
+_LEAST_LOAD_RATIO = 1e-12
 # Share of f times the largest load within which |Q| is f P.
 _ROUNDING_OF_LIMIT = 1e-14
 # Secants before a zero is bracketed instead, some more than are taken; and what is left of a gap,
@@ -41,15 +41,15 @@ _ROUNDING_OF_LIMIT = 1e-14
 # rounding.
 _MOST_SECANTS = 16
 _LAST_DIGIT = 1e-15
-_LITTLE_LOAD = (
+_ADVICE_ON_LITTLE_LOAD = (
     "so little load, 1e-12 of the largest or less, finite elements can't tell from separation; the"
     " half-plane engine can"
 )
-_UNLOADED = (
+_ADVICE_ON_UNLOADING = (
     "finite elements need P > 0 after the start, for unloaded bodies have no place; half-plane"
     " theory takes full unloading, P = Q = 0: keep P > 0, or solve the scene by theory alone"
 )
-_SLIDING = (
+_ADVICE_ON_SLIDING = (
     "finite elements need |Q| below f P (half-plane theory takes |Q| = f P too); lower the"
     " tangential load, raise the normal load or friction.coefficient"
 )
@@ -139,7 +139,7 @@ def turns(leg: LoadSegment, normal_weight: float, tangential_weight: float) -> s
     normal_weight, tangential_weight
         w_P and w_Q
     """
-    times = sampled(leg, _SAMPLES)
+    times = sampled(leg, _N_SAMPLES)
 
     def rate(t: Array | float) -> Array:
         """w_P dP/dt + w_Q dQ/dt."""
@@ -325,7 +325,7 @@ def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False
         normal_load, tangential_load = leg.loads(times)
         is_after_start = times > path.start
         largest_load = float(np.abs(normal_load).max())
-        is_separated = is_after_start & (normal_load <= _LEAST_LOAD * largest_load)
+        is_separated = is_after_start & (normal_load <= _LEAST_LOAD_RATIO * largest_load)
         if is_separated.any():
             k = int(np.argmin(np.where(is_separated, normal_load, np.inf)))
             worst_instant = LoadedInstant(times[k], normal_load[k], tangential_load[k])
@@ -342,7 +342,7 @@ def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False
             k = int(np.argmax(np.where(is_sliding, force_beyond_limit, -np.inf)))
             worst_instant = LoadedInstant(times[k], normal_load[k], tangential_load[k])
             raise InadmissibleLoadError(
-                "gross sliding", worst_instant, friction=friction, rule=_SLIDING
+                "gross sliding", worst_instant, friction=friction, rule=_ADVICE_ON_SLIDING
             )
 
 
@@ -361,8 +361,8 @@ def _separation(
             f" {normal_load:.6g}; finite elements follow bodies that touch: keep it above 0, or"
             " take half-plane theory"
         )
-    advice = _LITTLE_LOAD if normal_load > 0 else ""
+    advice = _ADVICE_ON_LITTLE_LOAD if normal_load > 0 else ""
     largest_force = max(abs(normal_load), abs(worst_instant.tangential_load))
     if largest_force <= _ROUNDING_OF_LIMIT * largest_load:
-        advice = _UNLOADED
+        advice = _ADVICE_ON_UNLOADING
     return InadmissibleLoadError("separation", worst_instant, friction=friction, rule=advice)

@@ -77,24 +77,24 @@ from scenes.array_types import Array, Indices
 
 # Gauss points of a facet: Flamant's tractions are smooth over an element, which is shorter than its
 # distance from the force.
-_POINTS = 9
+_N_GAUSS_POINTS = 9
 # The part of the face that the kernels are fitted on, |x| <= r: r over the distance of the nearest
 # place where the face or the material below it ends. Terms that the polynomial lacks are then below
 # 1e-4 of the numbers.
-_REACH = 0.3
+_FITTED_REACH = 0.3
 # Forces stand at these places over r: what s^4 does is seen too. Forces at x < 0 would repeat them
 # as mirror images.
-_FORCES = (0.0, 0.5, 1.0)
+_FORCE_PLACES = (0.0, 0.5, 1.0)
 # Largest degree of the polynomials in x and s together.
-_DEGREE = 8
+_LARGEST_DEGREE = 8
 # Elements on 0 <= x <= r, and growth of their size with the distance from there.
-_ELEMENTS = 16
-_GROWTH = 0.1
+_N_ELEMENTS = 16
+_SIZE_GROWTH = 0.1
 # The second mesh, by which the first one's error is judged: elements so many times as large, fitted
 # on a part of the face so many times as wide. The difference of the two also has the terms that the
 # polynomials lack.
-_COARSER = 2.0
-_WIDER = 1.25
+_FACTOR_OF_COARSE_MESH = 2.0
+_FACTOR_OF_WIDER_FACE = 1.25
 
 
 class RemainderKernels(NamedTuple):
@@ -156,10 +156,10 @@ def remainder_kernels(
         L, distance from a force at which a half-plane's surface counts as unmoved [length]
     """
     system = assemble(body, material)
-    n_dofs = len(system.node)
-    held_dofs = system.held
+    n_dofs = len(system.node_of_dof)
+    held_dofs = system.held_dofs
     free_dofs = np.setdiff1d(np.arange(n_dofs), held_dofs)
-    x, y = body.mesh.p[:, system.node[system.contact[0]]]
+    x, y = body.mesh.p[:, system.node_of_dof[system.contact_dofs[0]]]
     forces = _SurfaceForces(forces_at, np.zeros(len(forces_at)))
     if y.any():
         force_nodes = np.abs(x[:, None] - forces_at).argmin(axis=0)
@@ -173,7 +173,9 @@ def remainder_kernels(
     nodal_loads -= system.stiffness[:, held_dofs] @ displacements[held_dofs]
     factorisation = factorise(system.stiffness[free_dofs][:, free_dofs].tocsc())
     displacements[free_dofs] = factorisation.solve(nodal_loads[free_dofs])
-    displacement_along, displacement_out = displacements[system.contact].reshape(2, -1, 2, n_forces)
+    displacement_along, displacement_out = displacements[system.contact_dofs].reshape(
+        2, -1, 2, n_forces
+    )
     kernels = RemainderKernels(
         x=x,
         forces_at=forces.x,
@@ -290,7 +292,7 @@ def _tractions(system: System, forces: _SurfaceForces) -> Array:
     )
     # On a curved face an even number of Gauss points: the middle one of an odd number is a node,
     # where a force may stand.
-    n_points = _POINTS + 1 if forces.y.any() else _POINTS
+    n_points = _N_GAUSS_POINTS + 1 if forces.y.any() else _N_GAUSS_POINTS
     elements = curve_elements(mesh.p, _outline_nodes(mesh, loaded_facets), n_points)
     along_x, along_y = elements.tangents
     normals_by_length = np.stack([along_y.ravel(), -along_x.ravel()])  # outward, times the length
@@ -334,8 +336,8 @@ def _support_displacements(system: System, forces: _SurfaceForces, datum_length:
             at_x, at_y, force_at, material.young_modulus, material.poisson_ratio, datum_length
         )
 
-    x, y = system.mesh.p[:, system.node[system.held]]
-    component = system.held % 2
+    x, y = system.mesh.p[:, system.node_of_dof[system.held_dofs]]
+    component = system.held_dofs % 2
     of_held = _of_forces(displacement, x, y, forces)[component, np.arange(len(x))]
     return of_held.reshape(len(x), -1)
 
@@ -393,13 +395,13 @@ class FaceSeries(NamedTuple):
     tangential_mixed: float
 
 
-_ZERO = Estimate(0.0)
+_ZERO_ESTIMATE = Estimate(0.0)
 OF_HALF_PLANE = BodyNumbers(
-    **dict.fromkeys(FaceSeries._fields, _ZERO), unknowns=0, factorisations=0
+    **dict.fromkeys(FaceSeries._fields, _ZERO_ESTIMATE), unknowns=0, factorisations=0
 )
 
 
-def face_series(kernels: RemainderKernels, degree: int = _DEGREE) -> FaceSeries:
+def face_series(kernels: RemainderKernels, degree: int = _LARGEST_DEGREE) -> FaceSeries:
     """First coefficients of a power series in x and s for the displacement at x by a unit force at
     s, minus that of a half-plane, of a body that is its own mirror image in x = 0.
 
@@ -489,13 +491,13 @@ def face_kernels(
         factor on the element size; above 1, for an estimate of the error, the part of the face is
         wider too
     """
-    reach = _REACH * nearest_end(shape)
+    reach = _FITTED_REACH * nearest_end(shape)
     if coarser > 1:
-        reach *= _WIDER
-    size = coarser * reach / _ELEMENTS
+        reach *= _FACTOR_OF_WIDER_FACE
+    size = coarser * reach / _N_ELEMENTS
     grading = SurfaceGrading(inner=0.0, outer=reach, size=size, edge_size=size)
-    body = build(name, shape, profile, grading, MeshSettings(growth=coarser * _GROWTH))
-    return remainder_kernels(body, material, reach * np.array(_FORCES), datum_length)
+    body = build(name, shape, profile, grading, MeshSettings(growth=coarser * _SIZE_GROWTH))
+    return remainder_kernels(body, material, reach * np.array(_FORCE_PLACES), datum_length)
 
 
 def body_numbers(
@@ -518,7 +520,9 @@ def body_numbers(
         distance from a force at which a half-plane's surface counts as unmoved [length]
     """
     kernels = face_kernels(name, shape, profile, material, datum_length)
-    coarse_kernels = face_kernels(name, shape, profile, material, datum_length, _COARSER)
+    coarse_kernels = face_kernels(
+        name, shape, profile, material, datum_length, _FACTOR_OF_COARSE_MESH
+    )
     values = face_series(kernels)
     coarse_values = face_series(coarse_kernels)
     reciprocity_error = kernels.reciprocity_gap / float(np.abs(kernels.x).max())
@@ -665,8 +669,8 @@ def combined(lower: BodyNumbers, upper: BodyNumbers, scene: Scene) -> BodyEffect
     # One body stands for both: its errors cancel from the differences, and it was solved once.
     return replace(
         effects,
-        tilt_under_shear=_ZERO,
-        strain_under_pressure=_ZERO,
+        tilt_under_shear=_ZERO_ESTIMATE,
+        strain_under_pressure=_ZERO_ESTIMATE,
         unknowns=lower.unknowns,
         factorisations=lower.factorisations,
     )

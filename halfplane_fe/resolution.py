@@ -25,38 +25,38 @@ from scenes import Profile
 from scenes.array_types import Array
 
 # Error in L2 over h/a, of q and of p.
-_SHEAR = 0.65
-_PRESSURE = 0.25
+_ERROR_OF_SHEAR = 0.65
+_ERROR_OF_PRESSURE = 0.25
 # That of linear elements over that of quadratic ones.
-_LINEAR = 3.7
+_FACTOR_OF_LINEAR = 3.7
 # Error above which there is a note.
-_TOLD = 0.05
+_NOTED_ERROR = 0.05
 # Share of the largest load from which on instants count: below it tractions are off in a contact
 # that carries next to nothing.
-_LOADED = 0.3
+_LEAST_LOAD_RATIO = 0.3
 # Exponent of a power law below which the peak at its tip is lost: it is 2.4 % low for x^1.2 on a
 # coarse mesh, 6.8 % for x^1.15, 41 % for x^1.05; p and q in L2 have errors of 0.4 % and 1 % at
 # most.
-_SHARP = 1.25
+_LEAST_POWER_OF_PEAK = 1.25
 # Halvings of an element at a tip, at most.
 _MOST_HALVINGS = 16
 # Share of the error of the pressure there that is to be left.
-_LEFT_AT_TIP = 1 / 64
+_ERROR_LEFT_AT_TIP = 1 / 64
 # Further halvings within a rounded tip: the peak of a wedge has an error of 1e-3 with two elements
 # there, and of a tenth of that with eight.
-_WITHIN_TIP = 2
+_HALVINGS_WITHIN_TIP = 2
 # Power from which on a tip counts as smooth: rows and fitted curves are no exact parabolas.
 SMOOTH_TIP = 1.99
 # Digits that a power has.
 _DIGITS_OF_POWER = 9
 # Dissipation over A f^2 P^2 (h/a)^2 of a mesh on which nothing should slip.
-_FLOOR = 0.04
+_DISSIPATION_BY_MESH = 0.04
 # Elements below which the dissipation of a slip zone has an error of per cents: Cattaneo-Mindlin's
 # cycle has 0.4 % at 3.4 elements, 3 % at 1.6, 34 % at 0.7, and is seven times too large or nothing
 # at 0.2.
-_FEW = 2.0
+_FEW_ELEMENTS = 2.0
 # Elements that a note asks for in a slip zone: twice as many.
-_ENOUGH_IN_SLIP = 4.0
+_ENOUGH_ELEMENTS_IN_SLIP = 4.0
 
 
 def tip_power(profile: Profile, distance: float) -> float:
@@ -101,10 +101,10 @@ def tip_halvings(profile: Profile, size: float) -> int:
     """
     count = 0
     error_left = 1.0
-    while count < _MOST_HALVINGS and error_left > _LEFT_AT_TIP:
+    while count < _MOST_HALVINGS and error_left > _ERROR_LEFT_AT_TIP:
         power = tip_power(profile, size / 2**count)
         if power >= SMOOTH_TIP:
-            return count + _WITHIN_TIP if count else 0
+            return count + _HALVINGS_WITHIN_TIP if count else 0
         count += 1
         error_left /= 2 ** (power - 1)
     return count
@@ -134,7 +134,7 @@ class Revolution:
 
     def least_contact(self) -> float:
         """Least half-width under more than a share of the largest load [length]."""
-        is_loaded = self.load > _LOADED * np.max(self.load)
+        is_loaded = self.load > _LEAST_LOAD_RATIO * np.max(self.load)
         return float(np.min(self.contact[is_loaded], initial=np.inf))
 
     def widest_slip_zone(self) -> float:
@@ -202,25 +202,27 @@ def resolution_notes(
     mesh
         settings of the mesh, from which the advice starts
     """
-    expected_errors = _ExpectedErrors(_LINEAR if mesh.order == 1 else 1.0, revolution.sheared)
+    expected_errors = _ExpectedErrors(
+        _FACTOR_OF_LINEAR if mesh.order == 1 else 1.0, revolution.sheared
+    )
     elements_enough = expected_errors.enough_elements()
     elements_in_least = revolution.least_contact() / element
     if expected_errors.matter(elements_in_least):
         yield (
             f"the contact is {elements_in_least:.2g} elements from its middle to its edge where it"
-            f" is smallest (loads above {_LOADED:g} of the largest), {element:.3g} each on the"
-            f" coarser side: {expected_errors.words(elements_in_least)};"
+            f" is smallest (loads above {_LEAST_LOAD_RATIO:g} of the largest), {element:.3g} each"
+            f" on the coarser side: {expected_errors.words(elements_in_least)};"
             f" {_finer(mesh, elements_in_least / elements_enough)}"
         )
     exponent = tip_power(profile, element / 2**_MOST_HALVINGS)
-    if exponent < _SHARP:
+    if exponent < _LEAST_POWER_OF_PEAK:
         yield (
             f"the profile rises as |x|^{exponent:g}, next to a wedge, whose pressure is infinite at"
             " the tip: the largest pressure is too low, by 7% for |x|^1.15 and by 40% for"
             " |x|^1.05; away from the tip the mesh follows it"
         )
     for flank in flanks(profile, elements_in_least * element, element):
-        if expected_errors.of_shear(flank.resolved_by) > _TOLD:
+        if expected_errors.of_shear(flank.resolved_by) > _NOTED_ERROR:
             yield (
                 f"the contact ends {max(flank.width, 0.0):.2g} elements, {element:.3g} each, beyond"
                 f" x = {flank.kink:.6g}, where the pressure is steep: it is not resolved there,"
@@ -249,21 +251,21 @@ class _ExpectedErrors:
 
     def of_shear(self, elements: float) -> float:
         """That of q."""
-        return self.factor * _SHEAR / elements
+        return self.factor * _ERROR_OF_SHEAR / elements
 
     def of_pressure(self, elements: float) -> float:
         """That of p."""
-        return self.factor * _PRESSURE / elements
+        return self.factor * _ERROR_OF_PRESSURE / elements
 
     def matter(self, elements: float) -> bool:
         """Whether there is to be a note."""
         if self.sheared:
-            return self.of_shear(elements) > _TOLD
-        return self.of_shear(elements) > _TOLD and self.of_pressure(elements) > _TOLD
+            return self.of_shear(elements) > _NOTED_ERROR
+        return self.of_shear(elements) > _NOTED_ERROR and self.of_pressure(elements) > _NOTED_ERROR
 
     def enough_elements(self) -> float:
         """Elements from which on q is right to what needs no note."""
-        return float(np.ceil(self.factor * _SHEAR / _TOLD))
+        return float(np.ceil(self.factor * _ERROR_OF_SHEAR / _NOTED_ERROR))
 
     def words(self, elements: float) -> str:
         """What to expect of the tractions."""
@@ -299,20 +301,20 @@ def _slip_notes(revolution: Revolution, element: float, mesh: MeshSettings) -> I
     dissipation = revolution.dissipation  # over A f^2 P^2, A = 2/E*, P the largest load
     elements_in_slip = revolution.widest_slip_zone() / element
     largest_contact = float(np.max(revolution.contact, initial=element))
-    dissipation_by_mesh = _FLOOR * (element / largest_contact) ** 2
+    dissipation_by_mesh = _DISSIPATION_BY_MESH * (element / largest_contact) ** 2
     if not dissipation > 0:
         yield (
             f"no node slips: a slip zone narrower than an element, {element:.3g} at the edges,"
             " would not be seen, and its dissipation would be missing"
         )
-    elif elements_in_slip < _FEW:
+    elif elements_in_slip < _FEW_ELEMENTS:
         error_text = "some per cent or more" if elements_in_slip > 1 else "a factor, up or down"
         yield (
             f"slip zones are {elements_in_slip:.2g} elements wide at most, {element:.3g} each: the"
             f" error of the dissipation is {error_text};"
-            f" {_finer(mesh, elements_in_slip / _ENOUGH_IN_SLIP)}"
+            f" {_finer(mesh, elements_in_slip / _ENOUGH_ELEMENTS_IN_SLIP)}"
         )
-    elif dissipation_by_mesh > _TOLD * dissipation:
+    elif dissipation_by_mesh > _NOTED_ERROR * dissipation:
         yield (
             f"the dissipation is {dissipation:.2g} A f^2 P^2, and the mesh alone makes up to"
             f" {dissipation_by_mesh:.2g} of that unit where all of the contact is next to slipping,"

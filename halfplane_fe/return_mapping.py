@@ -42,12 +42,12 @@ from scenes.array_types import Array, States
 # force.
 _TOLERANCE = 1e-10
 # Where Newton's method cycles, the penalty of the next try over that of the one before.
-_SOFTER = 0.1
-_MOST_TRIES = 5
+_PENALTY_RATIO = 0.1
+_MOST_PENALTIES = 5
 # Of an increment: softer penalties take more of them.
 _MOST_UPDATES = 2000
 # Pressure of a node that touches without force, from which the sense of its slip is read.
-_TOUCHING = 1e-11
+_TOUCHING_PRESSURE = 1e-11
 
 
 class Tractions(NamedTuple):
@@ -160,8 +160,8 @@ class ReturnMapping:
             normal_penalty, tangential_penalty = self.penalty
             stiffest = Layer(1 / normal_penalty, 1 / tangential_penalty)
             yield stiffest
-        for number in range(1, _MOST_TRIES):
-            factor = _SOFTER**-number
+        for number in range(1, _MOST_PENALTIES):
+            factor = _PENALTY_RATIO**-number
             yield Layer(stiffest.normal * factor, stiffest.tangential * factor)
 
     def _systems_with(self, number: int, softness: Layer) -> Systems:
@@ -422,7 +422,9 @@ class _Iteration:
         is_touching = np.abs(self._pressure) <= tolerance
         is_touching &= np.abs(self._gap) <= tolerance * compliance.normal
         trial_pressure = np.where(
-            is_touching, np.where(was_open, 0.0, _TOUCHING), mapped_tractions.trial_pressure
+            is_touching,
+            np.where(was_open, 0.0, _TOUCHING_PRESSURE),
+            mapped_tractions.trial_pressure,
         )
         _, _, states = project(trial_pressure, mapped_tractions.trial_shear, friction)
         if self.faces.tangential:

@@ -36,31 +36,31 @@ Progress = Callable[[int, int | None, str], None]
 # another matter (`trend`): the dissipation has to be there too.
 REPEATS = 5e-4
 # The same where they are equal but for round-off of the nodal forces.
-_EQUAL = 1e-9
+_ROUNDING_OF_CHANGE = 1e-9
 # Dissipation over f^2 P^2/E* below which the step error need not follow it down.
 _LEAST_DISSIPATION = 3e-3
 # Instants of a path of straight legs that keep pressure, shear and gap: a record of 2,000 rows has
 # 40,000 increments, which would take gigabytes. No scene of the library comes near.
 MOST_INSTANTS = 4000
 # Share of the first leg of the initial loading after which its line of action is read.
-_SOON = 1e-3
+_SHARE_OF_FIRST_LEG = 1e-3
 # Increments whose energies are found together: few enough that the rates of their states are still
 # cached, which are what a path needs most memory for.
-_AT_ONCE = 32
+_INCREMENTS_PER_BATCH = 32
 # Share of the largest value within which two values are the same but for round-off.
-_SAME = 1e-12
+_ROUNDING_OF_VALUES = 1e-12
 # A ratio of a geometric series stays; that of m = 1 rises by a factor of 1 + 2/[k (k-2)] from one
 # revolution to the next. Half-way between the two a series counts as algebraic.
-_RISES = 1.0
+_RISE_OF_RATIO = 1.0
 # Steep ends of series look steeper than they are: k^-3 is the steepest that was met.
-_STEEPEST = 3.0
+_STEEPEST_POWER = 3.0
 # Slower than k^-1/2 is no trend.
-_SLOWEST = 0.5
+_SLOWEST_POWER = 0.5
 # Drift of a revolution over the travel of U up to which it is none.
 _LEAST_DRIFT = 1e-3
 # Last drift over what its trend leaves, above which it does not vanish: drifts that vanish leave as
 # much as themselves, to the trend's own error; those of ratcheting next to nothing.
-_RATCHETING = 3.0
+_DRIFT_RATIO_OF_RATCHETING = 3.0
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ def trend(values: Sequence[float]) -> Trend:
         return Trend("unclear", float("nan"), float("nan"))
     differences = np.diff(values).tolist()
     last_difference = differences[-1]
-    if k * abs(last_difference) <= _SAME * max(map(abs, values)):
+    if k * abs(last_difference) <= _ROUNDING_OF_VALUES * max(map(abs, values)):
         return Trend("steady", 0.0, values[-1])
     unclear = Trend("unclear", k * abs(last_difference), float("nan"))
     if k < 4 or not all(differences[-3:]):
@@ -113,12 +113,12 @@ def trend(values: Sequence[float]) -> Trend:
     if not (0 < ratio_before < 1 and 0 < ratio < 1):
         return unclear
     # The ratio of a geometric series stays; that of an algebraic one rises towards 1.
-    if ratio <= ratio_before * (1 + _RISES / (k * (k - 2))):
+    if ratio <= ratio_before * (1 + _RISE_OF_RATIO / (k * (k - 2))):
         left = last_difference * ratio / (1 - ratio)
         return Trend("geometric", left, values[-1] + left)
     m = float(np.log(ratio) / np.log((k - 1.5) / (k - 0.5))) - 1
-    m = min(m, _STEEPEST)
-    if m < _SLOWEST:
+    m = min(m, _STEEPEST_POWER)
+    if m < _SLOWEST_POWER:
         return unclear
     left = last_difference / ((k / (k - 1)) ** m - 1)
     return Trend("algebraic", left, values[-1] + left)
@@ -141,7 +141,9 @@ def ratchets(drifts: Sequence[float], travel: float) -> bool:
     (True, False)
     """
     last_drift = abs(drifts[-1])
-    return last_drift > _LEAST_DRIFT * travel and last_drift > _RATCHETING * abs(trend(drifts).left)
+    return last_drift > _LEAST_DRIFT * travel and last_drift > _DRIFT_RATIO_OF_RATCHETING * abs(
+        trend(drifts).left
+    )
 
 
 @dataclass(eq=False)
@@ -248,7 +250,7 @@ class PathRun:
     @property
     def trend(self) -> Trend:
         """Where the dissipation of the revolutions goes."""
-        if self.cycle_change and self.cycle_change[-1] <= _EQUAL:
+        if self.cycle_change and self.cycle_change[-1] <= _ROUNDING_OF_CHANGE:
             return Trend("steady", 0.0, float(self.cycle_density[-1].sum()))
         return trend([float(density.sum()) for density in self.cycle_density])
 
@@ -264,7 +266,7 @@ class PathRun:
         ends_of_cycles = [*self.cycle_starts, len(self.states) - 1]
         drifts = np.diff([self.states[index].shift for index in ends_of_cycles]).tolist()
         # Where the last revolution is steady to round-off, its drift alone counts, and stays.
-        if self.cycle_change[-1] <= _EQUAL:
+        if self.cycle_change[-1] <= _ROUNDING_OF_CHANGE:
             drifts = [drifts[-1], drifts[-1]]
         last_cycle = self.states[self.cycle_starts[-1] :]
         travel = float(np.ptp([state.shift for state in last_cycle]))
@@ -498,7 +500,7 @@ def _at_rest(problem: ContactProblem, path: LoadPath, pace: Pace) -> InterfaceSt
     """The unloaded state; a line of action is where the resultant is soon after."""
     leg = path.initial_loading[0]
     units = pace.units(problem)
-    soon = leg.start + _SOON * (leg.end - leg.start)
+    soon = leg.start + _SHARE_OF_FIRST_LEG * (leg.end - leg.start)
     normal_load, *_, moment = scaled_loads(leg, soon, units)
     line = moment / normal_load if problem.moment_given and normal_load > 0 else 0.0
     return problem.at_rest(path.start, scaled_loads(leg, path.start, units), line)
@@ -600,9 +602,9 @@ class _Follower:
 
 @dataclass(eq=False)
 class _Batch:
-    """Increments that are solved and not in the run yet: the energies of up to `_AT_ONCE` of them
-    are found together. They are of one curved leg, or of straight legs: the loads of those enclose
-    no area with their chords.
+    """Increments that are solved and not in the run yet: the energies of up to
+    `_INCREMENTS_PER_BATCH` of them are found together. They are of one curved leg, or of straight
+    legs: the loads of those enclose no area with their chords.
 
     Attributes
     ----------
@@ -640,7 +642,7 @@ class _Batch:
     def add(self, increment: Increment) -> None:
         """Add an increment."""
         self.increments.append(increment)
-        if len(self.increments) == _AT_ONCE:
+        if len(self.increments) == _INCREMENTS_PER_BATCH:
             self.take()
 
     def end_stretch(self) -> None:

@@ -52,13 +52,13 @@ from scenes.array_types import Array, Mask
 
 # The coarse bodies: a scale good to 1e-3 is asked for, and most of the coarse run is the making of
 # them.
-_MESH = MeshSettings(growth=0.4)
+_COARSE_MESH = MeshSettings(growth=0.4)
 # Of the side that may touch the contact shall take between the two fractions; and that side at most
 # a share of the face.
-_FRACTION = (0.6, 0.85)
-_OF_THE_FACE = 0.97
+_CONTACT_FRACTIONS = (0.6, 0.85)
+_SHARE_OF_FACE = 0.97
 # Surface elements over that half-width, and regular increments of a revolution.
-_ELEMENTS = 24
+_N_ELEMENTS = 24
 _COARSE_STEPS = 48
 # The same of a record of like bodies: two from row to row. Its increments end at events, and W of
 # three times as many is the same to 2e-5.
@@ -67,23 +67,23 @@ COARSE_CYCLES = 2
 """Cycles of the coarse run at most."""
 # The innermost edge is rounded down to this share of the half-width: no last digit of the coarse
 # run shall move the mesh.
-_ROUGH = 100
+_ROUNDING_PARTS = 100
 # By how much and how often the coarse body grows where the contact reaches its end; `solve` finds
 # out if that was not enough.
-_ENLARGED = 1.3
-_ENLARGEMENTS = 10
+_ENLARGEMENT = 1.3
+_MOST_ENLARGEMENTS = 10
 
 
 # Factors of e by which the load of an approach is looked for at most, and to which it is found.
-_MOST_WIDTHS = 20
-_LITTLE = 1e-2
+_MOST_HALF_RANGES = 20
+_TOLERANCE_OF_LOGARITHM = 1e-2
 # Where the room is estimated alone: increments of a revolution, by how much the side that may touch
 # grows, rows of a record beyond which those of extreme loads stand for all, and the share of the
 # largest P below which |Q|/P of a row is not looked at.
-_FEW_STEPS = 12
-_FAR_ENLARGED = 2.0
+_STEPS_OF_ESTIMATE = 12
+_FAR_ENLARGEMENT = 2.0
 _MOST_ROWS = 16
-_LEAST_OF_LOAD = 1e-6
+_LEAST_LOAD_RATIO = 1e-6
 
 
 @dataclass(frozen=True)
@@ -249,11 +249,13 @@ def _load_of_approach(scene: Scene, work: Counter[str]) -> float:
         return (pressed_state.approach + compliance) * coarse_pair.load / modulus - approach
 
     first_logarithm = float(np.log(modulus * approach))
-    for half_range in range(1, _MOST_WIDTHS):
+    for half_range in range(1, _MOST_HALF_RANGES):
         lower_end = first_logarithm - half_range
         upper_end = first_logarithm + half_range
         if excess_approach(lower_end) < 0 < excess_approach(upper_end):
-            logarithm = scipy.optimize.brentq(excess_approach, lower_end, upper_end, xtol=_LITTLE)
+            logarithm = scipy.optimize.brentq(
+                excess_approach, lower_end, upper_end, xtol=_TOLERANCE_OF_LOGARITHM
+            )
             return float(np.exp(logarithm))
     raise InputError(
         f"load.approach: no load presses the bodies together by {approach:.6g}; check profile and"
@@ -284,7 +286,7 @@ def _scales_at(scene: Scene, load: float, work: Counter[str]) -> Scales:
     pair = _CoarsePair(scene, load, modulus, work)
     size = _fitting_size(pair)
     steps = _COARSE_STEPS_OF_RECORD if is_plain_record(scene) else _COARSE_STEPS
-    for enlargements_left in reversed(range(_ENLARGEMENTS + 1)):
+    for enlargements_left in reversed(range(_MOST_ENLARGEMENTS + 1)):
         try:
             problem, run = _coarse_run(pair, size, steps)
         except BesideTheFaces:
@@ -297,7 +299,7 @@ def _scales_at(scene: Scene, load: float, work: Counter[str]) -> Scales:
             # has to hold that too.
             if size == pair.room:
                 raise _past_the_end(scene)
-        size = min(size * _ENLARGED, pair.room)
+        size = min(size * _ENLARGEMENT, pair.room)
     return _scales_of_run(pair, size, problem, run)
 
 
@@ -336,7 +338,9 @@ def _scales_of_run(
             problem, run.states[rows_of_cycles], surface_states == STICK, anywhere=scene.unsymmetric
         )
     # Rounded down, so that no last digit of the coarse run moves the mesh.
-    innermost_edge = np.floor(_ROUGH * innermost_edge / half_width) / _ROUGH * half_width
+    innermost_edge = (
+        np.floor(_ROUNDING_PARTS * innermost_edge / half_width) / _ROUNDING_PARTS * half_width
+    )
     # Fine elements begin at a kink of the profile: the slope of the pressure is infinite there.
     first_kink = min(scene.profile.kinks, default=np.inf)
     return Scales(
@@ -345,7 +349,7 @@ def _scales_of_run(
         reach=face_half_width * max(reach, half_width),
         load=load * state_at_largest_load.normal_load if scene.load.states_approach else load,
         modulus=modulus,
-        element=1 / (_ELEMENTS * half_width),
+        element=1 / (_N_ELEMENTS * half_width),
         dissipation=float(run.cycle_density[-1].sum()) * load**2 / modulus,
         largest_pressure=float(np.max(state_at_largest_load.pressure / problem.interface.weights))
         * load
@@ -384,7 +388,8 @@ class RoomForContact:
             f"The bodies have room for the contact: it has the half-width"
             f" {self.scales.half_width:.3g} at the largest load and reaches |x| = {self.reach:.3g}"
             f" of {self.room:.3g}. This is an estimate by finite elements on a coarse mesh, one"
-            f" revolution of {_FEW_STEPS} increments; `halfplane run` solves the whole path."
+            f" revolution of {_STEPS_OF_ESTIMATE} increments; `halfplane run` solves the whole"
+            " path."
         )
 
 
@@ -409,7 +414,7 @@ def estimate_room(scene: Scene, work: Counter[str]) -> RoomForContact:
     size = _size_near_contact(pair)
     while True:
         try:
-            problem, run = _coarse_run(pair, size, steps=_FEW_STEPS, cycles=1)
+            problem, run = _coarse_run(pair, size, steps=_STEPS_OF_ESTIMATE, cycles=1)
         except BesideTheFaces:
             if size == pair.room:
                 raise
@@ -419,7 +424,7 @@ def estimate_room(scene: Scene, work: Counter[str]) -> RoomForContact:
                 return RoomForContact(scales.reach, face_room(scene), scales)
             if size == pair.room:
                 raise _past_the_end(scene)
-        size = min(size * _FAR_ENLARGED, pair.room)
+        size = min(size * _FAR_ENLARGEMENT, pair.room)
 
 
 def _size_near_contact(pair: _CoarsePair) -> float:
@@ -430,15 +435,15 @@ def _size_near_contact(pair: _CoarsePair) -> float:
     would come near the end of the face, the whole face is taken. `pair` are the coarse bodies.
     """
     face_half_width = min(_size_on_half_planes(pair), pair.room)
-    for _ in range(_ENLARGEMENTS):
+    for _ in range(_MOST_ENLARGEMENTS):
         contact_fraction = _contact_fraction(pair, face_half_width)
         if contact_fraction == 1 and face_half_width == pair.room:
             raise _past_the_end(pair.scene)
-        if _FRACTION[0] / _FAR_ENLARGED <= contact_fraction < 1:
+        if _CONTACT_FRACTIONS[0] / _FAR_ENLARGEMENT <= contact_fraction < 1:
             break
-        face_half_width = min(contact_fraction * face_half_width * _FAR_ENLARGED, pair.room)
+        face_half_width = min(contact_fraction * face_half_width * _FAR_ENLARGEMENT, pair.room)
     # A contact that shear or tilt may bring to the end of the face is looked at there at once.
-    return face_half_width if face_half_width * _FAR_ENLARGED < pair.room else pair.room
+    return face_half_width if face_half_width * _FAR_ENLARGEMENT < pair.room else pair.room
 
 
 def _with_extreme_rows(scene: Scene) -> Scene:
@@ -458,7 +463,7 @@ def _with_extreme_rows(scene: Scene) -> Scene:
         for name in load.further
         if isinstance(getattr(load, name), tuple)
     }
-    safe_load = np.maximum(rows[:, 1], _LEAST_OF_LOAD * rows[:, 1].max())
+    safe_load = np.maximum(rows[:, 1], _LEAST_LOAD_RATIO * rows[:, 1].max())
     columns = [rows[:, 1], rows[:, 2], rows[:, 2] / safe_load, *further_columns.values()]
     row_numbers = {0, len(rows) - 1}
     for column in columns:
@@ -491,7 +496,7 @@ class _CoarsePair:
     work: Counter[str]
 
     def __post_init__(self) -> None:
-        self.room = face_room(self.scene) * _OF_THE_FACE
+        self.room = face_room(self.scene) * _SHARE_OF_FACE
         self._made: tuple[float, Interface] | None = None
 
     def faces(self, half_width: float) -> Interface:
@@ -503,7 +508,9 @@ class _CoarsePair:
         """
         size_of_mesh = 1.0 if self.scene.bodies.half_planes else half_width
         if self._made is None or self._made[0] != size_of_mesh:
-            bodies = meshed_pair(self.scene, _MESH, lambda ratio: _grading(size_of_mesh, ratio))
+            bodies = meshed_pair(
+                self.scene, _COARSE_MESH, lambda ratio: _grading(size_of_mesh, ratio)
+            )
             faces = couple(*condensed_pair(self.scene, bodies, size_of_mesh, self.work))
             self._made = size_of_mesh, without_local_difference(faces, self.scene) or faces
         interface = self._made[1]
@@ -550,8 +557,8 @@ def _grading(size: float, ratio: float) -> SurfaceGrading:
     return SurfaceGrading(
         inner=0.0,
         outer=size,
-        size=ratio * size / _ELEMENTS,
-        edge_size=ratio * size / _ELEMENTS,
+        size=ratio * size / _N_ELEMENTS,
+        edge_size=ratio * size / _N_ELEMENTS,
         radius=5 * size,
     )
 
@@ -625,9 +632,9 @@ def _fitting_size(pair: _CoarsePair) -> float:
     # Factors of 3, then halved steps: 400 are more than floating-point numbers have.
     for _ in range(400):
         contact_fraction = _contact_fraction(pair, face_half_width)
-        if _FRACTION[0] <= contact_fraction <= _FRACTION[1]:
+        if _CONTACT_FRACTIONS[0] <= contact_fraction <= _CONTACT_FRACTIONS[1]:
             return face_half_width
-        if contact_fraction > _FRACTION[1]:
+        if contact_fraction > _CONTACT_FRACTIONS[1]:
             if face_half_width == pair.room and contact_fraction < 1:
                 return face_half_width
             if face_half_width == pair.room:

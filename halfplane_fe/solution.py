@@ -71,7 +71,7 @@ _NOTE_OF_KERNELS = (
 )
 # Share of the largest P by which the loads of a rig's cycle may end elsewhere than they began
 # without a note.
-_CLOSED = 1e-9
+_ROUNDING_OF_LOADS = 1e-9
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -325,7 +325,7 @@ def _of_last_cycle(answer: FiniteElementSolution, notes: tuple[str, ...]) -> Fin
             abs(float(load[last_step] - load[first_step])) for load in loads.values()
         )
         share_of_load = load_difference / float(np.max(answer.normal_load))
-        if share_of_load > _CLOSED:
+        if share_of_load > _ROUNDING_OF_LOADS:
             notes = (
                 *notes,
                 f"rig: P and Q at the end of the cycle differ by {share_of_load:.1g} of the largest"

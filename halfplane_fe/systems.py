@@ -56,8 +56,8 @@ LuFactors = tuple[Array, NDArray[np.int32]]
 # Bytes of bases, and so many at least: a cycle meets the same sets again and again. A record of
 # 2,000 rows on a pad makes 22 bases then, as with any number of bytes beyond; with 40 MB it makes
 # 136.
-_BYTES = 80_000_000
-_LEAST_BASES = 4
+_MOST_BYTES = 80_000_000
+_FEWEST_BASES = 4
 # Rows in which a set may differ from its base: beyond that the set becomes a base itself.
 _MOST_ROWS = 110
 # Bits of `_kinds` by state: OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE.
@@ -68,17 +68,17 @@ _TANGENTIAL_KINDS = np.array([2 + 4, 1, 2, 4], dtype=np.int8)
 _MOST_ROWS_APART = 300
 # Sets of which `corrections` keeps the factors: the iterations of an increment go to and fro
 # between few of them.
-_FACTORISED = 8
+_MOST_FACTORISED_SETS = 8
 # Rows on either side of one that is needed whose answers are found along with it: edges of contact
 # and stick travel from node to node.
-_NEIGHBOURS = 16
+_N_NEIGHBOURS = 16
 # Room for responses of a base over what is needed when it is made.
-_ROOM = 1.5
+_SPARE_ROOM = 1.5
 # Rows that are multiplied with a matrix one by one: faster up to as many as P, Q and changes have.
 _FEW_ROWS = 3
 # Rows of a triangle that are multiplied at once: read from memory once for both products, and not
 # beyond the diagonal.
-_ROWS = 256
+_ROWS_PER_BLOCK = 256
 
 
 class SingularSet(ArithmeticError):
@@ -314,8 +314,8 @@ class _Nested:
                 - self.compliance[:n_held, n_held:n_loaded] @ known_values[n_held:n_loaded]
             )
             forces[:n_held] = 0.0
-            for end in range(_ROWS, n_held + _ROWS, _ROWS):
-                rows = self.inverse[end - _ROWS : min(end, n_held), : min(end, n_held)]
+            for end in range(_ROWS_PER_BLOCK, n_held + _ROWS_PER_BLOCK, _ROWS_PER_BLOCK):
+                rows = self.inverse[end - _ROWS_PER_BLOCK : min(end, n_held), : min(end, n_held)]
                 forces[: rows.shape[1]] += rows.T @ (rows @ right[: rows.shape[1]])
             displacements[n_held:] = self.compliance[n_held:, :n_loaded] @ forces[:n_loaded]
             rigid_of_known = -forces.sum(axis=0) / self.stiffness[n_held - 1]
@@ -706,7 +706,7 @@ class Systems:
         if base is None:
             base = self._new_base(np.concatenate([states, states]), None)
         self._factorised[key] = base  # what was used last comes last
-        if len(self._factorised) > _FACTORISED:
+        if len(self._factorised) > _MOST_FACTORISED_SETS:
             del self._factorised[next(iter(self._factorised))]
         rows_of_loads = np.arange(2 * n, 2 * n + n_loads)
         case_of_changes = n_loads
@@ -865,7 +865,7 @@ class Systems:
             return
         n = len(base.traction)
         missing_rows = missing_cases[missing_cases < 2 * n]
-        steps_to_neighbours = np.arange(-_NEIGHBOURS, _NEIGHBOURS + 1)
+        steps_to_neighbours = np.arange(-_N_NEIGHBOURS, _N_NEIGHBOURS + 1)
         neighbours = np.add.outer(missing_rows, steps_to_neighbours).clip(0, 2 * n - 1)
         unsolved_neighbours = neighbours[base.case_number[neighbours] < 0]
         cases = np.union1d(unsolved_neighbours, missing_cases)
@@ -877,12 +877,15 @@ class Systems:
         n_cases = base.n_cases + len(cases)
         if n_cases > len(base.responses):  # more room than is needed, so that it is seldom copied
             solved_responses = base.responses[: base.n_cases]
-            base.responses = np.empty((int(_ROOM * n_cases), 2 * n + 3))
+            base.responses = np.empty((int(_SPARE_ROOM * n_cases), 2 * n + 3))
             base.responses[: base.n_cases] = solved_responses
         base.responses[base.n_cases : n_cases] = responses
         base.case_number[cases] = np.arange(base.n_cases, n_cases)
         base.n_cases = n_cases
-        while len(self._bases) > _LEAST_BASES and sum(base.nbytes for base in self._bases) > _BYTES:
+        while (
+            len(self._bases) > _FEWEST_BASES
+            and sum(base.nbytes for base in self._bases) > _MOST_BYTES
+        ):
             self._bases.pop(0)
 
     def _responses_by_equations(

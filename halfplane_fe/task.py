@@ -16,7 +16,7 @@ from scenes import Profile, Scene
 
 # Least radius of a half-disc over the side that may touch: tilt can bring the contact far from x =
 # 0.
-_BEYOND = 1.5
+_LEAST_RADIUS_RATIO = 1.5
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def surface_grading(
         outer=outer_end,
         size=mesh.element_size * a * ratio,
         edge_size=mesh.edge_element_size * a * ratio,
-        radius=max(mesh.far_radius * a, _BEYOND * outer_end),
+        radius=max(mesh.far_radius * a, _LEAST_RADIUS_RATIO * outer_end),
     )
     return replace(grading, halvings=tip_halvings(profile, grading.innermost))
 

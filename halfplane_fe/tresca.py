@@ -19,7 +19,7 @@ from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ConvergenceError
 from scenes.array_types import Array, Mask, States
 
 # Active sets of these convex problems end within ten or so; sets that recur take a node a step.
-_ITERATIONS = 200
+_MOST_ITERATIONS = 200
 
 NodeSet = TypeVar("NodeSet", Mask, States)
 Forces = TypeVar("Forces")
@@ -275,7 +275,7 @@ def _converged(
         Where the states still change after 200 steps.
     """
     sets_met: set[bytes] = set()  # all sets of states so far
-    for _ in range(_ITERATIONS):
+    for _ in range(_MOST_ITERATIONS):
         forces, violation, next_states = step(states)
         changes = next_states != states
         if not changes.any():
@@ -286,5 +286,5 @@ def _converged(
         sets_met.add(next_states.tobytes())
         states = next_states
     raise ConvergenceError(
-        f"contact: a convex half of the problem did not settle in {_ITERATIONS} iterations"
+        f"contact: a convex half of the problem did not settle in {_MOST_ITERATIONS} iterations"
     )

@@ -197,7 +197,7 @@ MOST_NODES = 500_000
 # Growth of the elements inside the body with the distance from a tip.
 _TIP_GROWTH = 0.5
 # A body that ends somewhere has less of what is coarse; a radius for it, over the contact's.
-_FAR = 1000.0
+_FAR_RADIUS = 1000.0
 
 
 def contact_nodes(grading: SurfaceGrading, order: int) -> int:
@@ -235,7 +235,7 @@ def body_nodes(grading: SurfaceGrading, growth: float, order: int) -> int:
         (2 * grading.inner, grading.size),
     ):
         if length > 0:
-            r = g * min(grading.radius, _FAR * grading.outer) / h
+            r = g * min(grading.radius, _FAR_RADIUS * grading.outer) / h
             around_ends = math.pi / g**2 * (math.log1p(r) - r / (1 + r))
             under_length = length / (g * h) * r / (1 + r)
             n_corners += 4 / math.sqrt(3) * (around_ends + under_length)
@@ -279,7 +279,7 @@ def check_count(name: str, grading: SurfaceGrading, growth: float, order: int) -
 # in the tangential displacement: 0.42 % of that of a block 8 a wide and 10 a high without grading,
 # 0.017 % with 16, 0.005 % with 64, for a sixth more nodes. At the re-entrant corner of a step it
 # goes as r^0.54.
-_CORNER_SHARE = 64
+_CORNER_REFINEMENT = 64
 
 
 def rounded(values: ArrayLike) -> Array:
@@ -361,7 +361,7 @@ def size_formula(
         )
     for x, y in sharp_corners:
         size_around_edges = grading.edge_size + growth * math.hypot(max(x - edge_zone_end, 0.0), y)
-        corner_size = float(rounded(min(size_around_edges, x, -y) / _CORNER_SHARE))
+        corner_size = float(rounded(min(size_around_edges, x, -y) / _CORNER_REFINEMENT))
         formula = (
             f"Min({formula}, {corner_size!r} + {corner_growth(growth)!r} * Sqrt((x - {x!r})^2 + (y"
             f" + {-y!r})^2))"

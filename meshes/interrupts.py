@@ -9,7 +9,7 @@ import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
-_NAMES = ("SIGINT", "SIGTERM", "SIGHUP")  # the last is none of Windows
+_SIGNAL_NAMES = ("SIGINT", "SIGTERM", "SIGHUP")  # the last is none of Windows
 
 
 @contextmanager
@@ -25,7 +25,7 @@ def interrupts_wait() -> Iterator[Sequence[int]]:
     of which no half may be left.
     """
     signal_numbers = [
-        number for name in _NAMES if (number := getattr(signal, name, None)) is not None
+        number for name in _SIGNAL_NAMES if (number := getattr(signal, name, None)) is not None
     ]
     handlers = {
         number: handler

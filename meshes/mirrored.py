@@ -94,9 +94,14 @@ Indices = NDArray[np.int64]
 
 # gmsh's node order of an element after a reflection, by number of nodes: triangles of order 1 and
 # 2, quadrilaterals likewise.
-_REFLECTED = {3: [0, 2, 1], 6: [0, 2, 1, 5, 4, 3], 4: [0, 3, 2, 1], 9: [0, 3, 2, 1, 7, 6, 5, 4, 8]}
-_MESHES = {3: skfem.MeshTri, 6: skfem.MeshTri2, 4: skfem.MeshQuad, 9: skfem.MeshQuad2}
-_ON_AXIS = 1e-9
+_NODES_OF_MIRRORED = {
+    3: [0, 2, 1],
+    6: [0, 2, 1, 5, 4, 3],
+    4: [0, 3, 2, 1],
+    9: [0, 3, 2, 1, 7, 6, 5, 4, 8],
+}
+_MESH_CLASSES = {3: skfem.MeshTri, 6: skfem.MeshTri2, 4: skfem.MeshQuad, 9: skfem.MeshQuad2}
+_AXIS_DISTANCE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -150,11 +155,11 @@ def mirrored_mesh(
     points = np.ascontiguousarray(whole_mesh.points.T)
     elements = np.ascontiguousarray(whole_mesh.elements.T)
     n_corners = int(elements[: whole_mesh.corners].max()) + 1
-    straight_mesh = _MESHES[whole_mesh.corners](
+    straight_mesh = _MESH_CLASSES[whole_mesh.corners](
         points[:, :n_corners].copy(), elements[: whole_mesh.corners].copy()
     )
     straight_mesh.is_valid(raise_=True)
-    mesh = _MESHES[len(elements)](points, elements) if order == 2 else straight_mesh
+    mesh = _MESH_CLASSES[len(elements)](points, elements) if order == 2 else straight_mesh
     return mesh.with_boundaries(
         {name: _facets(mesh, nodes) for name, nodes in whole_mesh.boundary_points.items()}
     )
@@ -256,13 +261,13 @@ def _reflect(half_mesh: _ReadMesh) -> _ReadMesh:
     Mirrored elements list their nodes in another sequence, so that their area stays positive.
     """
     points = half_mesh.points.copy()
-    is_on_axis = np.abs(points[:, 0]) < _ON_AXIS
+    is_on_axis = np.abs(points[:, 0]) < _AXIS_DISTANCE
     points[is_on_axis, 0] = 0.0
     image_of_point = np.empty(len(points), dtype=np.int64)
     image_of_point[is_on_axis] = np.flatnonzero(is_on_axis)
     image_of_point[~is_on_axis] = len(points) + np.arange(np.count_nonzero(~is_on_axis))
     mirrored_elements = image_of_point[half_mesh.elements][
-        :, _REFLECTED[half_mesh.elements.shape[1]]
+        :, _NODES_OF_MIRRORED[half_mesh.elements.shape[1]]
     ]
     return _ReadMesh(
         np.vstack([points, points[~is_on_axis] * [-1.0, 1.0]]),

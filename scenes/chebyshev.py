@@ -17,25 +17,25 @@ from scenes.array_types import Array
 
 Function = Callable[[Array], ArrayLike]
 
-_PIECES = 400
-_SHORTEST = 1e-14
-_CORNER = 1e-3
-_LOW = 16
+_MOST_PIECES = 400
+_SHORTEST_PIECE = 1e-14
+_LENGTH_AT_CORNER = 1e-3
+_TERMS_AT_CORNER = 16
 # Places at once, in arrays that fit into the cache.
-_AT_ONCE = 4096
+_PLACES_PER_BLOCK = 4096
 
 DEGREE = 24
 """Degree of every series."""
 
-_COUNT = DEGREE + 1
-_ODD = 2 * np.arange(DEGREE, -1, -1) + 1
-NODES = np.cos(_ODD * (np.pi / (2 * _COUNT)))
+_N_TERMS = DEGREE + 1
+_ODD_NUMBERS = 2 * np.arange(DEGREE, -1, -1) + 1
+NODES = np.cos(_ODD_NUMBERS * (np.pi / (2 * _N_TERMS)))
 """Chebyshev points of the first kind on [-1, 1], ascending: the ends are not among them."""
 # Angles within one turn: 24 times a rounded one would leave 3e-15 of a value in the last
 # coefficients.
-_TO_SERIES = np.cos(np.outer(_ODD, np.arange(_COUNT)) % (4 * _COUNT) * (np.pi / (2 * _COUNT))) * (
-    2 / _COUNT
-)
+_TO_SERIES = np.cos(
+    np.outer(_ODD_NUMBERS, np.arange(_N_TERMS)) % (4 * _N_TERMS) * (np.pi / (2 * _N_TERMS))
+) * (2 / _N_TERMS)
 _TO_SERIES[:, 0] /= 2
 
 
@@ -46,15 +46,17 @@ def series(values: ArrayLike) -> Array:
 
 # Equal parts of a piece on each of which its series is a sum of powers about the middle: a fifth of
 # the time of a recurrence.
-_PARTS = 8
-_MIDDLES = (2 * np.arange(_PARTS) + 1) / _PARTS - 1
+_PARTS_OF_PIECE = 8
+_MIDDLES_OF_PARTS = (2 * np.arange(_PARTS_OF_PIECE) + 1) / _PARTS_OF_PIECE - 1
 # From the coefficients of a series on [-1, 1] to those of the series on each part, and from these
 # to powers of s on [-1/2, 1/2].
-_ON_PARTS = _TO_SERIES.T @ chebyshev.chebvander(_MIDDLES[:, None] + NODES / _PARTS, DEGREE)
-_TO_POWERS = 2.0 ** np.arange(_COUNT)[:, None] * np.transpose(
+_TO_PARTS = _TO_SERIES.T @ chebyshev.chebvander(
+    _MIDDLES_OF_PARTS[:, None] + NODES / _PARTS_OF_PIECE, DEGREE
+)
+_TO_POWERS = 2.0 ** np.arange(_N_TERMS)[:, None] * np.transpose(
     [
         np.pad(chebyshev.cheb2poly(row[: k + 1]), (0, DEGREE - k))
-        for k, row in enumerate(np.eye(_COUNT))
+        for k, row in enumerate(np.eye(_N_TERMS))
     ]
 )
 
@@ -73,7 +75,7 @@ class Powers:
         """Convert Chebyshev series (k, n) of n pieces to sums of powers on eight parts of each
         piece; powers that are round-off on every part are dropped.
         """
-        coefficients_on_parts = _ON_PARTS[..., : len(coefficients)] @ coefficients
+        coefficients_on_parts = _TO_PARTS[..., : len(coefficients)] @ coefficients
         is_needed = np.any(
             np.abs(coefficients_on_parts)
             > 5e-16 * np.max(np.abs(coefficients_on_parts), axis=(0, 1)),
@@ -91,11 +93,11 @@ class Powers:
         `number` and `t` have one shape, that of the result. t is in [-1, 1]; outside, the powers of
         the first or last part are continued.
         """
-        place_in_parts = (np.ravel(t) + 1) * (_PARTS / 2)
-        part_number = np.clip(place_in_parts.astype(np.intp), 0, _PARTS - 1)
+        place_in_parts = (np.ravel(t) + 1) * (_PARTS_OF_PIECE / 2)
+        part_number = np.clip(place_in_parts.astype(np.intp), 0, _PARTS_OF_PIECE - 1)
         place_in_parts -= part_number
         place_in_parts -= 0.5
-        part_number += np.ravel(number) * _PARTS
+        part_number += np.ravel(number) * _PARTS_OF_PIECE
         values = self._rows[-1].take(part_number)
         row_values = np.empty(len(place_in_parts))
         for coefficients in self._rows[-2::-1]:
@@ -165,8 +167,8 @@ def clenshaw(coefficients: Array, number: NDArray[np.intp], t: Array) -> Array:
     pieces = np.ravel(number)
     places = np.ravel(t)
     sums = np.empty(np.size(t))
-    for begin in range(0, len(places), _AT_ONCE):
-        chunk = slice(begin, begin + _AT_ONCE)
+    for begin in range(0, len(places), _PLACES_PER_BLOCK):
+        chunk = slice(begin, begin + _PLACES_PER_BLOCK)
         piece = pieces[chunk]
         place = places[chunk]
         double_place = 2 * place
@@ -294,7 +296,7 @@ def halved(function: Function, edges: Array, scale: ArrayLike | None = None) -> 
     ends = edges[1:]
     first_piece = np.arange(len(edges) - 1)  # which first interval each one is a part of
     shortest = np.maximum(
-        _SHORTEST * (ends - begins), 4e-16 * np.maximum(np.abs(begins), np.abs(ends))
+        _SHORTEST_PIECE * (ends - begins), 4e-16 * np.maximum(np.abs(begins), np.abs(ends))
     )
     values = values_between(begins, ends)
     largest_values = np.max(np.abs(values), axis=1)
@@ -314,7 +316,8 @@ def halved(function: Function, edges: Array, scale: ArrayLike | None = None) -> 
         )
         is_rough = (tail(coefficients) > tail_limits) & (ends - begins > shortest[first_piece])
         rough_pieces = np.flatnonzero(
-            ~np.all(np.isfinite(values), axis=1) | (is_rough & (n_pieces[first_piece] > _PIECES))
+            ~np.all(np.isfinite(values), axis=1)
+            | (is_rough & (n_pieces[first_piece] > _MOST_PIECES))
         )
         if len(rough_pieces):
             raise Unresolved(float(begins[rough_pieces[0]]), float(ends[rough_pieces[0]]))
@@ -346,7 +349,7 @@ def _short_runs(pieces: Pieces, edges: Array) -> list[tuple[int, int]]:
         np.searchsorted(edges, pieces.edges[:-1], side="right") - 1
     ]
     is_short = np.concatenate(
-        [[False], piece_lengths < _CORNER * lengths_between_edges, [False]]
+        [[False], piece_lengths < _LENGTH_AT_CORNER * lengths_between_edges, [False]]
     ).astype(int)
     return list(
         zip(
@@ -382,7 +385,7 @@ def _corner(function: Function, pieces: Pieces, run: tuple[int, int]) -> float:
     )
     left_fit, right_fit = (
         chebyshev.Chebyshev(
-            series(function(interval_begin + width * (1 + NODES) / 2))[:_LOW],
+            series(function(interval_begin + width * (1 + NODES) / 2))[:_TERMS_AT_CORNER],
             domain=[interval_begin, interval_begin + width],
         )
         for interval_begin in (begin - width, end)

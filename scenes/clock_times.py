@@ -11,8 +11,8 @@ from functools import lru_cache
 _SECONDS_OF_DAY = 86_400.0
 _DATE = r"(?P<date>\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[-/.]\d{1,2}[-/.]\d{4})"
 _TIME = r"(?:(?P<hours>\d{1,4}):)?(?P<minutes>\d{1,2}):(?P<seconds>\d{1,2}(?:[.,:]\d+)?)"
-_AFTER = r"\s*(?P<half>[AaPp]\.?[Mm]\.?)?\s*(?P<zone>Z|[-+]\d{2}:?\d{2})?"
-_INSTANT = re.compile(rf"(?:{_DATE}(?:[T;,]?\s*|\s+))?{_TIME}{_AFTER}$")
+_HALF_AND_ZONE = r"\s*(?P<half>[AaPp]\.?[Mm]\.?)?\s*(?P<zone>Z|[-+]\d{2}:?\d{2})?"
+_INSTANT = re.compile(rf"(?:{_DATE}(?:[T;,]?\s*|\s+))?{_TIME}{_HALF_AND_ZONE}$")
 _DATE_ALONE = re.compile(rf"{_DATE}$")
 
 WORDS = "12:30:05.25, 29.11.2026 12:30:05 or 2026-11-29T12:30:05Z"

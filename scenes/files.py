@@ -31,20 +31,21 @@ TOML = 2**20
 TEXT = 2**28
 # Of TOML beside its size: scenes and studies nest 4 tables, and have some hundred keys; a key takes
 # up to 1 kB for each of its parts. A number of so many hexadecimal digits is still a float.
-_DEEPEST = 8
+_LARGEST_DEPTH = 8
 _MOST_KEYS = 10_000
-_LONGEST = 250
+_LONGEST_NAME = 250
 # Only repeats of single characters are possessive: those of groups match wrongly before Python
 # 3.11.5 (Debian 12 has 3.11.2).
-_PART = r"""(?:[A-Za-z0-9_-]++|"[^"\\\n]*+(?:\\[^\n][^"\\\n]*+)*"?|'[^'\n]*+'?)"""
+_KEY_PART = r"""(?:[A-Za-z0-9_-]++|"[^"\\\n]*+(?:\\[^\n][^"\\\n]*+)*"?|'[^'\n]*+'?)"""
 # What is not closed ends with its line or the text: nothing behind it is read by the parser either.
-_TOML = re.compile(
+_TOML_TOKENS = re.compile(
     rf"""\#[^\n]*+                                                     # a comment
     | "{{3}}[^"\\]*+(?:(?:\\.|"(?!""))[^"\\]*+)*(?:"{{3,5}}|\\?\Z)     # strings of several lines
     | '{{3}}[^']*+(?:'(?!'')[^']*+)*(?:'{{3,5}}|\Z)
-    | (?P<deep>{_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{_DEEPEST},}})     # keys; numbers look like them
-    | (?P<long>[A-Za-z0-9_-]{{{_LONGEST},}}+)
-    | {_PART}
+    # keys, and numbers, which look like them
+    | (?P<deep>{_KEY_PART}(?:[ \t]*+\.[ \t]*+{_KEY_PART}){{{_LARGEST_DEPTH},}})
+    | (?P<long>[A-Za-z0-9_-]{{{_LONGEST_NAME},}}+)
+    | {_KEY_PART}
     | (?P<sign>[][{{}}=])""",
     re.DOTALL | re.VERBOSE,
 )
@@ -143,17 +144,17 @@ def parsed_toml(text: str) -> dict[str, Any]:
     depth = 0  # of brackets that are open
     n_keys = 0
     sign_before = ""
-    for token in _TOML.finditer(text):
+    for token in _TOML_TOKENS.finditer(text):
         sign = token["sign"] or ""
         is_table_heading = sign == "[" and depth == 0 and sign_before != "="
         n_keys += sign == "=" or is_table_heading
         depth += (sign in "[{") - (sign in "]}") if sign else 0
         sign_before = sign
-        if token["deep"] or token["long"] or depth > _DEEPEST or n_keys > _MOST_KEYS:
-            fault = f"Tables nested deeper than {_DEEPEST}"
-            if not token["deep"] and depth <= _DEEPEST:
+        if token["deep"] or token["long"] or depth > _LARGEST_DEPTH or n_keys > _MOST_KEYS:
+            fault = f"Tables nested deeper than {_LARGEST_DEPTH}"
+            if not token["deep"] and depth <= _LARGEST_DEPTH:
                 fault = (
-                    f"A key or a number of {_LONGEST} characters or more"
+                    f"A key or a number of {_LONGEST_NAME} characters or more"
                     if token["long"]
                     else f"More than {_MOST_KEYS:,} keys"
                 )

@@ -47,43 +47,43 @@ from scenes.errors import NotFoundError, RowError
 from scenes.spikes import STANDS_OUT, rows_that_stand_out
 
 # Rows that a fit needs: it has up to six numbers, and the noise may have to come from what is left.
-_FEWEST = 8
-_MOST = 20_000
+_FEWEST_ROWS = 8
+_MOST_ROWS = 20_000
 # A middle that is given may lie beside the rows by this share of their reach: rows of one side need
 # not begin at x = 0.
-_BESIDE = 0.1
+_SHARE_BESIDE_ROWS = 0.1
 # Parts of the rows; the first has risen where it lies by more than this share of all heights above
 # the lowest.
-_PARTS = 8
-_RISEN = 0.05
+_N_PARTS = 8
+_SHARE_OF_RISE = 0.05
 # Rise of a curve, over that of the rows, below which it is none.
-_BENT = 1e-9
+_LEAST_BEND = 1e-9
 # Fits about another middle, by which other rows lie within the extent.
-_PASSES = 5
+_MOST_PASSES = 5
 # Of half the length of the trace: its middle lies no farther from that of the contact.
-_OFF_MIDDLE = 0.3
+_LARGEST_OFFSET = 0.3
 # Of the rows: more that stand out are no spikes. Of the largest residual: less is round-off error.
-_MOST_SPIKES = 0.05
+_SHARE_OF_SPIKES = 0.05
 _ROUND_OFF = 1e-9
 # Of the rows: fewer heights that differ are steps of the last digit.
-_DISTINCT = 0.7
+_SHARE_OF_DISTINCT = 0.7
 # Places c, in L^2, of the polynomials (u - c)^2.
-_TOUCHES = np.concatenate([np.linspace(0.0, 1.0, 21), np.geomspace(1.1, 10.0, 12)])
+_TOUCHING_PLACES = np.concatenate([np.linspace(0.0, 1.0, 21), np.geomspace(1.1, 10.0, 12)])
 # Knots of the spline; rows that it leaves behind; weights that are tried, over that at which rows
 # and steps count alike.
-_KNOTS = 31
-_PIECES = 61
-_WEIGHTS = np.logspace(-9, 3, 19)
+_N_KNOTS = 31
+_N_SPLINE_ROWS = 61
+_TRIAL_WEIGHTS = np.logspace(-9, 3, 19)
 # Half-lengths of the flat, in L, of which the best begins the search; the longest.
-_STARTS = np.linspace(0.02, 0.94, 24)
-_LONGEST = 0.98
+_TRIAL_HALF_LENGTHS = np.linspace(0.02, 0.94, 24)
+_LONGEST_HALF_LENGTH = 0.98
 # Middles, in L from that of a parabola through the rows, with which the half-lengths are tried
 # where a tilt has moved the parabola.
-_MIDDLES = np.linspace(-0.45, 0.45, 7)
+_TRIAL_MIDDLES = np.linspace(-0.45, 0.45, 7)
 # Median of the square of a normal deviate.
-_MEDIAN = 0.4549
+_MEDIAN_OF_SQUARE = 0.4549
 # Standard deviation of the tilts that are expected, over the rise of the rows over their length.
-_TILTS = 0.1
+_EXPECTED_TILT = 0.1
 
 
 @dataclass(frozen=True)
@@ -133,10 +133,10 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
     candidate_rows = _spikes_of(x, h)
     row_numbers = np.arange(len(x))
     fit = _fit_of_rows(np.delete(x, candidate_rows), np.delete(h, candidate_rows), request)
-    for _ in range(_PASSES):
+    for _ in range(_MOST_PASSES):
         rows_in_fit = np.delete(row_numbers, candidate_rows)
         rows_apart = _rows_far_from_fit(h[rows_in_fit] - fit.curve(x[rows_in_fit]))
-        if not len(rows_apart) or len(candidate_rows) + len(rows_apart) > _MOST_SPIKES * len(x):
+        if not len(rows_apart) or len(candidate_rows) + len(rows_apart) > _SHARE_OF_SPIKES * len(x):
             break
         candidate_rows = np.sort(np.append(candidate_rows, rows_in_fit[rows_apart]))
         fit = _fit_of_rows(np.delete(x, candidate_rows), np.delete(h, candidate_rows), request)
@@ -155,7 +155,9 @@ def _rows_far_from_fit(residuals: Array) -> NDArray[np.int64]:
     twice as large as those of both neighbours: spikes, not noise.
     """
     sizes = np.abs(residuals)
-    sigma = float(np.median(sizes)) / math.sqrt(_MEDIAN)  # standard deviation, robust to spikes
+    sigma = float(np.median(sizes)) / math.sqrt(
+        _MEDIAN_OF_SQUARE
+    )  # standard deviation, robust to spikes
     if not sigma > _ROUND_OFF * float(np.max(sizes)):
         return np.array([], dtype=np.int64)
     neighbour_sizes = np.maximum(np.append(sizes[1:], 0.0), np.append(0.0, sizes[:-1]))
@@ -164,11 +166,13 @@ def _rows_far_from_fit(residuals: Array) -> NDArray[np.int64]:
 
 def _spikes_of(x: Array, h: Array) -> NDArray[np.int64]:
     """Rows (m,) that stand out from their neighbours; none of rows that are not in order."""
-    if not _FEWEST < len(x) <= _MOST or np.any(np.diff(x) < 0):
+    if not _FEWEST_ROWS < len(x) <= _MOST_ROWS or np.any(np.diff(x) < 0):
         return np.array([], dtype=np.int64)
     sigma = max(math.sqrt(_variance(x, h)), 1e-12 * float(np.ptp(h)))
     levels = np.unique(h)
-    if 1 < len(levels) < _DISTINCT * len(h):  # noise hides below the step of the last digit
+    if (
+        1 < len(levels) < _SHARE_OF_DISTINCT * len(h)
+    ):  # noise hides below the step of the last digit
         sigma = max(sigma, float(np.min(np.diff(levels))))
     return rows_that_stand_out(x, h, sigma) if sigma > 0 else np.array([], dtype=np.int64)
 
@@ -235,14 +239,16 @@ def _check_rows_of_fit(
         With the row, and what to do.
     """
     n_places = len(np.unique(x))
-    if n_places < _FEWEST:
+    if n_places < _FEWEST_ROWS:
         raise RowError(
             last_row,
-            f"{n_places} rows within the extent are too few for a fit: at least {_FEWEST} are"
+            f"{n_places} rows within the extent are too few for a fit: at least {_FEWEST_ROWS} are"
             " needed",
         )
     distances = np.abs(x - middle)
-    is_far = centre_given is None or np.min(distances) > _BESIDE * float(np.max(distances))
+    is_far = centre_given is None or np.min(distances) > _SHARE_BESIDE_ROWS * float(
+        np.max(distances)
+    )
     if not x[0] <= middle < x[-1] and is_far:
         fault = (
             f"the middle, x = {middle:.6g}, is not among the rows, which go from x = {x[0]:.6g}"
@@ -311,11 +317,11 @@ def _fit_of_rows(x: Array, h: Array, request: FitRequest) -> _FitOfRows:
     """
     # a trace with few digits has rows at one x
     RowError.refuse(np.diff(x) < 0, lambda row: f"x = {x[row]:.6g} does not ascend", 1)
-    if len(x) > _MOST:
+    if len(x) > _MOST_ROWS:
         raise RowError(
-            _MOST,
-            f"{len(x):,} rows are too many for a fit of at most {_MOST:,}: leave out all but every"
-            " n-th",
+            _MOST_ROWS,
+            f"{len(x):,} rows are too many for a fit of at most {_MOST_ROWS:,}: leave out all but"
+            " every n-th",
         )
     trace = _trace_of(x, h, request)
     scaled_fit = _fit_within_extent(x, trace, request)
@@ -339,7 +345,7 @@ def _fit_within_extent(x: Array, trace: _Trace, request: FitRequest) -> _ScaledF
     """
     reach = request.extent or math.inf
     origin = trace.first_middle
-    for _ in range(_PASSES):
+    for _ in range(_MOST_PASSES):
         scaled_fit = _fit_about(x, trace, request, origin)
         is_in_reach = np.abs(x - origin) <= reach
         if np.array_equal(np.abs(x - scaled_fit.middle) <= reach, is_in_reach):
@@ -380,7 +386,7 @@ def _fit_about(
     flat_half_length = None if request.guess is None else request.guess[1] / length
     best_fit = scaled_rows.fit(noise_over_height, request.weight, flat_half_length)
     # Rows on a straight line bend by round-off alone.
-    if np.ptp(best_fit.shape) < _BENT or abs(best_fit.centre) > _LONGEST:
+    if np.ptp(best_fit.shape) < _LEAST_BEND or abs(best_fit.centre) > _LONGEST_HALF_LENGTH:
         raise RowError(
             last_row,
             "the rows do not bend up: h is a gap, which grows to both sides; is its sign turned?",
@@ -437,17 +443,17 @@ def _falls_from_end_to_end(x: Array, h: Array, kind: str) -> bool:
     if x[-1] <= x[0] or _begins_in_the_middle(x, h):
         return False
     from_middle = abs(_middle(x, h) - float(x[0] + x[-1]) / 2) / (float(x[-1] - x[0]) / 2)
-    return from_middle >= (1.0 if kind == "hertz" else _OFF_MIDDLE)
+    return from_middle >= (1.0 if kind == "hertz" else _LARGEST_OFFSET)
 
 
 def _begins_in_the_middle(x: Array, h: Array) -> bool:
     """Whether rows at x >= 0 are those of one side: their first part is hardly higher than the
     lowest.
     """
-    if len(x) < _FEWEST or x[0] < 0:
+    if len(x) < _FEWEST_ROWS or x[0] < 0:
         return False
-    parts = np.array([part.mean() for part in np.array_split(h, _PARTS)])
-    return bool(parts[0] - parts.min() <= _RISEN * np.ptp(parts))
+    parts = np.array([part.mean() for part in np.array_split(h, _N_PARTS)])
+    return bool(parts[0] - parts.min() <= _SHARE_OF_RISE * np.ptp(parts))
 
 
 def fitted_again(
@@ -533,20 +539,23 @@ def _variance(x: Array, h: Array) -> float:
     distances = places[:, :, None] - places[:, None, :] + np.eye(4)
     weights = 1 / np.prod(distances, axis=2)
     differences = np.sum(weights * heights[is_distinct], axis=1) ** 2 / np.sum(weights**2, axis=1)
-    return float(np.median(differences)) / _MEDIAN
+    return float(np.median(differences)) / _MEDIAN_OF_SQUARE
 
 
 # Coefficients (m, 4) of polynomials in u that are nowhere negative for u >= 0 and span all such: 1,
 # u, (u - c)^2 and u (u - c)^2.
-_BENDS = np.concatenate(
+_BEND_POLYNOMIALS = np.concatenate(
     [
         np.eye(4)[:2],
-        *([[c * c, -2 * c, 1.0, 0.0], [0.0, c * c, -2 * c, 1.0]] for c in _TOUCHES.tolist()),
+        *(
+            [[c * c, -2 * c, 1.0, 0.0], [0.0, c * c, -2 * c, 1.0]]
+            for c in _TOUCHING_PLACES.tolist()
+        ),
     ]
 )
-_BENDS /= np.abs(_BENDS).max(axis=1, keepdims=True)
+_BEND_POLYNOMIALS /= np.abs(_BEND_POLYNOMIALS).max(axis=1, keepdims=True)
 # What two integrals make of 1, u, u^2 and u^3, over s^2.
-_TWICE = np.array([1 * 2, 3 * 4, 5 * 6, 7 * 8])
+_INTEGRAL_FACTORS = np.array([1 * 2, 3 * 4, 5 * 6, 7 * 8])
 
 
 @dataclass(frozen=True, eq=False)
@@ -568,12 +577,12 @@ class _Rows:
         """Of the square of the tilt against those of the residuals: variance of the noise over that
         of the tilts expected.
         """
-        return _variance(self.x, self.h) / _TILTS**2
+        return _variance(self.x, self.h) / _EXPECTED_TILT**2
 
     @property
     def knots(self) -> Array:
         """Of the spline: a little beyond the rows where their middle moves."""
-        return np.linspace(0.0, 1.2 if self.centred else 1.0, _KNOTS)
+        return np.linspace(0.0, 1.2 if self.centred else 1.0, _N_KNOTS)
 
     def columns(self, s: Array, flat_half_length: float) -> Array:
         """Basis functions B_j(s) of the shape at n distances s from the middle, (n, m): the
@@ -586,7 +595,7 @@ class _Rows:
             case "hertz" | "flat_rounded":
                 return np.maximum(s - flat_half_length, 0.0)[:, None] ** 2 / 2
             case "even_polynomial":
-                return (s[:, None] ** [2, 4, 6, 8] / _TWICE) @ _BENDS.T
+                return (s[:, None] ** [2, 4, 6, 8] / _INTEGRAL_FACTORS) @ _BEND_POLYNOMIALS.T
         # Sums of (s - t)^3 above knots t, the primitives of a corner of kappa; the first hat falls
         # from the middle on.
         knot_distance = float(self.knots[1])
@@ -674,7 +683,10 @@ class _Rows:
             return self.at(start, weight)
         lower_bounds = [-1.0] * self.centred
         upper_bounds = [1.0] * self.centred
-        bounds = ([*lower_bounds, 1e-9][: len(start)], [*upper_bounds, _LONGEST][: len(start)])
+        bounds = (
+            [*lower_bounds, 1e-9][: len(start)],
+            [*upper_bounds, _LONGEST_HALF_LENGTH][: len(start)],
+        )
         minimum = least_squares(
             lambda z: self.at(z, weight).residuals,
             start,
@@ -704,7 +716,7 @@ class _Rows:
         if self.kind == "flat_rounded":
             return self.best(self._start_with_flat(no_shift, flat_half_length), 0.0)
         if self.kind == "smoothing_spline":
-            weights = _WEIGHTS.tolist() if weight is None else [weight]
+            weights = _TRIAL_WEIGHTS.tolist() if weight is None else [weight]
             return self._smoothed(no_shift, weights, noise)
         return self.best(no_shift, 0.0)
 
@@ -715,12 +727,14 @@ class _Rows:
         `no_shift` is the middle 0 of the rows, or empty where the middle is given.
         """
         if flat_half_length is not None:
-            return np.append(no_shift, np.clip(flat_half_length, _STARTS[0], _STARTS[-1]))
-        trial_middles = _MIDDLES if self.centred and self.tilted else np.zeros(1)
+            return np.append(
+                no_shift, np.clip(flat_half_length, _TRIAL_HALF_LENGTHS[0], _TRIAL_HALF_LENGTHS[-1])
+            )
+        trial_middles = _TRIAL_MIDDLES if self.centred and self.tilted else np.zeros(1)
         trial_starts = [
             np.append(no_shift + middle, trial_half_length)
             for middle in trial_middles
-            for trial_half_length in _STARTS
+            for trial_half_length in _TRIAL_HALF_LENGTHS
         ]
         return min(
             trial_starts, key=lambda start: float(np.sum(self.at(start, 0.0).residuals ** 2))
@@ -820,9 +834,11 @@ class _Fit:
                 return {
                     "kind": "polynomial",
                     "length": length,
-                    "rises": tuple((height * (self.w @ _BENDS) / _TWICE).tolist()),
+                    "rises": tuple(
+                        (height * (self.w @ _BEND_POLYNOMIALS) / _INTEGRAL_FACTORS).tolist()
+                    ),
                 }
-        x = np.linspace(0.0, self.rows.knots[-1], _PIECES)
+        x = np.linspace(0.0, self.rows.knots[-1], _N_SPLINE_ROWS)
         return {
             "kind": "tabulated",
             "points": np.column_stack([length * x, height * (self.rows.columns(x, 0.0) @ self.w)]),

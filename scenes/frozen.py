@@ -36,11 +36,11 @@ if TYPE_CHECKING:
 else:
     ModelMetaclass = type(BaseModel)
 
-_NAMED = 4  # keys at fault beside the first that a refusal names
+_MOST_KEYS_NAMED = 4  # keys at fault beside the first that a refusal names
 
 # What no scene can state, by how a word of a key begins that would state it: section "What is
 # neglected" of docs/theory.md.
-_NEGLECTED = {
+_NEGLECTED_PHYSICS = {
     ("wear", "archard"): "wear is not modelled",
     (
         "plastic",
@@ -71,7 +71,7 @@ RULES = {
     "model_attributes_type": "should be a table of keys",
 }
 # What loads state, asked for elsewhere or by another word.
-_OF_LOADS = (
+_WORDS_OF_LOADS = (
     "bulk",
     "remote",
     "moment",
@@ -164,9 +164,11 @@ def _also(keys: Sequence[str]) -> str:
     these are mended)', '')
     """
     remainder = (
-        f" and {len(keys) - _NAMED} more, named once these are mended" if len(keys) > _NAMED else ""
+        f" and {len(keys) - _MOST_KEYS_NAMED} more, named once these are mended"
+        if len(keys) > _MOST_KEYS_NAMED
+        else ""
     )
-    return f" (also at fault: {', '.join(keys[:_NAMED])}{remainder})" if keys else ""
+    return f" (also at fault: {', '.join(keys[:_MOST_KEYS_NAMED])}{remainder})" if keys else ""
 
 
 def neglected(word: str) -> str:
@@ -179,12 +181,12 @@ def neglected(word: str) -> str:
     ''
     """
     words = re.split("[^a-z]+", word.lower())
-    if any(part.startswith(_OF_LOADS) for part in words):
+    if any(part.startswith(_WORDS_OF_LOADS) for part in words):
         return (
             " bulk_stress_lower, bulk_stress_upper, tilt, moment and line_of_action are keys of"
             " [load]: docs/scene-keys.md"
         )
-    for stems, limit in _NEGLECTED.items():
+    for stems, limit in _NEGLECTED_PHYSICS.items():
         if any(part.startswith(stems) for part in words):
             return f" {limit}: docs/theory.md, 'What is neglected'"
     return ""

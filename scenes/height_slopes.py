@@ -28,34 +28,34 @@ Function = Callable[[Array], Array]
 
 # Values that a series is fitted to: of a piece, and of the polynomial of x^2. The rounding of one
 # is left by 6 % and by 2 %.
-_OF_PIECE = 512
-_OF_CORE = 4096
+_SAMPLES_OF_PIECE = 512
+_SAMPLES_OF_CORE = 4096
 # A coefficient counts from so many standard deviations on. Rounding is no perfect chance: above 4
 # some is left, above 8 none was seen; what is dropped with it costs 1e-15 of a load.
-_SIGNIFICANT = 8.0
+_SIGNIFICANT_DEVIATIONS = 8.0
 # So many standard deviations are stated as error.
-_STATED = 4.0
+_STATED_DEVIATIONS = 4.0
 # Where rounding explains the last coefficients they are no more than so many standard deviations.
-_EXPLAINED = 6.0
+_EXPLAINED_DEVIATIONS = 6.0
 # Largest error of a load, over the load: beyond, a height is too rough to have a slope.
-_ROUGHEST = 1e-7
+_LARGEST_LOAD_ERROR = 1e-7
 # Bounds of int T_k'(s)/sqrt(t - s) ds, -1 < s < t < 1, over k, and of the same integral of T_k''
 # over k^3, found for k up to 24.
-_OF_LOAD = 2.9
-_OF_STIFFNESS = 1.5
+_FACTOR_OF_LOAD = 2.9
+_FACTOR_OF_STIFFNESS = 1.5
 # int cos(angle) h'(a cos(angle)) d angle over the largest h' below a: 0.59 of a slope x^3.
 _LEAST_LOAD = 0.5
 # Rounding of an octave far down, over h there, up to which h has its digits at any x; where the
 # octave ends, over the extent.
-_EXACT = 1e-15
-_FAR_DOWN = 2.0**-20
+_EXACT_ROUNDING = 1e-15
+_FAR_OCTAVE = 2.0**-20
 # Octaves below the extent in which the polynomial of x^2 may end, and its lowest powers of x^2.
-_ENDS = 13
-_LOWEST = (1, 2, 3, 4)
+_OCTAVES_OF_ENDS = 13
+_LOWEST_POWERS = (1, 2, 3, 4)
 # A fit that reaches farther out is preferred to one whose error is half as large.
-_ALIKE = 2.0
+_ALIKE_RATIO = 2.0
 # Rounding above the end of the polynomial of x^2 may be so many times that below.
-_GROWS = 10.0
+_GROWTH_OF_ROUNDING = 10.0
 
 
 class Rounding(NamedTuple):
@@ -128,13 +128,13 @@ def slope_of_height(height: Function, edges: Array) -> HeightSlope:
         return height(x) - middle_height
 
     core = None
-    if _rounding_far_down(height_above_middle, extent) > _EXACT:
-        core = _core(height_above_middle, edges[edges >= extent * 0.5**_ENDS])
+    if _rounding_far_down(height_above_middle, extent) > _EXACT_ROUNDING:
+        core = _core(height_above_middle, edges[edges >= extent * 0.5**_OCTAVES_OF_ENDS])
     if core is not None and core.end >= extent:
         return HeightSlope(core.slope, edges, core.rounding)
     upper_edges = edges if core is None else np.append(core.end, edges[edges > core.end])
     # `fit` resolves to 4e-15 of a scale.
-    scale = None if core is None else _GROWS * core.of_heights / 4e-15
+    scale = None if core is None else _GROWTH_OF_ROUNDING * core.of_heights / 4e-15
     pieces, rounding_above = _refined(
         height_above_middle, fit(height_above_middle, upper_edges, scale).edges
     )
@@ -186,7 +186,10 @@ class _Samples:
 
     def last_of(self, coefficients: Array, rounding: Array) -> Array:
         """Number of the last coefficient that is no rounding, (...,); 1 at least."""
-        counts = np.abs(coefficients) > _SIGNIFICANT * self.of_coefficient * rounding[..., None]
+        counts = (
+            np.abs(coefficients)
+            > _SIGNIFICANT_DEVIATIONS * self.of_coefficient * rounding[..., None]
+        )
         return np.max(np.where(counts, np.arange(coefficients.shape[-1]), 1), axis=-1)
 
 
@@ -202,8 +205,8 @@ def _rounding_far_down(rise: Function, extent: float) -> float:
     """Relative round-off of a profile's height in one octave of x far below its `extent`, as a
     measure of how many digits the height has near x = 0; infinite where it is 0 or no number.
     """
-    samples = _samples(_OF_PIECE)
-    heights = rise(extent * _FAR_DOWN * (3 + samples.places) / 4)
+    samples = _samples(_SAMPLES_OF_PIECE)
+    heights = rise(extent * _FAR_OCTAVE * (3 + samples.places) / 4)
     largest_height = float(np.max(np.abs(heights)))
     if not (largest_height > 0 and np.all(np.isfinite(heights))):
         return np.inf
@@ -226,7 +229,7 @@ def _refined(rise: Function, edges: Array) -> tuple[Pieces, Rounding]:
     Unresolved
         Where the height is too rough to have a slope.
     """
-    samples = _samples(_OF_PIECE)
+    samples = _samples(_SAMPLES_OF_PIECE)
     half_lengths = np.diff(edges) / 2
     coefficients, rounding = samples.series_and_rounding(
         rise(edges[:-1, None] + half_lengths[:, None] * (1 + samples.places))
@@ -234,7 +237,7 @@ def _refined(rise: Function, edges: Array) -> tuple[Pieces, Rounding]:
     last_significant = samples.last_of(coefficients, rounding)
     is_significant = np.arange(DEGREE + 1) <= last_significant[:, None]
     pieces = Pieces(edges, np.where(is_significant, coefficients, 0.0).T.copy())
-    coefficient_error = _STATED * samples.of_coefficient * rounding
+    coefficient_error = _STATED_DEVIATIONS * samples.of_coefficient * rounding
     return pieces, _errors_of_loads(pieces, is_significant, coefficient_error)
 
 
@@ -268,16 +271,16 @@ def _errors_of_loads(pieces: Pieces, is_significant: Mask, coefficient_error: Ar
     number = np.arange(DEGREE + 1)
     root_of_end = np.sqrt(edges[1:] / (2 * half_lengths))
     deviation = coefficient_error * root_of_end
-    load_error = deviation * _OF_LOAD * np.sqrt(np.sum(is_significant * number**2.0, axis=1))
+    load_error = deviation * _FACTOR_OF_LOAD * np.sqrt(np.sum(is_significant * number**2.0, axis=1))
     stiffness_error = (
-        deviation * _OF_STIFFNESS * np.sqrt(np.sum(is_significant * number**6.0, axis=1))
+        deviation * _FACTOR_OF_STIFFNESS * np.sqrt(np.sum(is_significant * number**6.0, axis=1))
     )
     places = edges[:-1, None] + half_lengths[:, None] * np.linspace(0, 2, 9)
     steepest = np.maximum.accumulate(np.max(np.abs(pieces.derivative(places)), axis=1))
     has_slope = steepest > 0
     least_load = _LEAST_LOAD * steepest[has_slope]
     relative_load_error = load_error[has_slope] / edges[1:][has_slope] / least_load
-    rough_pieces = np.flatnonzero(relative_load_error > _ROUGHEST)
+    rough_pieces = np.flatnonzero(relative_load_error > _LARGEST_LOAD_ERROR)
     if len(rough_pieces):
         piece = int(np.flatnonzero(has_slope)[rough_pieces[0]])
         raise Unresolved(float(edges[piece]), float(edges[piece + 1]))
@@ -322,13 +325,15 @@ def _core(rise: Function, ends: Array) -> _Core | None:
     Of the ends whose error in loads is within a factor of two of the least, the largest is taken.
     `rise` is the height above the middle, as a function of x.
     """
-    candidates = [_core_up_to(rise, end, _OF_PIECE) for end in ends[::-1].tolist()]
+    candidates = [_core_up_to(rise, end, _SAMPLES_OF_PIECE) for end in ends[::-1].tolist()]
     cores = [core for core in candidates if core is not None]
     if not cores:
         return None
     least_load_error = min(core.rounding.load for core in cores)
-    widest_core = next(core for core in cores if core.rounding.load <= _ALIKE * least_load_error)
-    return _core_up_to(rise, widest_core.end, _OF_CORE) or widest_core
+    widest_core = next(
+        core for core in cores if core.rounding.load <= _ALIKE_RATIO * least_load_error
+    )
+    return _core_up_to(rise, widest_core.end, _SAMPLES_OF_CORE) or widest_core
 
 
 def _core_up_to(rise: Function, end: float, count: int) -> _Core | None:
@@ -344,10 +349,13 @@ def _core_up_to(rise: Function, end: float, count: int) -> _Core | None:
         return None
     coefficients, height_rounding = samples.series_and_rounding(heights)
     rounding_of_heights = float(height_rounding)
-    if float(tail(coefficients)) > _EXPLAINED * samples.of_coefficient * rounding_of_heights:
+    if (
+        float(tail(coefficients))
+        > _EXPLAINED_DEVIATIONS * samples.of_coefficient * rounding_of_heights
+    ):
         return None
     last_power = int(samples.last_of(coefficients, height_rounding))
-    for power in _LOWEST:
+    for power in _LOWEST_POWERS:
         core = _with_lowest_power(
             samples, heights, end, power, max(last_power - power, 0) + 1, rounding_of_heights
         )
@@ -397,11 +405,11 @@ def _with_lowest_power(
     ends = np.array([0.0, 1.0])
     bracket_values = np.stack([bracket(ends) for bracket in brackets], axis=1)
     bracket_rates = np.stack([bracket.deriv()(ends) for bracket in brackets], axis=1)
-    stated_rounding = _STATED * rounding
+    stated_rounding = _STATED_DEVIATIONS * rounding
     value_errors = stated_rounding * np.linalg.norm(bracket_values @ inverse_of_triangle, axis=1)
     rate_errors = stated_rounding * np.linalg.norm(bracket_rates @ inverse_of_triangle, axis=1)
     bracket_sizes = np.abs(bracket_values @ g)
-    if not np.all(value_errors < _ROUGHEST * bracket_sizes):
+    if not np.all(value_errors < _LARGEST_LOAD_ERROR * bracket_sizes):
         return None
     bracket = sum(
         coefficient * bracket_of_term

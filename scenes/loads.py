@@ -180,8 +180,8 @@ DRIVEN = (
 
 V = TypeVar("V")
 Pair = tuple[Any, Any]
-_PAIRS = {"bulk": ("bulk_stress_lower", "bulk_stress_upper"), "turning": ("tilt", "moment")}
-KEYS = (*_PAIRS["bulk"], *_PAIRS["turning"], "line_of_action")
+_KEY_PAIRS = {"bulk": ("bulk_stress_lower", "bulk_stress_upper"), "turning": ("tilt", "moment")}
+KEYS = (*_KEY_PAIRS["bulk"], *_KEY_PAIRS["turning"], "line_of_action")
 """Keys of bulk stress and tilt, of every load."""
 
 
@@ -301,7 +301,7 @@ class BulkAndTilt(Frozen, Generic[V]):
             further_segments["turning"] = [
                 leg.companion_of(Combination(line.x, line.height)) for leg in legs
             ]
-        for name, (first_key, second_key) in _PAIRS.items():
+        for name, (first_key, second_key) in _KEY_PAIRS.items():
             pair = getattr(self, first_key), getattr(self, second_key)
             if pair != (None, None):
                 further_segments[name] = self._segments_of_pair(path, legs, pair)

@@ -268,7 +268,7 @@ class FromFile(Frozen):
         path = _folder(validation) / self.file
         units = (validation.context or {}).get("units")
         if not isinstance(units, str):
-            units = _UNITS
+            units = _DEFAULT_UNITS
         columns = getattr(self, "columns", None)
         column_names = self._named(columns)
         kinds = self.column_kinds | {name: self.further[name] for name in column_names}
@@ -285,8 +285,10 @@ class FromFile(Frozen):
             reading_words.append((name, column_reading.words))
         reading_words += self._of_no_column()
         if table.unused:
-            headings = ", ".join(map(repr, table.unused[:_SHOWN]))
-            rest_of_names = f" and {len(table.unused) - _SHOWN} more" * (len(table.unused) > _SHOWN)
+            headings = ", ".join(map(repr, table.unused[:_MOST_HEADINGS]))
+            rest_of_names = f" and {len(table.unused) - _MOST_HEADINGS} more" * (
+                len(table.unused) > _MOST_HEADINGS
+            )
             reading_words.append(("not read", f"{headings}{rest_of_names}"))
         if is_converted:
             reading_words.append((SCENE_UNITS, units))
@@ -494,9 +496,9 @@ def _folder(validation: ValidationInfo) -> Path:
 
 
 # Headings in a sentence.
-_SHOWN = 12
+_MOST_HEADINGS = 12
 # Of the library; where nothing else is stated.
-_UNITS = "N, mm, MPa"
+_DEFAULT_UNITS = "N, mm, MPa"
 SCENE_UNITS = "units of the scene"
 """Key of `read_as`: into which units the columns of a file were turned; left out where none was."""
 

@@ -21,9 +21,9 @@ from scenes.files import check_size, within_memory
 
 # Bytes that are read at most, in the file and unpacked; what the file is to the user.
 LARGEST_SOLUTION = 2**31
-_WHAT = "the solution"
+_ROLE = "the solution"
 # What the library raises on files that are broken off, spoilt or something else.
-_FAULTS = (
+_READING_FAULTS = (
     OSError,
     ValueError,
     KeyError,
@@ -166,7 +166,7 @@ def read_netcdf(path: Path, form: Mapping[str, tuple[str, ...]], newest: str) ->
     hook_before = sys.unraisablehook
     sys.unraisablehook = lambda _fault: None
     try:
-        check_size(path, _WHAT, LARGEST_SOLUTION)
+        check_size(path, _ROLE, LARGEST_SOLUTION)
         # Dimensions that an HDF5 file does not name are numbered, and refused by their names.
         with (
             within_memory(path, 2 * LARGEST_SOLUTION),
@@ -181,9 +181,9 @@ def read_netcdf(path: Path, form: Mapping[str, tuple[str, ...]], newest: str) ->
             return StoredArrays(arrays, attributes)
     except InputError:
         raise
-    except _FAULTS as reason:
+    except _READING_FAULTS as reason:
         traceback.clear_frames(reason.__traceback__)
-        raise InputError(f"{path}: {_WHAT} can't be read: {first_line(reason)}") from reason
+        raise InputError(f"{path}: {_ROLE} can't be read: {first_line(reason)}") from reason
     finally:
         sys.unraisablehook = hook_before
 
@@ -198,7 +198,7 @@ def _require_room(path: Path, file: Any) -> None:
     )
     if unpacked_bytes > LARGEST_SOLUTION:
         raise InputError(
-            f"{path}: {_WHAT} takes {in_words(unpacked_bytes)} once unpacked, and at most"
+            f"{path}: {_ROLE} takes {in_words(unpacked_bytes)} once unpacked, and at most"
             f" {in_words(LARGEST_SOLUTION)} are read"
         )
 
@@ -235,18 +235,18 @@ def _require_form(path: Path, file: Any, form: Mapping[str, tuple[str, ...]]) ->
     """
     for name, axes in form.items():
         if name not in file.variables:
-            raise InputError(f"{path}: {_WHAT} can't be read: {name} is missing")
+            raise InputError(f"{path}: {_ROLE} can't be read: {name} is missing")
         variable = file.variables[name]
         if variable.dimensions != axes or variable.dtype.kind not in "fiu":
             raise InputError(
-                f"{path}: {_WHAT} can't be read: {name} should be numbers over"
+                f"{path}: {_ROLE} can't be read: {name} should be numbers over"
                 f" {' and '.join(axes)}, and is {variable.dtype} over"
                 f" {' and '.join(map(str, variable.dimensions)) or 'nothing'}"
             )
     for name, variable in file.variables.items():
         if variable.dtype.kind == "c":
             raise InputError(
-                f"{path}: {_WHAT} can't be read: {name} holds complex numbers, and should hold real"
+                f"{path}: {_ROLE} can't be read: {name} holds complex numbers, and should hold real"
                 " ones"
             )
 
@@ -262,7 +262,7 @@ def _require_lengths(path: Path, arrays: Mapping[str, StoredArray]) -> None:
             expected_length = lengths.setdefault(dimension, length)
             if length != expected_length:
                 raise InputError(
-                    f"{path}: {_WHAT} can't be read: {name} has {length} values over {dimension},"
+                    f"{path}: {_ROLE} can't be read: {name} has {length} values over {dimension},"
                     f" and others have {expected_length}"
                 )
 

@@ -31,22 +31,22 @@ from scenes.height_slopes import Rounding, slope_of_height
 from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, ReadAs, Table
 from scenes.unit_words import Kind
 
-_ALIKE = 1e-12
+_ALIKE_SLOPES = 1e-12
 # Of a slope: what two neighbouring secants of rows on a line may differ by. Their rounding is less,
 # and those of a parabola differ by one part in as many as there are rows.
-_IN_LINE = 1e-9
+_SECANT_ROUNDING = 1e-9
 # Of an interval between two rows: nearer than this to an end there is no further knot. What it
 # costs the curve is that share of a slope; a shorter piece has no digits left in its curvature.
-_SHORTEST = 1e-6
+_SHORTEST_SHARE = 1e-6
 # Of x: rows nearer to each other than this have no slope between them that rounding leaves.
-_CLOSEST = 1e-9
+_CLOSEST_DISTANCE = 1e-9
 # Rows of one side. The normal load is a sum over all of them: 2,000 take 0.2 s, and the fields of a
 # cycle some seconds.
-_MOST = 2_000
+_MOST_ROWS = 2_000
 # A rise counts as a whole number of steps to this; steps are coarse where half of all rises are
 # less than so many.
-_WHOLE = 1e-3
-_COARSE = 1000
+_ROUNDING_OF_STEPS = 1e-3
+_COARSE_STEPS = 1000
 
 
 class Spline(NamedTuple):
@@ -473,7 +473,7 @@ def _integral(slope: Pieces) -> Pieces:
 
 
 # Octaves of x below the extent that a slope is taken over from.
-_OCTAVES = 53
+_N_OCTAVES = 53
 
 
 class CallableProfile(Gap):
@@ -522,7 +522,7 @@ class CallableProfile(Gap):
         values_at = values_of(self.height_function or self.slope_function)
         self._require_symmetric(values_at)
         edges = np.union1d(
-            self.extent * 0.5 ** np.arange(_OCTAVES, -1.0, -1.0),
+            self.extent * 0.5 ** np.arange(_N_OCTAVES, -1.0, -1.0),
             [place for place in self.breaks if place < self.extent],
         )
         try:
@@ -774,8 +774,10 @@ class Tabulated(FromFile):
         """
         rises = np.abs(np.diff(self._sides()[-1][1]))
         least_rise = float(np.min(rises[rises > 0]))
-        is_whole = np.max(np.abs(rises / least_rise - np.round(rises / least_rise))) < _WHOLE
-        return least_rise if is_whole and np.median(rises) < _COARSE * least_rise else None
+        is_whole = (
+            np.max(np.abs(rises / least_rise - np.round(rises / least_rise))) < _ROUNDING_OF_STEPS
+        )
+        return least_rise if is_whole and np.median(rises) < _COARSE_STEPS * least_rise else None
 
     def height(self, x: ArrayLike) -> Array:
         """Gap h(x) >= 0 [length] between the faces before they touch, at x [length] of any shape,
@@ -819,10 +821,10 @@ def one_sided(points: Array, asymmetry: float) -> tuple[Array, Array]:
     x, h = points.T
     RowError.refuse(np.diff(x) <= 0, lambda row: f"x = {x[row]:.6g} does not ascend", 1)
     RowError.refuse(
-        np.diff(x) < _CLOSEST * np.maximum(np.abs(x[1:]), np.abs(x[:-1])),
+        np.diff(x) < _CLOSEST_DISTANCE * np.maximum(np.abs(x[1:]), np.abs(x[:-1])),
         lambda row: (
-            f"x = {x[row]:.17g} is nearer to the row before than {_CLOSEST:g} of itself: leave one"
-            " of the two out"
+            f"x = {x[row]:.17g} is nearer to the row before than {_CLOSEST_DISTANCE:g} of itself:"
+            " leave one of the two out"
         ),
         1,
     )
@@ -849,10 +851,10 @@ def one_sided(points: Array, asymmetry: float) -> tuple[Array, Array]:
         )
         right_h = (right_h + h[middle_row::-1]) / 2
     rule = (
-        f"the profile has {len(right_x):,} rows of x >= 0, and at most {_MOST:,} are taken: leave"
-        " out all but every n-th"
+        f"the profile has {len(right_x):,} rows of x >= 0, and at most {_MOST_ROWS:,} are taken:"
+        " leave out all but every n-th"
     )
-    RowError.refuse(np.arange(len(right_x)) >= _MOST, lambda _: rule, middle_row)
+    RowError.refuse(np.arange(len(right_x)) >= _MOST_ROWS, lambda _: rule, middle_row)
     RowError.refuse(
         np.diff(right_h) < 0,
         lambda row: f"h = {h[row]:.6g} falls: the profile must rise for x > 0",
@@ -882,7 +884,7 @@ def rising_spline(x: Array, h: Array) -> Spline:
     is_in_line = np.concatenate(
         [
             [False],
-            np.abs(np.diff(secants)) <= _IN_LINE * np.maximum(secants[:-1], secants[1:]),
+            np.abs(np.diff(secants)) <= _SECANT_ROUNDING * np.maximum(secants[:-1], secants[1:]),
             [False],
         ]
     )
@@ -897,7 +899,7 @@ def rising_spline(x: Array, h: Array) -> Spline:
     begin_excess = slopes[:-1] - secants
     end_excess = slopes[1:] - secants
     bent_intervals = np.flatnonzero(
-        np.abs(begin_excess + end_excess) > _ALIKE * (slopes[:-1] + slopes[1:])
+        np.abs(begin_excess + end_excess) > _ALIKE_SLOPES * (slopes[:-1] + slopes[1:])
     )
     # Place of the further knot, 0 at the begin of its interval, 1 at the end. Where the secant's
     # slope lies between both slopes, it is such that both parts bend one way; else, with an
@@ -906,7 +908,7 @@ def rising_spline(x: Array, h: Array) -> Spline:
     knot_place = np.where(
         bends_one_way, end_excess / np.where(bends_one_way, end_excess - begin_excess, 1.0), 0.5
     )[bent_intervals]
-    knot_place = np.clip(knot_place, _SHORTEST, 1 - _SHORTEST)
+    knot_place = np.clip(knot_place, _SHORTEST_SHARE, 1 - _SHORTEST_SHARE)
     knot_slopes = (
         2 * secants[bent_intervals]
         - knot_place * slopes[bent_intervals]
@@ -935,13 +937,13 @@ Curve = Annotated[
     | CallableProfile,
     Field(discriminator="kind"),
 ]
-_ANY: TypeAdapter[Curve] = TypeAdapter(Curve)
+_ANY_PROFILE: TypeAdapter[Curve] = TypeAdapter(Curve)
 
 
 def _curve_of_rows(profile: Curve) -> Curve:
     """The curve through rows that come with the key `fit`; any other profile as it is."""
     return (
-        _ANY.validate_python(profile.curve())
+        _ANY_PROFILE.validate_python(profile.curve())
         if profile.kind == "tabulated" and profile.fit is not None
         else profile
     )
@@ -995,6 +997,6 @@ def fit_profile(
     fit = {"kind": kind, "noise": noise, "centre": centre, "extent": extent, "tilt": tilt}
     keys = {"kind": "tabulated", "points": points, "fit": fit}
     try:
-        return _curve_of_rows(_ANY.validate_python(keys))  # type: ignore[return-value]
+        return _curve_of_rows(_ANY_PROFILE.validate_python(keys))  # type: ignore[return-value]
     except ValidationError as faults:
         raise InputError(f"fit_profile: {refusal(faults, keys, Tabulated)}") from faults

@@ -52,7 +52,7 @@ _ROUNDING_OF_TIME = 4.5e-16
 _ROUNDING_OF_SUM = 1e-15
 # A double root is known to the root of a rounding only. Taking too many does no harm: a segment is
 # cut in two.
-_DOUBLE = 1e-5
+_DISTANCE_OF_DOUBLE_ROOTS = 1e-5
 # Steps of Newton's method with a bracket: some 60 halve the bracket to rounding, and some 60 the
 # step between two of these.
 _MOST_STEPS = 4000
@@ -60,11 +60,11 @@ _MOST_STEPS = 4000
 _MOST_PLAIN_STEPS = 12
 # Of a step squared over the distance of a turning point, what it leaves: a half where the rate goes
 # as the distance, and room.
-_LEFT_OF_STEP = 4.0
+_ERROR_OF_STEP = 4.0
 # Steps without gain after which rounding is reached, where they are shorter than this share of the
 # way.
-_IDLE = 3
-_SHORT = 1e-9
+_MOST_IDLE_STEPS = 3
+_SHORT_STEP = 1e-9
 
 
 class Combination(NamedTuple):
@@ -268,8 +268,8 @@ class LoadSegment(abc.ABC):
             steps_without_gain = (steps_without_gain + 1) * ~is_better
             # Steps that gain no more are round-off where they are short: a long one is half a
             # bracket, and others follow.
-            gains_no_more = (steps_without_gain >= _IDLE) & (
-                last_step <= _SHORT * np.abs(best_time - begin)
+            gains_no_more = (steps_without_gain >= _MOST_IDLE_STEPS) & (
+                last_step <= _SHORT_STEP * np.abs(best_time - begin)
             )
             is_round_off = last_step <= _ROUNDING_OF_TIME * np.abs(best_time)
             # A time that is found stays so: below round-off a step may be long again.
@@ -324,7 +324,7 @@ class LoadSegment(abc.ABC):
                 rounding = _ROUNDING_OF_TIME * np.abs(time)
                 distance = np.minimum(np.abs(time - begin), np.abs(end - time))
                 longest_last_step = np.sqrt(
-                    rounding * np.maximum(distance / _LEFT_OF_STEP, rounding)
+                    rounding * np.maximum(distance / _ERROR_OF_STEP, rounding)
                 )
                 if (np.abs(step) <= longest_last_step).all():
                     is_between = (time - begin) * (end - time) >= 0
@@ -687,7 +687,7 @@ class HarmonicSegment(LoadSegment):
         roots = polynomial.polyroots(
             np.concatenate([np.conj(rates[order:0:-1]), rates[: order + 1]])
         )
-        angles = np.angle(roots[np.abs(np.abs(roots) - 1) < _DOUBLE])
+        angles = np.angle(roots[np.abs(np.abs(roots) - 1) < _DISTANCE_OF_DOUBLE_ROOTS])
         period = 2 * math.pi
         first_times = angles + period * np.floor((self.start - angles) / period)
         n_periods = math.ceil((self.end - self.start) / period) + 2
@@ -856,7 +856,12 @@ class ChebyshevSegment(LoadSegment):
         rate_series = rate_series[: significant_orders[-1] + 1]
         roots = chebyshev.chebroots(rate_series)
         places_of_turns = np.clip(
-            roots.real[(np.abs(roots.imag) < _DOUBLE) & (np.abs(roots.real) < 1 + _DOUBLE)], -1, 1
+            roots.real[
+                (np.abs(roots.imag) < _DISTANCE_OF_DOUBLE_ROOTS)
+                & (np.abs(roots.real) < 1 + _DISTANCE_OF_DOUBLE_ROOTS)
+            ],
+            -1,
+            1,
         )
         return _sharpened(
             self,
@@ -1015,7 +1020,7 @@ def _sharpened(segment: LoadSegment, combination: Combination, guessed_times: Ar
     """
     times = guessed_times
     step = 1e-6 * (segment.end - segment.start)
-    longest_step = _DOUBLE * (segment.end - segment.start) / 2
+    longest_step = _DISTANCE_OF_DOUBLE_ROOTS * (segment.end - segment.start) / 2
     for _ in range(2):
         rate, rate_after = segment.rate_of(combination, np.stack([times, times + step]))
         newton_step = rate * step / np.where(rate_after != rate, rate_after - rate, np.inf)

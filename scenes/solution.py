@@ -311,7 +311,7 @@ class ContactSolution:
         import xarray as xr
 
         columns: dict[str, NDArray[Any]] = {}
-        for name, form in _ARRAYS.items():
+        for name, form in _ARRAY_FIELDS.items():
             values = getattr(self.record if name == "iterations" else self, name)
             if values is None:
                 continue
@@ -349,7 +349,7 @@ class ContactSolution:
             "seconds": dict(self.work.seconds),
         }
         attributes: dict[str, Any] = {"engine": self.engine}
-        attributes |= {name: getattr(self, name) for name in _NUMBERS}
+        attributes |= {name: getattr(self, name) for name in _NUMBER_NAMES}
         attributes |= {
             "format": FORMAT,
             "steady_from": -1 if self.steady_from is None else self.steady_from,
@@ -381,7 +381,7 @@ class ContactSolution:
             "": "1",
         }
         arrays = {_SIDE: StoredArray((_SIDE,), np.array(["left", "right"]))}
-        for name, form in _ARRAYS.items():
+        for name, form in _ARRAY_FIELDS.items():
             values = getattr(self.record if name == "iterations" else self, name)
             if values is None:
                 continue
@@ -393,9 +393,9 @@ class ContactSolution:
                 attributes["units"] = "rad"
             arrays[name] = StoredArray(form.metadata["over"], values, attributes)
         for name, values in self.record.certificates.items():
-            arrays[_CERTIFICATE + name] = StoredArray(("time",), values)
+            arrays[_CERTIFICATE_PREFIX + name] = StoredArray(("time",), values)
         for name, values in self.record.energy.items():
-            arrays[_ENERGY + name] = StoredArray(("time",), values)
+            arrays[_ENERGY_PREFIX + name] = StoredArray(("time",), values)
         return arrays
 
     @classmethod
@@ -418,14 +418,16 @@ class ContactSolution:
             }
 
         names_present = [
-            name for name in _ARRAYS if name != "iterations" and (name in _FORM or name in arrays)
+            name
+            for name in _ARRAY_FIELDS
+            if name != "iterations" and (name in _AXES_OF_ARRAYS or name in arrays)
         ]
         values: dict[str, Any] = {
             name: freeze(arrays[name], arrays[name].dtype) for name in names_present
         }
         # Uncertainties are not in files of earlier versions.
         uncertainties = json.loads(attributes.get("uncertainties", "{}"))
-        for name in _NUMBERS:
+        for name in _NUMBER_NAMES:
             values[name] = float(
                 attributes.get(name, "nan")
                 if name == "dissipation_uncertainty"
@@ -437,8 +439,8 @@ class ContactSolution:
             steady_from=None if attributes["steady_from"] < 0 else int(attributes["steady_from"]),
             record=Record(
                 iterations=freeze(arrays["iterations"], np.int64),
-                certificates=arrays_named(_CERTIFICATE),
-                energy=arrays_named(_ENERGY),
+                certificates=arrays_named(_CERTIFICATE_PREFIX),
+                energy=arrays_named(_ENERGY_PREFIX),
                 **(record_entries | {"notes": tuple(record_entries["notes"])}),
             ),
             work=Work(
@@ -471,7 +473,7 @@ class ContactSolution:
         InputError
             For a file that can't be read, is too large, or holds something else.
         """
-        content = read_netcdf(Path(path), _FORM, FORMAT)
+        content = read_netcdf(Path(path), _AXES_OF_ARRAYS, FORMAT)
         try:
             return cls._from_stored(content)
         except (
@@ -585,20 +587,27 @@ def _instant_at(time: Array, target: float, rounding: float) -> int | None:
 
 FORMAT = "halfplane solution 2"
 """Of a stored solution. Files of version 0.1 have no such word, and are refused."""
-_ARRAYS = {
+_ARRAY_FIELDS = {
     array.name: array
     for array in (*fields(ContactSolution), *fields(Record))
     if "words" in array.metadata
 }
 # Coordinate of the columns of what has two sides; beginnings of names of what the record holds.
 _SIDE = "side"
-_CERTIFICATE = "certificate_"
-_ENERGY = "energy_"
+_CERTIFICATE_PREFIX = "certificate_"
+_ENERGY_PREFIX = "energy_"
 # All but those of scenes with bulk stress, tilt or an unsymmetric profile.
-_FORM = {
-    name: array.metadata["over"] for name, array in _ARRAYS.items() if array.default is MISSING
+_AXES_OF_ARRAYS = {
+    name: array.metadata["over"]
+    for name, array in _ARRAY_FIELDS.items()
+    if array.default is MISSING
 }
-_NUMBERS = ("dissipation", "loop_work", "dissipation_uncertainty", "permanent_stick_half_width")
+_NUMBER_NAMES = (
+    "dissipation",
+    "loop_work",
+    "dissipation_uncertainty",
+    "permanent_stick_half_width",
+)
 
 
 def range_of_slip(slip: Array, touching: NDArray[np.bool_]) -> Array:

@@ -16,8 +16,8 @@ Rows = NDArray[np.int64]
 # row in two millions.
 STANDS_OUT = 5.0
 # Of the rows: more are no spikes but noise of another kind.
-_MOST = 0.05
-_NEIGHBOURS = 4
+_SHARE_OF_SPIKES = 0.05
+_N_NEIGHBOURS = 4
 
 
 def rows_that_stand_out(x: Array, h: Array, sigma: float) -> Rows:
@@ -43,7 +43,7 @@ def rows_that_stand_out(x: Array, h: Array, sigma: float) -> Rows:
     """
     rows_left = np.arange(len(x))
     spikes: list[int] = []
-    while len(rows_left) > 2 * _NEIGHBOURS and len(spikes) <= _MOST * len(x):
+    while len(rows_left) > 2 * _N_NEIGHBOURS and len(spikes) <= _SHARE_OF_SPIKES * len(x):
         differences = _differences(x[rows_left], h[rows_left]) / sigma
         place_of_largest = int(np.argmax(differences))
         if differences[place_of_largest] <= STANDS_OUT:
@@ -61,7 +61,7 @@ def _alike(place: int, count: int) -> list[int]:
     >>> _alike(1, 40), _alike(5, 40), _alike(39, 40)
     ([0, 1, 2], [5], [37, 38, 39])
     """
-    half = _NEIGHBOURS // 2
+    half = _N_NEIGHBOURS // 2
     if place <= half:
         return list(range(half + 1))
     if place >= count - 1 - half:
@@ -77,19 +77,19 @@ def _differences(x: Array, heights: Array) -> Array:
     `heights` are (n,).
     """
     n_rows = len(x)
-    n_before = _NEIGHBOURS // 2
-    first_row = np.clip(np.arange(n_rows) - n_before, 0, n_rows - _NEIGHBOURS - 1)
-    window_rows = first_row[:, None] + np.arange(_NEIGHBOURS + 1)
+    n_before = _N_NEIGHBOURS // 2
+    first_row = np.clip(np.arange(n_rows) - n_before, 0, n_rows - _N_NEIGHBOURS - 1)
+    window_rows = first_row[:, None] + np.arange(_N_NEIGHBOURS + 1)
     is_itself = window_rows == np.arange(n_rows)[:, None]
-    neighbours = window_rows[~is_itself].reshape(n_rows, _NEIGHBOURS)
+    neighbours = window_rows[~is_itself].reshape(n_rows, _N_NEIGHBOURS)
     relative_places = x[neighbours]
     widths = relative_places[:, -1] - relative_places[:, 0]
     is_distinct = (np.min(np.diff(relative_places, axis=1), axis=1) > 0) & (widths > 0)
     relative_places = (relative_places - x[:, None]) / np.where(widths > 0, widths, 1.0)[:, None]
     # Weights of Lagrange's cubic at the row itself, which is the origin of places.
     weights = np.ones_like(relative_places)
-    for i in range(_NEIGHBOURS):
-        for j in range(_NEIGHBOURS):
+    for i in range(_N_NEIGHBOURS):
+        for j in range(_N_NEIGHBOURS):
             if j != i:
                 distances = np.where(
                     is_distinct, relative_places[:, j] - relative_places[:, i], 1.0

@@ -34,8 +34,8 @@ from scenes.unit_words import is_unit, name_without_unit, unit_in
 # Rows of a table, characters of a row: what is longer would take gigabytes on its way through the
 # engines. A row of somebody else's table may hold all the frames of a point.
 MOST_ROWS = 2_000_000
-_LONGEST = 100_000
-_LONGEST_OF_ALL = 10_000_000
+_LONGEST_LINE = 100_000
+_LONGEST_LINE_OF_ALL = 10_000_000
 # What a file may be written in; a mark of byte order, which spreadsheets put at the front, is no
 # part of the first name or number.
 _ENCODINGS = {
@@ -47,22 +47,22 @@ _ENCODINGS = {
     "utf-16-le": "UTF-16, without its mark of byte order",
     "utf-16-be": "UTF-16, without its mark of byte order",
 }
-_MARKS_OF_16 = (b"\xff\xfe", b"\xfe\xff")
+_MARKS_OF_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 # Of every second byte: European text in UTF-16 has more zeros than that in one half, no other has.
-_ZEROS_OF_16 = 0.8
+_ZEROS_OF_UTF_16 = 0.8
 # What an instrument writes where a unit stands, which is none of a load or a length.
-_RAW = ("v", "mv", "volt", "volts", "bit", "counts", "div")
+_RAW_UNITS = ("v", "mv", "volt", "volts", "bit", "counts", "div")
 # A line that has units, in the languages of `column_names`.
-_OF_UNITS = re.compile(r"unit|einheit|unidad")
+_WORDS_FOR_UNITS = re.compile(r"unit|einheit|unidad")
 # Lines that are looked at before the table is read, bytes that show what it is written in.
-_LOOK = 200
-_START = 50_000
+_MOST_LINES_LOOKED_AT = 200
+_MOST_BYTES_LOOKED_AT = 50_000
 # How a file begins that is JSON, XML or HTML: no heading does.
-_MARKUP = re.compile(r"\s*(?:\{|\[\s*(?:[\[{\"\d-]|$)|<[?!\w])")
-_REMARKS = ("#", "**", "%", "//")
+_MARKUP_START = re.compile(r"\s*(?:\{|\[\s*(?:[\[{\"\d-]|$)|<[?!\w])")
+_REMARK_MARKS = ("#", "**", "%", "//")
 SEPARATORS = {"\t": "tab", ";": "semicolon", ",": "comma", None: "blanks"}
 # A number whose digits stand in groups of three: 1,234.5 or 1.234,5 or 1 234 or 1'234.
-_GROUPED = re.compile(r"[-+]?\d{1,3}([.,'’ \u00a0\u202f]\d{3})+([.,]\d*)?$")
+_GROUPED_DIGITS = re.compile(r"[-+]?\d{1,3}([.,'’ \u00a0\u202f]\d{3})+([.,]\d*)?$")
 
 
 class MissingColumnError(InputError):
@@ -226,11 +226,11 @@ def text_table(
                 f"{path}: columns = {{{name} = {heading_or_number}}} is refused: columns are"
                 " numbered from 1 on"
             )
-    longest_line = _LONGEST if columns else _LONGEST_OF_ALL
+    longest_line = _LONGEST_LINE if columns else _LONGEST_LINE_OF_ALL
     try:
         check_size(path, kind.role, TEXT, kind.cure)
         with path.open("rb") as binary:
-            first_bytes = binary.read(_START)
+            first_bytes = binary.read(_MOST_BYTES_LOOKED_AT)
         encodings = _encodings_of(first_bytes)
         is_utf_16 = encodings[0].startswith("utf-16")
         for encoding in encodings:
@@ -263,7 +263,7 @@ def _table_in_lines(
     InputError
         One sentence on the first line that does not fit.
     """
-    first_lines = list(islice(read_lines(), _LOOK))
+    first_lines = list(islice(read_lines(), _MOST_LINES_LOOKED_AT))
     layout = None
     if request.kind.numbered and not request.columns:
         layout = _rows_alone(first_lines)
@@ -298,14 +298,14 @@ def _encodings_of(start: bytes) -> list[str]:
     >>> _encodings_of("Zeit;P".encode("utf-16-le")), _encodings_of(b"time,P")
     (['utf-16-le'], ['utf-8-sig', 'cp1252', 'cp932', 'latin-1'])
     """
-    if start.startswith(_MARKS_OF_16):
+    if start.startswith(_MARKS_OF_UTF_16):
         return ["utf-16"]
     if b"\0" not in start:
         return ["utf-8-sig", "cp1252", "cp932", "latin-1"]
     pairs = max(len(start) // 2, 1)
-    if start[1::2].count(0) > _ZEROS_OF_16 * pairs:
+    if start[1::2].count(0) > _ZEROS_OF_UTF_16 * pairs:
         return ["utf-16-le"]
-    if start[0::2].count(0) > _ZEROS_OF_16 * pairs:
+    if start[0::2].count(0) > _ZEROS_OF_UTF_16 * pairs:
         return ["utf-16-be"]
     return ["utf-8-sig"]
 
@@ -368,7 +368,7 @@ def _number(text: str, comma: bool) -> float | None:
 def _numeric(text: str, separator: str | None) -> bool:
     """Whether every cell is a number, with or without marks between thousands, or a time of day."""
     return all(
-        _is_number_or_time(cell, separator) or _GROUPED.match(cell)
+        _is_number_or_time(cell, separator) or _GROUPED_DIGITS.match(cell)
         for cell in _cells(text, separator)
     )
 
@@ -388,7 +388,7 @@ def _rows_alone(lines: list[Line]) -> _Layout | None:
     columns named "column 1" and so on; None where the first line is no such row.
     """
     lines_without_remarks = [
-        (number, text) for number, text in lines if not text.startswith(_REMARKS)
+        (number, text) for number, text in lines if not text.startswith(_REMARK_MARKS)
     ]
     if not lines_without_remarks:
         return None
@@ -416,13 +416,13 @@ def _layout(request: _Request, lines: list[Line]) -> _Layout:
     """
     path = request.path
     columns = request.columns
-    lines_without_remarks = [line for line in lines if not line[1].startswith(_REMARKS)]
+    lines_without_remarks = [line for line in lines if not line[1].startswith(_REMARK_MARKS)]
     needed_text = "a line of names and rows of numbers"
     if columns:
         needed_text = f"{len(columns)} columns {', '.join(columns)}"
     if not lines_without_remarks:
         raise InputError(f"{path}: the file is empty; {needed_text} are needed")
-    if _MARKUP.match(lines_without_remarks[0][1]):
+    if _MARKUP_START.match(lines_without_remarks[0][1]):
         raise InputError(
             f"{path}: this is JSON, XML or HTML and no table: write {needed_text}, separated"
             " by commas"
@@ -448,7 +448,7 @@ def _layout(request: _Request, lines: list[Line]) -> _Layout:
 
 def _is_row(text: str, fewest_cells: int) -> bool:
     """Whether a line is a row of numbers by any separator, and no remark."""
-    return not text.startswith(_REMARKS) and any(
+    return not text.startswith(_REMARK_MARKS) and any(
         len(_cells(text, mark)) >= fewest_cells and _numeric(text, mark) for mark in SEPARATORS
     )
 
@@ -471,7 +471,7 @@ def _layouts_below(
         how many headings must be known names, where no columns are asked for
     """
     line_number, text = lines[index]
-    is_remark = text.startswith(_REMARKS)
+    is_remark = text.startswith(_REMARK_MARKS)
     heading_text = text.lstrip("#*%/ ") if is_remark else text
     for mark in SEPARATORS:
         for names in _headings(heading_text, mark):
@@ -523,8 +523,8 @@ def _layout_with_headings(
     """
     line_number = lines[index][0]
     n_columns = len(columns.names)
-    lines_below = [line for line in lines[index + 1 :] if not line[1].startswith(_REMARKS)]
-    lines_above = [line for line in lines[:index] if not line[1].startswith(_REMARKS)]
+    lines_below = [line for line in lines[index + 1 :] if not line[1].startswith(_REMARK_MARKS)]
+    lines_above = [line for line in lines[:index] if not line[1].startswith(_REMARK_MARKS)]
     below_headings = _below_headings(lines_below, mark, columns.used, n_columns, may_skip_lines)
     units_above = _labelled_units(lines_above, mark, n_columns)
     units = [
@@ -619,13 +619,13 @@ def _labelled_units(lines: list[Line], mark: str | None, count: int) -> list[str
     n_found = 0
     for _, text in lines:
         label, *cells = _cells(text, mark)
-        if not _OF_UNITS.search(plain(label).lower()) or not cells:
+        if not _WORDS_FOR_UNITS.search(plain(label).lower()) or not cells:
             continue
         has_numbers = any(_is_number_or_time(cell, mark) for cell in cells)
         if n_found < len(cells) < count and _are_units(cells) and not has_numbers:
             n_found = len(cells)
             units[1:] = cells + [""] * (count - 1 - n_found)
-        elif not n_found and cells[0].lower() in _RAW:
+        elif not n_found and cells[0].lower() in _RAW_UNITS:
             units = [cells[0]] * count
     return units
 
@@ -641,7 +641,7 @@ def _are_units(cells: Sequence[str]) -> bool:
     in_brackets = [cell[:1] in "[({<" and cell[-1:] in "])}>" for cell in cells if cell]
     if in_brackets and all(in_brackets):
         return True
-    return any(is_unit(word) or word.lower() in _RAW for word in words)
+    return any(is_unit(word) or word.lower() in _RAW_UNITS for word in words)
 
 
 def _is_number_or_time(cell: str, mark: str | None) -> bool:
@@ -1027,7 +1027,7 @@ class _RowReader:
         first_line = self.layout.first
         del line_numbers[:]
         for number, text in self.read_lines():
-            if number < first_line or text.startswith(_REMARKS):
+            if number < first_line or text.startswith(_REMARK_MARKS):
                 continue
             if len(line_numbers) == MOST_ROWS:
                 raise InputError(
@@ -1216,7 +1216,7 @@ def _row(
             except ValueError as reason:
                 advice = f": {reason}"
         if number is None or not abs(number) <= LARGEST:
-            if _GROUPED.match(cells[column]):
+            if _GROUPED_DIGITS.match(cells[column]):
                 advice = (
                     f"; the decimal sign of this file is a {'comma' if comma else 'point'}: write"
                     " no marks between thousands"

@@ -350,7 +350,7 @@ class Input(NamedTuple):
         return f"{self.key}{at} ± {self.stated}"
 
 
-_WORDS = {
+_NAMES_IN_WORDS = {
     "friction": "friction",
     "normal_load": "P",
     "tangential_load": "Q",
@@ -370,10 +370,10 @@ def _words_of(key: str) -> str:
     >>> _words_of("bodies.lower.height"), _words_of("profile.flat_half_length")
     ('the height of the lower body', 'the flat half length')
     """
-    if key in _WORDS:
-        return _WORDS[key]
+    if key in _NAMES_IN_WORDS:
+        return _NAMES_IN_WORDS[key]
     table, *body_of_table, name = key.split(".")
-    quantity = _WORDS.get(f"{table}.{name}", f"the {name.replace('_', ' ')}")
+    quantity = _NAMES_IN_WORDS.get(f"{table}.{name}", f"the {name.replace('_', ' ')}")
     return f"{quantity} of the {body_of_table[0]} body" if body_of_table else quantity
 
 

@@ -22,7 +22,7 @@ UNITS = {
     },
 }
 """What a scene may be in: the size of each word in N, m and Pa."""
-_OF_FILES = {
+_UNITS_OF_FILES = {
     "load": UNITS["force"] | {"mN": 1e-3, "daN": 10.0, "kgf": 9.80665},
     "length": UNITS["length"] | {"nm": 1e-9},
     "stress": UNITS["stress"],
@@ -32,7 +32,7 @@ _OF_FILES = {
 }
 # Units written out in the languages of `column_names`, in lower case without accents; a plural's s
 # is left out.
-_SPELLED = {
+_SPELLED_UNITS = {
     "micron": "um",
     "mikron": "um",
     "micrometer": "um",
@@ -85,7 +85,7 @@ _SPELLED = {
 }
 # Words that are units in brackets and more than that as the last word of a heading: "gap min",
 # "profile h".
-_SHORT = ("m", "s", "h", "N", "in", "min", "°")
+_SHORT_UNITS = ("m", "s", "h", "N", "in", "min", "°")
 _ROUNDING = 1e-6
 
 Kind = Literal["time", "length", "load", "stress", "angle", "moment"]
@@ -171,7 +171,7 @@ def unit_in(heading: str) -> tuple[str, str]:
     if name_and_unit and is_unit(name_and_unit[2]):
         return name_and_unit[1], name_and_unit[2]
     name, word = _last_word(text)
-    return (name, word) if is_unit(word) and word not in _SHORT else (text, "")
+    return (name, word) if is_unit(word) and word not in _SHORT_UNITS else (text, "")
 
 
 def _last_word(text: str) -> tuple[str, str]:
@@ -192,7 +192,7 @@ def short_unit_in(heading: str, kind: Kind) -> str:
     ('s', 'N', '')
     """
     word = _last_word(heading.strip())[1]
-    return word if word in _SHORT and _size(word, kind) is not None else ""
+    return word if word in _SHORT_UNITS and _size(word, kind) is not None else ""
 
 
 def name_without_unit(heading: str) -> str:
@@ -203,7 +203,7 @@ def name_without_unit(heading: str) -> str:
     """
     name, unit = unit_in(heading)
     text_before, word = _last_word(name)
-    return text_before if not unit and word in _SHORT else name
+    return text_before if not unit and word in _SHORT_UNITS else name
 
 
 def is_unit(word: str) -> bool:
@@ -212,7 +212,7 @@ def is_unit(word: str) -> bool:
     >>> is_unit("N/mm"), is_unit("ms"), is_unit("volts")
     (True, True, False)
     """
-    return any(_size(word, kind) is not None for kind in _OF_FILES)
+    return any(_size(word, kind) is not None for kind in _UNITS_OF_FILES)
 
 
 def _size(unit: str, kind: str) -> tuple[float, bool] | None:
@@ -224,9 +224,13 @@ def _size(unit: str, kind: str) -> tuple[float, bool] | None:
     )
     numerator = _symbol(numerator)
     denominator = _symbol(denominator)
-    if numerator not in _OF_FILES[kind] or (slash and denominator not in _OF_FILES["length"]):
+    if numerator not in _UNITS_OF_FILES[kind] or (
+        slash and denominator not in _UNITS_OF_FILES["length"]
+    ):
         return None
-    return _OF_FILES[kind][numerator] / _OF_FILES["length"].get(denominator, 1.0), bool(slash)
+    return _UNITS_OF_FILES[kind][numerator] / _UNITS_OF_FILES["length"].get(denominator, 1.0), bool(
+        slash
+    )
 
 
 def _symbol(word: str) -> str:
@@ -239,7 +243,9 @@ def _symbol(word: str) -> str:
     """
     letters = unicodedata.normalize("NFKD", word.strip().rstrip("."))
     word_alone = "".join(letter for letter in letters if not unicodedata.combining(letter)).lower()
-    return _SPELLED.get(word_alone) or _SPELLED.get(word_alone.removesuffix("s")) or word
+    return (
+        _SPELLED_UNITS.get(word_alone) or _SPELLED_UNITS.get(word_alone.removesuffix("s")) or word
+    )
 
 
 def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
@@ -275,7 +281,7 @@ def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
         quantity = "force, or of force per length," if kind == "load" else kind
         raise ValueError(
             f"{unit!r} is no unit of {quantity} that is known; known are"
-            f" {', '.join(_OF_FILES[kind]) or 'none'}"
+            f" {', '.join(_UNITS_OF_FILES[kind]) or 'none'}"
         )
     unit_size, per_length = size_and_form
     words_of_scene = [*re.split(r"[,\s]+", units), "", "", ""]

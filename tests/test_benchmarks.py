@@ -495,8 +495,8 @@ def test_a_record_in_the_file_of_an_instrument_gets_the_right_answer_or_a_questi
 def test_a_record_that_is_misread_is_found(
     tool: Tool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for word, size in unit_words._OF_FILES["load"].items():
-        monkeypatch.setitem(unit_words._OF_FILES["load"], word, 1.1 * size)
+    for word, size in unit_words._UNITS_OF_FILES["load"].items():
+        monkeypatch.setitem(unit_words._UNITS_OF_FILES["load"], word, 1.1 * size)
     outcome = tool("measured_records").outcome_of(7, 4, tmp_path)
     assert outcome.kind == "misread"
     assert "P differs by 10 % of its largest" in outcome.sentence

@@ -316,7 +316,7 @@ def test_answers_of_a_base_are_updates_of_another_one_to_rounding(
     """As are those by factors of its own; of bases that are near enough one alone is factorised."""
     monkeypatch.setattr(systems, "_MOST_ROWS", 12)
     monkeypatch.setattr(systems, "_MOST_ROWS_APART", rows_apart)
-    monkeypatch.setattr(systems, "_NEIGHBOURS", 2)
+    monkeypatch.setattr(systems, "_N_NEIGHBOURS", 2)
     set_systems = random_systems()
     for number, states in enumerate(sets(40)):
         rows = RNG.choice(2 * N, number % 5 * 12, replace=False)
@@ -370,8 +370,8 @@ def test_bytes_kept_stay_within_the_bound(
     """Room for two bases or three, with their answers; none suffers."""
     n = 60
     base_bytes = 8 * (122**2 + 120 * (3 + 2 * n))  # of a base all of whose answers are there
-    monkeypatch.setattr(systems, "_BYTES", bound := 3 * base_bytes)
-    monkeypatch.setattr(systems, "_LEAST_BASES", 2)
+    monkeypatch.setattr(systems, "_MOST_BYTES", bound := 3 * base_bytes)
+    monkeypatch.setattr(systems, "_FEWEST_BASES", 2)
     monkeypatch.setattr(systems, "_MOST_ROWS", 40)
     monkeypatch.setattr(systems, "_MOST_ROWS_APART", rows_apart)
     set_systems = random_systems(n=n)

@@ -111,7 +111,7 @@ def at_many_places(name: str, count: int = 9) -> Iterator[tuple[PathRun, float, 
         problem, run = scales._coarse_run(pair, size * larger, scales._COARSE_STEPS)
         pressed = max(run.states, key=lambda state: state.normal_load)
         half_width = float(np.diff(scales._contact_edges(problem, [pressed]))[0, 0] / 2)
-        yield run, (scales._ELEMENTS * half_width) ** -2.0, pair.load**2 / pair.modulus
+        yield run, (scales._N_ELEMENTS * half_width) ** -2.0, pair.load**2 / pair.modulus
 
 
 @pytest.mark.parametrize(

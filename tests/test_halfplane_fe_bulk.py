@@ -436,9 +436,9 @@ def test_a_half_plane_under_stress_moves_as_a_uniform_field_exactly() -> None:
     along, outward = uniform_stretch(STEEL, *places)
     np.testing.assert_allclose(outward, -0.3 / 0.7 * 0.91 / 2 * places[1], atol=1e-15)
     forces = system.stiffness @ np.where(x_dofs, along, outward)
-    off = np.setdiff1d(np.arange(len(forces)), system.arc.ravel())
+    off = np.setdiff1d(np.arange(len(forces)), system.arc_dofs.ravel())
     assert np.abs(forces[off]).max() < 1e-13
-    right = system.arc[0][places[0, system.arc[0]] > 0]
+    right = system.arc_dofs[0][places[0, system.arc_dofs[0]] > 0]
     # stress 1 over the depth, but for half a node on the axis
     assert forces[right].sum() == pytest.approx(4.0, abs=0.3)
 

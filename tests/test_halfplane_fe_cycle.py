@@ -427,11 +427,11 @@ def test_rates_serve_the_energies_of_their_increments_from_a_small_cache(
     settings = SolverSettings(steps_per_cycle=64)
     scene = unlike("hertz-paper").vary(cycles=1)
     kept = halfplane_fe.solve(scene, MODEST, settings)
-    monkeypatch.setattr(halfplane_fe.contact, "_RATE_BYTES", 0)
-    monkeypatch.setattr(halfplane_fe.contact, "_LEAST_RATES", 16)
-    monkeypatch.setattr(halfplane_fe.run, "_AT_ONCE", 4)
+    monkeypatch.setattr(halfplane_fe.contact, "_MOST_RATE_BYTES", 0)
+    monkeypatch.setattr(halfplane_fe.contact, "_FEWEST_CACHED_SETS", 16)
+    monkeypatch.setattr(halfplane_fe.run, "_INCREMENTS_PER_BATCH", 4)
     few = halfplane_fe.solve(scene, MODEST, settings, scales=kept.scales)
-    monkeypatch.setattr(halfplane_fe.run, "_AT_ONCE", 10**9)
+    monkeypatch.setattr(halfplane_fe.run, "_INCREMENTS_PER_BATCH", 10**9)
     at_end = halfplane_fe.solve(scene, MODEST, settings, scales=kept.scales)
     assert few.work.counts["rates"] < 1.2 * kept.work.counts["rates"]
     assert at_end.work.counts["rates"] > 1.3 * few.work.counts["rates"]
