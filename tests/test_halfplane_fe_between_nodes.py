@@ -39,7 +39,7 @@ def compression() -> tuple[ContactProblem, list[InterfaceState], Array]:
 
     That is over h^2/R, the change of d(delta)/dP from one element to the next times that of P.
     """
-    with mock.patch.object(scales, "_ELEMENTS", 40):
+    with mock.patch.object(scales, "_N_ELEMENTS", 40):
         pair = coarse_pair(load_scene("hertz-normal"))
         size = scales._fitting_size(pair)
         problem = pair.problem(size, half(pair.faces(size)), tangential=False)
