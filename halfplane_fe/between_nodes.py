@@ -128,9 +128,10 @@ class Edge:
         """The edge of stick on its way inwards from the first sliding node, by its slip and what
         the shear of the last stuck one lacks of the Coulomb limit.
 
-        Both are counted from one turn of the slip to the other. At an instant between them the
-        locked-in shear counts too, which no node tells. `by_load` (4, n) are the rates of slip,
-        pressure, shear and gap by Q.
+        Both are counted from one turn of the slip to the other, so that locked-in shear drops out.
+        Between the turns it counts: beside an older edge of stick such a place is wrong by up to
+        the distance of the nodes. `by_load` (4, n) are the rates of slip, pressure, shear and gap
+        by Q.
         """
         node = last_stuck + side
         slip_rates, pressure_rates, shear_rates, _ = by_load

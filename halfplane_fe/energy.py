@@ -312,7 +312,9 @@ def _kinked_work(
     Where a node starts, p and s have a kink, and all that slides already goes faster from there on:
     with the mean p of the increment W is too large, by 1e-4 of a cycle. Up to the first start the
     states before hold, from the last one on those after, and both have known rates. That is all
-    where one node starts, or two.
+    where one node starts, or two. The first start is where the edge of stick meets the first node,
+    the last one where it meets the last, by the two distances of `between_nodes.Edge`: forces to
+    the Coulomb limit and slip, each over its rate.
 
     In between, a share z of the increment, n nodes start one after the other in much the same
     distances: n - 2 kinks, each with an area u (1 - u) z^2/2 over the chord, u the share of z up to
