@@ -721,9 +721,10 @@ def _result_of_history(history: History, request: Request) -> PathResult:
             loop = closed_integral(contact, request.modulus, last_spans)
     least_stick_load = math.inf
     for span in last_spans:
-        for time in (span.begin.time, span.end.time):
-            load, _ = span.leg.loads(time)
-            least_stick_load = min(least_stick_load, float(load - span.slipped(time)))
+        times = np.array([span.begin.time, span.end.time])
+        load, _ = span.leg.loads(times)
+        least_of_span = float(np.min(load - span.slipped_at(times, load)))
+        least_stick_load = min(least_stick_load, least_of_span)
     n_slipping = sum(span.direction != 0 for span in integrated_spans)
     return PathResult(
         snapshot=snapshot,

@@ -117,9 +117,10 @@ class Span:
         if self.sticking_piece is None:
             return load
         lag = slipped_load(self.sticking_piece, self.direction, self.friction, self.leg, t)
-        return np.clip(
-            lag, np.maximum(load - self.sticking_piece.top, 0.0), load - self.sticking_piece.bottom
-        )
+        least_lag = np.maximum(load - self.sticking_piece.top, 0.0)
+        largest_lag = load - self.sticking_piece.bottom
+        # of a single number two calls take a quarter of the time of `clip`
+        return np.minimum(np.maximum(lag, least_lag), largest_lag)
 
     @cached_property
     def deepest(self) -> float:
