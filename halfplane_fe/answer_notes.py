@@ -24,8 +24,8 @@ from scenes import Scene, Work
 
 # Counts of work: faces whose N - T and K lack what only the mesh makes of them, and runs repeated
 # on the faces as they are.
-CURED = "interfaces without the mesh's part of N - T"
-REPEATED = "runs repeated with the mesh's part of N - T"
+CORRECTED_FACES = "interfaces without the mesh's part of N - T"
+REPEATED_RUNS = "runs repeated with the mesh's part of N - T"
 _NOTE_REPEATED = (
     "the contact did not converge on faces without the part of N - T and K that only the mesh"
     " makes. This is the answer of the faces as they are: where edges move, its dissipation errs by"
@@ -68,7 +68,7 @@ def notes_of_answer(
     scene = task.scene
     scales = task.scales
     notes = []
-    if problem.work[REPEATED] and run.failure is None:
+    if problem.work[REPEATED_RUNS] and run.failure is None:
         notes.append(_NOTE_REPEATED)
     largest_tangential_load = float(np.abs(arrays["tangential_load"]).max())
     notes += bulk_stress_notes(scene, condensed, largest_tangential_load)
@@ -245,11 +245,11 @@ def _skipped_at_bodies(
         )
     if not problem.tangential:
         skipped["tangential problem"] = (len(run.iterations), "no shear can arise")
-    if not problem.work[CURED]:
+    if not problem.work[CORRECTED_FACES]:
         reason = (
             "an end of a face or a base is within ten nodes: W is of first order in the element"
         )
-        if problem.work[REPEATED]:
+        if problem.work[REPEATED_RUNS]:
             reason = "the contact did not converge without it"
         skipped["the mesh's part of N - T"] = (1, reason)
     return skipped

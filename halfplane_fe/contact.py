@@ -258,8 +258,9 @@ class ContactProblem:
 
     @cached_property
     def _return_mapping(self) -> ReturnMapping:
-        """The return mapping of these faces: with multipliers and a penalty of the trial tractions
-        for the augmented Lagrangian, or none for the penalty method, whose layer is the penalty.
+        """Solver by return mapping of trial tractions, made when it is first used: with a penalty
+        on gap and slip for the augmented Lagrangian, without one for the penalty method, whose
+        layer of springs is the penalty.
         """
         penalty = None
         if self.method == "augmented_lagrangian":

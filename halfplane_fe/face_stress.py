@@ -121,7 +121,7 @@ _FACTOR_OF_OTHER_FITS = 1.65
 _FACTOR_OF_OTHER_FITS_OF_TABLE = 3.3
 # Slip zones of so many nodes at most are narrow: there the tension follows the place of the stick
 # edge, which is moved by this many distances of nodes.
-_NARROW = 6
+_NODES_OF_NARROW_ZONE = 6
 _STICK_EDGE_MOVED = 0.45
 # Share of what slip as narrow as the rim could change that it does change.
 _SHARE_OF_UNSEEN_SLIP = 0.7
@@ -535,7 +535,7 @@ def _tension_uncertainty(nodal: Nodal, series: Tractions) -> Array:
     if nodal.coupled:
         factor_of_coupling = _BY_UNLIKE if nodal.unlike else _ERROR_BY_COUPLING
         uncertainty += factor_of_coupling * spacing_ratio**1.5 * float(np.max(np.abs(tension)))
-    if nodal.slips(1) and not nodal.slips(_NARROW + 1):
+    if nodal.slips(1) and not nodal.slips(_NODES_OF_NARROW_ZONE + 1):
         uncertainty += _by_stick_edges(nodal, _STICK_EDGE_MOVED * spacing, tension)
     return uncertainty + series.placed
 
@@ -563,17 +563,20 @@ def _tension_of_unseen_slip(nodal: Nodal, series: Tractions) -> Array:
 
 
 def _by_stick_edges(nodal: Nodal, distance: float, tension: Array) -> Array:
-    """(2,) change of the `tension` (2,) at either edge by stick edges that are a distance farther
-    in or out, the larger of both [stress].
+    """Change of the tension s_xx at both edges of contact, (2,) [stress], if the stick edges lay a
+    `distance` farther in or farther out, the larger of both.
+
+    `nodal` has the tractions at the nodes and the stick edges; `tension` (2,) is that with the
+    edges as they are.
     """
-    left, right = nodal.stick
+    left_edge, right_edge = nodal.stick
     changes = []
-    for move in (distance, -distance):
-        moved_left = max(left + move, nodal.contact[0])
-        moved_right = min(right - move, nodal.contact[1])
+    for move_inwards in (distance, -distance):
+        moved_left = max(left_edge + move_inwards, nodal.contact[0])
+        moved_right = min(right_edge - move_inwards, nodal.contact[1])
         if moved_left < moved_right:
-            moved_edges = replace(nodal, stick=(moved_left, moved_right))
-            changes.append(np.abs(sampled_tractions(moved_edges).edge_tension() - tension))
+            moved_nodal = replace(nodal, stick=(moved_left, moved_right))
+            changes.append(np.abs(sampled_tractions(moved_nodal).edge_tension() - tension))
     return np.asarray(np.max(changes, axis=0, initial=0.0))
 
 

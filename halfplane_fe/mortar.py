@@ -138,8 +138,9 @@ def mortar(lower: Side, upper: Side) -> Mortar:
     multiplier_integrals = integrals_at_multipliers(np.ones_like(x))
 
     def mean_displacement(side: Side, side_at_points: _SideAtPoints) -> Array:
-        """(2, multipliers, 2, nodes): the mean displacement of a side, normal and tangential,
-        weighted by each dual multiplier, per x and y of each node of the side.
+        """Operator from displacements of the nodes of one face to their means along normal and
+        tangent, weighted by each dual function: (2, n, 2, m), normal or tangent, dual function,
+        x or y, node of the face.
         """
         operator = np.zeros((2, n_multipliers, 2, len(side.x)))
         for direction, vector in enumerate((unit_normal, unit_tangent)):

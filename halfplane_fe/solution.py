@@ -17,7 +17,7 @@ from threadpoolctl import threadpool_limits
 
 from halfplane_fe.actuators import actuators_of, path_of
 from halfplane_fe.answer import PenaltyAudit, answer_arrays, penalty_audit, record_of
-from halfplane_fe.answer_notes import CURED, REPEATED, notes_of_answer, work_done
+from halfplane_fe.answer_notes import CORRECTED_FACES, REPEATED_RUNS, notes_of_answer, work_done
 from halfplane_fe.answer_of_rig import notes_of_rig, scene_of_loads
 from halfplane_fe.answer_uncertainty import (
     cycle_uncertainty,
@@ -345,17 +345,17 @@ def _of_last_cycle(answer: FiniteElementSolution, notes: tuple[str, ...]) -> Fin
 
 
 class _Faces(NamedTuple):
-    """The faces as their meshes are, and without the mesh's part of N - T; None where that can't
-    be told.
+    """Contact compliance of both bodies, as their meshes give it, and without the error that the
+    mesh adds between nearby nodes; None where that error cannot be told apart.
     """
 
-    true: Interface
-    cured: Interface | None
+    as_meshed: Interface
+    corrected: Interface | None
 
     def with_kernels(self, kernels: KernelPair) -> _Faces:
-        """Those of half-planes with what finite bodies add."""
-        cured = None if self.cured is None else kernels.added_to(self.cured)
-        return _Faces(kernels.added_to(self.true), cured)
+        """Those of half-planes, with the compliance that the size of the bodies adds."""
+        corrected = None if self.corrected is None else kernels.added_to(self.corrected)
+        return _Faces(kernels.added_to(self.as_meshed), corrected)
 
 
 def _solve_path(
@@ -384,7 +384,7 @@ def _solve_path(
     # Increments of coupled bodies are dear, and a record has many; elsewhere short ones also place
     # the edges, which are fitted there.
     expected_dissipation = 0.0
-    if faces.true.coupling is not None or is_record(scene):
+    if faces.as_meshed.coupling is not None or is_record(scene):
         expected_dissipation = float(np.nan_to_num(task.scales.dissipation)) / task.work_unit
     pace = Pace(
         load=task.scales.load,
@@ -395,7 +395,9 @@ def _solve_path(
         dissipation=expected_dissipation,
         of_kinks=task.steps_by_kinks,
     )
-    candidates = (faces.true,) if faces.cured is None else (faces.cured, faces.true)
+    candidates = (
+        (faces.as_meshed,) if faces.corrected is None else (faces.corrected, faces.as_meshed)
+    )
     for interface in candidates:
         problem = _contact_problem(task, interface, datum_length, work)
         is_half = on_half(scene, interface)
@@ -412,10 +414,10 @@ def _solve_path(
         )
         if not isinstance(run.failure, ConvergenceError):
             break
-    if interface is faces.cured:
-        work[CURED] += 1
-    elif faces.cured is not None:
-        work[REPEATED] += 1
+    if interface is faces.corrected:
+        work[CORRECTED_FACES] += 1
+    elif faces.corrected is not None:
+        work[REPEATED_RUNS] += 1
     return problem, unfolded(run, interface) if is_half else run
 
 

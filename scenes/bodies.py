@@ -338,8 +338,10 @@ class Face:
 
 
 def arc_depth(x: Array, radius: float, flat_half_length: float = 0.0) -> Array:
-    """Depth d = s^2/(R + sqrt(R^2 - s^2)) of an arc of radius R that starts at the end of a flat, s
-    = |x| - b; |s| <= R.
+    """Depth d of a face below its highest point at x, where circular arcs of radius R begin at the
+    ends of a flat: d = s^2/(R + sqrt(R^2 - s^2)), without cancellation for small s.
+
+    # notation: s = |x| - b, at most R, and 0 on the flat; b `flat_half_length`
 
     >>> arc_depth(np.array([0.0, 3.0, 5.0]), 5.0).tolist()
     [0.0, 1.0, 5.0]

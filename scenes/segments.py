@@ -89,7 +89,8 @@ class Ellipse(NamedTuple):
     origin: float
 
     def largest_at(self, combination: Combination) -> float:
-        """A time at which a combination is largest.
+        """A time at which a combination c_P P + c_Q Q of the loads of this ellipse is largest: the
+        angle of the sum of both phasors.
 
         >>> Ellipse((3.0, 0.0), (1.0, 1.0), math.pi / 2, 0.0).largest_at(
         ...     TANGENTIAL_LOAD
@@ -1029,7 +1030,7 @@ def _sharpened(segment: LoadSegment, combination: Combination, guessed_times: Ar
 
 
 def straight_segments(rows: Iterable[Sequence[float]]) -> tuple[StraightSegment, ...]:
-    """The lines between `rows` of (time, P, Q).
+    """Straight segments of a load path from each of the `rows` (time, P, Q) to the next.
 
     >>> [
     ...     segment.last

@@ -234,7 +234,8 @@ def _size(unit: str, kind: str) -> tuple[float, bool] | None:
 
 
 def _symbol(word: str) -> str:
-    """The symbol of a unit that is written out; any other word as it is.
+    """Symbol of a unit that is written out in one of several languages, such as "um" of "Microns";
+    any other word unchanged.
 
     >>> _symbol("Microns"), _symbol("kN"), _symbol("Micrometer")
     ('um', 'kN', 'um')
