@@ -555,7 +555,7 @@ def uncertainty(
     >>> round(
     ...     uncertainty(0.1, 0.01, 0.1, MeshSettings(edge_element_size=0.01), 1e-5, plain=False), 12
     ... )
-    0.000106510101
+    8.4988081e-05
     """
     element = mesh.edge_element_size * max(mesh.upper_ratio, 1.0)
     refinement = coarse / element
