@@ -697,8 +697,10 @@ def _result_of_history(history: History, request: Request) -> PathResult:
     last_cycle = history.covered[-1]
     last_spans = history.cycles[last_cycle]
     snapshot = history.snapshot(request.time)
-    works = _works_of_cycles(history, request) if request.wants("dissipation") else {}
-    integrated_spans = [span for number in works for span in history.cycles[number]]
+    works_of_cycles = _works_of_cycles(history, request) if request.wants("dissipation") else {}
+    integrated_spans = [
+        span for cycle_number in works_of_cycles for span in history.cycles[cycle_number]
+    ]
     density: Array = np.full(len(request.distance), np.nan)
     density_error = 0.0
     if request.wants("dissipation_density"):
@@ -715,9 +717,9 @@ def _result_of_history(history: History, request: Request) -> PathResult:
     # Where W is no closed form, what both routes to it differ by is in its error.
     needs_loop = request.wants("loop_work") or not contact.closed_form
     is_steady = history.steady_from is not None and last_cycle >= history.steady_from
-    if works and is_steady and needs_loop:
+    if works_of_cycles and is_steady and needs_loop:
         loop = LoopWork(0.0, 0.0)
-        if works[last_cycle].work:
+        if works_of_cycles[last_cycle].work:
             loop = closed_integral(contact, request.modulus, last_spans)
     least_stick_load = math.inf
     for span in last_spans:
@@ -731,8 +733,12 @@ def _result_of_history(history: History, request: Request) -> PathResult:
         balance=_balance_of(snapshot),
         least_stick_load=least_stick_load,
         slipped_share=slipped_share(history.spans),
-        works=np.array([works[k].work if works else math.nan for k in history.covered]),
-        work_errors=np.array([works[k].error if works else 0.0 for k in history.covered]),
+        works=np.array(
+            [works_of_cycles[k].work if works_of_cycles else math.nan for k in history.covered]
+        ),
+        work_errors=np.array(
+            [works_of_cycles[k].error if works_of_cycles else 0.0 for k in history.covered]
+        ),
         density=density,
         density_error=density_error,
         loop=loop,
@@ -771,21 +777,21 @@ def _works_of_cycles(history: History, request: Request) -> dict[int, _WorkOfCyc
     ellipses = None
     if friction > 0 and history.loop is not None:
         ellipses = _ellipses_of_leg(history.loop, friction)
-    works: dict[int, _WorkOfCycle] = {}
+    works_of_cycles: dict[int, _WorkOfCycle] = {}
     for cycle in set(history.covered):
         is_steady = history.steady_from is not None and cycle >= history.steady_from
         if ellipses is not None and is_steady:
             error = float(digits_of_loop(ellipses)[0])
             forward_and_reverse = [part[0] for part in works_over_time(ellipses, contact)]
             work = request.unit_compliance * friction**2 * float(sum(forward_and_reverse))
-            works[cycle] = _WorkOfCycle(work, error if error > PROMISED else 0.0)
+            works_of_cycles[cycle] = _WorkOfCycle(work, error if error > PROMISED else 0.0)
         else:
             spans = history.cycles[cycle]
             work_parts = global_dissipation(contact, request.modulus, spans)
             error = float(work_parts.error / work_parts.total) if work_parts.error else 0.0
             error += 3 * rounding_of_slip(slipped_share(spans))
-            works[cycle] = _WorkOfCycle(float(work_parts.total), error)
-    return works
+            works_of_cycles[cycle] = _WorkOfCycle(float(work_parts.total), error)
+    return works_of_cycles
 
 
 def _ellipses_of_leg(segment: LoadSegment, friction: float) -> Ellipses | None:
@@ -812,10 +818,10 @@ def _loop_work_of(answer: PathResult) -> float:
     """
     if answer.loop is None:
         return math.nan
-    work = float(answer.works[-1])
-    if not work:
+    work_of_last_cycle = float(answer.works[-1])
+    if not work_of_last_cycle:
         return 0.0
-    return answer.loop.value if answer.loop.rounding < _TOO_ROUGH * work else math.nan
+    return answer.loop.value if answer.loop.rounding < _TOO_ROUGH * work_of_last_cycle else math.nan
 
 
 # ------------------------------------------------------------------------------- fields at instants
@@ -934,9 +940,9 @@ def _pressure_of(request: Request, snapshot: Snapshot, series: Mapping[str, Arra
     """p at the instants and distances, (n, k)."""
     if request.family is None:
         return request.contact.pressure(request.distance, snapshot.load[:, None])
-    middle = np.mean(series["contact_edges"], axis=1)
+    contact_centre = np.mean(series["contact_edges"], axis=1)
     half_width = series["contact_half_width"]
-    return request.family.contact.pressure_over(request.distance, middle, half_width)
+    return request.family.contact.pressure_over(request.distance, contact_centre, half_width)
 
 
 def _state_of(
@@ -1148,25 +1154,27 @@ def _errors_of_work(
     loop_work
         closed integral of Q dU of the last cycle, NaN where there is none
     """
-    work = float(path_answer.works[-1])
+    work_of_last_cycle = float(path_answer.works[-1])
     work_error = float(path_answer.work_errors[-1])
     difference = 0.0
-    if math.isfinite(loop_work) and work > 0:
-        difference = abs(loop_work / work - 1)
+    if math.isfinite(loop_work) and work_of_last_cycle > 0:
+        difference = abs(loop_work / work_of_last_cycle - 1)
     loop_error = work_error + difference
     if loop_error <= PROMISED:
         loop_error = 0.0
-    if work > 0 and not request.contact.closed_form:
+    if work_of_last_cycle > 0 and not request.contact.closed_form:
         # What the last digits of U leave in the loop says nothing of W.
         loop_roundoff = (
-            _OF_LOOP * path_answer.loop.rounding / work if path_answer.loop is not None else 0.0
+            _OF_LOOP * path_answer.loop.rounding / work_of_last_cycle
+            if path_answer.loop is not None
+            else 0.0
         )
         if difference > loop_roundoff and slipped_share(path_answer.spans) > _SLIPS_ENOUGH:
             work_error += difference
         sum_left_out = math.fsum(
             _left_out_of_work(request.contact, span) for span in path_answer.spans
         )
-        work_error += request.unit_compliance * sum_left_out / work
+        work_error += request.unit_compliance * sum_left_out / work_of_last_cycle
     return loop_error, work_error
 
 

@@ -58,8 +58,8 @@ def in_phase(question: Question, strokes: tuple[Way, Way]) -> Findings:
     pressure = field_of_nan
     state = np.full(field_of_nan.shape, np.int8(OPEN))
     approach = series_of_nan
-    work = math.nan
-    loop = math.nan
+    friction_work = math.nan
+    loop_work = math.nan
     density = np.full(len(x), math.nan)
     errors = {}
     if question.wants("pressure"):
@@ -71,9 +71,9 @@ def in_phase(question: Question, strokes: tuple[Way, Way]) -> Findings:
     if question.wants("normal_approach"):
         approach = tilted_contact.approach(contact_middle, contact_half_width, normal_load, tilt)
     if question.wants("dissipation"):
-        work, errors["dissipation"] = _work_of(strokes)
+        friction_work, errors["dissipation"] = _work_of(strokes)
     if question.wants("loop_work"):
-        loop = loop_of(strokes)
+        loop_work = loop_of(strokes)
     if question.wants("dissipation_density"):
         density, errors["dissipation_density"] = _density_of(strokes, x)
     permanent_stick_edges = stick_edges[np.argmax(tangential_load)]
@@ -94,9 +94,9 @@ def in_phase(question: Question, strokes: tuple[Way, Way]) -> Findings:
             "stick_half_width": stick_half_width,
             "tangential_displacement": series_of_nan,
             "normal_approach": approach,
-            "dissipation": work,
-            "loop_work": loop,
-            "cycle_dissipation": np.array([work]),
+            "dissipation": friction_work,
+            "loop_work": loop_work,
+            "cycle_dissipation": np.array([friction_work]),
             "dissipation_density": density,
             "permanent_stick_half_width": float(np.diff(permanent_stick_edges)[0]) / 2,
             "permanent_stick_edges": permanent_stick_edges,

@@ -237,22 +237,24 @@ def _largest_of(
         / np.where(stick_edge > 0, stick_edge, largest_half_width)
     )
     n_ellipses = len(ellipses.mean_load)
-    number = maxima.largest_of_ellipses(n_ellipses)
-    work = np.where(is_unknown, np.nan, 0.0)
-    error = np.where(is_unknown, np.nan, error_without_slip)
-    place = np.full(n_ellipses, np.nan)
-    slipping = np.flatnonzero((number >= 0) & ~is_unknown)
-    peak_numbers = number[slipping]
+    number_of_largest = maxima.largest_of_ellipses(n_ellipses)
+    largest_work = np.where(is_unknown, np.nan, 0.0)
+    error_of_largest = np.where(is_unknown, np.nan, error_without_slip)
+    place_of_largest = np.full(n_ellipses, np.nan)
+    slipping = np.flatnonzero((number_of_largest >= 0) & ~is_unknown)
+    peak_numbers = number_of_largest[slipping]
     vertex = maxima.vertex
-    work[slipping] = vertex.work[peak_numbers]
-    place[slipping] = vertex.place[peak_numbers]
+    largest_work[slipping] = vertex.work[peak_numbers]
+    place_of_largest[slipping] = vertex.place[peak_numbers]
     works_by_rules = np.stack(
-        [density(slipping, place[slipping], node_stride) for node_stride in (1, 2, 4)]
+        [density(slipping, place_of_largest[slipping], node_stride) for node_stride in (1, 2, 4)]
     )
     rule_error = quadrature_error(works_by_rules, works_by_rules[0])
     relative_rule_error = rule_error + relative_error[slipping]
-    error[slipping] = vertex.rise[peak_numbers] + vertex.work[peak_numbers] * relative_rule_error
-    return _Peaks(work, error, place, number)
+    error_of_largest[slipping] = (
+        vertex.rise[peak_numbers] + vertex.work[peak_numbers] * relative_rule_error
+    )
+    return _Peaks(largest_work, error_of_largest, place_of_largest, number_of_largest)
 
 
 def _second_of(maxima: _LocalMaxima, sampled_work: Array, peaks: _Peaks) -> tuple[Array, Array]:
@@ -436,19 +438,19 @@ def _next_points(bracket: Array, vertex_place: Array) -> Array:
 
     They keep away from the ends of the bracket and from its middle place, where W is known.
     """
-    left_end, middle, right_end = bracket
+    left_end, middle_place, right_end = bracket
     bracket_width = right_end - left_end
     vertex_place = np.clip(
         vertex_place, left_end + 0.02 * bracket_width, right_end - 0.02 * bracket_width
     )
     half_step = np.clip(
-        2 * np.abs(vertex_place - middle), 0.003 * bracket_width, 0.125 * bracket_width
+        2 * np.abs(vertex_place - middle_place), 0.003 * bracket_width, 0.125 * bracket_width
     )
-    is_middle = np.abs(vertex_place - middle) < 0.1 * half_step
-    centre_place = np.where(is_middle, middle, vertex_place)
+    is_middle = np.abs(vertex_place - middle_place) < 0.1 * half_step
+    centre_place = np.where(is_middle, middle_place, vertex_place)
     left_point = np.maximum(centre_place - half_step, (left_end + centre_place) / 2)
     right_point = np.minimum(centre_place + half_step, (centre_place + right_end) / 2)
-    # A vertex that is all but the middle point needs no work of its own: the third point goes
+    # A vertex that is all but the middle_place point needs no work of its own: the third point goes
     # beyond.
     trial_point = np.where(is_middle, (right_point + right_end) / 2, vertex_place)
     return np.stack([left_point, trial_point, right_point])

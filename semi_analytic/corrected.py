@@ -356,10 +356,10 @@ class _Route:
     @property
     def marks(self) -> list[float]:
         """Ends of the initial loading and of two cycles; start and end of a path without cycle."""
-        end = float(self.instants[-1])
+        end_time = float(self.instants[-1])
         if self.period is None:
-            return [self.start, end]
-        cycle_start = end - len(self.path.cycles) * self.period
+            return [self.start, end_time]
+        cycle_start = end_time - len(self.path.cycles) * self.period
         return [cycle_start + k * self.period for k in range(3)]
 
     def rows(self, time: Array) -> PathRows:
@@ -653,8 +653,8 @@ class PathSeries:
         fields_at_places = PointFields(self, float(np.max(self.half_width)) * shares_of_half_width)
         largest_excess = np.zeros(len(rows))
         signs = np.zeros(len(rows))
-        for begin in range(0, len(rows), _AT_ONCE):
-            rows_at_once = slice(begin, begin + _AT_ONCE)
+        for first_of_chunk in range(0, len(rows), _AT_ONCE):
+            rows_at_once = slice(first_of_chunk, first_of_chunk + _AT_ONCE)
             shear = fields_at_places.shear_of_memory(rows[rows_at_once])
             limit = self.followed.friction * fields_at_places.pressure(rows[rows_at_once])
             excess = np.nan_to_num(np.abs(shear) - limit)
@@ -1249,8 +1249,8 @@ def instants_of(question: Question, rows: PathRows, last_cycle: slice) -> tuple[
     those of the last cycle if only that is wanted.
     """
     if question.time is None:
-        begin = last_cycle.start if question.wants_last_cycle_alone else 0
-        row_numbers = np.arange(begin, last_cycle.stop)
+        first_row = last_cycle.start if question.wants_last_cycle_alone else 0
+        row_numbers = np.arange(first_row, last_cycle.stop)
         return rows.time[row_numbers], row_numbers
     time_in_path, _ = within(question.time, float(rows.time[0]), float(rows.time[-1]), rows.period)
     row_after = np.clip(np.searchsorted(rows.time, time_in_path), 1, len(rows.time) - 1)
@@ -1486,8 +1486,8 @@ def _works_of_cycles(
     works_by_steps = np.array([half_planes.work(rows) for rows in cycles])
     works_of_bodies = np.array([bodies.work(rows) for rows in cycles])
     works_of_tilt_and_strain = [tilt_and_strain.work(k) for k in paths.covered]
-    works = exact_works + (works_of_bodies - works_by_steps)
-    works = works + np.array([added.value for added in works_of_tilt_and_strain])
+    friction_works = exact_works + (works_of_bodies - works_by_steps)
+    friction_works = friction_works + np.array([added.value for added in works_of_tilt_and_strain])
 
     # The displacements lack what tilt and bulk strain do to slip: no comparison with them.
     has_loop = (
@@ -1500,7 +1500,7 @@ def _works_of_cycles(
     loop_work = bodies.loop_work(paths.last_cycle) if has_loop else math.nan
     last_work = float(exact_works[-1])
     if last_work <= 0:
-        return works, loop_work, {}
+        return friction_works, loop_work, {}
     step_error = _OF_STEPS * abs(float(works_by_steps[-1]) / last_work - 1)
     step_error += (
         _OF_HALVED * abs(_work_of_halved_steps(paths) - float(works_of_bodies[-1])) / last_work
@@ -1515,7 +1515,7 @@ def _works_of_cycles(
     if has_loop:
         loop_of_half_planes = half_planes.loop_work(paths.last_cycle)
         errors["loop_work"] = abs(loop_of_half_planes / last_work - 1) + next_order_error
-    return works, loop_work, errors
+    return friction_works, loop_work, errors
 
 
 def left_of_work(
@@ -1538,15 +1538,15 @@ def left_of_work(
     """
     left_by_curvature = left_of_curvatures(effects, float(np.max(half_planes.half_width[rows])))
     work_of_half_planes = half_planes.work(rows)
-    change = bodies.work(rows) / work_of_half_planes - 1
+    change_by_bodies = bodies.work(rows) / work_of_half_planes - 1
     curvatures = curvatures_of(effects)
     if curvatures.are_of_mirrored_bodies and curvatures.normal >= 0 and curvatures.tangential >= 0:
-        # Both change W in one direction.
-        return abs(change) * max(left_by_curvature.values()) + LEFT_IN_ANY_CASE
+        # Both change_by_bodies W in one direction.
+        return abs(change_by_bodies) * max(left_by_curvature.values()) + LEFT_IN_ANY_CASE
     followed = bodies.followed
     loads = (followed.normal_load, followed.tangential_load)
     uncertainty = LEFT_IN_ANY_CASE
-    change_left = change
+    change_left = change_by_bodies
     for names in CURVATURES:
         curvatures_alone = curvatures_of(with_these_alone(effects, names))
         table_and_loads = (followed.table, followed.friction, *loads)
@@ -1621,8 +1621,8 @@ def _work_of_halved_steps(paths: _Paths) -> float:
     memory_of_halved_steps = follow(
         followed.table, followed.friction, *loads, curvatures_of(effects)
     )
-    begin, end, _ = paths.last_cycle.indices(n_rows)
-    is_of_cycle = (row_places > begin) & (row_places <= end - 1)
+    first_row, row_beyond, _ = paths.last_cycle.indices(n_rows)
+    is_of_cycle = (row_places > first_row) & (row_places <= row_beyond - 1)
     return paths.bodies.unit_compliance * float(
         np.sum(memory_of_halved_steps.step_work[is_of_cycle])
     )
@@ -1644,8 +1644,8 @@ def _odd_part(paths: _Paths) -> OddPart:
     except Declined as reason:
         if not question.wants("dissipation"):
             return OddPart(left_out=str(reason))
-        work = paths.bodies.work(paths.last_cycle)
-        tilt_and_strain = odd_part_on_grids(question.scene, effects, work, str(reason))
+        work_of_bodies = paths.bodies.work(paths.last_cycle)
+        tilt_and_strain = odd_part_on_grids(question.scene, effects, work_of_bodies, str(reason))
     work_of_half_planes = paths.half_planes.work(paths.last_cycle)
     if not work_of_half_planes > 0:
         return tilt_and_strain

@@ -201,10 +201,10 @@ class PunchTable:
         cell, 0 to 1. The rates are per sigma, which runs from 0 to 1 between two corners of the
         profile.
         """
-        step = 1 / self._cells_per_corner
+        cell_length = 1 / self._cells_per_corner
         rise = end_value - begin_value
-        begin_slope = begin_rate * step
-        end_slope = end_rate * step
+        begin_slope = begin_rate * cell_length
+        end_slope = end_rate * cell_length
         columns = [
             begin_value,
             begin_slope,
@@ -223,20 +223,24 @@ class PunchTable:
         n_cells = len(self._load)
         nodes, weights = _GAUSS
         share_of_cell = (nodes + 1) / 2
-        step = 1 / self._cells_per_corner
+        cell_length = 1 / self._cells_per_corner
 
         def integrand(s: Array) -> Array:
             half_width = self.half_width(s)
-            rate = self.half_width_rate(s)
-            load_per_width = self.load(s) * rate / np.where(half_width > 0, half_width, 1.0)
+            half_width_rate = self.half_width_rate(s)
+            load_per_width = (
+                self.load(s) * half_width_rate / np.where(half_width > 0, half_width, 1.0)
+            )
             return load_per_width * self.parabola(s) ** power if power else load_per_width
 
-        s_of_nodes = np.asarray((np.arange(n_cells)[:, None] + share_of_cell) * step, dtype=float)
-        integrals_of_cells = integrand(s_of_nodes) @ weights * (step / 2)
+        s_of_nodes = np.asarray(
+            (np.arange(n_cells)[:, None] + share_of_cell) * cell_length, dtype=float
+        )
+        integrals_of_cells = integrand(s_of_nodes) @ weights * (cell_length / 2)
         sums_of_cells = np.concatenate([[0.0], np.cumsum(integrals_of_cells)])
-        begins = np.asarray(np.arange(n_cells) * step, dtype=float)
+        begins = np.asarray(np.arange(n_cells) * cell_length, dtype=float)
         # Just within its cell, since beyond a corner of the profile another interval begins.
-        ends = begins + step * (1 - 1e-12)
+        ends = begins + cell_length * (1 - 1e-12)
         return self._cubics(
             sums_of_cells[:-1], sums_of_cells[1:], integrand(begins), integrand(ends)
         )
@@ -439,9 +443,9 @@ class PunchTable:
         for _ in range(newton_steps):
             missing_load = normal_load - carried(edge_s)
             curvature_at_edge = curvature + fourth * np.square(self.half_width(edge_s)) / 4
-            rate = self._load_rate(edge_s) + curvature_at_edge * self._parabola_rate(edge_s)
-            step = missing_load / np.where(rate > 0, rate, np.inf)
-            edge_s = np.clip(edge_s + step, lower_s, upper_s)
+            load_rate = self._load_rate(edge_s) + curvature_at_edge * self._parabola_rate(edge_s)
+            newton_step = missing_load / np.where(load_rate > 0, load_rate, np.inf)
+            edge_s = np.clip(edge_s + newton_step, lower_s, upper_s)
         return np.where(normal_load > 0, edge_s, 0.0)
 
     def _load_rate(self, s: Array) -> Array:
@@ -814,13 +818,13 @@ class Followed:
         parts: list[tuple[int, float, float, int, int]] = []
         tops, parents, curves = self._lists
         zones_in_steps = [
-            (row, int(sense[row]), float(begin[row]), float(end[row]))
-            for sense, begin, end in zones
-            for row in (np.flatnonzero((sense[1:] != 0) & (end[1:] > begin[1:])) + 1).tolist()
+            (row, int(sense[row]), float(begin[row]), float(zone_end[row]))
+            for sense, begin, zone_end in zones
+            for row in (np.flatnonzero((sense[1:] != 0) & (zone_end[1:] > begin[1:])) + 1).tolist()
         ]
-        for row, direction, zone_begin, end in zones_in_steps:
+        for row, direction, zone_begin, zone_end in zones_in_steps:
             piece = curves[row - 1]
-            part_end = end
+            part_end = zone_end
             is_beyond_edge = True  # the edge of the contact before
             while part_end > zone_begin:
                 part_begin = max(
@@ -1504,9 +1508,9 @@ def _crossing(
             high_s = s
         else:
             low_s = s
-        rate = slope * loads_at_s.load_rate + parabola_slope * loads_at_s.parabola_rate
-        rate += fourth_slope * loads_at_s.fourth_rate
-        newton_s = s - excess / rate if rate * sign_of_rise > 0 else math.nan
+        excess_rate = slope * loads_at_s.load_rate + parabola_slope * loads_at_s.parabola_rate
+        excess_rate += fourth_slope * loads_at_s.fourth_rate
+        newton_s = s - excess / excess_rate if excess_rate * sign_of_rise > 0 else math.nan
         s = newton_s if low_s < newton_s < high_s else (low_s + high_s) / 2
         loads_at_s = table.loads_at(s)
     return s, loads_at_s

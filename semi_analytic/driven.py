@@ -292,17 +292,17 @@ def _root(function: Callable[[float], float], begin: float, end: float) -> float
     moved_end = 0  # which end moved last: -1 the lower, 1 the upper
     for _ in range(_MOST_STEPS):
         root = (begin * value_at_end - end * value_at_begin) / (value_at_end - value_at_begin)
-        value = function(root)
-        if abs(value) <= _ROUNDING_OF_ROOT * largest_value:
+        value_at_root = function(root)
+        if abs(value_at_root) <= _ROUNDING_OF_ROOT * largest_value:
             break
-        if (value > 0) == (value_at_end > 0):
+        if (value_at_root > 0) == (value_at_end > 0):
             end = root
-            value_at_end = value
+            value_at_end = value_at_root
             value_at_begin = value_at_begin / 2 if moved_end == 1 else value_at_begin
             moved_end = 1
         else:
             begin = root
-            value_at_begin = value
+            value_at_begin = value_at_root
             value_at_end = value_at_end / 2 if moved_end == -1 else value_at_end
             moved_end = -1
     return root
@@ -682,7 +682,7 @@ class _Stepper:
         friction_limit = memory.friction * end.load
         n_pieces = len(memory.pieces)
         force = min(max(force_before, -friction_limit), friction_limit)
-        step, displacement = self._reached(state, end.load, force)
+        memory_step, displacement = self._reached(state, end.load, force)
         self._forget(n_pieces)
         direction = 1 if displacement <= target_displacement else -1
         row_at_limit = self.row(end.load, direction * friction_limit)
@@ -695,14 +695,14 @@ class _Stepper:
         lower_force, upper_force = sorted((force, direction * friction_limit))
         tolerance = _FOUND * memory.friction * memory.largest_load
         for _ in range(_MOST_STEPS):
-            force_change = (target_displacement - displacement) / self._rate(step, end.load)
+            force_change = (target_displacement - displacement) / self._rate(memory_step, end.load)
             is_in_bracket = lower_force <= force + force_change <= upper_force
             new_force = force + force_change if is_in_bracket else (lower_force + upper_force) / 2
             force_change = new_force - force
             force = new_force
-            step, displacement = self._reached(state, end.load, force)
+            memory_step, displacement = self._reached(state, end.load, force)
             if abs(force_change) <= tolerance or displacement == target_displacement:
-                return _Found(self.row(end.load, force), step)
+                return _Found(self.row(end.load, force), memory_step)
             self._forget(n_pieces)
             if displacement < target_displacement:
                 lower_force = force

@@ -319,9 +319,9 @@ def pointwise_dissipation(
     slip_spans = [span for span in spans if span.direction and span.sticking_piece is not None]
     ranges = []
     for span in slip_spans:
-        begin, end = slip_times(span, edge_loads)
-        points = np.flatnonzero(end > begin)
-        ranges.append(SpanRanges(span, points, begin[points], end[points]))
+        begin_time, end_time = slip_times(span, edge_loads)
+        points = np.flatnonzero(end_time > begin_time)
+        ranges.append(SpanRanges(span, points, begin_time[points], end_time[points]))
 
     def work(span_range: SpanRanges, rule: QuadratureRule) -> Array:
         span = span_range.span
@@ -359,11 +359,11 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     )
     time_of_stick_edge = leg.time_of(slip_level, level_rise, begin_instant.time, end_instant.time)
     time_of_stick_edge = np.where(edge_load <= piece_bottom, end_instant.time, time_of_stick_edge)
-    begin = np.where(edge_load >= piece_top, begin_instant.time, time_of_stick_edge)
+    begin_time = np.where(edge_load >= piece_top, begin_instant.time, time_of_stick_edge)
     time_of_contact_edge = leg.time_of(
         NORMAL_LOAD, edge_load - begin_instant.normal, begin_instant.time, end_instant.time
     )
-    span_end = np.full(begin.shape, end_instant.time)
+    span_end = np.full(begin_time.shape, end_instant.time)
     # Of the change itself: where P hardly moves, the last digits of both loads may say that it
     # falls while it grows.
     load_growth = float(leg.change_of(NORMAL_LOAD, end_instant.time, begin_instant.time))
@@ -371,10 +371,10 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
         time_of_touch = np.where(
             edge_load >= end_instant.normal, end_instant.time, time_of_contact_edge
         )
-        return np.maximum(begin, time_of_touch), span_end
+        return np.maximum(begin_time, time_of_touch), span_end
     is_met = edge_load < max(begin_instant.normal, end_instant.normal)
-    end = time_of_contact_edge if load_growth <= -LEAST else span_end
-    return begin, np.where(is_met, end, begin)
+    end_time = time_of_contact_edge if load_growth <= -LEAST else span_end
+    return begin_time, np.where(is_met, end_time, begin_time)
 
 
 def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> LoopWork:
@@ -434,12 +434,16 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
         ]
         displacement = integrals.over(snapshot_of(times_of_spans))[:, 0]
         ends = np.cumsum([len(times) for _, times in times_of_spans])
-        works = []
-        for span_range, (times, weights), end in zip(ranges, nodes, ends.tolist(), strict=True):
-            displacement_of_span = displacement[end - times.size : end].reshape(times.shape)
+        works_of_ranges = []
+        for span_range, (times, weights), end_of_range in zip(
+            ranges, nodes, ends.tolist(), strict=True
+        ):
+            displacement_of_span = displacement[end_of_range - times.size : end_of_range].reshape(
+                times.shape
+            )
             force_rate = span_range.span.leg.rate_of(Combination(0.0, 1.0), times)
-            works.append(-np.sum(displacement_of_span * force_rate * weights, axis=1))
-        return works
+            works_of_ranges.append(-np.sum(displacement_of_span * force_rate * weights, axis=1))
+        return works_of_ranges
 
     ranges = [_whole_span(span) for span in spans]
     total = _over_spans(contact, modulus, ranges, 1, work).total[0]
@@ -540,9 +544,12 @@ def _share_of_way(parts: Records, corners: Array) -> Array:
     largest_share = np.zeros(len(parts.row))
     edge_load = parts.load - parts.slipped
     edge_load_after = parts.load_after - parts.slipped_after
-    for begin, end in ((parts.load, parts.load_after), (edge_load, edge_load_after)):
-        least_load = np.minimum(begin, end)
-        largest_load = np.maximum(begin, end)
+    for load_at_begin, load_at_end in (
+        (parts.load, parts.load_after),
+        (edge_load, edge_load_after),
+    ):
+        least_load = np.minimum(load_at_begin, load_at_end)
+        largest_load = np.maximum(load_at_begin, load_at_end)
         corner_below = np.append(0.0, corners)[
             np.searchsorted(corners, (least_load + largest_load) / 2)
         ]

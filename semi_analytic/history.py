@@ -164,8 +164,8 @@ def check(legs: Sequence[LoadSegment], friction: float) -> None:
         for time in (segment.start, segment.end)
     )
     for segment in legs:
-        for begin, end in monotonic_parts(segment, friction):
-            _check_part(segment, begin, end, friction, _ROUNDING * largest_load)
+        for begin_time, end_time in monotonic_parts(segment, friction):
+            _check_part(segment, begin_time, end_time, friction, _ROUNDING * largest_load)
 
 
 def _check_part(
@@ -255,8 +255,8 @@ def march(
     """
     spans: list[Span] = []
     for segment in legs:
-        for begin, end in monotonic_parts(segment, friction):
-            for span in _spans_of_part(curve, segment, begin, end, friction, delay):
+        for begin_time, end_time in monotonic_parts(segment, friction):
+            for span in _spans_of_part(curve, segment, begin_time, end_time, friction, delay):
                 spans.append(span)
                 curve = span.curve(span.end.time)
     return tuple(spans), curve
@@ -384,15 +384,15 @@ def _unload(
     for begin_time, end_time, direction in slip_directions(
         curve, begin_instant, end_instant, friction
     ):
-        begin = instant(begin_instant.leg, begin_time)
-        end = instant(begin_instant.leg, end_time)
+        begin_of_part = instant(begin_instant.leg, begin_time)
+        end_of_part = instant(begin_instant.leg, end_time)
         if direction:
-            for span in _slip(curve, direction, begin, end, friction, delay):
+            for span in _slip(curve, direction, begin_of_part, end_of_part, friction, delay):
                 yield span
                 curve = span.curve(span.end.time)
         else:
-            yield from _retrace(curve, begin, end, friction, delay)
-            curve = unload_to(curve, end.normal)
+            yield from _retrace(curve, begin_of_part, end_of_part, friction, delay)
+            curve = unload_to(curve, end_of_part.normal)
 
 
 def _retrace(
@@ -404,19 +404,19 @@ def _retrace(
     `delay` is how much later than the load segment itself the spans are: whole periods of the
     cycle.
     """
-    begin = begin_instant
+    span_begin = begin_instant
     while curve is not None and curve.bottom > end_instant.normal:
         load_change = curve.bottom - begin_instant.normal
         time_at_bottom = begin_instant.leg.time_of(
             NORMAL_LOAD, load_change, begin_instant.time, end_instant.time
         )
-        end = instant(begin_instant.leg, float(time_at_bottom))
-        if end.time > begin.time:
-            yield Span(begin, end, delay, 0, curve, friction)
-            begin = end
+        span_end = instant(begin_instant.leg, float(time_at_bottom))
+        if span_end.time > span_begin.time:
+            yield Span(span_begin, span_end, delay, 0, curve, friction)
+            span_begin = span_end
         curve = curve.below
-    if end_instant.time > begin.time:
-        yield Span(begin, end_instant, delay, 0, curve, friction)
+    if end_instant.time > span_begin.time:
+        yield Span(span_begin, end_instant, delay, 0, curve, friction)
 
 
 def slip_directions(
@@ -822,25 +822,36 @@ def corner_times(contact: Contact, span: Span) -> Array:
     """
     loads = contact.break_loads
     leg = span.leg
-    begin = span.begin
-    end = span.end
+    begin_instant = span.begin
+    end_instant = span.end
     if not len(loads):
         return loads
-    least_load = min(begin.normal, end.normal)
-    largest_load = max(begin.normal, end.normal)
+    least_load = min(begin_instant.normal, end_instant.normal)
+    largest_load = max(begin_instant.normal, end_instant.normal)
     passed_loads = loads[(loads > least_load) & (loads < largest_load)]
-    times = [leg.time_of(NORMAL_LOAD, passed_loads - begin.normal, begin.time, end.time)]
+    times = [
+        leg.time_of(
+            NORMAL_LOAD, passed_loads - begin_instant.normal, begin_instant.time, end_instant.time
+        )
+    ]
     if span.direction and span.sticking_piece is not None:
         loads_on_piece = loads[
             (loads > span.sticking_piece.bottom) & (loads < span.sticking_piece.top)
         ]
         slip_level = level(span.direction, span.friction)
-        level_at_begin = float(change_from(span.sticking_piece.anchor, leg, slip_level, begin.time))
+        level_at_begin = float(
+            change_from(span.sticking_piece.anchor, leg, slip_level, begin_instant.time)
+        )
         levels = level_on(span.sticking_piece, span.direction, span.friction, loads_on_piece)
-        times.append(leg.time_of(slip_level, levels - level_at_begin, begin.time, end.time))
-    shortest_time = 1e-12 * max(abs(begin.time), abs(end.time), end.time - begin.time)
+        times.append(
+            leg.time_of(slip_level, levels - level_at_begin, begin_instant.time, end_instant.time)
+        )
+    shortest_time = 1e-12 * max(
+        abs(begin_instant.time), abs(end_instant.time), end_instant.time - begin_instant.time
+    )
     sorted_times = np.sort(np.concatenate(times))
     sorted_times = sorted_times[
-        (sorted_times - begin.time > shortest_time) & (end.time - sorted_times > shortest_time)
+        (sorted_times - begin_instant.time > shortest_time)
+        & (end_instant.time - sorted_times > shortest_time)
     ]
     return sorted_times[np.diff(sorted_times, prepend=-np.inf) > shortest_time]

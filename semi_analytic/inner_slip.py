@@ -93,10 +93,10 @@ def _of_punches(x: Array, half_widths: Array, modulus: float) -> tuple[Array, Ar
     )
 
     def hat_integrals(integral: Array, moment: Array) -> Array:
-        begin = half_widths[:-1]
+        begin_width = half_widths[:-1]
         length = np.diff(half_widths)
         integral_rise = np.diff(integral, axis=1)
-        upper_part = (np.diff(moment, axis=1) - begin * integral_rise) / length
+        upper_part = (np.diff(moment, axis=1) - begin_width * integral_rise) / length
         lower_part = integral_rise - upper_part
         integrals = lower_part
         integrals[:, 1:] += upper_part[:, :-1]
@@ -223,18 +223,18 @@ def inner_slip(
         Where no slip zone is found.
     """
     slip_ends = ends[(ends > 0) & (ends < half_width * (1 - _AT_EDGE))]
-    step = _Step(tractions, sense, half_width, slip_ends, edge_of_stick, modulus)
+    contact_at_instant = _Step(tractions, sense, half_width, slip_ends, edge_of_stick, modulus)
     equal_widths = half_width * np.sin(np.linspace(0.0, math.pi / 2, _PUNCHES + 1))
     # A punch next to an end would be of no width.
     is_apart = np.all(np.abs(equal_widths[:, None] - slip_ends) > half_width / _PUNCHES**2, axis=1)
     is_apart[[0, -1]] = True
     half_widths = np.union1d(equal_widths[is_apart], slip_ends)
-    solution = _solved(step, half_widths, None)
+    solution = _solved(contact_at_instant, half_widths, None)
     if solution is None:
         raise NotFoundError("no zone was found in which points inside the contact slip")
     for _ in range(_DIVISIONS):
         half_widths = _divided(half_widths, solution.slips, slip_ends)
-        finer_solution = _solved(step, half_widths, solution)
+        finer_solution = _solved(contact_at_instant, half_widths, solution)
         if finer_solution is None:
             # What is left beyond the limit is seen by the check of the Coulomb limit.
             return solution

@@ -480,9 +480,9 @@ def _unload(
     station = begin_station
     for part in earlier_parts:
         share_of_step = begin_share + part.fall / load_drop * (end_share - begin_share)
-        end = (load - part.fall, force - path_slope * part.fall, share_of_step)
-        curve = _unload_part(curve, part.side, station, end, friction, recorder)
-        station = end
+        next_station = (load - part.fall, force - path_slope * part.fall, share_of_step)
+        curve = _unload_part(curve, part.side, station, next_station, friction, recorder)
+        station = next_station
     curve = _unload_part(curve, last_part.side, station, end_station, friction, recorder)
     return curve if load_at_end > 0 else None
 
@@ -564,25 +564,25 @@ def _retrace(
     load_at_end, _, end_share = end_station
     load_drop = load - load_at_end
     fall_left = load_drop
-    begin = begin_station
-    while curve is not None and fall_left > 0 and begin is not end_station:
+    station = begin_station
+    while curve is not None and fall_left > 0 and station is not end_station:
         share_of_line = fall_left / curve.length
         fall_left -= curve.length
         if curve.below is None or fall_left <= 0:
-            end = end_station
+            next_station = end_station
         else:
             share_of_drop = 1 - fall_left / load_drop
             # Q of a station inside a step plays no part in its record.
-            end = (
+            next_station = (
                 load - share_of_drop * load_drop,
                 force,
                 begin_share + share_of_drop * (end_share - begin_share),
             )
-        recorder.add(curve, 0, begin, end)
-        begin = end
+        recorder.add(curve, 0, station, next_station)
+        station = next_station
         curve = _shortened(curve, share_of_line) if share_of_line < 1 else curve.below
-    if begin is not end_station:
-        recorder.add(curve, 0, begin, end_station)
+    if station is not end_station:
+        recorder.add(curve, 0, station, end_station)
     return curve
 
 
@@ -625,7 +625,7 @@ def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = Fals
     recorder = Recorder(curves)
     counts_of_numbers = [0]  # that the recorder holds after each step
     most_lines = 0
-    # A path that unloads fully may end below 0 by rounding.
+    # A path that unloads fully may next_station below 0 by rounding.
     rows = np.stack([np.maximum(rows[:, 0], 0.0), rows[:, 1]], axis=1)
     load, force = rows[0].tolist()
     # Nothing here can hold itself: the garbage collector would look at all other objects again and
@@ -637,9 +637,9 @@ def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = Fals
         for (next_load, next_force), kind_of_step in zip(
             rows[1:].tolist(), kinds_of_steps, strict=True
         ):
-            begin = (load, force, 0.0)
-            end = (next_load, next_force, 1.0)
-            curve = _step(curve, kind_of_step, begin, end, friction, recorder)
+            station = (load, force, 0.0)
+            next_station = (next_load, next_force, 1.0)
+            curve = _step(curve, kind_of_step, station, next_station, friction, recorder)
             if next_load == 0:
                 curve = None  # unloaded: a line that rounding left has no length
             load = next_load
@@ -1085,8 +1085,8 @@ class States:
         M(P) is the tangential force that the memory curve carries; `order` brings the instants from
         the order of the path into that of `time`.
         """
-        columns = zip(*self._columns, strict=True)
-        states = _StateColumns._make(np.concatenate(column)[order] for column in columns)
+        columns_of_blocks = zip(*self._columns, strict=True)
+        states = _StateColumns._make(np.concatenate(column)[order] for column in columns_of_blocks)
         snapshot = Snapshot(
             time=time,
             load=states.load,

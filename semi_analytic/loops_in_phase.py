@@ -146,7 +146,7 @@ class Way:
             self.slip_rate(contact_middle + side * contact_half_width, shares_of_way)
             for side in (-1, 1)
         ]
-        return all(bool(np.min(rate) >= most_negative) for rate in rates_at_edges)
+        return all(bool(np.min(slip_rates) >= most_negative) for slip_rates in rates_at_edges)
 
     def work(self, count: int = WAY_NODES) -> float:
         """Friction work of this stroke, from one end of the cycle to the other: the integral of f p
@@ -184,8 +184,10 @@ class Way:
             return np.stack([approach, self.shape.moment(m, c, tilt) / self.compliance])
 
         values_at_begin = carried(*self.pressed(np.zeros(1)))
-        change = carried(*self.pressed(u)) - 2 * carried(*self.stuck(u)) + values_at_begin
-        return self.direction * self.friction * change
+        change_since_begin = (
+            carried(*self.pressed(u)) - 2 * carried(*self.stuck(u)) + values_at_begin
+        )
+        return self.direction * self.friction * change_since_begin
 
     def density(self, x: Array, count: int = WAY_NODES) -> Array:
         """Friction work per area of this stroke at points x (k,): the integral of f p |ds| over its
@@ -237,8 +239,10 @@ class Way:
             x[points_of_parts[part_numbers], None],
             begin_shares[part_numbers, None] + part_lengths * nodes,
         )
-        works = np.bincount(points_of_parts[part_numbers], (part_lengths * power) @ weights, len(x))
-        return np.asarray(works, dtype=float)
+        works_at_points = np.bincount(
+            points_of_parts[part_numbers], (part_lengths * power) @ weights, len(x)
+        )
+        return np.asarray(works_at_points, dtype=float)
 
 
 def ways_in_phase(scene: Scene) -> tuple[Way, Way] | None:
@@ -255,14 +259,16 @@ def ways_in_phase(scene: Scene) -> tuple[Way, Way] | None:
     compliance = 2 / composite_modulus(scene.material)
     samples = cycle_samples(scene)
     load, force = samples[:2]
-    begin = samples[:, np.argmin(force)]
-    end = samples[:, np.argmax(force)]
-    change = end - begin
+    loads_at_begin = samples[:, np.argmin(force)]
+    loads_at_end = samples[:, np.argmax(force)]
+    change_of_loads = loads_at_end - loads_at_begin
     rounding = LoadSizes.of(samples, profile, compliance, friction).rounding
-    if change[1] <= rounding[1] or not np.min(load) > 0:
+    if change_of_loads[1] <= rounding[1] or not np.min(load) > 0:
         return None
-    share_of_force = (force - begin[1]) / change[1]
-    deviations = np.abs(samples - begin[:, None] - np.outer(change, share_of_force))
+    share_of_force = (force - loads_at_begin[1]) / change_of_loads[1]
+    deviations = np.abs(
+        samples - loads_at_begin[:, None] - np.outer(change_of_loads, share_of_force)
+    )
     distances = np.max(deviations, axis=1)
     share_steps = np.diff(share_of_force, append=share_of_force[0])
     signs_of_steps = np.sign(share_steps[np.abs(share_steps) > _ROUNDING])
@@ -271,8 +277,8 @@ def ways_in_phase(scene: Scene) -> tuple[Way, Way] | None:
     if np.count_nonzero(signs_of_steps != np.roll(signs_of_steps, 1)) != 2:
         return None
     strokes = (
-        Way(profile, compliance, friction, begin, change, 1),
-        Way(profile, compliance, friction, end, -change, -1),
+        Way(profile, compliance, friction, loads_at_begin, change_of_loads, 1),
+        Way(profile, compliance, friction, loads_at_end, -change_of_loads, -1),
     )
     return strokes if all(stroke.recedes() for stroke in strokes) else None
 
