@@ -241,17 +241,20 @@ def _largest_of(
     largest_work = np.where(is_unknown, np.nan, 0.0)
     error_of_largest = np.where(is_unknown, np.nan, error_without_slip)
     place_of_largest = np.full(n_ellipses, np.nan)
-    slipping = np.flatnonzero((number_of_largest >= 0) & ~is_unknown)
-    peak_numbers = number_of_largest[slipping]
+    slipping_ellipses = np.flatnonzero((number_of_largest >= 0) & ~is_unknown)
+    peak_numbers = number_of_largest[slipping_ellipses]
     vertex = maxima.vertex
-    largest_work[slipping] = vertex.work[peak_numbers]
-    place_of_largest[slipping] = vertex.place[peak_numbers]
+    largest_work[slipping_ellipses] = vertex.work[peak_numbers]
+    place_of_largest[slipping_ellipses] = vertex.place[peak_numbers]
     works_by_rules = np.stack(
-        [density(slipping, place_of_largest[slipping], node_stride) for node_stride in (1, 2, 4)]
+        [
+            density(slipping_ellipses, place_of_largest[slipping_ellipses], node_stride)
+            for node_stride in (1, 2, 4)
+        ]
     )
     rule_error = quadrature_error(works_by_rules, works_by_rules[0])
-    relative_rule_error = rule_error + relative_error[slipping]
-    error_of_largest[slipping] = (
+    relative_rule_error = rule_error + relative_error[slipping_ellipses]
+    error_of_largest[slipping_ellipses] = (
         vertex.rise[peak_numbers] + vertex.work[peak_numbers] * relative_rule_error
     )
     return _Peaks(largest_work, error_of_largest, place_of_largest, number_of_largest)
@@ -450,7 +453,7 @@ def _next_points(bracket: Array, vertex_place: Array) -> Array:
     centre_place = np.where(is_middle, middle_place, vertex_place)
     left_point = np.maximum(centre_place - half_step, (left_end + centre_place) / 2)
     right_point = np.minimum(centre_place + half_step, (centre_place + right_end) / 2)
-    # A vertex that is all but the middle_place point needs no work of its own: the third point goes
+    # A vertex that is all but the middle point needs no work of its own: the third point goes
     # beyond.
     trial_point = np.where(is_middle, (right_point + right_end) / 2, vertex_place)
     return np.stack([left_point, trial_point, right_point])

@@ -696,12 +696,12 @@ class PathSeries:
             )[0]
 
         half_width = float(self.half_width[row])
-        stick_edge, *half_widths_of_ring = followed.table.half_width(
-            [followed.stick_edge[row], *followed.ring[row]]
+        stick_edge, *inner_zone_half_widths = followed.table.half_width(
+            [followed.stick_edge[row], *followed.inner_zone[row]]
         )
         # Without slip at the edge all of the contact sticks.
         edge_of_stick = stick_edge if followed.direction[row] else half_width
-        ends_of_zones = np.array([stick_edge, *half_widths_of_ring])
+        ends_of_zones = np.array([stick_edge, *inner_zone_half_widths])
         sense = int(self._inner_senses[row])
         return inner_slip(tractions, sense, half_width, ends_of_zones, edge_of_stick, self.modulus)
 
@@ -771,7 +771,7 @@ class PointFields:
         pressure of its punches. The curvature that the loads give to the faces adds the rest.
         """
         pieces = self._followed.pieces
-        numbers_of_pieces = pieces.chain(int(self._followed.curve[row]))
+        numbers_of_pieces = pieces.chain(int(self._followed.uppermost_piece[row]))
         half_widths = self._followed.table.half_width(pieces.top[numbers_of_pieces])
         profile_pressures = self.series.contact.pressure_rise(
             self._x, pieces.load[numbers_of_pieces, None]
@@ -864,7 +864,7 @@ class PointFields:
         parabola x^2/2 and of x^4/24.
         """
         followed = self._followed
-        pieces, curves = followed.pieces.of_curves(followed.curve[rows])
+        pieces, curves = followed.pieces.of_curves(followed.uppermost_piece[rows])
         profile_pressures = self.series.contact.pressure_rise(self._x, pieces.load[:, None])
         terms = [(pieces.slope, profile_pressures)]
         if np.any(pieces.parabola_slope) or np.any(pieces.fourth_slope):
@@ -880,7 +880,7 @@ class PointFields:
     def _slip_of_curves(self, rows: Indices) -> Array:
         """Slip of the memory curves at rows, (n, k)."""
         followed = self._followed
-        pieces, curves = followed.pieces.of_curves(followed.curve[rows])
+        pieces, curves = followed.pieces.of_curves(followed.uppermost_piece[rows])
         profile_slips = self.series.contact.slip_integral(self._x, pieces.load[:, None])
         terms = [(self.series.unit_compliance * pieces.slope, profile_slips)]
         if np.any(pieces.parabola_slope) or np.any(pieces.fourth_slope):
@@ -1331,7 +1331,7 @@ def grids_at(
 def _states(points: PointFields, distance: Array, row_numbers: Indices) -> NDArray[np.int8]:
     """State of contact of each point at each instant, (n, k): open, stick, forward or reverse slip.
 
-    A point slips in the zone at the edge of contact, or in a ring further in. The ring may slip in
+    A point slips in the zone at the edge of contact, or in an inner zone, which may slip in
     the other direction, or while the edge sticks.
 
     Parameters
@@ -1348,15 +1348,15 @@ def _states(points: PointFields, distance: Array, row_numbers: Indices) -> NDArr
     sides = np.array([-1.0, 1.0])
     half_width = bodies.half_width[row_numbers, None]
     stick_edge = history.table.half_width(history.stick_edge[row_numbers])[:, None]
-    ring_ends = history.table.half_width(history.ring[row_numbers])
+    inner_zone_ends = history.table.half_width(history.inner_zone[row_numbers])
     states_by_sense = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
     state_at_edge = states_by_sense[history.direction[row_numbers, None] + 1]
-    state_in_ring = states_by_sense[history.ring_direction[row_numbers, None] + 1]
+    state_in_inner_zone = states_by_sense[history.inner_zone_direction[row_numbers, None] + 1]
     # In full slip the stick edge is at 0: only x = 0 is within it, and that point slips.
     is_within_stick_edge = between(stick_edge * sides, distance) & (stick_edge > 0)
     states = np.where(is_within_stick_edge, np.int8(STICK), state_at_edge)
-    is_in_ring = (distance > ring_ends[:, [0]]) & (distance < ring_ends[:, [1]])
-    states = np.where(is_in_ring, state_in_ring, states)
+    is_in_inner_zone = (distance > inner_zone_ends[:, [0]]) & (distance < inner_zone_ends[:, [1]])
+    states = np.where(is_in_inner_zone, state_in_inner_zone, states)
     for row_place, slip_zone in points.inner_slips(row_numbers):
         states_of_row = np.where(
             is_within_stick_edge[row_place], np.int8(STICK), state_at_edge[row_place]
@@ -1541,7 +1541,7 @@ def left_of_work(
     change_by_bodies = bodies.work(rows) / work_of_half_planes - 1
     curvatures = curvatures_of(effects)
     if curvatures.are_of_mirrored_bodies and curvatures.normal >= 0 and curvatures.tangential >= 0:
-        # Both change_by_bodies W in one direction.
+        # Both change W in one direction.
         return abs(change_by_bodies) * max(left_by_curvature.values()) + LEFT_IN_ANY_CASE
     followed = bodies.followed
     loads = (followed.normal_load, followed.tangential_load)
@@ -1811,7 +1811,7 @@ def certificates_of(
     largest_friction_force = max(
         friction * float(np.max(followed.normal_load)), np.finfo(float).tiny
     )
-    force_of_curve = followed.pieces.force[followed.curve[row_numbers]]
+    force_of_curve = followed.pieces.force[followed.uppermost_piece[row_numbers]]
     edge_parabola = followed.table.parabola(followed.edge[row_numbers])
     carried_shear = force_of_curve + followed.tangential_curvature[row_numbers] * edge_parabola
     edge_fourth = followed.table.fourth(followed.edge[row_numbers])

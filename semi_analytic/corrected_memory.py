@@ -608,10 +608,10 @@ class Followed:
         (n,) s of the edges of contact and of stick; the same where nothing slips
     direction
         (n,) sense of slip in the step that ends at the row, 0 in full stick
-    ring, ring_direction
+    inner_zone, inner_zone_direction
         (n, 2) s of the ends of a slip zone further in, where a stroke goes on while the edge rests
         or slips the other way; (n,) its sense, 0 where there is none
-    curve
+    uppermost_piece
         (n,) uppermost piece of the memory curve
     pieces
         all pieces
@@ -628,20 +628,20 @@ class Followed:
     edge: Array
     stick_edge: Array
     direction: Indices
-    ring: Array
-    ring_direction: Indices
-    curve: Indices
+    inner_zone: Array
+    inner_zone_direction: Indices
+    uppermost_piece: Indices
     pieces: PieceTable
 
     @property
     def innermost(self) -> Array:
         """s of the innermost punch that slips, (n,); the edge of contact where none does."""
-        return np.where(self.ring_direction != 0, self.ring[:, 0], self.stick_edge)
+        return np.where(self.inner_zone_direction != 0, self.inner_zone[:, 0], self.stick_edge)
 
     @property
     def sense(self) -> Indices:
-        """Sense of slip at the edge, (n,); of the ring where the edge rests."""
-        return np.where(self.direction != 0, self.direction, self.ring_direction)
+        """Sense of slip at the edge, (n,); of the inner zone where the edge rests."""
+        return np.where(self.direction != 0, self.direction, self.inner_zone_direction)
 
     @cached_property
     def pressure_second(self) -> Array:
@@ -693,7 +693,7 @@ class Followed:
             (pieces.slope, at_tops.profile),
             (pieces.parabola_slope, at_tops.parabola),
             (pieces.fourth_slope, at_tops.fourth),
-        )[self.curve]
+        )[self.uppermost_piece]
         moment = moment + self.tangential_curvature * at_edge.parabola
         moment = moment + self.tangential_fourth * at_edge.fourth
         return np.where(self.normal_load > 0, moment, 0.0)
@@ -702,14 +702,14 @@ class Followed:
     def step_work(self) -> Array:
         """Friction work of the straight step that ends at each instant, times pi/A, (n,).
 
-        Work is done in the slip zone at the edge, in a slip zone further in (ring), and by punches
+        Work is done in the slip zone at the edge, in an inner slip zone, and by punches
         that the contact leaves during the step: they slip until then. A = 2/E*.
         """
         # Punches that the contact leaves in a step slip until then.
         edge_before = np.append(self.edge[:1], self.edge[:-1])
         parts = self._parts_of_zones(
             (self.direction, self.stick_edge, self.edge),
-            (self.ring_direction, self.ring[:, 0], self.ring[:, 1]),
+            (self.inner_zone_direction, self.inner_zone[:, 0], self.inner_zone[:, 1]),
             (self.direction, self.edge, edge_before),
         )
         work = np.bincount(parts.row, self._work_of_parts(parts), len(self.edge))
@@ -855,7 +855,7 @@ class Followed:
         """Tops and parents of the pieces, and the uppermost piece at each row: loops over them are
         faster than over arrays.
         """
-        return self.pieces.top.tolist(), self.pieces.parent.tolist(), self.curve.tolist()
+        return self.pieces.top.tolist(), self.pieces.parent.tolist(), self.uppermost_piece.tolist()
 
     def frozen_force(self, row: int, s: Array) -> Array:
         """Locked-in tangential force F at flat punches of coordinate s (k,), at instant number
@@ -865,7 +865,7 @@ class Followed:
         chain of pieces of the memory curve. Beyond the edge of contact its value at the edge is
         returned.
         """
-        numbers_of_pieces = self.pieces.chain(int(self.curve[row]))
+        numbers_of_pieces = self.pieces.chain(int(self.uppermost_piece[row]))
         tops = self.pieces.top[numbers_of_pieces]
         number_in_chain = np.clip(np.searchsorted(tops, s), 1, max(len(numbers_of_pieces) - 1, 1))
         if len(numbers_of_pieces) == 1:
@@ -1147,9 +1147,11 @@ def followed_of(memory: MemoryCurve, columns: Array, steps: Sequence[Step]) -> F
         edge=columns_by_name["edge"],
         stick_edge=np.array([step.stick_edge for step in steps]),
         direction=np.array([step.direction for step in steps], dtype=np.int64),
-        ring=np.array([step.ring for step in steps]),
-        ring_direction=np.array([step.ring_direction for step in steps], dtype=np.int64),
-        curve=np.array([step.state.curve for step in steps], dtype=np.int64),
+        inner_zone=np.array([step.inner_zone for step in steps]),
+        inner_zone_direction=np.array(
+            [step.inner_zone_direction for step in steps], dtype=np.int64
+        ),
+        uppermost_piece=np.array([step.state.uppermost_piece for step in steps], dtype=np.int64),
         pieces=piece_table,
     )
 
@@ -1179,7 +1181,7 @@ class Row(NamedTuple):
 class State(NamedTuple):
     """What a contact remembers: the uppermost piece of its curve, the sense of its last slip."""
 
-    curve: int = 0
+    uppermost_piece: int = 0
     sense: int = 0
 
 
@@ -1193,8 +1195,8 @@ class Step(NamedTuple):
     state: State
     stick_edge: float
     direction: int = 0
-    ring: tuple[float, float] = (0.0, 0.0)
-    ring_direction: int = 0
+    inner_zone: tuple[float, float] = (0.0, 0.0)
+    inner_zone_direction: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -1229,7 +1231,7 @@ class MemoryCurve:
         The memory curve F, locked-in tangential force over punches, is cut at the edge of contact
         or grows to it in stick. Where F is then beyond the Coulomb bound it follows the bound, from
         the edge inwards. Where the edge rests, the slip of the stroke before may go on further in,
-        in a ring.
+        in an inner zone.
 
         Parameters
         ----------
@@ -1243,7 +1245,7 @@ class MemoryCurve:
             return Step(UNLOADED, stick_edge=row.edge)
         pieces = self.pieces
         round_off = _ROUNDING * self.friction * self.largest_load
-        outermost_piece, number_of_top = self._up_to_edge(state.curve, row)
+        outermost_piece, number_of_top = self._up_to_edge(state.uppermost_piece, row)
         stick_edge = row.edge
         direction = _slipping(
             outermost_piece, pieces[outermost_piece.parent], self.friction, row, round_off
@@ -1257,25 +1259,25 @@ class MemoryCurve:
             stick_edge = pieces[number_of_top].top
         elif number_of_top is None:
             number_of_top = pieces.append_numbered(outermost_piece)
-        ring = (0.0, 0.0)
-        ring_direction = 0
+        inner_zone = (0.0, 0.0)
+        inner_zone_direction = 0
         if state.sense and direction != state.sense:
             # Further in the stroke before may go on.
             bound_of_last_slip = _bound(state.sense, self.friction, row)
-            number_of_top, *ring_ends = _ring(
+            number_of_top, *ends_of_inner_zone = _with_inner_zone(
                 self.table, pieces, number_of_top, bound_of_last_slip, round_off
             )
-            ring = (ring_ends[0], ring_ends[1])
-            if ring[1] > ring[0]:
-                ring_direction = state.sense
+            inner_zone = (ends_of_inner_zone[0], ends_of_inner_zone[1])
+            if inner_zone[1] > inner_zone[0]:
+                inner_zone_direction = state.sense
         if bound is not None:
             number_of_top = pieces.add(number_of_top, row.edge, row.edge_loads, bound.slopes)
         return Step(
-            State(number_of_top, ring_direction or direction),
+            State(number_of_top, inner_zone_direction or direction),
             stick_edge,
             direction,
-            ring,
-            ring_direction,
+            inner_zone,
+            inner_zone_direction,
         )
 
     def _up_to_edge(self, curve: int, row: Row) -> tuple[Piece, int | None]:
@@ -1413,13 +1415,13 @@ def _stick_below_slip(
     return pieces.add(piece.parent, crossing_s, loads_at_crossing.loads, piece.slopes)
 
 
-def _ring(
+def _with_inner_zone(
     table: PunchTable, pieces: Pieces, top: int, bound: _Bound, round_off: float
 ) -> tuple[int, float, float]:
     """Put a slip zone inside the contact into the memory curve: number of its uppermost piece after
     that, and the punch coordinates s of the inner and outer end of the zone (equal if none).
 
-    Such a ring forms where the slip of a stroke goes on further in, while the edge of contact
+    Such a zone forms where the slip of a stroke goes on further in, while the edge of contact
     sticks or slips the other way.
 
     Parameters

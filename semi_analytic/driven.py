@@ -732,7 +732,7 @@ class _Stepper:
         compliance = self._compliance
         curvatures = compliance.curvatures
         sums_at_edge = self._table.sums_at(row.edge, compliance.datum_length)
-        uppermost_piece = step.state.curve
+        uppermost_piece = step.state.uppermost_piece
         face_curvature = row.tangential_curvature
         integral_of_logarithm = (
             self._logarithm_integrals[uppermost_piece]
@@ -751,7 +751,7 @@ class _Stepper:
 
     def _rate(self, step: Step, load: float) -> float:
         """d(U + Q/k_s)/dQ at the end of a step."""
-        stick_edge = step.ring[0] if step.ring_direction else step.stick_edge
+        stick_edge = step.inner_zone[0] if step.inner_zone_direction else step.stick_edge
         half_width = float(self._table.half_width(stick_edge))
         least_half_width = 1e-9 * float(self._table.half_width(self._table.last))
         return float(self._compliance.rate(max(half_width, least_half_width), load))

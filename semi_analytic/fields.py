@@ -154,7 +154,7 @@ class Arc:
         corner_times = front_time(piece, corner_loads) if len(corner_loads) else corner_loads
         self._turn_at_begin = _turn(self._leg, first_time, last_time)
         self._turn_at_end = _turn(self._leg, last_time, first_time)
-        # Even between the corner_times: a panel that began just behind one would not be smooth.
+        # Even between the corners: a panel that began just behind one would not be smooth.
         ends_of_smooth_parts = np.unique(
             np.clip([first_time, *corner_times, last_time], first_time, last_time)
         )

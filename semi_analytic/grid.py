@@ -247,7 +247,8 @@ class Grid:
             Dundurs' beta of unlike materials, by which pressure shears the faces apart
         """
         ends_of_grids = np.atleast_2d(np.asarray(extent, dtype=float))
-        self.alone = np.ndim(extent) == 1
+        # the grids
+        self.is_single_grid = np.ndim(extent) == 1
         self.cells = cells
         self.modulus = modulus
         self.friction = friction
@@ -255,29 +256,31 @@ class Grid:
         self._length = float(ends_of_grids[0, 1] - ends_of_grids[0, 0])
         self.step = self._length / cells
         self.x: Array = ends_of_grids[:, :1] + self.step * (np.arange(cells) + 0.5)
-        self.datum = 2 / (math.pi * modulus) * math.log(self._length)
+        # U per Q between a datum at the length of the grid and one at 1
+        self.datum_compliance = 2 / (math.pi * modulus) * math.log(self._length)
         self._height = height(self.x)
-        self._numbers = np.arange(cells)
+        self._cell_numbers = np.arange(cells)
+        # their matrices, and what was solved with them
         self._compliance = self.compliance_at(self.x[0], 0)
-        signs = np.sign(self._numbers[:, None] - self._numbers)
+        signs = np.sign(self._cell_numbers[:, None] - self._cell_numbers)
         self._coupling = dundurs / modulus * self.step * signs
         cholesky_factor = scipy.linalg.cholesky(self._compliance, lower=True)
-        self._root: Array = scipy.linalg.solve_triangular(
+        self._root_of_stiffness: Array = scipy.linalg.solve_triangular(
             cholesky_factor, np.eye(cells), lower=True
         )
-        self._zones: dict[int, Zone] = {}
-        self._pressed: dict[tuple[float, float], Pressed] = {}
+        self._zones_by_size: dict[int, Zone] = {}
+        self._pressed_by_load: dict[tuple[float, float], Pressed] = {}
         # increments whose new cells did not slip before they were touched: `_drag`
         self.without_early_slip = 0
-        # where the grids stand
+        # the state they are in; `_displacement` is U
         no_cells = np.zeros(len(self.x), dtype=int)
         self._contact = ContactCells(no_cells, no_cells)
         self._shear: Array = np.zeros(self.x.shape)
         self.slip: Array = np.zeros(self.x.shape)
-        self._shift: Array = np.zeros(len(self.x))
+        self._displacement: Array = np.zeros(len(self.x))
         self._strain = 0.0
         self._directions: NDArray[np.intp] = np.zeros(self.x.shape, dtype=int)
-        self._last: dict[str, Any] | None = None
+        self._last_row: dict[str, Any] | None = None
 
     def compliance_at(self, x: Array, grid_number: int) -> Array:
         """Surface displacement at points x (m,) by a unit traction on each cell of grid `number`,
@@ -301,19 +304,19 @@ class Grid:
         """Of so many cells: equal cells have one C wherever they lie, and the root of C^-1 is a
         corner of that of all.
         """
-        if count not in self._zones:
-            root = self._root[:count, :count]
+        if count not in self._zones_by_size:
+            root = self._root_of_stiffness[:count, :count]
             rows = root.T @ np.sum(root, axis=1)
-            self._zones[count] = Zone(root, rows, float(np.sum(rows)))
-            if len(self._zones) > _ZONES:
-                self._zones.pop(next(iter(self._zones)))
-        return self._zones[count]
+            self._zones_by_size[count] = Zone(root, rows, float(np.sum(rows)))
+            if len(self._zones_by_size) > _ZONES:
+                self._zones_by_size.pop(next(iter(self._zones_by_size)))
+        return self._zones_by_size[count]
 
     def _inside(self, contact: ContactCells) -> NDArray[np.bool_]:
         """Which cells are in contact: (g, k)."""
         begin = contact.begin[:, None]
         end = contact.end[:, None]
-        return (self._numbers >= begin) & (self._numbers < end)
+        return (self._cell_numbers >= begin) & (self._cell_numbers < end)
 
     def _press(self, load: float, tilt: float, gap_without_tilt: Array) -> Pressed:
         """Pressure, cells in contact and normal approach of each grid under a load and a tilt: p >
@@ -477,9 +480,9 @@ class Grid:
         if load <= 0:
             pressed, dragged = self._open(displacement_by_strain)
         elif not self.dundurs:
-            if (load, tilt) not in self._pressed:
-                self._pressed[load, tilt] = self._press(load, tilt, self._height)
-            pressed = self._pressed[load, tilt]
+            if (load, tilt) not in self._pressed_by_load:
+                self._pressed_by_load[load, tilt] = self._press(load, tilt, self._height)
+            pressed = self._pressed_by_load[load, tilt]
             earlier_cells = self._contact
             self._contact = pressed.contact
             dragged = self._drag(
@@ -498,21 +501,21 @@ class Grid:
             "shear": shear,
             "slip": slip,
             "state": state,
-            "approach": pressed.approach - self.datum * load,
-            "displacement": displacement - self.datum * force,
+            "approach": pressed.approach - self.datum_compliance * load,
+            "displacement": displacement - self.datum_compliance * force,
             "moment": self.step * np.sum(self.x * pressed.pressure, axis=1),
             "shear_moment": self.step * np.sum(self.x * shear, axis=1),
             "density": density,
             "work": self.step * np.sum(density, axis=1),
         }
         # Work of the loads in the increment, to compare the friction work with.
-        row["loop"] = _loop_between(self._last or row, row)
+        row["loop"] = _loop_between(self._last_row or row, row)
         self._shear = shear
         self.slip = slip
-        self._shift = displacement
+        self._displacement = displacement
         self._strain = strain
         self._directions = directions
-        self._last = row
+        self._last_row = row
         return row
 
     def _open(self, displacement_by_strain: Array) -> tuple[Pressed, Dragged]:
@@ -522,8 +525,8 @@ class Grid:
         no_traction = np.zeros(self.x.shape)
         pressed = Pressed(no_traction, self._contact, np.zeros(len(self.x)))
         directions = np.zeros(self.x.shape, dtype=int)
-        slip = self._shift[:, None] + displacement_by_strain
-        return pressed, Dragged(no_traction, slip, directions, self._shift)
+        slip = self._displacement[:, None] + displacement_by_strain
+        return pressed, Dragged(no_traction, slip, directions, self._displacement)
 
     def _press_and_drag_in_turn(
         self, load: float, force: float, tilt: float, displacement_by_strain: Array
@@ -568,7 +571,7 @@ class Grid:
             s = U - eps x - sum over cells of compliance times q
         """
         shear = self._shear
-        mean_shift = float(np.mean(self._shift))
+        mean_shift = float(np.mean(self._displacement))
         strain = self._strain
 
         def slip(x: Array) -> Array:
@@ -607,7 +610,7 @@ class Grid:
         fields = {}
         for name in rows[0]:
             fields[name] = np.array([row[name] for row in rows])
-        if not self.alone:
+        if not self.is_single_grid:
             return Fields(self.x, self.step, **fields)
         for name in fields.keys() - {"loads"}:
             fields[name] = fields[name][:, 0]
@@ -990,7 +993,7 @@ def _state_at(grid: Grid, fields: Fields, instant: int, x: Array, kernels: Array
     """
     grids = len(grid.x)
     _, force, strain, _ = fields.loads[instant]
-    mean_shift = fields.displacement[instant] + grid.datum * force
+    mean_shift = fields.displacement[instant] + grid.datum_compliance * force
     displacement_by_shear = np.matmul(kernels, fields.shear[instant][..., None])[..., 0]
     slip = mean_shift[:, None] - strain * x - displacement_by_shear
     limit_share = np.zeros((grids, len(x)))

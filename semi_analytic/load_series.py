@@ -625,7 +625,7 @@ def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = Fals
     recorder = Recorder(curves)
     counts_of_numbers = [0]  # that the recorder holds after each step
     most_lines = 0
-    # A path that unloads fully may next_station below 0 by rounding.
+    # A path that unloads fully may end below 0 by rounding.
     rows = np.stack([np.maximum(rows[:, 0], 0.0), rows[:, 1]], axis=1)
     load, force = rows[0].tolist()
     # Nothing here can hold itself: the garbage collector would look at all other objects again and

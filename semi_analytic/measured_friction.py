@@ -498,11 +498,13 @@ def _with_turning_points(curve: _WorkCurve, work: Work) -> _WorkCurve:
     log_f, works, is_solvable, _ = curve
     rise = np.diff(works, axis=0)
     largest_work = np.max(np.where(is_solvable, works, 0.0), axis=0)
-    is_sharp = np.minimum(np.abs(rise[:-1]), np.abs(rise[1:])) >= _STANDS_OUT * largest_work
-    sample, member_of_turn = np.nonzero(is_solvable & is_sharp & (rise[:-1] * rise[1:] < 0))
+    stands_out = np.minimum(np.abs(rise[:-1]), np.abs(rise[1:])) >= _STANDS_OUT * largest_work
+    sample, member_of_turn = np.nonzero(is_solvable & stands_out & (rise[:-1] * rise[1:] < 0))
     if not len(sample):
         return curve
-    sign = np.where(rise[sample, member_of_turn] < 0, 1.0, -1.0)  # W falls before a least value
+    sign_to_minimum = np.where(
+        rise[sample, member_of_turn] < 0, 1.0, -1.0
+    )  # W falls before a least value
     turning_point = elementwise.find_minimum(
         lambda log_f_at_trial, member, sense: (
             sense
@@ -511,20 +513,20 @@ def _with_turning_points(curve: _WorkCurve, work: Work) -> _WorkCurve:
             )
         ),
         tuple(log_f[sample + k, member_of_turn] for k in (0, 1, 2)),
-        args=(member_of_turn.astype(float), sign),
+        args=(member_of_turn.astype(float), sign_to_minimum),
     )
-    number_in_column = np.arange(len(sample)) - np.searchsorted(
+    number_of_turn = np.arange(len(sample)) - np.searchsorted(
         np.sort(member_of_turn), np.sort(member_of_turn)
     )
     order_by_member = np.argsort(member_of_turn, kind="stable")
-    log_f_at_turn = np.full((int(number_in_column.max()) + 1, works.shape[1]), np.nan)
+    log_f_at_turn = np.full((int(number_of_turn.max()) + 1, works.shape[1]), np.nan)
     work_at_turn = log_f_at_turn.copy()
-    log_f_at_turn[number_in_column, member_of_turn[order_by_member]] = turning_point.x[
+    log_f_at_turn[number_of_turn, member_of_turn[order_by_member]] = turning_point.x[
         order_by_member
     ]
-    work_at_turn[number_in_column, member_of_turn[order_by_member]] = (sign * turning_point.f_x)[
-        order_by_member
-    ]
+    work_at_turn[number_of_turn, member_of_turn[order_by_member]] = (
+        sign_to_minimum * turning_point.f_x
+    )[order_by_member]
     log_f = np.concatenate([log_f, log_f_at_turn])
     works = np.concatenate([works, work_at_turn])
     ascending = np.argsort(log_f, axis=0)

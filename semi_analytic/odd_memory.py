@@ -293,13 +293,13 @@ def centres(span: Span, radius: float, time: Array) -> tuple[Array, Array]:
     centre of stick is that of contact where all of it sticks, NaN where none does.
     """
     normal_load, tangential_load = span.leg.loads(time)
-    contact_centre = -radius * _tilt(normal_load, tangential_load)
+    contact_rows = -radius * _tilt(normal_load, tangential_load)
     if not span.direction:
-        return contact_centre, contact_centre
+        return contact_rows, contact_rows
     if span.sticking_piece is None:
-        return contact_centre, np.full(contact_centre.shape, np.nan)
+        return contact_rows, np.full(contact_rows.shape, np.nan)
     stick_edge = _stick_edge_at(span, span.sticking_piece, time, span.slipped(time), radius)
-    return contact_centre, contact_centre + stick_edge.distance(radius)
+    return contact_rows, contact_rows + stick_edge.distance(radius)
 
 
 @dataclass(frozen=True, eq=False)

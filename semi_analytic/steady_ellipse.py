@@ -378,11 +378,11 @@ def _ranges_of_slip(ellipses: Ellipses, load_at_x: Array) -> tuple[tuple[int, Ar
     2 P1 sin^2(h/2) = P_x - P_min. The stick edge passes it in E-G where sin^2((D - s)/2) = (P_x -
     P_T)/v, in I-J at s = t_E - h, in J-M where sin^2(s/2) = (P_x - P_T)/u.
     """
-    share_of_swing = (load_at_x - ellipses.mean_load + ellipses.load_amplitude) / np.where(
+    share_of_load_range = (load_at_x - ellipses.mean_load + ellipses.load_amplitude) / np.where(
         ellipses.load_moves, 2 * ellipses.load_amplitude, 1.0
     )
     share_at_rest = np.where(load_at_x > ellipses.mean_load, 1.0, 0.0)
-    open_angle = half_angle(np.where(ellipses.load_moves, share_of_swing, share_at_rest))
+    open_angle = half_angle(np.where(ellipses.load_moves, share_of_load_range, share_at_rest))
     start_angle = ellipses.slip_start
     phase_angle = ellipses.slip_angle
     stick_edge_angle_by_v, stick_edge_angle_by_u = _stick_edge_angles(ellipses, load_at_x)
@@ -1458,7 +1458,7 @@ class LamTable:
         contact = replace(contact, datum_length=contact.least_half_width / 2)
         integral_of_log = -contact.log_distance(load)
         log_half_width = -contact.log_ratio(load)
-        # Of a short load_step about the load Lam is half of its square times L', but for a share of
+        # Of a short step about the load Lam is half of its square times L', but for a share of
         # 3e-14.
         load_step = 1e-6 * load
         with np.errstate(all="ignore"):

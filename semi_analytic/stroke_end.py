@@ -90,7 +90,8 @@ def _density(stick_ratio: float, panel_begin: Array, panel_end: Array) -> Array:
 
         L^-T (y^2/z)/2,    y = L^-1 sgn(x) sqrt(x^2 - c^2),    z = L^-1 arccosh(|x|/c)
 
-    L is the Cholesky factor of the influence of shear outside of a stretch |x| < c that sticks.
+    L is the Cholesky factor of the influence ln|(1 - w w')/(w - w')| of shear outside of a stretch
+    |x| < c that sticks, integrated over panels; w = sgn(x) exp(-arccosh(|x|/c)) is the image of x.
     Panels go from `panel_begin` to `panel_end`, over the half-width of contact; `stick_ratio` is c
     over it.
     """
