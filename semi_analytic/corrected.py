@@ -354,7 +354,7 @@ class _Route:
         return float(self.instants[0])
 
     @property
-    def marks(self) -> list[float]:
+    def cycle_ends(self) -> list[float]:
         """Ends of the initial loading and of two cycles; start and end of a path without cycle."""
         end_time = float(self.instants[-1])
         if self.period is None:
@@ -373,7 +373,7 @@ class _Route:
         InputError
             If more instants result than can be followed.
         """
-        cycle_ends = self.marks
+        cycle_ends = self.cycle_ends
         duration = cycle_ends[-1] - self.start
         times_inside = time[(time > self.start) & (time < cycle_ends[-1])]
         # Of two instants that are one a mark stays.
@@ -407,7 +407,7 @@ class _Route:
         theory solved are also taken in the first two cycles.
         """
         instants = self.instants
-        marks = self.marks
+        marks = self.cycle_ends
         if self.period is not None:
             solved = len(self.path.cycles)
             last_cycle = instants[instants >= marks[0] + (solved - 1) * self.period]
@@ -1234,7 +1234,7 @@ def _covered(question: Question, route: _Route, steady_from: int | None) -> tupl
         return (0,)
     cycles = question.scene.cycles
     until_steady = 2 if steady_from is None else steady_from + 1
-    _, whole_cycles = turns_of(route.marks[0], route.period, cycles, question.time)
+    _, whole_cycles = turns_of(route.cycle_ends[0], route.period, cycles, question.time)
     n_cycles = whole_cycles or min(cycles, until_steady)
     followed_cycles = tuple(min(k, 1) for k in range(n_cycles))
     if question.wants_last_cycle_alone:

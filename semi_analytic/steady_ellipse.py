@@ -720,7 +720,7 @@ def _over_phases(
     contact: Contact,
     kernel: Kernel,
     rules: tuple[PieceRule, ...],
-    settled: float,
+    settled_share: float,
 ) -> Array:
     """Friction work of forward and of reverse slip times pi E*/(2 f^2), and the error of their sum,
     (3, m), by integration over the time of each phase of slip.
@@ -728,7 +728,7 @@ def _over_phases(
     The integrand is the rate of slip force times `kernel`(P, P - P_c) = int ln(a(eta)/a(P_c)) d eta
     over P_c < eta < P, P_c the load at the stick edge. Phases are cut where an edge passes a corner
     of the profile. Each part is integrated by one of the `rules` and halved until its error is
-    below `settled`, a share of W.
+    below `settled_share` of W.
     """
     corners = contact.break_loads
     # A corner that is nearly met counts too.
@@ -743,22 +743,28 @@ def _over_phases(
         ellipse_of_part, number_of_cut = np.nonzero(
             is_long.T & (ellipses.deepest_slip > 0)[:, None]
         )
-        begin = cuts[number_of_cut, ellipse_of_part]
-        end = cuts[number_of_cut + 1, ellipse_of_part]
-        rule = np.minimum(end - begin < cuts[-1, ellipse_of_part], len(rules) - 1)
-        pieces_of_phases.append(Pieces.of_group(phase_number, ellipse_of_part, begin, end, rule))
+        begin_angle = cuts[number_of_cut, ellipse_of_part]
+        end_angle = cuts[number_of_cut + 1, ellipse_of_part]
+        rule_number = np.minimum(
+            end_angle - begin_angle < cuts[-1, ellipse_of_part], len(rules) - 1
+        )
+        pieces_of_phases.append(
+            Pieces.of_group(phase_number, ellipse_of_part, begin_angle, end_angle, rule_number)
+        )
 
-    def work_rate(phase: Indices, ellipse_of_part: Indices, s: Array) -> Array:
-        rate, slipped, load = np.empty((3, *s.shape))
+    def work_rate(phase: Indices, ellipse_of_part: Indices, angle_in_phase: Array) -> Array:
+        rate, slipped, load = np.empty((3, *angle_in_phase.shape))
         for phase_number, name in enumerate(PHASES):
             columns = slice(*np.searchsorted(phase, [phase_number, phase_number + 1]))
             rate[:, columns], slipped[:, columns], load[:, columns] = phase_of(
-                name, ellipses.take(ellipse_of_part[columns]), s[:, columns]
+                name, ellipses.take(ellipse_of_part[columns]), angle_in_phase[:, columns]
             )
         return rate * kernel(load, np.minimum(slipped, load))
 
     pieces = Pieces.together(pieces_of_phases)
-    works_of_phases, error = _over_pieces(ellipses, pieces, len(PHASES), work_rate, rules, settled)
+    works_of_phases, error = _over_pieces(
+        ellipses, pieces, len(PHASES), work_rate, rules, settled_share
+    )
     reverse, work_later, work_early = works_of_phases
     return np.stack([work_later + work_early, reverse, error])
 
@@ -852,9 +858,9 @@ def _pieces_of_courses(ellipses: Ellipses, edge_loads: Array) -> Pieces:
             begin_angle, end_angle = np.where(
                 grows, [begin_angle, end_angle], [end_angle, begin_angle]
             )
-        rule = np.searchsorted(_SHORT, np.abs(end_angle - begin_angle))
+        rule_number = np.searchsorted(_SHORT, np.abs(end_angle - begin_angle))
         pieces_of_courses.append(
-            Pieces.of_group(course_number, ellipse_of_part, begin_angle, end_angle, rule)
+            Pieces.of_group(course_number, ellipse_of_part, begin_angle, end_angle, rule_number)
         )
     return Pieces.together(pieces_of_courses)
 
@@ -999,11 +1005,13 @@ def _integrals(
         pieces_at_once = _ELEMENTS // len(rule.weight)
         for k in range(0, len(numbers_of_rule), pieces_at_once):
             numbers = numbers_of_rule[k : k + pieces_at_once]
-            begin = pieces.begin[numbers]
-            end = pieces.end[numbers]
-            angle = np.where(rule.lower, begin, end) + (end - begin) * rule.way
+            begin_angle = pieces.begin[numbers]
+            end_angle = pieces.end[numbers]
+            angle = (
+                np.where(rule.lower, begin_angle, end_angle) + (end_angle - begin_angle) * rule.way
+            )
             values_at_nodes = integrand(pieces.group[numbers], pieces.member[numbers], angle)
-            length = np.abs(end - begin)
+            length = np.abs(end_angle - begin_angle)
             integrals[numbers] = rule.weight @ values_at_nodes * length
             largest_checks[numbers] = np.max(np.abs(rule.check @ values_at_nodes), axis=0) * length
     return integrals, largest_checks
@@ -1082,26 +1090,28 @@ class LogHalfWidth:
         """
         stick_edge_load = load - slipped
         nodes, weights = gauss(4)
-        piece = np.searchsorted(self.edges, stick_edge_load)
-        last_piece = np.searchsorted(self.edges, load)
-        v = np.sqrt(np.maximum(stick_edge_load - self._begin[piece], 0.0))
-        log_at_stick_edge = self._at(piece, v)
+        series_number = np.searchsorted(self.edges, stick_edge_load)
+        last_series_number = np.searchsorted(self.edges, load)
+        v = np.sqrt(np.maximum(stick_edge_load - self._begin[series_number], 0.0))
+        log_at_stick_edge = self._at(series_number, v)
         integral = np.zeros(load.shape)
         load_left = slipped
-        for _ in range(int(np.max(last_piece - piece, initial=0)) + 1):
-            to_end_of_piece = np.square(self._last_roots[piece]) - v * v
+        for _ in range(int(np.max(last_series_number - series_number, initial=0)) + 1):
+            load_to_end_of_series = np.square(self._last_roots[series_number]) - v * v
             load_rise = np.clip(
-                np.where(piece < last_piece, to_end_of_piece, np.inf), 0.0, load_left
+                np.where(series_number < last_series_number, load_to_end_of_series, np.inf),
+                0.0,
+                load_left,
             )
             step_of_v = load_rise / np.maximum(v + np.sqrt(v * v + load_rise), 1e-300)
             v_at_nodes = v[..., None] + step_of_v[..., None] * nodes
             log_excess_at_nodes = (
-                self._at(piece[..., None], v_at_nodes) - log_at_stick_edge[..., None]
+                self._at(series_number[..., None], v_at_nodes) - log_at_stick_edge[..., None]
             )
             integral += step_of_v * np.sum(weights * 2 * v_at_nodes * log_excess_at_nodes, axis=-1)
             load_left = load_left - load_rise
-            piece = np.minimum(piece + 1, last_piece)
-            v = np.where(load_left > 0, self._first_roots[piece], v)
+            series_number = np.minimum(series_number + 1, last_series_number)
+            v = np.where(load_left > 0, self._first_roots[series_number], v)
         return integral
 
 
