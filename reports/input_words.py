@@ -128,7 +128,7 @@ def sentences(
 def sentences_of_report(report: Report) -> list[str]:
     """What uncertain inputs do to the answer of a report, in sentences.
 
-    None without stated uncertainties. Beside a result that nobody measured they say which
+    Empty without stated uncertainties. Beside a result that nobody measured they say which
     differences a measurement could tell from the inputs' uncertainty. Of a result that may be
     measured they say whether it agrees with theory within both uncertainties.
     """

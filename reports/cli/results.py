@@ -32,8 +32,9 @@ if TYPE_CHECKING:
 
 # ------------------------------------------------------------------------------- an external result
 def score(result: str | None, options: Options) -> Answer:
-    """The command `score`: compare a file, or each file of a folder, with the reference of a scene.
-    Verdict, likely causes of the difference, page.
+    """The command `score`: compare the result of another program, or a measured loop, in a file or
+    each file of a folder, with the reference solution of a scene. Its answer has the verdict,
+    likely causes of the difference, and the page.
     """
     from scenes import ConvergenceError, InputError
 
@@ -56,19 +57,7 @@ def score(result: str | None, options: Options) -> Answer:
     mapping = load_mapping(options.mapping)
     if not path.exists():
         raise InputError(f"{result}: there is no such file or folder")
-    if is_loop and not path.is_file():
-        raise InputError(f"{path}: a loop is one file, a table with the columns U and Q")
-    if is_loop and options.tolerance:
-        raise InputError("--tolerance: a loop has none, its own scatter judges it; leave this out")
-    if not is_loop and options.rig_compliance is not None:
-        raise InputError(
-            "--rig-compliance: it goes with --as loop; say that too, or leave this out"
-        )
-    if options.rig_compliance is not None and not math.isfinite(options.rig_compliance):
-        raise InputError(
-            f"--rig-compliance {options.rig_compliance:g} is refused: it is a finite number,"
-            " 1/stress"
-        )
+    _check_loop_options(path, options)
     tolerances = requested_tolerances(options.tolerance)
     folder = claim(options.out or _folder_of(path, is_loop))
     command = options.command("score", result, folder)
@@ -84,6 +73,28 @@ def score(result: str | None, options: Options) -> Answer:
             (),
             lambda: {"passed": False, "error": sentence, "file": None},
             scene.name,
+        )
+
+
+def _check_loop_options(path: Path, options: Options) -> None:
+    """InputError where the options of `score` don't go together: some are for a measured loop of
+    load over displacement alone, others for tractions alone. `path` is the result.
+    """
+    from scenes import InputError
+
+    is_loop = options.as_ == "loop"
+    if is_loop and not path.is_file():
+        raise InputError(f"{path}: a loop is one file, a table with the columns U and Q")
+    if is_loop and options.tolerance:
+        raise InputError("--tolerance: a loop has none, its own scatter judges it; leave this out")
+    if not is_loop and options.rig_compliance is not None:
+        raise InputError(
+            "--rig-compliance: it goes with --as loop; say that too, or leave this out"
+        )
+    if options.rig_compliance is not None and not math.isfinite(options.rig_compliance):
+        raise InputError(
+            f"--rig-compliance {options.rig_compliance:g} is refused: it is a finite number,"
+            " 1/stress"
         )
 
 

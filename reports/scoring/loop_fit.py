@@ -699,9 +699,10 @@ def fit_loop(
     resolution: tuple[float, float],
     error_of_theory: float,
 ) -> LoopFit:
-    """Fit theory's loop to the rows of a measured one: f, turning points, and C and U0 of the rig,
-    with the 95 % interval of f. The noise of U and of Q is estimated from the rows, and again from
-    the residuals of each fit.
+    """Fit theory's loop of load Q over displacement U to the rows of a measured one: friction
+    coefficient f, turning points, compliance C of the rig and origin U0 of the displacement, with
+    the 95 % interval of f. The noise of U and of Q is estimated from the rows, and again from the
+    residuals of each fit.
 
     Parameters
     ----------
@@ -710,7 +711,7 @@ def fit_loop(
     model
         theory's loops for any f
     resolution
-        steps of U and Q that the digits of the rows resolve
+        smallest differences of U and Q that the digits of the rows show
     error_of_theory
         error of a fitted f, as a share of f, by the samples of the model
     """

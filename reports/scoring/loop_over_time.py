@@ -77,28 +77,18 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
 
     # ends of the interval by the scatter of the rows
     limit = least_sum + _CHI * noise**2
-    exceeds_limit = sums > limit
-    distances = []  # from the best f down and up to the f at which the sum passes the limit
-    for trials_beyond in (
-        trials[exceeds_limit & (trials < log_friction)],
-        trials[exceeds_limit & (trials > log_friction)],
-    ):
-        log_at_limit = search.where_it_passes(limit, log_friction, trials_beyond, place)
-        distances.append(abs(scale * math.exp(log_at_limit) - friction))
-    distance_down, distance_up = distances
+    trials_beyond = trials[sums > limit]
+    trials_below = trials_beyond[trials_beyond < log_friction]
+    trials_above = trials_beyond[trials_beyond > log_friction]
+    log_at_lower_end = search.where_it_passes(limit, log_friction, trials_below, place)
+    log_at_upper_end = search.where_it_passes(limit, log_friction, trials_above, place)
+    distance_down = abs(scale * math.exp(log_at_lower_end) - friction)
+    distance_up = abs(scale * math.exp(log_at_upper_end) - friction)
 
-    # Noise of Q leaves place and size of the load open. A loop that is shifted in time opens: f is
-    # found again with each.
-    noise_of_load, place_error, scale_error = _noise_of_load(
-        loop, place.share, scale, load_of_cycle
+    noise_of_load, changes_of_friction = _by_noise_of_load(
+        search, place, neighbours_of_best, friction
     )
-    late_share = np.mod(place.share + 1.96 * place_error, 1.0)
-    large_scale = scale * (1 + 1.96 * scale_error)
-    change_if_late = scale * math.exp(search.best(neighbours_of_best, late_share, scale)) - friction
-    change_if_large = (
-        large_scale * math.exp(search.best(neighbours_of_best, place.share, large_scale)) - friction
-    )
-    other_errors = (friction * _OF_THEORY, change_if_late, change_if_large)
+    other_errors = (friction * _OF_THEORY, *changes_of_friction)
     cycles = float(loop.time[-1] / place.period)
     sentences = [
         (
@@ -330,6 +320,36 @@ def _trial_frequencies(loop: MeasuredLoop, least_cycles: float) -> tuple[list[fl
         frequency for frequency in frequencies if frequency * loop.time[-1] >= least_cycles
     ]
     return long_enough or frequencies, first_frequency
+
+
+def _by_noise_of_load(
+    search: _Search, place: _Place, neighbours_of_best: tuple[float, float], friction: float
+) -> tuple[float, tuple[float, float]]:
+    """Noise of the load Q of the rows [force per thickness], and what it may change in the fitted
+    friction coefficient f: it leaves open when the load acts and how large it is. Since a loop that
+    is shifted in time opens, f is found again with the rows late, and with the load large.
+
+    Parameters
+    ----------
+    search
+        finds the f that fits best
+    place
+        where the rows lie on the scene's cycle
+    neighbours_of_best
+        values of ln f between which it is sought
+    friction
+        the fitted f
+    """
+    noise_of_load, place_error, scale_error = _noise_of_load(
+        search.loop, place.share, place.scale, search.load_of_cycle
+    )
+    late_share = np.mod(place.share + 1.96 * place_error, 1.0)
+    large_scale = place.scale * (1 + 1.96 * scale_error)
+    log_if_late = search.best(neighbours_of_best, late_share, place.scale)
+    log_if_large = search.best(neighbours_of_best, place.share, large_scale)
+    change_if_late = place.scale * math.exp(log_if_late) - friction
+    change_if_large = large_scale * math.exp(log_if_large) - friction
+    return noise_of_load, (change_if_late, change_if_large)
 
 
 def _noise_of_load(

@@ -130,6 +130,40 @@ def fit_steady_rows(
             " cycles that are alike"
         )
     curve = memory_curve(scene, least_friction(scene) / float(np.ptp(cycle_loads(scene)[1])))
+    chosen_candidate = _steadiest(loop, curve, rig_compliance)
+    if rig_compliance is None:
+        _require_a_loop_of_theory(chosen_candidate, loop, scene)
+    chosen_rows, fit = _fit_at_constant_load(chosen_candidate, scene, curve)
+    fit = replace(fit, cycles=_branches_of_both(loop).cycles)
+    if chosen_candidate.share > _OF_THEORY_AT_ALL:
+        sentence = (
+            f"With the stated rig compliance the best fit is {100 * chosen_candidate.share:.2g} %"
+            " of the loop's opening away from rows that lie beside each other: leave it out, and it"
+            " is fitted"
+        )
+        fit = replace(fit, said=(*fit.said, sentence))
+    return chosen_rows, _with_widening_said(
+        _with_change(fit, chosen_candidate), chosen_candidate.share
+    )
+
+
+def _steadiest(loop: MeasuredLoop, curve: MemoryCurve, rig_compliance: float | None) -> _Candidate:
+    """The rows of a measured loop that repeat one cycle, with the loop of theory that fits them:
+    the first that are steady, as more and more half-cycles are left out at the begin; else those
+    that are nearest to it.
+
+    Parameters
+    ----------
+    curve
+        half-plane theory's displacement over load, from which every branch of the loop follows
+    rig_compliance
+        C of the rig between the places where U is measured [1/stress]; None fits it
+
+    Raises
+    ------
+    InputError
+        Where the cycles differ or go on growing however many are left out.
+    """
     candidates = []
     growth_words = ""
     difference_of_cycles = _cycles_differ(loop)
@@ -157,23 +191,9 @@ def fit_steady_rows(
             f"{loop.source}: its rows are of no steady loop: {reason}; give the rows of cycles that"
             " are alike"
         )
-    chosen_candidate = candidates[-1]
-    if not chosen_candidate.is_steady:
-        chosen_candidate = min(candidates, key=lambda candidate: candidate.unsteady_share)
-    if rig_compliance is None:
-        _require_a_loop_of_theory(chosen_candidate, loop, scene)
-    chosen_rows, fit = _fit_at_constant_load(chosen_candidate, scene, curve)
-    fit = replace(fit, cycles=_branches_of_both(loop).cycles)
-    if chosen_candidate.share > _OF_THEORY_AT_ALL:
-        sentence = (
-            f"With the stated rig compliance the best fit is {100 * chosen_candidate.share:.2g} %"
-            " of the loop's opening away from rows that lie beside each other: leave it out, and it"
-            " is fitted"
-        )
-        fit = replace(fit, said=(*fit.said, sentence))
-    return chosen_rows, _with_widening_said(
-        _with_change(fit, chosen_candidate), chosen_candidate.share
-    )
+    if candidates[-1].is_steady:
+        return candidates[-1]
+    return min(candidates, key=lambda candidate: candidate.unsteady_share)
 
 
 # ------------------------------------------------------------------ rows that may be a steady loop

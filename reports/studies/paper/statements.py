@@ -687,10 +687,11 @@ def _falls_towards_far_loads(paper: Paper) -> dict[str, Found]:
 
 
 def _flat_over_hertz(paper: Paper) -> dict[str, Found]:
-    """Statements on work and peak of the flat and rounded contact over those of Hertz. `paper`
-    holds the paper's two profiles, with their solutions.
+    """Check what the paper states of the flat and rounded contact beside the Hertz contact: how
+    many times its dissipation W, and the peak of W(x) over x, are those of Hertz. Returns name of a
+    statement -> (verdict, numbers). `paper` holds the paper's two profiles, with their solutions.
     """
-    hertz, rounded_sweep = paper.sweeps
+    hertz_sweep, rounded_sweep = paper.sweeps
     cases = (paper.hertz, paper.rounded)
     works = [case.steady.dissipation / case.work_unit for case in cases]
     peaks = [
@@ -702,11 +703,11 @@ def _flat_over_hertz(paper: Paper) -> dict[str, Found]:
     return {
         "five times the energy": (
             judge_number(quotient_of_works, 5, 0, slack=0.2),
-            {"quotient of work": quotient_of_works} | _span(rounded_sweep.work / hertz.work),
+            {"quotient of work": quotient_of_works} | _span(rounded_sweep.work / hertz_sweep.work),
         ),
         "eight times the peak": (
             judge_number(quotient_of_peaks, 8, 0, slack=0.2),
-            {"quotient of peaks": quotient_of_peaks} | _span(rounded_sweep.peak / hertz.peak),
+            {"quotient of peaks": quotient_of_peaks} | _span(rounded_sweep.peak / hertz_sweep.peak),
         ),
         "figure of merit": (
             judge(quotient_of_works < quotient_of_peaks),
