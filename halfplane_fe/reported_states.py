@@ -17,13 +17,13 @@ from scenes.array_types import Array, Mask, States
 # farthest one of its sense counts as sticking: at the turning points of the load whole regions come
 # back to the cone at once, and creep there by the mesh's error. Slip grows as the distance from the
 # stick edge to the power 3/2, so the share costs half a hundredth of the slip zone.
-_MOVED = 3e-4
+_LEAST_TRAVEL_SHARE = 3e-4
 # The same of a node that the load does not drive, and that slips less than this share of the
 # largest slip per change of load in the revolution. What the mesh makes is 1e-5 to 4e-4 of that,
 # without the cure of N - T up to 9e-3.
-_CREEP = 1e-2
+_LEAST_SPEED_SHARE = 1e-2
 # Increments that are looked at together.
-_AT_ONCE = 512
+_INCREMENTS_PER_BLOCK = 512
 # Slip of an increment, over the largest of all, below which it is rounding.
 _ROUNDING = 1e-9
 
@@ -31,19 +31,19 @@ _ROUNDING = 1e-9
 def reported_states(
     problem: ContactProblem, states: Sequence[InterfaceState], cycle_starts: Sequence[int]
 ) -> States:
-    """States of the nodes as the user sees them, (n_steps, n): between coupled bodies those of the
-    law; of others a node that only creeps by the error of the mesh sticks.
+    """States open, stick or slip of the contact nodes as they are reported to the user,
+    (n_steps, n): a node that only creeps, by round-off or by the error of the mesh, sticks.
 
-    The creep of the mesh can be told from slip only where half-plane theory of like bodies holds.
-    Between unlike bodies, or bodies of two shapes, pressing alone makes nodes slip, and slowly so
-    near the edge of stick.
+    Creep by the mesh can be told from slip only between bodies of one shape and material, where
+    half-plane theory holds. Between others pressing alone makes nodes slip, and slowly so near the
+    stick edge: there only round-off is removed.
 
     Parameters
     ----------
     problem
-        the contact problem, whose interface is coupled, or not
+        the contact problem, whose compliance shows whether pressure and slip are coupled
     states
-        the states of the whole path
+        contact states after all increments of the path
     cycle_starts
         index of the state at which each revolution starts; what comes before them is the
         initial loading
@@ -54,35 +54,44 @@ def reported_states(
 
 
 def law_states(states: Sequence[InterfaceState]) -> States:
-    """(n_steps, n) states by the law, but for rounding: a node on the Coulomb limit that has not
-    moved sticks.
+    """States open, stick or slip of the nodes by the law of friction, (n_steps, n), but for
+    round-off: a node on the Coulomb limit that has not moved in an increment sticks.
 
-    Parameters
-    ----------
-    states
-        of the whole path; nothing has moved at the first of them
+    `states` are those after all increments of the path; at the first nothing has moved.
     """
-    stored_states = np.stack([state.state for state in states])
-    starts = range(0, len(states) - 1, _AT_ONCE)
-
-    def slip_of_increments(start: int) -> Array:
-        """(k, n) of the next `_AT_ONCE` increments at most: slip of all of a long record would take
-        gigabytes.
-        """
-        return np.diff([state.slip for state in states[start : start + _AT_ONCE + 1]], axis=0)
-
+    node_states = np.stack([state.state for state in states])
+    blocks = _blocks(len(states) - 1)
     largest_slip = max(
-        (float(np.abs(slip_of_increments(start)).max()) for start in starts), default=0.0
+        (float(np.abs(_slip_increments(states, steps)).max()) for steps in blocks), default=0.0
     )
-    has_moved = np.zeros(stored_states.shape, dtype=bool)
-    for start in starts:
-        slip = slip_of_increments(start)
-        later_steps = slice(start + 1, start + 1 + len(slip))
+    has_moved = np.zeros(node_states.shape, dtype=bool)
+    for steps in blocks:
+        slip = _slip_increments(states, steps)
+        later_steps = slice(steps.start + 1, steps.stop + 1)
         has_moved[later_steps] = (
-            slip_sign(stored_states[later_steps]) * slip > _ROUNDING * largest_slip
+            slip_sign(node_states[later_steps]) * slip > _ROUNDING * largest_slip
         )
-    stored_states[(slip_sign(stored_states) != 0) & ~has_moved] = STICK
-    return stored_states
+    node_states[(slip_sign(node_states) != 0) & ~has_moved] = STICK
+    return node_states
+
+
+def _blocks(n_increments: int) -> list[slice]:
+    """Ranges of some hundred increments each: arrays of all increments of a long record would take
+    gigabytes.
+    """
+    return [
+        slice(first_step, min(first_step + _INCREMENTS_PER_BLOCK, n_increments))
+        for first_step in range(0, n_increments, _INCREMENTS_PER_BLOCK)
+    ]
+
+
+def _slip_increments(states: Sequence[InterfaceState], steps: slice) -> Array:
+    """(k, n) slip of the nodes in each of k increments, the difference of neighbouring states."""
+    n_nodes = len(states[0].state)
+    slip_of_states = [
+        state.values[3 : 3 + n_nodes] for state in states[steps.start : steps.stop + 1]
+    ]
+    return np.diff(slip_of_states, axis=0)
 
 
 def visible_states(
@@ -91,19 +100,17 @@ def visible_states(
     friction: float,
     imposed: Array | None = None,
 ) -> States:
-    """(n_steps, n) states as the user sees them: the law's, but a node that only creeps by the
-    error of the mesh sticks.
+    """States open, stick or slip of the nodes as they are reported between like bodies,
+    (n_steps, n): those of the law of friction, but a node that only creeps sticks.
 
-    The load drives forward slip where dQ > f dP and reverse slip where -dQ > f dP: like half-planes
-    slip there alone, each node of the slip zone, however slowly. At a distance from the middle of
-    the stick zone bulk strain and tilt add their part to dQ and dP: in full stick both tractions
-    are [d(P, Q)/pi - d(tilt, strain) (x - m)/A] over one and the same root, A = 2 in scaled
-    variables. What the load does not drive has to be fast to count as slip.
+    A sliding node slips if it has moved far enough since it last stopped or turned round, compared
+    with the farthest one of its direction, and if the load drives it there or it is fast. The load
+    drives forward slip where dQ > f dP and reverse slip where -dQ > f dP.
 
     Parameters
     ----------
     states
-        of the whole path
+        contact states after all increments of the path
     cycle_starts
         index of the state at which each revolution starts; what comes before them is the
         initial loading
@@ -112,69 +119,105 @@ def visible_states(
     imposed
         (2, n, 3) gap and slip by a unit of the bulk stresses and of the tilt; None without any
     """
-    stored_states = np.stack([state.state for state in states])
-    rise = np.diff([state.loads for state in states], axis=0)
-    change = np.maximum(np.abs(rise).sum(axis=1), 1e-300)
-    n_nodes = len(states[0].state)
-    # Some hundred increments at a time: arrays of all of a long record would take gigabytes.
-    blocks = [
-        slice(first_row, min(first_row + _AT_ONCE, len(rise)))
-        for first_row in range(0, len(rise), _AT_ONCE)
-    ]
+    node_states = np.stack([state.state for state in states])
+    load_increments = np.diff([state.loads for state in states], axis=0)
+    largest_slip, least_slip = _slip_limits(states, node_states, load_increments, cycle_starts)
+    travel = np.zeros(len(states[0].state))
+    for steps in _blocks(len(load_increments)):
+        states_in_block = node_states[steps.start + 1 : steps.stop + 1]  # a view
+        sense = slip_sign(states_in_block).astype(float)
+        slip = _slip_increments(states, steps)
+        slip[np.abs(slip) <= _ROUNDING * largest_slip] = 0.0
+        travels = _travels(slip, travel)
+        travel = travels[-1]
+        rise_of_p = load_increments[steps, 0, None]
+        rise_of_q = load_increments[steps, 1, None]
+        if imposed is not None:
+            # In full stick both tractions are [d(P, Q)/pi - d(tilt, strain) (x - m)/A] over one
+            # root, m the middle of the stick zone, A = 2 in scaled variables.
+            imposed_of_states = [state.imposed for state in states[steps.start : steps.stop + 1]]
+            gap_by_imposed, slip_by_imposed = _about_stick_zone(
+                np.diff(imposed_of_states, axis=0), imposed, states_in_block == STICK
+            )
+            rise_of_p = rise_of_p - np.pi / 2 * gap_by_imposed
+            rise_of_q = rise_of_q + np.pi / 2 * slip_by_imposed
+        is_driven = sense * rise_of_q > friction * rise_of_p
+        may_slip = is_driven | (np.abs(slip) > least_slip[steps, None])
+        for direction in (1, -1):
+            slides = sense == direction
+            distance = np.where(slides, direction * travels, 0.0)
+            is_far = distance > _LEAST_TRAVEL_SHARE * distance.max(axis=1, keepdims=True)
+            states_in_block[slides & ~(may_slip & is_far)] = STICK
+    first_states = node_states[:1]
+    first_states[slip_sign(first_states) != 0] = STICK  # nothing has moved yet
+    return node_states
 
-    def sense_and_slip(steps: slice) -> tuple[Array, Array]:
-        """Sense of slip by the law, and slip of the increments, (k, n) each."""
-        block = states[steps.start : steps.stop + 1]
-        slip = np.diff([state.values[3 : 3 + n_nodes] for state in block], axis=0)
-        return slip_sign(stored_states[steps.start + 1 : steps.stop + 1]).astype(float), slip
 
-    largest_sliding = np.zeros(len(rise))  # slip of the nodes that slide, in each increment
+def _slip_limits(
+    states: Sequence[InterfaceState],
+    node_states: States,
+    load_increments: Array,
+    cycle_starts: Sequence[int],
+) -> tuple[float, Array]:
+    """Largest slip of any node in any increment, and for each of n increments the slip from which
+    on a node that the load does not drive counts as fast, (n,).
+
+    That is a hundredth of the fastest slip per change of load in its revolution, times the change
+    of load of the increment.
+
+    Parameters
+    ----------
+    states, node_states
+        contact states after all increments, and open, stick or slip of their nodes
+    load_increments
+        (n, n_loads) changes of the loads
+    cycle_starts
+        index of the state at which each revolution starts
+    """
+    n_increments = len(load_increments)
+    load_changes = np.maximum(np.abs(load_increments).sum(axis=1), 1e-300)
+    largest_sliding = np.zeros(n_increments)  # slip of the nodes that slide, in each increment
     largest_slip = 0.0  # of all nodes
-    for steps in blocks:
-        sense, slip = sense_and_slip(steps)
+    for steps in _blocks(n_increments):
+        sense = slip_sign(node_states[steps.start + 1 : steps.stop + 1]).astype(float)
+        slip = _slip_increments(states, steps)
         largest_sliding[steps] = np.abs(slip * sense).max(axis=1)
         largest_slip = max(largest_slip, float(np.abs(slip).max()))
     starts = np.asarray(cycle_starts, dtype=int)
-    revolution = np.searchsorted(starts, np.arange(len(rise)), side="right")
-    speed = largest_sliding / change
+    revolution = np.searchsorted(starts, np.arange(n_increments), side="right")
+    speed = largest_sliding / load_changes
     fastest = np.array(
         [speed[revolution == number].max(initial=0.0) for number in range(len(cycle_starts) + 1)]
     )
-    least_slip = _CREEP * fastest[revolution] * change
-    run = np.zeros(n_nodes)
-    for steps in blocks:
-        sense, slip = sense_and_slip(steps)
-        slip[np.abs(slip) <= _ROUNDING * largest_slip] = 0.0
-        runs = slip.copy()
-        for step in range(len(runs)):  # slip in one direction without a stop, open or closed
-            runs[step] += np.where(run * runs[step] > 0, run, 0.0)
-            run = runs[step]
-        view = stored_states[steps.start + 1 : steps.stop + 1]
-        rise_of_p = rise[steps, 0, None]
-        rise_of_q = rise[steps, 1, None]
-        if imposed is not None:
-            block = states[steps.start : steps.stop + 1]
-            rise_of_imposed = np.diff([state.imposed for state in block], axis=0)
-            of_gap, of_slip = _about_stick_zone(rise_of_imposed, imposed, view == STICK)
-            rise_of_p = rise_of_p - np.pi / 2 * of_gap
-            rise_of_q = rise_of_q + np.pi / 2 * of_slip
-        is_driven = sense * rise_of_q > friction * rise_of_p
-        slides = is_driven | (np.abs(slip) > least_slip[steps, None])
-        for direction in (1, -1):
-            in_direction = sense == direction
-            distance = np.where(in_direction, direction * runs, 0.0)
-            moved_on = distance > _MOVED * distance.max(axis=1, keepdims=True)
-            view[in_direction & ~(slides & moved_on)] = STICK
-    at_rest = stored_states[:1]
-    at_rest[slip_sign(at_rest) != 0] = STICK  # of the first nothing has moved
-    return stored_states
+    return largest_slip, _LEAST_SPEED_SHARE * fastest[revolution] * load_changes
+
+
+def _travels(slip: Array, travel_before: Array) -> Array:
+    """Distance (k, n) that each node has slipped in one direction without a stop, with a sign, open
+    or closed, after each of k increments.
+
+    `slip` (k, n) is that of the increments, `travel_before` (n,) the distance before the first.
+    """
+    travels = slip.copy()
+    travel = travel_before
+    for step in range(len(travels)):
+        travels[step] += np.where(travel * travels[step] > 0, travel, 0.0)
+        travel = travels[step]
+    return travels
 
 
 def _about_stick_zone(rise: Array, imposed: Array, sticks: Mask) -> tuple[Array, Array]:
-    """Gap and slip of the nodes by a rise (k, 3) of bulk stresses and tilt, (k, n) each, counted
-    from the middle of the stick zone; 0 where nothing sticks.
+    """Gap and slip of the nodes by changes of bulk stress and tilt, (k, n) each, minus their values
+    at the middle of the stick zone; 0 where nothing sticks.
 
-    `imposed` (2, n, 3) are gap and slip by a unit of each, `sticks` (k, n) the nodes that stick.
+    Parameters
+    ----------
+    rise
+        (k, 3) changes of both bulk stresses and of the tilt in k increments
+    imposed
+        (2, n, 3) gap and slip by a unit of each
+    sticks
+        (k, n) nodes that stick
     """
     last_sticking = sticks.shape[1] - 1 - np.argmax(sticks[:, ::-1], axis=1)
     end_nodes = np.stack([np.argmax(sticks, axis=1), last_sticking], axis=1)
