@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import scipy
@@ -19,7 +19,6 @@ from numpy.typing import ArrayLike
 from halfplane_fe.actuators import LOADS_ARE_GIVEN, Actuators
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import slip_sign, states_if_closed
-from halfplane_fe.return_mapping import ReturnMapping, Start
 from halfplane_fe.settings import Method
 from halfplane_fe.systems import Layer, SingularSet, Systems
 from halfplane_fe.tresca import pressure_at_known_shear, shear_at_known_pressure
@@ -33,6 +32,9 @@ from scenes import (
     freeze,
 )
 from scenes.array_types import Array, Mask, States
+
+if TYPE_CHECKING:
+    from halfplane_fe.return_mapping import ReturnMapping
 
 # Rounding of nodal forces and displacements in scaled variables, both of order one: within it a
 # node keeps its state.
@@ -262,6 +264,8 @@ class ContactProblem:
         on gap and slip for the augmented Lagrangian, without one for the penalty method, whose
         layer of springs is the penalty.
         """
+        from halfplane_fe.return_mapping import ReturnMapping  # noqa: PLC0415 - not by default
+
         penalty = None
         if self.method == "augmented_lagrangian":
             ones = np.ones_like(self.height)
@@ -418,6 +422,8 @@ class ContactProblem:
         ConvergenceError
             Where no penalty, however soft, lets it converge.
         """
+        from halfplane_fe.return_mapping import Start  # noqa: PLC0415 - not by default
+
         moment = None
         if self.moment_given and len(loads) > 2:
             moment = loads[_TILT_OR_MOMENT]

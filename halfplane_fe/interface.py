@@ -23,6 +23,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,12 +33,14 @@ from scipy.sparse import csr_array
 from halfplane_fe.actuators import path_of
 from halfplane_fe.condensed_bodies import BODIES
 from halfplane_fe.elasticity import CondensedBody
-from halfplane_fe.mortar import Mortar, Side, mortar
 from halfplane_fe.path import has_bulk_stress
 from halfplane_fe.supports import face_room, has_ends
 from meshes import BodyMesh, MeshSettings, SurfaceGrading, build
 from scenes import Block, InputError, Scene, Shape, freeze
 from scenes.array_types import Array
+
+if TYPE_CHECKING:
+    from halfplane_fe.mortar import Mortar
 
 # The upper body's frame is reflected in y = 0: y points out of it.
 _REFLECTION = np.array([1.0, -1.0])
@@ -448,6 +451,8 @@ def _opposite(lower: CondensedBody, upper: CondensedBody) -> bool:
 
 def _mortar(lower: CondensedBody, upper: CondensedBody) -> Mortar:
     """The two faces coupled in the common frame."""
+    from halfplane_fe.mortar import Side, mortar  # noqa: PLC0415 - for faces that do not match
+
     return mortar(Side(lower.x, lower.y, lower.order), Side(upper.x, -upper.y, upper.order))
 
 

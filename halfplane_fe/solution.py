@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass, fields, replace
 from functools import cache, partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import Literal, NamedTuple, get_args, overload
+from typing import TYPE_CHECKING, Literal, NamedTuple, get_args, overload
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -36,7 +36,6 @@ from halfplane_fe.interface import (
     meshed_pair,
     without_local_difference,
 )
-from halfplane_fe.kernel_bodies import KernelPair, check_kernels, kernel_pair
 from halfplane_fe.mirror import half, unfolded
 from halfplane_fe.run import Pace, PathRun, Progress, run_path
 from halfplane_fe.scales import (
@@ -62,6 +61,9 @@ from scenes import (
     scene_of,
 )
 from scenes.array_types import Array
+
+if TYPE_CHECKING:
+    from halfplane_fe.kernel_bodies import KernelPair
 
 Bodies = Literal["meshed", "kernel"]
 
@@ -254,6 +256,11 @@ def _solve(
     watch = _Watch()
     check_loads(scene)
     if by_kernels:
+        from halfplane_fe.kernel_bodies import (  # noqa: PLC0415 - for bodies by kernels alone
+            check_kernels,
+            kernel_pair,
+        )
+
         check_kernels(scene)
     report(0, None, "coarse run")
     coarse_work: Counter[str] = Counter()

@@ -26,12 +26,7 @@ from semi_analytic.answer import (
     vector,
 )
 from semi_analytic.answer_by_memory import by_memory
-from semi_analytic.answer_in_phase import in_phase
-from semi_analytic.answer_on_grids import OF_WORK, GridAnswer
-from semi_analytic.body_numbers import checked_effects
 from semi_analytic.bulk_and_tilt import leaning_profile, one_curve, steady_curve
-from semi_analytic.grid import edges_along
-from semi_analytic.loops_in_phase import ways_in_phase
 
 
 def solve(
@@ -106,6 +101,12 @@ def solve(
     ... )  # 2 P/(pi a) with a = 1
     1.0
     """
+    if effects is not None:
+        from semi_analytic.body_numbers import (  # noqa: PLC0415 - for finite bodies alone
+            checked_effects,
+        )
+
+        effects = checked_effects(effects)
     question = Question(
         scene=scene_of(scene),
         fields=checked_fields(fields, cycles),
@@ -113,7 +114,7 @@ def solve(
         time=vector(time, "time"),
         cycles=cycles,
         straight_steps=straight_steps,
-        effects=checked_effects(effects),
+        effects=effects,
     )
     return solution_of(question, _findings(question))
 
@@ -156,6 +157,11 @@ def _on_grids(question: Question) -> Findings:
 
     The work of the steady cycle is taken from a method without grids where there is one.
     """
+    from semi_analytic.answer_on_grids import (  # noqa: PLC0415 - for other memories alone
+        OF_WORK,
+        GridAnswer,
+    )
+
     answer = GridAnswer(question)
     fields_of_work = question.fields & (OF_WORK | {"loop_work"})
     steady_cycle = None
@@ -179,6 +185,9 @@ def _steady_alone(question: Question) -> Findings | None:
         method_name = "one memory curve"
         findings = by_memory(question, cycle_with_one_curve)
     else:
+        from semi_analytic.answer_in_phase import in_phase  # noqa: PLC0415 - loads in phase
+        from semi_analytic.loops_in_phase import ways_in_phase  # noqa: PLC0415
+
         strokes = ways_in_phase(scene)
         if strokes is None:
             return None
@@ -214,4 +223,6 @@ def require_followable(scene: Scene) -> None:
         For a profile that theory does not know so, and for a contact that leaves the profile.
     """
     if one_curve(scene) is None:
+        from semi_analytic.grid import edges_along  # noqa: PLC0415 - for other memories alone
+
         edges_along(*leaning_profile(scene))

@@ -236,6 +236,8 @@ def test_what_is_refused_is_one_sentence_with_2_and_no_file(words: str, spoilt: 
 HEAVY = {"numpy", "scipy", "pydantic", "xarray", "matplotlib", "skfem", "gmsh", "jinja2", "pyvista"}
 NOT_FOR_BOTH_ENGINES = {f"scipy.{part}" for part in ("optimize", "interpolate", "special", "fft")}
 NOT_FOR_BOTH_ENGINES |= {"xarray", "pandas", "h5py", "meshio", "rich", "matplotlib", "jinja2"}
+OF_OTHER_SCENES = {"semi_analytic.grid", "semi_analytic.odd_memory", "halfplane_fe.mortar"}
+OF_OTHER_SCENES |= {"halfplane_fe.kernel_bodies", "halfplane_fe.return_mapping"}
 # What importing theory, importing both engines, and then solving, saving and reading load of what
 # they do not need: to import xarray takes longer than a solve and its file.
 ENGINES = f"""
@@ -248,7 +250,8 @@ import halfplane_fe, scenes
 print_loaded({NOT_FOR_BOTH_ENGINES!r})
 semi_analytic.solve("hertz-paper", x=[0.0], time=[2.0], fields="pressure").save("a.nc")
 scenes.ContactSolution.load("a.nc")
-print_loaded({{"xarray", "pandas", "dask", "scipy.optimize"}})
+halfplane_fe.solve
+print_loaded({{"xarray", "pandas", "dask", "scipy.optimize"}} | {OF_OTHER_SCENES!r})
 """
 HELP_OF_ALL = f"""
 import sys
