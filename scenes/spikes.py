@@ -22,7 +22,8 @@ _N_NEIGHBOURS = 4
 
 def rows_that_stand_out(x: Array, h: Array, sigma: float) -> Rows:
     """Rows (m,) of a measured trace that are spikes: they differ from the cubic through their four
-    neighbours by more than five times what noise does. None where they are more than 5 %.
+    neighbours by more than five times what noise does. An empty array where they would be more
+    than 5 % of the rows, or leave too few: then the noise is of another kind.
 
     The largest spike is removed first, since it moves the cubics of its neighbours too. At either
     end three rows share one cubic, so that all three are removed.
@@ -45,12 +46,12 @@ def rows_that_stand_out(x: Array, h: Array, sigma: float) -> Rows:
     spikes: list[int] = []
     while len(rows_left) > 2 * _N_NEIGHBOURS and len(spikes) <= _SHARE_OF_SPIKES * len(x):
         differences = _differences(x[rows_left], h[rows_left]) / sigma
-        place_of_largest = int(np.argmax(differences))
-        if differences[place_of_largest] <= STANDS_OUT:
+        index_of_largest = int(np.argmax(differences))
+        if differences[index_of_largest] <= STANDS_OUT:
             return np.array(sorted(spikes), dtype=np.int64)
-        places_of_spike = _alike(place_of_largest, len(rows_left))
-        spikes += rows_left[places_of_spike].tolist()
-        rows_left = np.delete(rows_left, places_of_spike)
+        indices_of_spike = _alike(index_of_largest, len(rows_left))
+        spikes += rows_left[indices_of_spike].tolist()
+        rows_left = np.delete(rows_left, indices_of_spike)
     return np.array([], dtype=np.int64)
 
 

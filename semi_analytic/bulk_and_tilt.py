@@ -505,10 +505,13 @@ def steady_curve(scene: Scene) -> OneCurve | None:
 
 
 def _leg_by_strain(
-    leg: LoadSegment, strain_per_stress: tuple[float, float], first_strain: float, slope: float
+    leg: LoadSegment,
+    strain_per_stress: tuple[float, float],
+    strain_without_load: float,
+    slope: float,
 ) -> LoadSegment | None:
-    """A segment of a load path at constant P in which a load in proportion to the bulk strain, (eps
-    - first_strain)/slope, takes the place of Q.
+    """A segment of a load path at constant P in which a load in proportion to the bulk strain eps,
+    (eps - strain_without_load)/slope, takes the place of Q.
 
     None where bulk stress is neither a line nor a sum of waves over time.
 
@@ -516,21 +519,23 @@ def _leg_by_strain(
     ----------
     leg
         the segment of the path, with its bulk stresses
-    strain
+    strain_per_stress
         bulk strain eps by a unit bulk stress of the lower and of the upper body [1/stress]
+    strain_without_load
+        eps at which that load is 0
     slope
         of eps over the load that stands for Q
     """
 
     def load_of(stresses: Sequence[float]) -> float:
-        return (float(np.dot(strain_per_stress, stresses)) - first_strain) / slope
+        return (float(np.dot(strain_per_stress, stresses)) - strain_without_load) / slope
 
     normal_load = float(leg.loads(leg.start)[0])
     bulk = leg.bulk
     if bulk is None:
-        force_by_strain = load_of((0.0, 0.0))
+        constant_load = load_of((0.0, 0.0))
         return StraightSegment(
-            leg.start, leg.end, (normal_load, force_by_strain), (normal_load, force_by_strain)
+            leg.start, leg.end, (normal_load, constant_load), (normal_load, constant_load)
         )
     if bulk.is_straight:
         first_load = load_of([float(stress) for stress in bulk.loads(leg.start)])
@@ -540,8 +545,11 @@ def _leg_by_strain(
         )
     if not isinstance(bulk, HarmonicSegment):
         return None
-    phasors = np.zeros((2, max(len(bulk.normal), len(bulk.tangential))), dtype=complex)
-    for phasors_of_body, waves in zip(phasors, (bulk.normal, bulk.tangential), strict=True):
+    # A segment of bulk stresses stores that of the lower body where others have P, that of the
+    # upper body where they have Q.
+    waves_of_bodies = (bulk.normal, bulk.tangential)
+    phasors = np.zeros((2, max(map(len, waves_of_bodies))), dtype=complex)
+    for phasors_of_body, waves in zip(phasors, waves_of_bodies, strict=True):
         phasors_of_body[: len(waves)] = [size * cmath.exp(-1j * phase) for size, phase in waves]
     load_phasors = (np.array(strain_per_stress) @ phasors / slope).tolist()
     return HarmonicSegment(

@@ -814,12 +814,12 @@ class Panels:
 
     @classmethod
     def together(cls, parts: Sequence[Panels]) -> Panels:
-        """All of some, one after the other."""
+        """The panels of all parts, one after the other."""
         columns = zip(*(vars(part).values() for part in parts), strict=True)
         return cls(*(np.concatenate(column) for column in columns))
 
     def take(self, numbers: Indices) -> Panels:
-        """The chosen ones."""
+        """The panels with these numbers."""
         return Panels(*(values[numbers] for values in vars(self).values()))
 
     def cut_to(self, largest_length: float) -> Panels:
@@ -1093,7 +1093,14 @@ def _with_empty_panels(resolved_panels: _Resolved, x: Array) -> _Resolved:
     if not len(missing_points):
         return resolved_panels
     zeros = np.zeros(len(missing_points))
-    empty_panels = Panels(missing_points, x[missing_points], zeros, zeros + 1, zeros, zeros + 1)
+    empty_panels = Panels(
+        point=missing_points,
+        x=x[missing_points],
+        advance_at_v0=zeros,
+        scale=zeros + 1,
+        begin=zeros,
+        end=zeros + 1,
+    )
     no_terms = np.zeros((len(missing_points), resolved_panels.coefficients.shape[1]))
     return _Resolved(
         Panels.together([resolved_panels.panels, empty_panels]),

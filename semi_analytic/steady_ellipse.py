@@ -1247,8 +1247,10 @@ def _rule_of(ellipses: Ellipses) -> NDArray[np.uint8]:
     least_load = ellipses.mean_load - ellipses.load_amplitude
     square_at_no_stick = _square_of_imaginary(ellipses.permanent_stick_load, larger_swing)
     square_at_no_load = _square_of_imaginary(least_load, 2 * ellipses.load_amplitude)
-    # Real part and squared imaginary part, each phase being the interval [-1, 1].
-    no_stick_in_e_to_g = (-1.0, square_at_no_stick / (length_of_e_to_g * length_of_e_to_g))
+    # Real part and squared imaginary part of singularities, each phase being the interval [-1, 1].
+    # J-M is as long as E-G, and the larger of u and v serves both: one entry stands for P_c = 0 in
+    # either. Which end of the interval it is beside makes no difference to the sum of distances.
+    no_stick_in_slip = (-1.0, square_at_no_stick / (length_of_e_to_g * length_of_e_to_g))
     no_load_in_e_to_g = (
         2 * (math.pi - ellipses.slip_start) / length_of_e_to_g - 1,
         square_at_no_load / (length_of_e_to_g * length_of_e_to_g),
@@ -1258,7 +1260,7 @@ def _rule_of(ellipses: Ellipses) -> NDArray[np.uint8]:
         square_at_no_load / (length_of_i_to_j * length_of_i_to_j),
     )
     half_sum_of_distances = np.full(len(length_of_e_to_g), np.inf)
-    singularities = (no_stick_in_e_to_g, no_load_in_e_to_g, no_load_in_i_to_j)
+    singularities = (no_stick_in_slip, no_load_in_e_to_g, no_load_in_i_to_j)
     for real_part, squared_imaginary_part in singularities:
         distance_from_plus_1 = np.sqrt(np.square(real_part - 1) + squared_imaginary_part)
         distance_from_minus_1 = np.sqrt(np.square(real_part + 1) + squared_imaginary_part)

@@ -186,7 +186,7 @@ def coarser(
     at most 0.25 a, a the half-width of the contact.
 
     The stiffnesses of a penalty layer are multiplied by the factor too. They are stated relative to
-    the elements, and so the layer itself stays as stiff.
+    the elements, and so the layer itself stays as stiff wherever no size is limited.
     """
     middle_size = min(_LARGEST, factor * mesh.element_size)
     edge_size = min(_LARGEST, factor * mesh.edge_element_size)

@@ -945,8 +945,8 @@ def hysteresis(pair: Pair) -> Measured:
 def bulk_term(pair: Pair) -> Measured:
     """Work of the bulk stress per cycle, −(closed integral of m_q d(eps)): the result's minus the
     reference's, over the friction work W of the reference. m_q is the moment of the shear, eps the
-    bulk strain. Absolute, over A f^2 P_ref^2, where the reference does no friction work. `pair`
-    holds the last cycles of reference and result.
+    bulk strain. Where the reference does no friction work it is over A f^2 P_ref^2, A the
+    compliance of both bodies, and marked `absolute`. `pair` holds the last cycles of both.
     """
     reference_cycle = pair.expected
     result_cycle = pair.found
@@ -958,10 +958,10 @@ def bulk_term(pair: Pair) -> Measured:
     materials = pair.result.scene.material
     difference = bulk_work(result_cycle, materials) - bulk_work(reference_cycle, materials)
     work = pair.reference.dissipation
-    scale = pair.scales.dissipation
-    is_absolute = abs(work) <= _NO_DISSIPATION * scale
-    denominator = scale if is_absolute else work
-    return Measured(value=difference / denominator, absolute=is_absolute)
+    scale_of_work = pair.scales.dissipation
+    has_no_work = abs(work) <= _NO_DISSIPATION * scale_of_work
+    denominator = scale_of_work if has_no_work else work
+    return Measured(value=difference / denominator, absolute=has_no_work)
 
 
 def drift(pair: Pair) -> Measured:

@@ -443,7 +443,7 @@ def nearest_on_line(rows: Array, line: Array) -> Array:
     """The point of a line of straight pieces that is nearest to each row.
 
     Returns (4, n): the place on the line, counted in pieces from its begin; the distance, positive
-    on the left of the line; and the unit vector across it. The nearest of every sixteenth corner
+    on the left of the line; and the unit normal, to the left. The nearest of every sixteenth corner
     comes first, then the nearest corner around it. The line does not fold back.
 
     Parameters
@@ -488,12 +488,15 @@ def nearest_on_line(rows: Array, line: Array) -> Array:
     distance = np.hypot(vector_to_row[0], vector_to_row[1])
     cross_product = piece_vector[0] * vector_to_row[1] - piece_vector[1] * vector_to_row[0]
     distance = np.where(cross_product < 0, -distance, distance)
-    # A unit vector across the piece; beyond a corner of the line it points from there to the row.
+    # Normal of the piece, to its left. Beyond a corner of the line it has the direction from there
+    # to the row, or the opposite one where the row lies on the right.
     length = np.sqrt(length_squared[row_numbers, index_of_piece])
-    across = np.array([-piece_vector[1], piece_vector[0]]) / length
+    normal_of_piece = np.array([-piece_vector[1], piece_vector[0]]) / length
     is_at_corner = ((share_of_piece == 0) | (share_of_piece == 1)) & (distance != 0)
-    unit = np.where(is_at_corner, vector_to_row / np.where(is_at_corner, distance, 1.0), across)
-    return np.array([piece[row_numbers, index_of_piece] + share_of_piece, distance, *unit])
+    normal = np.where(
+        is_at_corner, vector_to_row / np.where(is_at_corner, distance, 1.0), normal_of_piece
+    )
+    return np.array([piece[row_numbers, index_of_piece] + share_of_piece, distance, *normal])
 
 
 def _nearest_corner(rows: Array, corners: Array) -> Indices:

@@ -213,19 +213,24 @@ class MasingLoop:
         return np.asarray(passed)
 
     def points(self, place: Array) -> tuple[Array, Array]:
-        """U and Q of the rising branch of the loop, counted from the middle of the loop, at places
-        (n,): from 0 to 1 up to where a slide as a whole begins, from 1 to 2 through the slide.
+        """U and Q of the rising branch of the loop, (n,) each, counted from the middle of the loop.
+
+        `place` (n,) numbers the points of the branch: 0 to 1 in partial slip, 1 to 2 while the
+        contact slides as a whole. Past 2 the branch goes on with the slope of its end, so that a
+        row of data beyond it has a nearest point: along U where the contact slides, else along Q.
         """
         share_of_range = self._passed(place)
         friction = self.friction
         half_range = self.values[RANGE] / 2
         shift_at_turn = friction * self.curve.value(np.array(half_range / friction))
         shift_from_turn = 2 * friction * self.curve.value(share_of_range * half_range / friction)
-        slide = self.values[SLIDE] * (np.clip(place - 1, 0.0, 1.0) - 0.5)
+        shift_of_slide = self.values[SLIDE] * (np.clip(place - 1, 0.0, 1.0) - 0.5)
         if self._slides:
-            slide = slide + 2 * shift_at_turn * np.maximum(place - 2, 0.0)
+            shift_past_end = 2 * shift_at_turn * np.maximum(place - 2, 0.0)
+            shift_of_slide = shift_of_slide + shift_past_end
         load = (2 * share_of_range - 1) * half_range
-        return shift_from_turn - shift_at_turn + slide + self.values[COMPLIANCE] * load, load
+        shift = shift_from_turn - shift_at_turn + shift_of_slide + self.values[COMPLIANCE] * load
+        return shift, load
 
     def closed(self, share: Array) -> tuple[Array, Array]:
         """U and Q from the middle of the loop at shares of a cycle (n,), from the highest Q on."""

@@ -168,8 +168,17 @@ def _figure_of_loop(score: LoopScore, means: _Means, row_counts: dict[str, Any])
 def _figure_of_residuals(
     score: LoopScore, means: _Means, residuals: Array, row_counts: dict[str, Any]
 ) -> Plate:
-    """The figure of the residuals (n,), U of the rows minus U of the best fit, over the share of
-    the cycle that is over. `row_counts` are numbers for the caption.
+    """The figure of what the best fit leaves of a measured loop, against time as a share of the
+    cycle: means of neighbouring rows are drawn, the residual of every row is its data to download.
+
+    Parameters
+    ----------
+    means
+        means over neighbouring rows: share of the cycle and residual, (k,) each
+    residuals
+        (n,) U of the rows minus U of the best fit [length]
+    row_counts
+        numbers for the caption
     """
     unit_of_length = units(score.scene)[1]
     panel = Panel(

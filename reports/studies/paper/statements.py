@@ -118,9 +118,14 @@ def _shear_in_forward_slip(case: Case) -> Found:
 
 
 def _shear_in_reverse_slip(case: Case) -> Found:
-    """Check equation (7), the shear between the events E and G: reverse slip turns it outside the
-    stick zone, whose half-width is the contact's at a smaller load. Returns (verdict, numbers).
-    `case` is the paper's ellipse of loads on one profile.
+    """Check the paper's equation (7), the shear during reverse slip, at three instants: q = q_0 + f
+    (2 p(P_c) - p(P) - p(P_0)).
+
+    # notation: p(P) the pressure under the load P; P_c the load at which the contact is as wide as
+    #           the stick zone now is; P_0, q_0 load and shear where the initial loading meets the
+    #           cycle; E begin, F turning point of P, G end of reverse slip
+
+    `case` is the paper's ellipse of loads on one profile. Returns (verdict, largest errors).
     """
     formulas = Formulas(case)
     x = np.array(_PLACES) * case.length
@@ -133,9 +138,9 @@ def _shear_in_reverse_slip(case: Case) -> Found:
         "G": case.time("G"),
     }.items():
         normal_load = float(formulas.loads(time)[0])
-        pressure_at_edge = pressure(x, float(formulas.front("EG", time)))
-        slipped_pressure = (
-            2 * pressure_at_edge - pressure(x, normal_load) - pressure(x, load_at_meeting)
+        stick_edge_load = float(formulas.front("EG", time))
+        slipped_pressure = (2 * pressure(x, stick_edge_load) - pressure(x, normal_load)) - pressure(
+            x, load_at_meeting
         )
         shear_by_7 = formulas.stuck(x, load_at_meeting) + case.friction * slipped_pressure
         errors[f"error at {name}"] = _error_of_shear(case, time, shear_by_7)
