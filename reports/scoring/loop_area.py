@@ -206,8 +206,6 @@ def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
     cycles
         how many the rows cover
     """
-    from scipy.stats import t as student
-
     places_on_loop = fit.distances.place
     order_on_loop = np.argsort(places_on_loop, kind="stable")
     area_by_distance = np.empty(len(places_on_loop))
@@ -218,22 +216,7 @@ def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
         for half_of_rows in _halves(order_on_loop)
     ]
 
-    area_by_parameters = loop.area_by_parameters + area_by_distance @ fit.distances.derivatives
-    area_by_row = area_by_parameters @ fit.influence
-    area_by_row[: len(area_by_distance)] += area_by_distance
-    # The scatter is at least what the digits of the rows leave: sigma is no smaller.
-    variance = max(float(fit.distances.value @ fit.distances.value) / fit.freedom, 1.0)
-    area_scatter = math.sqrt(variance * float(area_by_row @ area_by_row)) * max(
-        fit.misfit.widening, 1.0
-    )
-    error_by_scatter = _CHOSEN_BY_ROWS * float(student.ppf(0.975, fit.freedom)) * area_scatter
-    # W of a thin loop is no straight function of the rows: over the interval of f it changes more.
-    # A loop without an upper limit of f may be a line.
-    for parameters_at_end in fit.ends:
-        area_at_end = (
-            0.0 if parameters_at_end is None else replace(loop, values=parameters_at_end).area
-        )
-        error_by_scatter = max(error_by_scatter, abs(area_at_end - loop.area))
+    error_by_scatter = _error_by_scatter(loop, fit, area_by_distance)
     error_by_digits = 0.0
     if fit.by_digits:
         error_by_digits = loop.area_by_friction_where_gross * fit.by_digits
@@ -251,6 +234,38 @@ def _halves(order: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]
     it.
     """
     return order[::2], order[1::2]
+
+
+def _error_by_scatter(loop: MasingLoop, fit: MasingFit, area_by_distance: Array) -> float:
+    """Error (95 %) of the area of a measured loop by the scatter of its rows, which moves each row,
+    and with it the fitted loop.
+
+    Parameters
+    ----------
+    loop, fit
+        the fitted loop, and its parameters with the distances of the rows
+    area_by_distance
+        (n,) change of the area by a distance of one sigma of each row, where the loop stays
+    """
+    from scipy.stats import t as student
+
+    area_by_parameters = loop.area_by_parameters + area_by_distance @ fit.distances.derivatives
+    area_by_row = area_by_parameters @ fit.influence
+    area_by_row[: len(area_by_distance)] += area_by_distance
+    # The scatter is at least what the digits of the rows leave: sigma is no smaller.
+    variance = max(float(fit.distances.value @ fit.distances.value) / fit.freedom, 1.0)
+    area_scatter = math.sqrt(variance * float(area_by_row @ area_by_row)) * max(
+        fit.misfit.widening, 1.0
+    )
+    error_by_scatter = _CHOSEN_BY_ROWS * float(student.ppf(0.975, fit.freedom)) * area_scatter
+    # W of a thin loop is no straight function of the rows: over the interval of f it changes more.
+    # A loop without an upper limit of f may be a line.
+    for parameters_at_end in fit.ends:
+        area_at_end = (
+            0.0 if parameters_at_end is None else replace(loop, values=parameters_at_end).area
+        )
+        error_by_scatter = max(error_by_scatter, abs(area_at_end - loop.area))
+    return error_by_scatter
 
 
 def _lever(loop: MasingLoop, fit: MasingFit, rows: NDArray[np.intp]) -> Array:
