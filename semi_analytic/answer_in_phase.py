@@ -32,7 +32,7 @@ def in_phase(question: Question, strokes: tuple[Way, Way]) -> Findings:
     pressure, edges, state and friction work.
 
     It is the second cycle. What depends on the initial loading is NaN: shear, slip and the
-    tangential displacement. `ways` are the forward and the reverse stroke of the cycle.
+    tangential displacement. `strokes` are the forward and the reverse stroke of the cycle.
     """
     started = clock.perf_counter()
     scene = question.scene

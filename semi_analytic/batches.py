@@ -400,7 +400,7 @@ def _closer(
     ----------
     density
         W at places (n,) of ellipses of these numbers (n,)
-    member
+    ellipse_of_maximum
         (n,) number of the ellipse whose maximum it is
     three_places, works_at_three
         (3, n) places and W to begin with
@@ -778,8 +778,8 @@ def peak_dissipation(
     phase_radians: ArrayLike | None = None,
     mean_tangential_load: ArrayLike = 0.0,
 ) -> PeakBatch:
-    """Largest friction work per area W(x) in one steady cycle of the loads P = P0 + P1 cos t, Q =
-    Q0 + Q1 cos(t - phase), and where it is, for arrays of loads, profiles and friction.
+    """Largest friction work per area W(x) in one steady cycle of P = P0 + P1 cos t, Q = Q0 + Q1
+    cos(t - phase), and where it is, for arrays of loads, profiles and friction.
 
     W(x) may have two maxima: the shoulder, just inside the contact half-width a(P_min) of the least
     load, and one further out. Each piece between the kinks of W(x) is searched, which are at

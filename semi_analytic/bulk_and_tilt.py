@@ -730,8 +730,8 @@ def _sampled(
     enough to distinguish two segments, turning points included.
 
     `upright_profile` is the contact where the moment is prescribed, from which the tilt follows;
-    alpha is NaN where a moment has no load. `strain` is eps by a unit bulk stress of the lower and
-    of the upper body [1/stress].
+    alpha is NaN where a moment has no load. `strain_per_stress` is eps by a unit bulk stress of the
+    lower and of the upper body [1/stress].
 
     # notation: p, q values of P and Q
     """

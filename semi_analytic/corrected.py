@@ -806,8 +806,8 @@ class PointFields:
     def _slip(self, rows: Indices) -> Array:
         """Relative slip s of the faces at the points, at instants `rows`, (n, k) [length].
 
-        It is the sum of the slip by the memory curves, of the curvature of the faces outside the
-        contact, of sliding as a whole, and of the extra slip inside the contact.
+        Four parts add up: slip by the memory curves, the curvature of the faces outside the
+        contact, sliding as a whole, and the extra slip inside the contact.
         """
         followed = self._followed
         slip = self._slip_of_curves(rows)
@@ -1393,7 +1393,7 @@ def _work_of(
         fields along the path with the bodies at the distances
     distance
         (k,) |x| [length] from the middle
-    odd
+    tilt_and_strain
         work that tilt and bulk strain of the bodies add
     """
     question = paths.question
@@ -1477,7 +1477,7 @@ def _works_of_cycles(
     ----------
     exact_works
         (c,) work of these cycles by exact half-plane theory
-    odd
+    tilt_and_strain
         work that tilt and bulk strain add, or why it is left out
     """
     half_planes = paths.half_planes

@@ -788,9 +788,9 @@ class Followed:
     def _frozen_forces(self, punches: _PunchArrays, piece: Indices) -> Array:
         """Tangential force F that punches (m, k) keep while they stick, (m, k).
 
-        On a piece of the memory curve F is the force at the foot of the piece plus its slopes times
-        the rise of the loads eta, G and G_4 of the punches. `piece` (m,) is the number of the piece
-        for each row of `punches`.
+        A piece of the memory curve has constant slopes. F is the force at its foot plus each slope
+        times the rise of a load of the punches: eta, G and G_4. `piece` (m,) is the number of the
+        piece for each row of `punches`.
         """
         pieces = self.pieces
         below = pieces.parent[piece]
@@ -1390,7 +1390,7 @@ def _stick_below_slip(
         loads of the flat punches by their coordinate s
     pieces
         all pieces of memory curves
-    piece, number
+    piece, piece_number
         the outermost one, and its number, None where it is new
     bound
         the Coulomb limit that F follows during slip in one direction

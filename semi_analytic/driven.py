@@ -597,8 +597,8 @@ class _Stepper:
         """Everything that a step of the friction memory needs of the loads P = `load` and Q =
         `force` at its end.
 
-        That is the curvatures that they add to gap and faces, the place of the edge of contact in
-        the table of flat punches, and the loads of the punches up to it.
+        The loads add curvatures to gap and faces. P gives the place of the edge of contact in the
+        table of flat punches, and the loads of the punches up to it.
         """
         curvatures = self._compliance.curvatures
         gap_curvature = curvatures.normal * load + curvatures.normal_under_shear * force

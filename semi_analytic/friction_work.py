@@ -243,7 +243,7 @@ def _integrals_of_parts(
         the spans
     integrals_along
         integrates along parts of several spans at once
-    span_number, number
+    span_number, number_of_integral
         (m,) span and number in it of each integral that is cut into parts
     which
         (n,) of which of these m integrals each part is

@@ -283,8 +283,8 @@ class Grid:
         self._last_row: dict[str, Any] | None = None
 
     def compliance_at(self, x: Array, grid_number: int) -> Array:
-        """Surface displacement at points x (m,) by a unit traction on each cell of grid `number`,
-        (m, k) [length/stress], against a datum at the distance of the grid's length.
+        """Surface displacement at points x (m,) by a unit traction on each cell of grid
+        `grid_number`, (m, k) [length/stress], against a datum at the distance of the grid's length.
 
         It is the integral of -(2/(pi E*)) ln(|x - xi|/L) over the cell, the half-plane's Green's
         function.

@@ -265,11 +265,11 @@ def march(
 def _spans_of_part(
     curve: Curve, leg: LoadSegment, begin: float, end: float, friction: float, delay: float
 ) -> Iterator[Span]:
-    """Spans of time, in full stick or with slip in one direction, of a part of a load segment on
-    which neither P, u = Q - f P nor v = Q + f P turns round.
+    """Spans of time, in full stick or with slip in one direction, of a part of a load segment.
 
-    Rising u is forward slip, falling v reverse slip; neither, with rising P, is loading in stick.
-    Each piece of the memory curve that slip erases makes a span of its own.
+    On the part neither P, u = Q - f P nor v = Q + f P turns round. Rising u is forward slip,
+    falling v reverse slip; neither, with rising P, is loading in stick. Each piece of the memory
+    curve that slip erases makes a span of its own.
 
     Parameters
     ----------

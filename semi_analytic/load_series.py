@@ -1048,8 +1048,8 @@ class States:
         direction of slip, and the line of the memory curve at the stick edge.
 
         An instant whose share of its step is at most `slack` beyond the end of a record counts as
-        that end. `step` and `share` say where each instant lies. M(P) - Q, zero but for round-off,
-        is stored as a check.
+        that end. `step` and `share_of_step` say where each instant lies. M(P) - Q, zero but for
+        round-off, is stored as a check.
         """
         if not len(step):
             return

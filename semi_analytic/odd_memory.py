@@ -195,10 +195,10 @@ class OddAnswer:
 
 def odd_answer(scene: Scene, effects: BodyEffects) -> OddAnswer:
     """Friction work that tilt and bulk strain of finite bodies add in each cycle of a scene, and
-    the shift of contact and stick zone, in the second order of these small numbers.
+    the shift of contact and stick zone.
 
-    Half-planes are followed along the path; the work is a quadratic form of tilt and strain per
-    load.
+    Both in the second order of these small numbers: half-planes are followed along the path; the
+    work is a quadratic form of tilt and strain per load.
 
     Raises
     ------

@@ -72,7 +72,7 @@ def loads_of_cycle(
 
     Parameters
     ----------
-    steps
+    most_steps
         of a cycle that has neither constant P nor harmonics, at most
 
     Raises

@@ -776,11 +776,11 @@ def _over_loads(
     ellipses: Ellipses, edge_loads: Array, log_half_width: Callable[[Array], Array]
 ) -> Array:
     """Friction work of forward and of reverse slip times pi E*/(2 f^2), and the error of their sum,
-    (3, m), by integration over the loads P and P_c instead of kernels of both.
+    (3, m), by integration over loads instead of over time.
 
-    By parts W is a sum of integrals of `log_half_width` = ln a over P, and over the load P_c at the
-    stick edge, each through one phase of slip: a course. Courses are cut at the `edge_loads` behind
-    which ln a is smooth.
+    By parts W is a sum of integrals of `log_half_width` = ln a over P and over P_c, the load at the
+    stick edge. A course is one of these loads through one phase of slip. Courses are cut at the
+    `edge_loads` behind which ln a is smooth.
 
     Angles are t along P; along P_c in phase I-J 2 t_I - t, where P_c is P at that time, D - s in
     E-G and s in J-M. s is the angle from the begin of a phase, D the angle from E to G.
@@ -808,12 +808,12 @@ def _over_loads(
 
 
 def _pieces_of_courses(ellipses: Ellipses, edge_loads: Array) -> Pieces:
-    """Ranges of angles along the courses of P and of P_c, the load at the stick edge, through the
-    phases of slip, cut where the load is one of the `edge_loads` (n,).
+    """Ranges of angles for the integrals over P and over P_c, the load at the stick edge, cut where
+    the load is one of the `edge_loads` (n,).
 
-    Five courses, in this order: P in E-G (reverse slip), P in I-M (forward slip), P_c in E-G, in
-    I-J and in J-M. A piece begins at its lower load, and is also cut at the largest and at the
-    least load.
+    A course is P or P_c through one phase of slip. In this order: P in E-G (reverse slip), P in I-M
+    (forward slip), P_c in E-G, in I-J and in J-M. A piece begins at its lower load, and is also cut
+    at the largest and at the least load.
     """
     is_met = (edge_loads > 0.99 * np.min(ellipses.permanent_stick_load)) & (
         edge_loads < np.max(ellipses.mean_load + ellipses.load_amplitude)
@@ -921,7 +921,7 @@ def _course_of_stick_edge(
     sine: Array,
 ) -> tuple[Array, Array]:
     """Weight of ln a in the friction work W pi E*/(2 f^2), and the load P_c at the stick edge,
-    while that edge moves through reverse slip or the second part of forward slip.
+    along the course of P_c in reverse slip or in the second part of forward slip.
 
         P_c = P_T + `amplitude` `half_square`,
         P - P_c = `other_amplitude`/2 (1 - cos(angle - `turn`)),    `half_square` = sin^2(angle/2)
@@ -1137,9 +1137,10 @@ def works_by_lam(
     least_share: float = _FLOOR,
 ) -> tuple[Array, Array]:
     """Friction work of forward and of reverse slip times pi E*/(2 f^2), (m,) each, for profiles
-    with a cheap kernel Lam = int [ln a - ln a(P_c)] d eta from P_c to P, or a multiple of it.
+    whose kernel of the work is cheap.
 
-    Each ellipse gets as few nodes as it needs. Ellipses of one rule and one way to Lam are
+    The kernel is Lam = int [ln a - ln a(P_c)] d eta from P_c to P, or a multiple of it. Each
+    ellipse gets as few nodes as it needs. Ellipses of one rule and one formula for Lam are
     integrated together.
 
     Parameters
