@@ -163,9 +163,13 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     load_sizes = LoadSizes.of(
         np.concatenate(samples_of_segments, axis=1), convex_shape, compliance, friction
     )
-    first_shearing = _first_shearing_segment(samples_of_segments[:loading_count], load_sizes)
+    first_shearing_segment = _first_shearing_segment(
+        samples_of_segments[:loading_count], load_sizes
+    )
     last_sample = samples_of_segments[-1][:, -1:]
-    p, q, eps, alpha = np.concatenate(samples_of_segments[first_shearing:] or [last_sample], axis=1)
+    p, q, eps, alpha = np.concatenate(
+        samples_of_segments[first_shearing_segment:] or [last_sample], axis=1
+    )
     largest_load = float(np.max(p))
     neglected: dict[str, float] = {}
     # At constant P the stick zones of a parabola are nested where contacts are not.
@@ -198,13 +202,13 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     )
     if contact is None:
         return None
-    first_by_strain = first_shearing if is_strain_alone else len(segments)
+    first_segment_by_strain = first_shearing_segment if is_strain_alone else len(segments)
     segments_of_curve: list[LoadSegment | None] = [
-        replace(segment, bulk=None, turning=None) for segment in segments[:first_by_strain]
+        replace(segment, bulk=None, turning=None) for segment in segments[:first_segment_by_strain]
     ]
     segments_of_curve += [
         _leg_by_strain(segment, strain_per_stress, first_strain, relation.slope)
-        for segment in segments[first_by_strain:]
+        for segment in segments[first_segment_by_strain:]
     ]
     known_segments = [segment for segment in segments_of_curve if segment is not None]
     if len(known_segments) < len(segments):

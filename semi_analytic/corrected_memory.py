@@ -806,8 +806,9 @@ class Followed:
         """The slip zones of all steps, cut into parts within which the integrand of the work is
         smooth.
 
-        Cuts are at corners of the profile, which are whole numbers of the punch coordinate s, and
-        at the tops of the pieces of the memory curve before the step.
+        Cuts are at corners of the profile, which are whole numbers of the punch coordinate s. They
+        are also at the tops of the pieces of the memory curve before the step. A part names the
+        piece in which it lies, 0 beyond the edge of contact before the step.
 
         Parameters
         ----------
@@ -818,14 +819,17 @@ class Followed:
         parts: list[tuple[int, float, float, int, int]] = []
         tops, parents, curves = self._lists
         zones_in_steps = [
-            (row, int(sense[row]), float(begin[row]), float(zone_end[row]))
-            for sense, begin, zone_end in zones
-            for row in (np.flatnonzero((sense[1:] != 0) & (zone_end[1:] > begin[1:])) + 1).tolist()
+            (row, int(sense[row]), float(begin_s[row]), float(zone_end[row]))
+            for sense, begin_s, zone_end in zones
+            for row in (
+                np.flatnonzero((sense[1:] != 0) & (zone_end[1:] > begin_s[1:])) + 1
+            ).tolist()
         ]
         for row, direction, zone_begin, zone_end in zones_in_steps:
             piece = curves[row - 1]
             part_end = zone_end
-            is_beyond_edge = True  # the edge of the contact before
+            is_beyond_edge = True  # of the contact before the step
+            # From the outer end inwards, piece by piece.
             while part_end > zone_begin:
                 part_begin = max(
                     tops[piece] if is_beyond_edge else tops[parents[piece]], zone_begin

@@ -133,14 +133,15 @@ class Compliance(NamedTuple):
             (A/pi) ln(2 L/c) + c_t + T c^2/2 - T^2 G(c) c^2/8 + 1/k_s - R alpha_Q^2 P,
             G(c) = (pi E*/4) c^2
 
-        T is the curvature of the faces per Q, c_t the compliance of the bodies, k_s the spring;
-        without the curvatures by the other load.
+        T is the curvature of the faces per Q, c_t the compliance of the bodies, k_s the spring, L
+        the datum length; R alpha_Q^2 P comes from the tilt. Without the curvatures by the other
+        load.
         """
-        half = np.asarray(half_width, dtype=float)
-        squared_width = half**2
+        stick_half_width = np.asarray(half_width, dtype=float)
+        squared_width = stick_half_width**2
         face_curvature = self.curvatures.tangential
         parabola = squared_width / (2 * self.unit_compliance)  # G(c) = (pi E*/4) c^2 = c^2/(2 A/pi)
-        half_plane_rate = self.unit_compliance * np.log(2 * self.datum_length / half)
+        half_plane_rate = self.unit_compliance * np.log(2 * self.datum_length / stick_half_width)
         body_rate = (
             self.tangential
             + face_curvature * squared_width / 2

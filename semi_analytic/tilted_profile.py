@@ -490,38 +490,39 @@ class PiecewiseParabola(ConvexProfile):
         """Gap at x outside contacts of centre m and half-length c, arrays that broadcast [length];
         0 inside.
 
-        A sum of closed forms: for each knot the jump of h'' there times an integral over the way
-        from the contact to x, plus that of one parabola.
+        With F = d r - c^2 u, r = sqrt(d^2 - c^2), it is h''_0 F/2 plus for each knot b = m + c
+        cos(theta) the jump J of h'' there times
 
-        # notation: t = x - m, theta angle of a knot at m + c cos(theta), u = arccosh(|t|/c)
+            (x - b)_+^2/2 + [theta F - (x - b)^2 phi - s c sin(theta) (r - s c cos(theta) u)]/(2 pi)
+
+        # notation: t = x - m, d = |t|, s sign of t, u = arccosh(d/c), h''_0 curvature left of all
+        #           knots; tan(phi/2) = tan(theta/2) over tanh(u/2) where s > 0, else times it
         """
         t = x - m
         theta, sine, cosine = self.angles(m, c)
         distance = np.maximum(np.abs(t), c)
-        root_outside = np.sqrt((distance - c) * (distance + c))
-        u = np.where(c > 0, np.arcsinh(root_outside / np.where(c > 0, c, 1.0)), 0.0)
-        area_of_parabola = distance * root_outside - c * c * u
+        r = np.sqrt((distance - c) * (distance + c))
+        u = np.where(c > 0, np.arcsinh(r / np.where(c > 0, c, 1.0)), 0.0)
+        parabola_term = distance * r - c * c * u
         side = np.sign(t)[..., None]
-        # Twice the arctan of the half angle's tangent, which is opposite over adjacent leg.
+        # phi by opposite over adjacent leg of its half
         zeros = np.zeros(t.shape)
-        leg_ratio = np.divide(root_outside, distance + c, out=zeros, where=distance + c > 0)[
-            ..., None
-        ]
+        leg_ratio = np.divide(r, distance + c, out=zeros, where=distance + c > 0)[..., None]
         opposite_leg = np.where(side > 0, sine, leg_ratio * sine)
         adjacent_leg = np.where(side > 0, leg_ratio, 1.0) * (1 + cosine)
-        angle_from_knot = 2 * np.arctan2(opposite_leg, adjacent_leg)
-        angle_from_knot = np.where(cosine >= 1, 0.0, angle_from_knot)
-        angle_from_knot = np.where(cosine <= -1, np.pi, angle_from_knot)
+        phi = 2 * np.arctan2(opposite_leg, adjacent_leg)
+        phi = np.where(cosine >= 1, 0.0, phi)
+        phi = np.where(cosine <= -1, np.pi, phi)
         from_knot = x[..., None] - self.knots
         knot_height = c[..., None] * sine
         knot_distance = c[..., None] * cosine
         terms_of_knots = np.square(np.maximum(from_knot, 0.0)) / 2
-        terms_of_knots = terms_of_knots - from_knot * from_knot * angle_from_knot / (2 * np.pi)
-        lever = root_outside[..., None] - side * knot_distance * u[..., None]
-        terms_of_knots += (theta * area_of_parabola[..., None] - side * knot_height * lever) / (
+        terms_of_knots = terms_of_knots - from_knot * from_knot * phi / (2 * np.pi)
+        lever = r[..., None] - side * knot_distance * u[..., None]
+        terms_of_knots += (theta * parabola_term[..., None] - side * knot_height * lever) / (
             2 * np.pi
         )
-        gap = terms_of_knots @ self.jumps + self.curvature[0] / 2 * area_of_parabola
+        gap = terms_of_knots @ self.jumps + self.curvature[0] / 2 * parabola_term
         return np.where(np.abs(t) > c, gap, 0.0)
 
     def approach(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
@@ -947,11 +948,12 @@ class NestedIntervals:
         return outward_growth
 
     def load(self, x: Array) -> Array:
-        """The load at which the contact first reaches x as one of its ends [force per thickness];
+        """The load P at which the contact first reaches x as one of its ends [force per thickness];
         infinite where none up to the largest does.
 
-        With x fixed as an end, the mean slope falls as the half-length c grows. Newton's method
-        finds the c at which it balances the tilt, kept in a bracket.
+        x is an end where the mean of h' over the contact is -(alpha_0 + kappa P), the tilt under P.
+        With x fixed, that mean falls as the half-length c grows: Newton's method for c, kept in a
+        bracket.
         """
         middle, half_width = self.exactly(self.largest_load)
         is_reached = np.abs(x - middle) <= half_width * (1 + 1e-8)
@@ -965,13 +967,13 @@ class NestedIntervals:
             balance = self.shape.balance(reached_x - side * c, c)
             slope_excess = side * (balance.mean_slope + self.tilt_without_load)
             slope_excess = slope_excess + side * tilt_over_compliance * balance.load
-            rate = (balance.bend_sum - side * balance.bend_cosine_sum) * (
+            fall_rate = (balance.bend_sum - side * balance.bend_cosine_sum) * (
                 1 / np.pi - side * tilt_over_compliance * c
             )
             least_c = np.where(slope_excess > 0, c, least_c)
             largest_c = np.where(slope_excess > 0, largest_c, c)
-            newton_c = c + slope_excess / np.where(rate > 0, rate, np.inf)
-            is_in_bracket = (rate > 0) & (newton_c >= least_c) & (newton_c <= largest_c)
+            newton_c = c + slope_excess / np.where(fall_rate > 0, fall_rate, np.inf)
+            is_in_bracket = (fall_rate > 0) & (newton_c >= least_c) & (newton_c <= largest_c)
             new_c = np.where(is_in_bracket, newton_c, (least_c + largest_c) / 2)
             is_small_step = is_in_bracket & (np.abs(new_c - c) <= 1e-10 * c)
             is_done = is_small_step | (largest_c - least_c <= 4e-16 * self.scale)
