@@ -275,10 +275,11 @@ def _lever(loop: MasingLoop, fit: MasingFit, rows: NDArray[np.intp]) -> Array:
     """
     place = fit.distances.place[rows]
     across = fit.distances.across[rows]
-    before = np.concatenate([[place[-1] - 2], place[:-1]])
-    behind = np.concatenate([place[1:], [place[0] + 2]])
-    shift_before, load_before = loop.at_rows(np.mod((before + place) / 2, 2.0))
-    shift_behind, load_behind = loop.at_rows(np.mod((place + behind) / 2, 2.0))
+    # places go round the loop from 0 to 2: the first row follows the last one
+    place_before = np.concatenate([[place[-1] - 2], place[:-1]])
+    place_behind = np.concatenate([place[1:], [place[0] + 2]])
+    shift_before, load_before = loop.at_rows(np.mod((place_before + place) / 2, 2.0))
+    shift_behind, load_behind = loop.at_rows(np.mod((place + place_behind) / 2, 2.0))
     by_load = across[:, 1] * fit.weights.load * (shift_behind - shift_before)
     by_shift = across[:, 0] * fit.weights.shift * (load_behind - load_before)
     return np.asarray(by_load - by_shift)

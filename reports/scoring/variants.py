@@ -163,10 +163,11 @@ class Predictions:
         return (difference - mirrored) / 2
 
     def _solved(self, variant: Variant, *, sheared: bool) -> Tractions:
-        """Tractions p and q, (2, k, n), of theory with the faults of a variant, at the result's
-        points, which are shifted or stretched where that is among the faults.
+        """Tractions p and q of half-plane theory with some faults put in (`variant`, such as other
+        times or a coarse mesh), (2, k, n), at the n points of a result and k instants. The points
+        are shifted or stretched where that is among the faults.
 
-        Where the reference is not theory itself the difference of the two is added. Without
+        Where the reference is not theory itself its difference from theory is added. Without
         `sheared` only the pressure is solved, and q is the reference's.
         """
         if variant == Variant():
@@ -188,8 +189,12 @@ class Predictions:
         return tractions
 
     def _theory(self, variant: Variant, x: Array, *, sheared: bool) -> Tractions:
-        """Pressure p of half-plane theory with the faults of a variant at points x, and shear q if
-        `sheared`; before factors, swaps and offsets of the file are applied.
+        """Pressure p of half-plane theory with some faults put in at points x (n,), and shear q if
+        `sheared`: (1 or 2, k, n) at k instants. `variant` holds the size of each fault: no memory
+        of friction, long load steps, small bodies, a soft normal contact, unlike materials
+        (Dundurs' beta).
+
+        Factors, swaps and offsets of the file are applied later.
         """
         discrepancy = self.discrepancy
         scene = self._scene_of(variant)

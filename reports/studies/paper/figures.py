@@ -496,9 +496,13 @@ def _figure_5(case: Case) -> Plate:
     marks_above = list(zones.drawn(np.degrees(zones.time - time_of_m)))
     for letter in "MFGHIKJL":
         time = case.time(letter) + (2 * math.pi if case.time(letter) < time_of_m else 0.0)
-        shift = {"M": (8.0, 9.0), "I": (0.0, -12.0), "J": (-6.0, -12.0)}.get(letter, (0.0, 9.0))
+        offset_of_letter = {"M": (8.0, 9.0), "I": (0.0, -12.0), "J": (-6.0, -12.0)}.get(
+            letter, (0.0, 9.0)
+        )
         height = float(case.width(case.events[letter].normal_load))
-        marks_above += _text_at(math.degrees(time - time_of_m), height, letter, shift, dot=True)
+        marks_above += _text_at(
+            math.degrees(time - time_of_m), height, letter, offset_of_letter, dot=True
+        )
     angles = np.linspace(0.0, 360.0, 721)
     marks_below: list[Mark] = []
     solution = case.solve(time=time_of_m + np.radians(angles), x=POINTS, fields=("slip", "state"))
@@ -510,8 +514,11 @@ def _figure_5(case: Case) -> Plate:
         marks_above.append(_line([0.0, 360.0], [x, x], "", f"{css} dot"))
         marks_above += _text_at(360.0, x, f"{x:.2f}", (-14.0, 5.0), colour)
         marks_below += _displacement_line(angles, displacement_of_point, state, css)
-        row_of_least = int(np.argmin(displacement_of_point))
-        place_of_least = (float(angles[row_of_least]), float(displacement_of_point[row_of_least]))
+        index_of_least = int(np.argmin(displacement_of_point))
+        place_of_least = (
+            float(angles[index_of_least]),
+            float(displacement_of_point[index_of_least]),
+        )
         marks_below += _text_at(*place_of_least, f"{x:.2f}", (0.0, -10.0), colour)
     least_displacement = float(displacement.min())
     largest_displacement = float(displacement.max())
