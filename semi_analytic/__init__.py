@@ -39,7 +39,8 @@ From a request to an answer::
     quadrature.py           Gauss' rule; trapezoidal rule for singular ends
     solution.py             `solve`: which of three ways answers a scene
     answer.py               the question, what is found, the record of a ContactSolution
-    answer_by_memory.py     one memory curve: states, fields, dissipations and their errors
+    answer_by_memory.py     one memory curve: states, fields, dissipations
+    stated_errors.py        how far its values may be from exact ones: an estimate for each kernel
     answer_in_phase.py      loads in phase: the steady cycle alone
     answer_on_grids.py      all other loads, on grids
     corrected.py            theory with what finite bodies add to the compliance of half-planes:

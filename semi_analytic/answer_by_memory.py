@@ -43,7 +43,6 @@ from semi_analytic.answer import (
     Findings,
     Question,
     between,
-    largest_error,
     mirrored_points,
     neglected_coupling,
 )
@@ -77,37 +76,31 @@ from semi_analytic.memory import (
     PROMISED,
     Piece,
     Snapshot,
-    level,
     pieces,
-    rounding_of_shift,
-    rounding_of_slip,
     value_on,
 )
 from semi_analytic.opposite_slip import OppositeSlip
 from semi_analytic.profiles import Contact, SymmetricContact, contact_of
 from semi_analytic.quadrature import NODES
+from semi_analytic.stated_errors import (
+    Route,
+    Sums,
+    error_by_slipped_load,
+    error_of_shift,
+    error_of_work,
+    errors_of_sums,
+)
 from semi_analytic.steady_ellipse import Ellipses, digits_of_loop, ellipses_of, works_over_time
 from semi_analytic.tilted_profile import TiltedProfile
 
 Indices = NDArray[np.int64]
 
-# Instants and places at which the errors of fields are looked at.
+# Instants at which the errors of fields are looked at.
 _INSTANTS = 7
-_PLACES = 25
-# Share of a half-width within which a point is at an edge.
-_NEAR = 0.01
 _TINY = float(np.finfo(float).tiny)
-_EPS = float(np.finfo(float).eps)
 # Rounding of the closed integral of Q dU over the dissipation, above which it is no second route
 # any more.
 _TOO_ROUGH = 1e-2
-# So many times that rounding may be in it where U is no closed form: fifty last digits of each
-# primitive in a difference of two.
-_OF_LOOP = 100.0
-# Below this share of P in P - P_c the integral of Q dU has been 1e-3 to 0.1 of W off where P nearly
-# vanishes, more than its rounding: there Lam is an integral of positive terms over a range on which
-# P(a) is a line, and needs no second route.
-_SLIPS_ENOUGH = 1e-6
 # Errors that a note says, share of the largest value.
 _DOUBTFUL = 1e-9
 
@@ -562,7 +555,9 @@ class _SeriesSums:
 
     def rounding_of_parts(self) -> Array:
         """Relative error by rounding of the friction work of each part, (parts,)."""
-        return 3 * np.array([rounding_of_slip(share) for share in self.shares.tolist()])
+        return np.array(
+            [error_by_slipped_load("dissipation", share) for share in self.shares.tolist()]
+        )
 
     def quadrature_errors(self) -> Array:
         """Relative error by quadrature of the friction work of each part, (parts,); 0 of none."""
@@ -712,7 +707,7 @@ def _result_of_history(history: History, request: Request) -> PathResult:
         largest_density_error = float(np.max(density_parts.error))
         if largest_density_error:
             density_error = largest_density_error / float(np.max(density))
-        density_error += 3 * rounding_of_slip(slipped_share(last_spans))
+        density_error += error_by_slipped_load("dissipation_density", slipped_share(last_spans))
     loop = None
     # Where W is no closed form, what both routes to it differ by is in its error.
     needs_loop = request.wants("loop_work") or not contact.closed_form
@@ -789,7 +784,7 @@ def _works_of_cycles(history: History, request: Request) -> dict[int, _WorkOfCyc
             spans = history.cycles[cycle]
             work_parts = global_dissipation(contact, request.modulus, spans)
             error = float(work_parts.error / work_parts.total) if work_parts.error else 0.0
-            error += 3 * rounding_of_slip(slipped_share(spans))
+            error += error_by_slipped_load("dissipation", slipped_share(spans))
             works_of_cycles[cycle] = _WorkOfCycle(float(work_parts.total), error)
     return works_of_cycles
 
@@ -1009,23 +1004,32 @@ def _errors(
     NotFoundError
         For an error that is not a number.
     """
+    contact = request.contact
     errors = {"dissipation_density": path_answer.density_error}
     if request.wants("pressure", *arc_errors):
-        errors |= _errors_of_tractions(
-            request, path_answer.snapshot, loads_and_edges, fields, arc_errors
+        errors |= errors_of_sums(
+            contact, _sums_of(request, path_answer.snapshot, loads_and_edges, fields, arc_errors)
         )
-    rounding_of_slips = 8 * rounding_of_slip(path_answer.slipped_share)
-    errors["slip"] = errors.get("slip", 0.0) + rounding_of_slips
+    errors["slip"] = errors.get("slip", 0.0) + error_by_slipped_load(
+        "slip", path_answer.slipped_share
+    )
     if request.wants("tangential_displacement"):
-        errors["tangential_displacement"] = rounding_of_shift(
+        errors["tangential_displacement"] = error_of_shift(
             path_answer.snapshot.friction,
-            request.contact.log_distance(loads_and_edges["normal_load"]),
+            contact.log_distance(loads_and_edges["normal_load"]),
             loads_and_edges["tangential_displacement"] / request.unit_compliance,
         )
     if request.wants("dissipation"):
-        errors["loop_work"], errors["dissipation"] = _errors_of_work(
-            request, path_answer, loop_work
+        error_of_kernel, difference = error_of_work(
+            contact,
+            path_answer.spans,
+            float(path_answer.works[-1]) / request.unit_compliance,
+            _route_of(request, path_answer, loop_work),
         )
+        error_of_last = float(path_answer.work_errors[-1])
+        loop_error = error_of_last + difference
+        errors["loop_work"] = loop_error if loop_error > PROMISED else 0.0
+        errors["dissipation"] = error_of_last + error_of_kernel
         errors["dissipation_density"] += errors["dissipation"]
         error_of_worst_cycle = float(np.max(path_answer.work_errors))
         if error_of_worst_cycle > errors["dissipation"]:
@@ -1038,18 +1042,20 @@ def _errors(
     return {name: error for name, error in errors.items() if error and name in allowed_names}
 
 
-def _errors_of_tractions(
+def _route_of(request: Request, path_answer: PathResult, loop_work: float) -> Route:
+    """The closed integral of Q dU, over A/pi."""
+    roundoff = path_answer.loop.rounding if path_answer.loop is not None else 0.0
+    return Route(loop_work / request.unit_compliance, roundoff / request.unit_compliance)
+
+
+def _sums_of(
     request: Request,
     snapshot: Snapshot,
     loads_and_edges: Mapping[str, Array],
     fields: Mapping[str, NDArray[Any]],
     arc_errors: Mapping[str, float],
-) -> dict[str, float]:
-    """Relative errors of pressure, shear and slip, from a sample of instants and points.
-
-    Tractions start like roots at the edges of contact and stick. A last digit of an edge counts for
-    much more next to it: "... at the edge" is the error for the points that are asked for, however
-    near. Without these words it is for points 1 % of a half-width away.
+) -> Sums:
+    """The sums of kernels that pressure, shear and slip are, at a sample of instants.
 
     Parameters
     ----------
@@ -1058,135 +1064,29 @@ def _errors_of_tractions(
     loads_and_edges
         half-widths of contact and of stick at each instant, by name
     fields
-        the answer's pressure, shear and slip
+        the answer's slip, NaN where it was not asked for
     arc_errors
         errors of the integrals of shear and slip over arcs of the memory curve
     """
-    contact = request.contact
-    friction = snapshot.friction
     instants = np.unique(np.linspace(0, len(snapshot.load) - 1, _INSTANTS).astype(int))
-    loads = np.unique(np.append(snapshot.load[instants], np.max(snapshot.load)))[:, None]
-    numbers_of_points = np.unique(np.linspace(0, len(request.distance) - 1, _PLACES).astype(int))
-    x = request.distance[numbers_of_points]
-    # p is infinite at the tip of a sharp wedge, s NaN where it was not asked for.
-    largest_pressure = _largest_finite(contact.pressure(x, loads))
-    largest_slip = _largest_finite(np.abs(fields["slip"]) / request.unit_compliance)
-    has_slip = largest_slip > _TINY
-    arc_shares = {"shear": 0.0, "slip": 0.0}
-    if friction:
-        arc_shares["shear"] = largest_error(arc_errors["shear"]) / (friction * largest_pressure)
-    if has_slip:
-        arc_shares["slip"] = largest_error(arc_errors["slip"]) / largest_slip
-    if contact.closed_form or isinstance(contact, TiltedProfile):
-        return {name: error for name, error in arc_shares.items() if error > PROMISED}
-    errors: dict[str, float] = {}
-    n_kernels = 2 * _most_pieces(snapshot, instants) + 2
-    if largest_pressure > _TINY:
-        half_width = contact.half_width(loads)
-        is_away = np.abs(x - half_width) > _NEAR * half_width
-        pressure_error = contact.quadrature_error("pressure", x, loads)
-        kernel_error = largest_error(np.where(is_away, pressure_error, 0.0)) / largest_pressure
-        for suffix, least_distance in (("", _NEAR), (" at the edge", 0.0)):
-            edge_error, stick_edge_error = (
-                _error_at_edges(contact, request.distance, loads_and_edges[name], least_distance)
-                / largest_pressure
-                for name in ("contact_half_width", "stick_half_width")
-            )
-            errors[f"pressure{suffix}"] = kernel_error + edge_error
-            sum_error = arc_shares["shear"] + n_kernels * kernel_error
-            errors[f"shear{suffix}"] = sum_error + edge_error + 2 * stick_edge_error
-        if request.wants("slip") and has_slip:
-            kernel_error = largest_error(contact.quadrature_error("slip_integral", x, loads))
-            errors["slip"] = arc_shares["slip"] + n_kernels * friction * kernel_error / largest_slip
-    return errors
-
-
-def _largest_finite(values: Array) -> float:
-    return float(np.max(values, where=np.isfinite(values), initial=_TINY))
+    slip = np.abs(fields["slip"])
+    return Sums(
+        distance=request.distance,
+        load=np.unique(np.append(snapshot.load[instants], np.max(snapshot.load))),
+        half_widths=loads_and_edges["contact_half_width"],
+        stick_half_widths=loads_and_edges["stick_half_width"],
+        friction=snapshot.friction,
+        largest_slip=float(np.max(slip, where=np.isfinite(slip), initial=0.0))
+        / request.unit_compliance,
+        n_kernels=2 * _most_pieces(snapshot, instants) + 2,
+        arc_errors=arc_errors,
+    )
 
 
 def _most_pieces(snapshot: Snapshot, instants: Indices) -> int:
     """Of how many pieces a memory curve of some instants is at most."""
     curves = [snapshot.uppermost_pieces[k] for k in snapshot.piece_number[instants]]
     return max((len(list(pieces(curve))) for curve in curves), default=0)
-
-
-def _error_at_edges(
-    contact: SymmetricContact, x: Array, half_widths: Array, least_distance: float
-) -> float:
-    """Largest error of the pressure next to an edge of contact or of stick [stress], by the error
-    of its half-width a: (g/pi) sqrt(2 d/a) at the distance d, g = dP/da.
-
-    d is that of the nearest of the points x (k,) ascending, and at least `least_distance` times a.
-    The half-widths (n,) may be NaN.
-    """
-    half_widths_of_edges = half_widths[np.isfinite(half_widths) & (half_widths > 0)]
-    last_point = len(x) - 1
-    point_after = np.clip(np.searchsorted(x, half_widths_of_edges), 1, max(last_point, 1))
-    distance_before = np.abs(x[point_after - 1] - half_widths_of_edges)
-    distance_after = np.abs(x[np.minimum(point_after, last_point)] - half_widths_of_edges)
-    distance = np.maximum(
-        np.minimum(distance_before, distance_after), least_distance * half_widths_of_edges
-    )
-    stiffness = contact.stiffness(half_widths_of_edges)
-    load_error = contact.noise * contact.load(half_widths_of_edges)
-    edge_error = 40 * _EPS * half_widths_of_edges + load_error / np.where(
-        stiffness > 0, stiffness, np.inf
-    )
-    root_change = np.sqrt(distance + edge_error) - np.sqrt(distance)
-    return largest_error(stiffness / np.pi * np.sqrt(2 / half_widths_of_edges) * root_change)
-
-
-def _errors_of_work(
-    request: Request, path_answer: PathResult, loop_work: float
-) -> tuple[float, float]:
-    """Relative errors of the closed integral of Q dU and of the friction work W of the last cycle,
-    in this order.
-
-    Both should be equal. What they differ by is the error of the integral, since W keeps more
-    digits where slip is tiny. It counts for W too where neither round-off nor a tiny slip explains
-    it.
-
-    Parameters
-    ----------
-    path_answer
-        W of each cycle with its error
-    loop_work
-        closed integral of Q dU of the last cycle, NaN where there is none
-    """
-    work_of_last_cycle = float(path_answer.works[-1])
-    work_error = float(path_answer.work_errors[-1])
-    difference = 0.0
-    if math.isfinite(loop_work) and work_of_last_cycle > 0:
-        difference = abs(loop_work / work_of_last_cycle - 1)
-    loop_error = work_error + difference
-    if loop_error <= PROMISED:
-        loop_error = 0.0
-    if work_of_last_cycle > 0 and not request.contact.closed_form:
-        # What the last digits of U leave in the loop says nothing of W.
-        loop_roundoff = (
-            _OF_LOOP * path_answer.loop.rounding / work_of_last_cycle
-            if path_answer.loop is not None
-            else 0.0
-        )
-        if difference > loop_roundoff and slipped_share(path_answer.spans) > _SLIPS_ENOUGH:
-            work_error += difference
-        sum_left_out = math.fsum(
-            _left_out_of_work(request.contact, span) for span in path_answer.spans
-        )
-        work_error += request.unit_compliance * sum_left_out / work_of_last_cycle
-    return loop_error, work_error
-
-
-def _left_out_of_work(contact: Contact, span: Span) -> float:
-    """What the quadratures of Lam leave out of f int w' Lam dt over a span."""
-    if not span.direction or span.sticking_piece is None:
-        return 0.0
-    times = np.linspace(span.begin.time, span.end.time, 9)[1:-1]
-    growth = np.maximum(span.leg.rate_of(level(span.direction, span.friction), times), 0.0)
-    load, _ = span.leg.loads(times)
-    error = contact.quadrature_error("dissipation_kernel", load, span.slipped(times))
-    return span.friction * largest_error(growth * error) * (span.end.time - span.begin.time)
 
 
 def _errors_of_neglect(question: Question, family: OneCurve | None) -> dict[str, float]:

@@ -9,11 +9,6 @@ The curve is a stack of pieces, the last at the top; a piece knows the one below
 instants of a history share what they have in common. A piece is a parabola M = M_a + (slope + bend
 (eta - eta_a)) (eta - eta_a) about an instant `a` of the load path (a straight line mostly), or an
 arc: a stretch of a curved leg that was appended in full stick.
-
-Round-off error: where next to nothing slips, the load at the front P_c is known to a digit of P.
-
-# notation: P_c load at the front of slip; d = P - P_c the load that has slipped, W ~ d^3 and s ~
-d^(3/2) where d is small
 """
 
 from __future__ import annotations
@@ -48,39 +43,6 @@ def repeats_within(share: float) -> float:
     slips (`share` of P).
     """
     return min(_REPEATS, max(_OF_SLIP * share, _LEAST))
-
-
-def rounding_of_slip(share: float) -> float:
-    """Relative error of d = `share` P by the last digits of P; 0 where that is below what closed
-    forms promise, or nothing slips.
-
-    Three times as much counts for W, eight times for the slip s: one and a half by its power of d,
-    the rest by the digits of kernels that cancel. Measured: up to 4.5 times, on a short flat face.
-    """
-    error = LAST_DIGITS / share if share > 0 else 0.0
-    return error if 8 * error > PROMISED else 0.0
-
-
-def rounding_of_shift(friction: float, moments: Array, shifts: Array) -> float:
-    """Relative error of the tangential displacement by round-off of its logarithmic integrals, sums
-    that cancel; 0 where it is below what closed forms promise, or nothing moves.
-
-    Parameters
-    ----------
-    friction
-        f
-    moments
-        (n,) int ln(2 L/a) d eta up to the load of each instant
-    shifts
-        (n,) int M' ln(2 L/a) d eta along the memory curve, the displacement in the unit of
-        `moments`
-    """
-    largest_shift = float(np.max(np.abs(shifts)))
-    if largest_shift <= 0:
-        return 0.0
-    largest_moment = float(np.max(np.abs(moments)))
-    error = 2 * LAST_DIGITS * friction * largest_moment / largest_shift
-    return error if error > PROMISED else 0.0
 
 
 def level(direction: int, friction: float) -> Combination:
