@@ -18,6 +18,7 @@ from halfplane_fe.contact import InterfaceState
 from halfplane_fe.edges import NodalAnswer, StickEdges, fitted_stick_edges, stick_edges
 from halfplane_fe.face_stress import (
     Nodal,
+    _by_stick_edges,
     _form,
     fitted_size_effect,
     sampled_tractions,
@@ -247,6 +248,37 @@ def test_the_largest_tension_is_found_where_bulk_stress_is_largest_and_the_conta
     largest = largest_edge_tension(answer)
     assert largest is not None
     assert largest.value == pytest.approx(of_all_instants.max(), rel=1e-9)
+
+
+def test_the_tension_of_a_narrow_slip_zone_is_as_uncertain_as_its_stick_edge(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of four nodes: by what the tension changes with the edge, which is nothing of an edge that
+    stays; a wide zone has no such part.
+    """
+    x = np.linspace(-1.0, 1.0, 201)[1:-1]
+    pressure = np.sqrt(1 - x**2)
+
+    def nodal(stick: float) -> Nodal:
+        outside = np.abs(x) > stick
+        shear = 0.3 * pressure - 0.3 * np.sqrt(np.maximum(stick**2 - x**2, 0.0)) * ~outside
+        load = float(np.trapezoid(shear, x))
+        return Nodal(x, pressure, shear, (-stick, stick), (-1.0, 1.0), 0.3, load, growing=False)
+
+    def uncertainty(stick: float) -> float:
+        return float(tractions_with_uncertainty(nodal(stick)).tension_uncertainty[1])
+
+    narrow = nodal(0.955)
+    tension = sampled_tractions(narrow).edge_tension()
+    changes = [_by_stick_edges(narrow, distance, tension)[1] for distance in (0.0, 3e-3, 6e-3)]
+    assert changes[0] == 0
+    assert 1.5 * changes[1] < changes[2] < 3 * changes[1]
+    assert tractions_with_uncertainty(narrow).of_unseen_slip.tolist() == [0.0, 0.0]
+    of_zones = np.array([uncertainty(stick) for stick in (0.955, 0.905)])
+    monkeypatch.setattr("halfplane_fe.face_stress._STICK_EDGE_MOVED", 0.0)
+    more = of_zones - [uncertainty(stick) for stick in (0.955, 0.905)]
+    by_edge = _by_stick_edges(narrow, 0.45 * 0.01, tension)[1]
+    np.testing.assert_allclose(more, [by_edge, 0.0], rtol=1e-9, atol=1e-12)
 
 
 @pytest.mark.parametrize(("unlike", "factor"), [(False, 2.5), (True, 6.0)])

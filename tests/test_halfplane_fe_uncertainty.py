@@ -17,7 +17,7 @@ import pytest
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings, answer_uncertainty
-from halfplane_fe.answer import creeping_zone
+from halfplane_fe.answer import _grows_within_cone, creeping_zone
 from halfplane_fe.between_nodes import NO_ZONE
 from halfplane_fe.edges import uncertainty_at_jumps
 from halfplane_fe.scales import COARSE_CYCLES
@@ -185,6 +185,31 @@ def test_nodes_that_stray_make_the_largest_pressure_less_certain() -> None:
     assert of_straying - of_smooth == pytest.approx(0.6 * scatter, rel=1e-9)
 
 
+def test_a_largest_pressure_between_the_large_elements_of_the_middle_is_less_certain() -> None:
+    """With the peak at 0.7 of the half-width they have no part in it but by how near they reach."""
+    peak = Peak(value=50.0, difference=0.0, half_width=1.0, to_edge=0.3)
+    profile = load_scene("hertz-paper").profile
+    grading = SurfaceGrading(inner=0.5, outer=1.2, size=0.05, edge_size=0.02)
+
+    def uncertainty(of: Peak) -> float:
+        return peak_uncertainty(
+            of, profile, coarse=0.1, fine=grading, mesh=COARSE, depth=math.inf, plain=False
+        )
+
+    by_edges = 0.55 * 0.02**2 * (1 / 0.6 - 1 / 0.3)
+    more = uncertainty(replace(peak, to_edge=0.6)) - uncertainty(peak)
+    assert more == pytest.approx((0.01 * 0.05**2 + by_edges) * peak.value, rel=1e-9)
+
+
+def test_bodies_stick_in_full_while_p_grows_well_within_the_cone_and_nothing_else_moves() -> None:
+    loads = np.array([(0.0, 0.0), (1.0, 0.2), (2.0, 0.4), (1.5, 0.4), (2.5, 0.8), (3.0, 0.9)])
+    imposed = np.zeros((6, 3))
+    imposed[5:, 0] = 0.1  # bulk stress comes up
+    sticks = [False, True, True, False, False, False]
+    assert _grows_within_cone(loads, imposed, friction=0.3).tolist() == sticks
+    assert _grows_within_cone(loads, imposed, friction=0.4).tolist()[4]
+
+
 def test_what_a_mesh_lets_creep_may_belong_to_the_zone_of_permanent_stick() -> None:
     """Nodes within 0.3 hardly move, those up to 0.5 by three times what counts as creep."""
     scene = load_scene("blocks")
@@ -198,6 +223,22 @@ def test_what_a_mesh_lets_creep_may_belong_to_the_zone_of_permanent_stick() -> N
     np.testing.assert_allclose(zone, [-0.3, 0.3], atol=0.01)
     np.testing.assert_allclose(wider_zone, [-0.5, 0.5], atol=0.01)
     assert np.isnan(creeping_zone(scene, x, slip + np.ones(201), ~is_closed)).all()
+
+
+@pytest.mark.parametrize(("reach", "counts"), [(0.52, False), (0.6, True)])
+def test_creep_of_a_node_or_two_beyond_the_stick_zone_is_its_edge(
+    reach: float, counts: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    theory = semi_analytic.solve("hertz-paper", x=np.linspace(-1.3, 1.3, 261))
+    names = ("slip", "state", "stick_edges", "time", "normal_load", "stick_half_width", "x")
+    arrays = {name: getattr(theory, name) for name in names}
+    ends = np.array([-1.0, 1.0])
+    arrays["permanent_stick_half_width"] = 0.5
+    arrays["permanent_stick_edges"] = 0.5 * ends
+    arrays["stick_edge_uncertainty"] = np.full(theory.stick_edges.shape, 1e-3)
+    monkeypatch.setattr(answer_uncertainty, "creeping_zone", lambda *_arguments: reach * ends)
+    stated = answer_uncertainty._of_permanent_stick(theory.scene, arrays, NO_ZONE, is_sharp=False)
+    assert stated == pytest.approx(reach - 0.5 if counts else 1e-3, rel=1e-9)
 
 
 def random_scene(changes: Mapping[str, Any]) -> Scene:
