@@ -70,8 +70,10 @@ _NODES = 2_000_000
 # From coefficients of a series on [-1, 1] to those of its primitive from -1 on, over a panel of
 # length 1.
 _PRIMITIVE = chebyshev.chebint(np.eye(DEGREE + 1), lbnd=-1, axis=1) / 2
-# Steps of which the error is looked at.
+# Steps of which the error is looked at, and how many times what halves of them change it is: of a
+# step that ends next to P_x, on a table, halves lose half as much themselves.
 _SAMPLE = 40
+_OF_HALVES = 2.5
 
 
 class TurningPoint(NamedTuple):
@@ -124,9 +126,12 @@ class Arc:
     Attributes
     ----------
     error
-        largest error of the integrals, estimated: what series left out, and what steps differ
-        from their halves by
+        largest error of the integrals so far, estimated: what series left out, and what steps
+        differ from their halves by
     """
+
+    error: float
+    _error_of_panels: float
 
     def __init__(self, contact: Contact, kernel: Kernel, piece: Piece, x: Array) -> None:
         """Integrals of one kernel times dQ at |x| = `x` (k,) along an arc, a curved piece of memory
@@ -226,9 +231,11 @@ class Arc:
             self._near[panel] & (different_times > step_begins)[:, None]
         )
         step_integrals = np.zeros(integrals.shape)
-        step_integrals[step_number, point] = self._steps(
+        step_integrals[step_number, point], error_of_steps = self._steps_and_error(
             step_begins[step_number], different_times[step_number], point
         )
+        # Steps that end within a panel are other ones than those over all of it.
+        self.error = max(self.error, self._error_of_panels + self._factor * error_of_steps)
         step_sums = np.cumsum(step_integrals, axis=0)
         sums_before = (step_sums - step_integrals)[first_of_panel]
         integrals += step_sums - np.repeat(
@@ -256,14 +263,15 @@ class Arc:
         panel_integrals[panel, point] += integrals_of_steps
         self._before = np.cumsum(panel_integrals, axis=0) - panel_integrals
         error_of_series = float(np.max(np.sum(panels.error, axis=0), initial=0.0))
-        self.error = self._factor * (error_of_steps + error_of_series)
+        self._error_of_panels = self._factor * (error_of_steps + error_of_series)
+        self.error = self._error_of_panels
 
     def _steps_and_error(self, begins: Array, ends: Array, point: Indices) -> tuple[Array, float]:
         """Integrals from begins[k] to ends[k] in time at x[point[k]], (m,), near the load at which
         the edge of contact is there, and the error of the sum of them at one point.
 
-        The error comes from a sample of steps, which are taken in halves too: the largest change,
-        times the root of the number of steps at a point.
+        The error comes from a sample of steps, which are taken in halves too: a multiple of the
+        largest change, times the root of the number of steps at a point.
         """
         sampled_steps = np.empty(0, dtype=int)
         if len(point):
@@ -279,9 +287,9 @@ class Arc:
             integrals, [len(point), len(point) + len(sampled_steps)]
         )
         changes = integrals_of_steps[sampled_steps] - lower_halves - upper_halves
-        largest_change = float(np.max(np.abs(changes), initial=0.0))
+        largest_error = _OF_HALVES * float(np.max(np.abs(changes), initial=0.0))
         most_steps_of_point = np.max(np.bincount(point), initial=0)
-        return integrals_of_steps, largest_change * math.sqrt(most_steps_of_point)
+        return integrals_of_steps, largest_error * math.sqrt(most_steps_of_point)
 
     def _resolved(self, begins: Array, ends: Array) -> _Panels:
         """Panels of time along the arc, (n,) ascending, each with a Chebyshev series of the
