@@ -5,7 +5,6 @@ there is no terminal.
 from __future__ import annotations
 
 import os
-import sys
 import time
 from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import contextmanager
@@ -226,25 +225,16 @@ def show_table(
     """
     console = Console(highlight=False)
     table_rows = [list(row) for row in rows]
-    # Rules between columns, and a blank on both sides of each where no word has to be broken for
-    # it.
-    widths_with_blanks = _widths([columns, *table_rows], console.width - 3 * len(columns) + 1)
-    widths_without_blanks = _widths([columns, *table_rows], console.width - len(columns) - 1)
-    full_widths = _widths([columns, *table_rows], sys.maxsize)
-    # with blanks a cell would break into two lines, without them none does
-    if widths_without_blanks == full_widths != widths_with_blanks:
-        widths_with_blanks = []
-    n_blanks = 0 if widths_without_blanks and not widths_with_blanks else 1
+    layout = _layout([columns, *table_rows], console.width)
     table = Table(
         title=Text(_printable(title)),
         title_justify="left",
         title_style="bold",
         pad_edge=False,
-        padding=(0, n_blanks),
+        padding=(0, layout.blanks),
+        show_edge=layout.has_outer_rules,
     )
-    widths: Sequence[int | None] = (
-        widths_with_blanks or widths_without_blanks or [None] * len(columns)
-    )
+    widths: Sequence[int | None] = layout.widths or [None] * len(columns)
     for column_number, (head, column_width) in enumerate(zip(columns, widths, strict=True)):
         justify: Literal["right", "left"] = "right" if column_number in flush_right else "left"
         table.add_column(head, justify=justify, overflow="fold", width=column_width)
@@ -252,6 +242,48 @@ def show_table(
         cells_of_row = map(_wrapped, row, widths)
         table.add_row(*map(_coloured, cells_of_row))
     console.print(table)
+
+
+class _Layout(NamedTuple):
+    """How wide a table for the terminal is drawn.
+
+    `blanks` is the number of blanks on both sides of a rule between columns; `widths` are those of
+    the columns, empty where there is no room without breaking words.
+    """
+
+    blanks: int
+    has_outer_rules: bool
+    widths: list[int]
+
+
+def _layout(rows: Sequence[Sequence[str]], total_width: int) -> _Layout:
+    """The most generous layout of a table, heads among its `rows`, in which no cell takes a second
+    line within `total_width`; where none is wide enough, the one with the fewest lines.
+
+    >>> _layout([("a head", "b"), ("12 words", "c")], 12)
+    _Layout(blanks=0, has_outer_rules=True, widths=[8, 1])
+    >>> _layout([("a head", "b"), ("12 words", "c")], 10)
+    _Layout(blanks=0, has_outer_rules=False, widths=[8, 1])
+    """
+    n_columns = len(rows[0])
+    rules_between = n_columns - 1
+    layouts = []
+    for blanks, outer_rules in ((1, 2), (0, 2), (0, 0)):
+        taken = rules_between * (1 + 2 * blanks) + outer_rules
+        widths = _widths(rows, total_width - taken)
+        if widths:
+            layouts.append(_Layout(blanks, bool(outer_rules), widths))
+    if not layouts:
+        return _Layout(1, True, [])
+    return min(layouts, key=lambda layout: _line_count(rows, layout.widths))
+
+
+def _line_count(rows: Iterable[Sequence[str]], widths: Sequence[int]) -> int:
+    """Lines that the rows of a table take, each as many as its longest cell, wrapped."""
+    return sum(
+        max(1 + _wrapped(cell, width).count("\n") for cell, width in zip(row, widths, strict=True))
+        for row in rows
+    )
 
 
 def _widths(rows: Sequence[Sequence[str]], total_width: int) -> list[int]:
