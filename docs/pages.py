@@ -215,7 +215,10 @@ def _runs_by_preset(content: Mapping[str, Any], kind: str) -> dict[str, list[dic
 
 def _coverage_table(runs: dict[str, list[dict[str, Any]]], group: str, words: str) -> Iterator[str]:
     """What uncertainties did in one group of scenes, with a head line."""
-    drawn = "; ".join(_drawn(preset, runs[preset], group) for preset in runs)
+    drawn_by_preset = {preset: _drawn(of_preset, group) for preset, of_preset in runs.items()}
+    drawn = "; ".join(f"{preset} mesh: {scenes}" for preset, scenes in drawn_by_preset.items())
+    if len(set(drawn_by_preset.values())) == 1:
+        drawn = next(iter(drawn_by_preset.values()))
     head = "quantity"
     for preset in runs:
         head += f" | covered, {preset} mesh | stated over true | true over stated"
@@ -225,12 +228,12 @@ def _coverage_table(runs: dict[str, list[dict[str, Any]]], group: str, words: st
     yield from table(head, _coverage_rows(runs, group))
 
 
-def _drawn(preset: str, runs: list[dict[str, Any]], group: str) -> str:
-    """Which scenes a preset was judged on."""
+def _drawn(runs: list[dict[str, Any]], group: str) -> str:
+    """Which scenes were judged."""
     scenes = ", ".join(str(run["groups"][group]["scenes"]) for run in runs)
     seeds = ", ".join(str(run["seed"]) for run in runs)
     word = "seeds" if len(runs) > 1 else "seed"
-    return f"{preset} mesh: {scenes} scenes of {word} {seeds}"
+    return f"{scenes} scenes of {word} {seeds}"
 
 
 def _coverage_rows(runs: dict[str, list[dict[str, Any]]], group: str) -> Iterator[list[str]]:
