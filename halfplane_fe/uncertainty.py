@@ -510,7 +510,7 @@ _PEAK_WITHIN_MIDDLE = 0.01
 _PEAK_BY_DEPTH = 0.0045
 # Share of p0 over the fourth power of the growth of elements away from the edges, as of W: 2.7e-6
 # of Hertz at 0.12 in all.
-_PEAK_GROWN = 0.004
+_PEAK_GROWN = 0.0065
 # Share of p0 that eight elements within a rounded tip leave: 1.6e-4 of a sharp wedge on the default
 # mesh, 1.3e-4 on a fine one.
 _PEAK_WITHIN_TIP = 3e-4
