@@ -25,6 +25,7 @@ from halfplane_fe.uncertainty import (
     Peak,
     RunValues,
     density_uncertainty,
+    factor_of_little_slip,
     norm_uncertainties,
     of_small_contacts,
     peak_uncertainty,
@@ -139,6 +140,7 @@ def value_uncertainties(
         else:
             by_coarse_run = DENSITY_RULE.uncertainty(0.0, from_coarse, refinement)
             density_error += float(np.nan_to_num(by_coarse_run))
+        density_error *= factor_of_little_slip(_scaled_work(task, arrays))
     estimates["largest_dissipation_density"] = density_error
     estimates["largest_pressure"] = _peak_uncertainty(
         task, arrays, is_coupled=problem.interface.coupling is not None
@@ -171,9 +173,7 @@ def _displacement_uncertainties(
         plain=task.has_plain_errors,
     )
     has_shear = needs_shear(task.scene)
-    scaled_work = 0.0
-    if has_shear:
-        scaled_work = float(arrays["dissipation"]) / (task.friction_unit * task.work_unit)
+    scaled_work = _scaled_work(task, arrays) if has_shear else 0.0
     estimates = uncertainties(values, scales.values, meshes, has_shear, scaled_work)
     elements_at_edges = 2 * _spacing_at_edges(arrays["x"], arrays["contact_edges"])
     for displacement, load in (
@@ -184,6 +184,11 @@ def _displacement_uncertainties(
             load, elements_at_edges, arrays["contact_half_width"], scales.modulus
         )
     return estimates
+
+
+def _scaled_work(task: Task, arrays: Mapping[str, Any]) -> float:
+    """W over A f^2 P^2, P the largest load: how much a contact with friction slips in a cycle."""
+    return float(arrays["dissipation"]) / (task.friction_unit * task.work_unit)
 
 
 def _width_of_slip_zone(arrays: Mapping[str, Any], element: float) -> float:
