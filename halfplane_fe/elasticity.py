@@ -725,7 +725,8 @@ def arc_loads(system: System, datum_length: float) -> ArcLoads:
     tractions of the half-plane around it.
 
     On a body that rolls on its base and is held at its ends, each end takes its part of a force
-    along x. Other bodies have no such loads. `datum_length` is the distance from a force at which
+    along x; `arc_dofs` are then those of the ends. Other bodies have no such loads. `datum_length`
+    is the distance from a force at which
     the half-plane's surface counts as unmoved [length].
     """
     contact_places = system.mesh.p[0, system.node_of_dof[system.contact_dofs[0]]]
@@ -738,8 +739,8 @@ def arc_loads(system: System, datum_length: float) -> ArcLoads:
     if system.arc_dofs.size:  # in proportion to the nodal forces of tension: half on either end
         end_shares = np.abs(system.tension_forces[system.arc_dofs.ravel()])
         loads_by_nodes[:, : len(contact_places)] = -(end_shares / end_shares.sum())[:, None]
-    no_points = np.zeros((0, system.contact_dofs.size))
-    return ArcLoads(loads_by_nodes, no_points, no_points)
+    no_rows = np.zeros((0, system.contact_dofs.size))
+    return ArcLoads(loads_by_nodes, tractions=no_rows, displacements=no_rows)
 
 
 def rigid_motions(mesh: skfem.Mesh) -> Array:

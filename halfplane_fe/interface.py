@@ -413,8 +413,8 @@ def _plateau(matrix: Array, sizes_ahead: Array) -> Array:
 def body_forces(
     lower: CondensedBody, upper: CondensedBody, pressure: Array, shear: Array
 ) -> dict[str, Array]:
-    """Forces on the contact nodes of each body, in its own frame, by the nodal pressure and shear
-    of the contact.
+    """Forces on the contact nodes of each body, in its own frame, by the nodal forces of pressure
+    and shear of the contact. In the frame of either body y points out of its face.
 
     Parameters
     ----------
@@ -431,11 +431,12 @@ def body_forces(
     """
     if _opposite(lower, upper):
         return {"lower": np.stack([shear, -pressure]), "upper": np.stack([-shear, -pressure])}
-    sides = _mortar(lower, upper)
-    traction = np.concatenate([-pressure, shear])
+    # from displacements of either body to those that the forces work on: rows normal, then along x
+    mortar_matrices = _mortar(lower, upper)
+    forces = np.concatenate([-pressure, shear])
     cases = pressure.shape[1:]
-    on_lower = (_flattened(sides.lower).T @ traction).reshape(2, -1, *cases)
-    along_x, along_y = (_flattened(sides.upper).T @ traction).reshape(2, -1, *cases)
+    on_lower = (_flattened(mortar_matrices.lower).T @ forces).reshape(2, -1, *cases)
+    along_x, along_y = (_flattened(mortar_matrices.upper).T @ forces).reshape(2, -1, *cases)
     return {"lower": on_lower, "upper": np.stack([-along_x, along_y])}
 
 

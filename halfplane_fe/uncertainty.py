@@ -702,27 +702,32 @@ def peak_uncertainty(
     depth: float,
     plain: bool,
 ) -> float:
-    """Uncertainty of the largest pressure [stress].
+    """Uncertainty of the largest pressure p0 of a run, from the difference of two meshes [stress].
 
-    u = 1.25 |p_h - p_H| / (r^p - 1), and what the edges of contact, a thin body and the coupling of
-    p and q do to it. Where
-    the profile has a tip, the difference is made there: of order n - 1 where the gap rises as |x|^n
-    with n < 2, of order 1 where the elements resolve that it is rounded. Elsewhere it is made by
-    the edges of contact: of order 2, or 1 where the curvature of the profile jumps in their zone.
-    NaN where the elements there are like those of the coarse run.
+    u = 1.25 |p_h - p_H| / (r^p - 1), p_h of the run, p_H of the coarse run, plus six terms that
+    this difference does not show: the place of the edges of contact, the large elements of the
+    middle, a thin body, the growth of elements away from the edges, a rounded tip, and the rows of
+    a table of heights. Nodes that stray around the peak are the last one.
+
+    The order p follows from where the difference is made. With a tip it is made there: n - 1 where
+    the gap rises as |x|^n with n < 2, and 1 where the elements resolve that the tip is rounded.
+    Elsewhere it is made by the edges of contact: 2, or 1 where the curvature of the profile jumps
+    near them. NaN where the elements there are as large as those of the coarse run.
 
     Parameters
     ----------
+    peak
+        the largest pressure, where it is, and its difference from the coarse run
     coarse
         element of the coarse run [length]
     fine
-        surface of the run, of the coarser side
+        sizes of the run's elements along the surface, of the body whose elements are larger
     mesh
-        of the run, of which the growth counts
+        settings of the run's mesh, of which the growth counts
     depth
-        of the thinner body; infinite of half-planes [length]
+        thickness of the thinner body; infinite of half-planes [length]
     plain
-        linear elements or a penalty layer: the difference counts in full
+        whether the run has linear elements or a penalty layer: the difference counts in full then
     """
     if not (peak.half_width > 0 and peak.to_edge > 0):
         return math.nan  # nothing touches: the first increment failed
@@ -739,6 +744,7 @@ def peak_uncertainty(
         return math.nan
     share = max(place.share_left(), 1.0 if plain else 0.0)
     a = peak.half_width
+    # each over p0
     of_edges = _PEAK_BY_EDGES * fine.edge_size**2 / (a * peak.to_edge)
     of_middle = _PEAK_BY_MIDDLE * (fine.size / a) ** 2 * (fine.inner / a) ** 4
     if a - peak.to_edge < fine.inner:

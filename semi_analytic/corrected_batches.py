@@ -190,29 +190,37 @@ def _works_of_some(
     The work is the integral over the flat punches that slip, between permanent stick and the
     largest contact; each is followed through a cycle by itself. NaN where the contact would split
     or leave the profile. `bends` are the curvatures that the bodies add by P and by Q, (m, 1);
-    `modulus` is E*.
+    `modulus` is E*, and A = 2/E*.
     """
 
     def bounds_at(half_width: Array) -> Bounds:
         eta = np.where(half_width > contact.least_half_width, contact.load(half_width), 0.0)
         return bounds_of(loads, bends, eta, math.pi * modulus / 4 * half_width**2)
 
-    def largest_beyond(half_width: Array) -> Array:
+    # Functions of the half-width of a punch that rise through 0 at the edge that is looked for.
+    # `beyond` is the normal load carried beyond a punch, its mean and amplitude in the cycle: a
+    # punch touches while it is positive.
+    def open_at_all_loads(half_width: Array) -> Array:
         beyond = bounds_at(half_width).beyond
         return -(beyond.mean + beyond.amplitude)
 
-    def least_beyond(half_width: Array) -> Array:
+    def open_at_least_load(half_width: Array) -> Array:
         beyond = bounds_at(half_width).beyond
         return beyond.amplitude - beyond.mean
 
     def bounds_overlap(half_width: Array) -> Array:
-        forward, reverse, _ = bounds_at(half_width)
-        return forward.mean + forward.amplitude + reverse.mean + reverse.amplitude
+        forward_bound, reverse_bound, _ = bounds_at(half_width)
+        return (
+            forward_bound.mean
+            + forward_bound.amplitude
+            + reverse_bound.mean
+            + reverse_bound.amplitude
+        )
 
     largest_load = loads.mean_normal + loads.normal_amplitude
     search_end = np.minimum(contact.half_width(largest_load) * 2, contact.extent)
-    contact_edge = _root(largest_beyond, np.zeros_like(search_end), search_end)
-    least_contact_edge = _root(least_beyond, np.zeros_like(search_end), contact_edge)
+    contact_edge = _root(open_at_all_loads, np.zeros_like(search_end), search_end)
+    least_contact_edge = _root(open_at_least_load, np.zeros_like(search_end), contact_edge)
     permanent_stick = np.minimum(
         _root(bounds_overlap, np.zeros_like(search_end), contact_edge), contact_edge
     )

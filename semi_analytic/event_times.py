@@ -40,7 +40,7 @@ from semi_analytic.memory import Curve, level
 _SAME = 1e-9
 LETTERS = "ABCDEFGHIJKLM"
 # End of the name of an event at which nothing happens: two spans of one kind meet.
-_ON = " goes on"
+_GOES_ON = " goes on"
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ def events(scene: Scene) -> tuple[Event, ...]:
             merged_events.append(event)
     lettered = []
     for event in merged_events:
-        if not event.name.endswith(_ON):
+        if not event.name.endswith(_GOES_ON):
             letters = [letter for letter, time in times.items() if abs(time - event.time) <= 1e-7]
             lettered.append(replace(event, letter="".join(letters)))
     return tuple(lettered)
@@ -111,7 +111,7 @@ def events(scene: Scene) -> tuple[Event, ...]:
 
 def _as_one(first_event: Event, second_event: Event) -> Event:
     """Two events of one instant, with both names and the lower load at the edge of slip."""
-    names = [name for name in (first_event.name, second_event.name) if not name.endswith(_ON)]
+    names = [name for name in (first_event.name, second_event.name) if not name.endswith(_GOES_ON)]
     if not names:
         names = [first_event.name]
     return replace(
@@ -149,9 +149,13 @@ def _named(history: History) -> Iterator[Event]:
     """Events of a friction history without the paper's letters, in the order of its spans; several
     may fall on one instant.
 
-    Begins and ends of stick and slip, stick edges that pass a piece of the memory curve, extremes
-    of the loads, and the end. A span is a time in full stick or with slip in one direction, in
-    which one piece of the memory curve is being erased.
+    Begins and ends of stick and slip, extremes of the loads, the end, and stick edges that pass a
+    piece of the memory curve. That curve is M(eta), the tangential force of the flat punches up to
+    the load eta; a new slip zone erases it piece by piece. A span is a time in full stick or with
+    slip in one direction, in which one piece is being erased.
+
+    Each change comes twice, as the begin of a span and as the end of the span before: `events`
+    takes both as one, and leaves out those whose name says that slip only goes on.
     """
     state_names = {0: "full stick", 1: "forward slip", -1: "reverse slip"}
     spans_of_cycles = [(f"cycle {number}", cycle) for number, cycle in enumerate(history.cycles, 1)]
@@ -172,7 +176,7 @@ def _named(history: History) -> Iterator[Event]:
                     f"the front of {state_names[span.direction]} passes a piece of the memory"
                 )
             else:
-                event_name = state_names[span.direction] + _ON
+                event_name = state_names[span.direction] + _GOES_ON
             yield _at(span, span.begin.time, event_name)
             if span_before is not None:
                 yield _at(span_before, span_before.end.time, event_name)

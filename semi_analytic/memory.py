@@ -217,13 +217,16 @@ def values(curve: Curve, eta: ArrayLike) -> Array:
 
 
 def unload_to(curve: Curve, load: float) -> Curve:
-    """The memory curve M(eta) without its part above `load`: what unloading along the curve itself
-    leaves. None where nothing is left.
+    """The memory curve M(eta), the tangential force of the flat punches up to the load eta, without
+    its part above `load`: what unloading along the curve itself leaves. None where nothing is left.
+
+    A curve is its uppermost piece, from `bottom` to `top`, on the curve `below`. A piece with an
+    arc follows a curved segment of the load path up to a time, and is cut where its load is `load`.
 
     >>> from scenes import StraightSegment
     >>> leg = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
-    >>> left = unload_to(load_in_stick(None, leg, 0.0, instant(leg, 1.0)), 0.5)
-    >>> left.top, float(values(left, 0.5))
+    >>> remaining = unload_to(load_in_stick(None, leg, 0.0, instant(leg, 1.0)), 0.5)
+    >>> remaining.top, float(values(remaining, 0.5))
     (0.5, 0.25)
     """
     while curve is not None and curve.bottom >= load:
@@ -232,7 +235,8 @@ def unload_to(curve: Curve, load: float) -> Curve:
         return curve
     if curve.arc is None:
         return curve._replace(top=load)
-    return curve._replace(top=load, arc=(curve.arc[0], float(front_time(curve, load))))
+    arc_segment, _ = curve.arc
+    return curve._replace(top=load, arc=(arc_segment, float(front_time(curve, load))))
 
 
 def load_in_stick(curve: Curve, leg: LoadSegment, begin: float, end: Instant) -> Piece:

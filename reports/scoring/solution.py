@@ -788,11 +788,16 @@ class _Yardstick:
 
 def _yardsticks(surface: SurfaceResult, theory: ContactSolution) -> tuple[_Yardstick, ...]:
     """Half-width, largest pressure and largest normal load of an external result (`surface`), each
-    beside that of theory: from their ratios the unit of its lengths, stresses and loads is guessed.
+    beside a value of theory: from their ratios the unit of its lengths, stresses and loads is
+    guessed.
+
+    Beside the largest pressure stands theory's mean pressure: units differ by far more than these
+    two do, and the mean needs no field.
     """
     left_end, right_end = _extent(surface)
-    half_width = float(np.nanmax(theory.contact_half_width))
+    half_width_of_theory = float(np.nanmax(theory.contact_half_width))
     largest_load_of_theory = float(np.max(theory.normal_load))
+    mean_pressure_of_theory = largest_load_of_theory / (2 * half_width_of_theory)
     largest_load = 0.0 if surface.normal_load is None else float(np.max(surface.normal_load))
     return (
         _Yardstick(
@@ -800,7 +805,7 @@ def _yardsticks(surface: SurfaceResult, theory: ContactSolution) -> tuple[_Yards
             ("x", "slip"),
             "x",
             (right_end - left_end) / 2,
-            half_width,
+            half_width_of_theory,
             "the contact's half-width is",
         ),
         _Yardstick(
@@ -808,7 +813,7 @@ def _yardsticks(surface: SurfaceResult, theory: ContactSolution) -> tuple[_Yards
             ("pressure", "shear"),
             "pressure and shear",
             float(surface.pressure.max()),
-            largest_load_of_theory / (2 * half_width),
+            mean_pressure_of_theory,
             "the largest pressure is",
         ),
         _Yardstick(

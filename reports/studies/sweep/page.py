@@ -233,8 +233,11 @@ class _Sheet:
 
     def __init__(self, name: str, table: pd.DataFrame, axes: Sequence[Axis], scene: Scene) -> None:
         """Take the values of one quantity of a sweep (`name`, such as "fe.p0") at all points from
-        its table, with their uncertainties, in the unit that is shown, and the words for title and
-        axis.
+        its table, with their uncertainties, in the unit that is shown, and the words of the figure.
+
+        Where the table has the idealisation error of that quantity, which is its difference from
+        theory without the errors of mesh and steps, that is drawn, with the same uncertainty.
+        `axes` are those of the sweep.
         """
         self.name = name
         self.table = table
@@ -255,8 +258,8 @@ class _Sheet:
         self.title_words, self.unit = label_of(name, scene)
         if self.drawn_column != name:
             self.title_words += ", idealisation error"
-        axis_words = "finite elements/theory − 1" if is_error(name) else _plain(name)
-        self.words = f"{axis_words}  [{self.unit}]"
+        label = "finite elements/theory − 1" if is_error(name) else _plain(name)
+        self.words = f"{label}  [{self.unit}]"
 
     def plate(self) -> Plate:
         """The figure of one quantity of a sweep with caption and numbers: lines over one axis, a
