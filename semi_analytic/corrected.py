@@ -616,8 +616,9 @@ class PathSeries:
         """Direction of slip, +1 or -1, at each instant at which the shear of the memory curve
         exceeds the Coulomb limit inside the contact, |q| > f p; 0 elsewhere. (n,)
 
-        Half-planes never exceed it; curvatures of finite bodies make it possible. A few places are
-        looked at first, more of them at suspect instants and two instants to each side.
+        The memory curve is the locked-in tangential force over the half-width of the flat punches.
+        Half-planes never exceed the limit; curvatures of finite bodies make it possible. A few
+        places are looked at first, more of them at suspect instants and two instants to each side.
         """
         followed = self.followed
         senses = np.zeros(len(followed.edge), dtype=np.int64)
@@ -646,6 +647,7 @@ class PathSeries:
         """How far the shear of the memory curve exceeds the Coulomb limit at each instant: the
         largest |q| - f p over `count` places from the middle to the edge, and the sign of q there.
 
+        The memory curve is the locked-in tangential force over the half-width of the flat punches.
         `rows` (n,) are the numbers of the instants; both values returned are (n,), the first
         [stress].
         """
@@ -684,8 +686,9 @@ class PathSeries:
         """Extra slip inside the contact at instant number `row`, where the shear of the memory
         curve exceeds the Coulomb limit, |q| > f p.
 
-        `inner_slip` finds it by the tractions there, the contact half-width, the stick half-width
-        and the half-widths at which the slip zones of the memory curve end.
+        The memory curve is the locked-in tangential force over the half-width of the flat punches.
+        `inner_slip` finds the slip by the tractions there, the contact half-width, the stick
+        half-width and the half-widths at which the slip zones of the memory curve end.
         """
         followed = self.followed
 
@@ -766,9 +769,10 @@ class PointFields:
         """Shear traction q at the points at instant number `row`, (k,) [stress], as the memory
         curve has it: without the extra slip inside the contact.
 
-        The memory curve is a chain of pieces, each with a constant rise of its force per load of
-        flat punches (of the profile, of a parabola, of x^4/24). A piece adds these slopes times the
-        pressure of its punches. The curvature that the loads give to the faces adds the rest.
+        The memory curve, the locked-in tangential force over the half-width of the punches, is a
+        chain of pieces. Each has a constant rise of that force per load of flat punches (of the
+        profile, of a parabola, of x^4/24). A piece adds these slopes times the pressure of its
+        punches. The curvature that the loads give to the faces adds the rest.
         """
         pieces = self._followed.pieces
         numbers_of_pieces = pieces.chain(int(self._followed.uppermost_piece[row]))
@@ -806,6 +810,7 @@ class PointFields:
     def _slip(self, rows: Indices) -> Array:
         """Relative slip s of the faces at the points, at instants `rows`, (n, k) [length].
 
+        A memory curve is the locked-in tangential force over the half-width of the flat punches.
         Four parts add up: slip by the memory curves, the curvature of the faces outside the
         contact, sliding as a whole, and the extra slip inside the contact.
         """
@@ -859,9 +864,10 @@ class PointFields:
         """Shear traction that the memory curves carry at instants `rows`, at the points, (n, k)
         [stress].
 
-        A memory curve is a chain of pieces of constant slopes. Its shear is the sum over the pieces
-        of each slope times the pressure of the punches of the piece: punches of the profile, of a
-        parabola x^2/2 and of x^4/24.
+        A memory curve, the locked-in tangential force over the half-width of the punches, is a
+        chain of pieces of constant slopes. Its shear is the sum over the pieces of each slope times
+        the pressure of the punches of the piece: punches of the profile, of a parabola x^2/2 and of
+        x^4/24.
         """
         followed = self._followed
         pieces, curves = followed.pieces.of_curves(followed.uppermost_piece[rows])
@@ -916,7 +922,8 @@ class PointFields:
 
             int c arccosh(|x|/c) dc,    int (c^3/4) arccosh(|x|/c) dc
 
-        Slip is such an integral times a slope of the memory curve.
+        Slip is such an integral times a slope of the memory curve, the locked-in tangential force
+        over the half-width of the punches.
         """
         x = self._x
         inner_half_width = np.minimum(half_width[:, None], x)
@@ -1600,8 +1607,9 @@ def _work_of_halved_steps(paths: _Paths) -> float:
     """Friction work of the last cycle [energy per thickness], after long steps in which the contact
     grows in stick are halved.
 
-    In such a step the memory curve grows by a straight chord, which is an approximation. All other
-    steps are exact however long they are. The change of work by halving gives the error.
+    In such a step the memory curve (locked-in tangential force over the half-width of punches)
+    grows by a straight chord, which is an approximation. All other steps are exact however long
+    they are. The change of work by halving gives the error.
     """
     followed = paths.bodies.followed
     effects = paths.question.effects

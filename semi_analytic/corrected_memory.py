@@ -677,9 +677,9 @@ class Followed:
         """An integral of the shear traction over the contact at each instant, (n,), such as a
         moment.
 
-        It is summed along the memory curve: slope of each piece times the rise of the integral over
-        its punches. The curvature that the loads give to the faces adds its own share. 0 where the
-        bodies are apart.
+        It is summed along the memory curve, the locked-in tangential force over the half-width of
+        the punches. Each piece adds its slope times the rise of the integral over its punches. The
+        curvature that the loads give to the faces adds its own share. 0 where the bodies are apart.
 
         Parameters
         ----------
@@ -788,9 +788,9 @@ class Followed:
     def _frozen_forces(self, punches: _PunchArrays, piece: Indices) -> Array:
         """Tangential force F that punches (m, k) keep while they stick, (m, k).
 
-        A piece of the memory curve has constant slopes. F is the force at its foot plus each slope
-        times the rise of a load of the punches: eta, G and G_4. `piece` (m,) is the number of the
-        piece for each row of `punches`.
+        The memory curve is F over the half-width of the punches, in pieces of constant slopes. On a
+        piece F is the force at its foot plus each slope times the rise of a load of the punches:
+        eta, G and G_4. `piece` (m,) is the number of the piece for each row of `punches`.
         """
         pieces = self.pieces
         below = pieces.parent[piece]
@@ -807,8 +807,9 @@ class Followed:
         smooth.
 
         Cuts are at corners of the profile, which are whole numbers of the punch coordinate s. They
-        are also at the tops of the pieces of the memory curve before the step. A part names the
-        piece in which it lies, 0 beyond the edge of contact before the step.
+        are also at the tops of the pieces of the memory curve before the step, the locked-in
+        tangential force over s. A part names the piece in which it lies, 0 beyond the edge of
+        contact before the step.
 
         Parameters
         ----------
@@ -932,6 +933,7 @@ class PieceTable:
     def of_curves(self, curves: Indices) -> tuple[PieceTable, Indices]:
         """The pieces that some memory curves consist of, with new numbers; others are left out.
 
+        A memory curve is the locked-in tangential force over the half-width of the flat punches.
         `curves` (n,) gives each curve by the number of its uppermost piece; from there each piece
         names the one below it. Also returned are the new numbers of these uppermost pieces, (n,).
         """
@@ -953,6 +955,7 @@ class PieceTable:
         """Numbers of the pieces, grouped by how many pieces lie below each in its memory curve:
         one, two, and so on.
 
+        A memory curve is the locked-in tangential force over the half-width of the flat punches.
         Piece 0, the empty curve, counts as one below. Sums along curves are taken group by group.
         """
         depth = [0]
@@ -966,7 +969,8 @@ class PieceTable:
     def sums(self, *terms: tuple[Array, Array]) -> Array:
         """Integrals along the memory curves, from the middle up to the top of each piece, (k, ...).
 
-        A piece adds its slope (k,) times the rise of a primitive from the piece below it to its own
+        A memory curve is the locked-in tangential force over the half-width of the flat punches. A
+        piece adds its slope (k,) times the rise of a primitive from the piece below it to its own
         top. `terms` are pairs of slopes (k,) and primitives at the tops (k, ...); they add up.
         """
         parent = self.parent
@@ -1125,7 +1129,8 @@ def followed_of(memory: MemoryCurve, columns: Array, steps: Sequence[Step]) -> F
     Parameters
     ----------
     memory
-        the memory curves of all steps, as a list of pieces
+        the memory curves of all steps (locked-in tangential force over the half-width of the
+        punches), as a list of pieces
     columns
         (10, n) P, Q, curvatures of gap and faces, their factors of x^4/24, edge of contact and the
         loads of the punches up to it
@@ -1288,8 +1293,9 @@ class MemoryCurve:
         """The memory curve fitted to the new edge of contact, before any slip: its outermost piece,
         and that piece's number (None if it is new and not stored yet).
 
-        A contact that shrinks cuts the curve at its edge. One that grows in stick adds a straight
-        chord up to Q - kt G - t4 G_4 at the new edge, where all of Q is carried within.
+        The memory curve is the locked-in tangential force F over the half-width of the flat
+        punches. A contact that shrinks cuts the curve at its edge. One that grows in stick adds a
+        straight chord up to Q - kt G - t4 G_4 at the new edge, where all of Q is carried within.
 
         Parameters
         ----------
@@ -1386,7 +1392,8 @@ def _stick_below_slip(
     """Cut the memory curve where slip from the edge of contact inwards ends: number of the
     uppermost piece that still sticks.
 
-    Slip ends where the curve F meets the `bound`. A piece that is crossed there is cut in two.
+    Slip ends where the curve, the locked-in tangential force F over the half-width of the punches,
+    meets the `bound`. A piece that is crossed there is cut in two.
 
     Parameters
     ----------
@@ -1425,8 +1432,9 @@ def _with_inner_zone(
     """Put a slip zone inside the contact into the memory curve: number of its uppermost piece after
     that, and the punch coordinates s of the inner and outer end of the zone (equal if none).
 
-    Such a zone forms where the slip of a stroke goes on further in, while the edge of contact
-    sticks or slips the other way.
+    The memory curve is the locked-in tangential force over the half-width of the flat punches. A
+    slip zone inside the contact forms where the slip of a stroke goes on further in, while the edge
+    of contact sticks or slips the other way.
 
     Parameters
     ----------
@@ -1472,9 +1480,10 @@ def _crossing(
     """Coordinate s of the flat punch at which the memory curve crosses the Coulomb bound of slip,
     and the loads of the punches up to there.
 
-    On one piece of the curve the locked-in force F grows linearly with the loads of the punches of
-    the profile, of x^2/2 and of x^4/24; so does the bound. The zero of their difference is found by
-    Newton's rule between brackets.
+    The memory curve is the locked-in tangential force F over the half-width of the flat punches. On
+    one piece of it F grows linearly with the loads of the punches of the profile, of x^2/2 and of
+    x^4/24; so does the bound. The zero of their difference is found by Newton's rule between
+    brackets.
 
     Parameters
     ----------

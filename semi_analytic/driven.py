@@ -767,9 +767,9 @@ class _Stepper:
         """Integrate along the memory curve M up to the top of each new piece: ln(2 L/c) and c^2/2
         over dM, for the displacement U and the moment of the shear.
 
-        A piece begins at the top of its parent, with dM = slope d(load of the profile) +
-        parabola_slope d(load of a parabola). L is the datum length, c the half-width of a flat
-        punch.
+        M is the locked-in tangential force over the half-width c of the flat punches. A piece
+        begins at the top of its parent, with dM = slope d(load of the profile) + parabola_slope
+        d(load of a parabola). L is the datum length.
         """
         pieces = self._memory.pieces
         for piece in pieces[len(self._sums_at_tops) :]:
