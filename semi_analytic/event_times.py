@@ -75,7 +75,7 @@ def events(scene: Scene) -> tuple[Event, ...]:
     loads, and when the stick edge passes what an earlier stroke left.
 
     Initial loading and cycles up to the first steady one are covered. An ellipse with an area gets
-    the paper's letters, mirrored for a clockwise one.
+    the letters A to M of the paper's figure 2, mirrored for a clockwise one.
 
     Raises
     ------
@@ -146,8 +146,8 @@ def event(scene: Scene, letter: str) -> Event:
 
 
 def _named(history: History) -> Iterator[Event]:
-    """Events of a friction history without the paper's letters, in the order of its spans; several
-    may fall on one instant.
+    """Events of a friction history, not yet lettered A to M as in the paper's figure 2, in the
+    order of its spans; several may fall on one instant.
 
     Begins and ends of stick and slip, extremes of the loads, the end, and stick edges that pass a
     piece of the memory curve. That curve is M(eta), the tangential force of the flat punches up to
@@ -194,7 +194,8 @@ def _same_piece(first_piece: Curve, second_piece: Curve) -> bool:
     """Whether two pieces of memory curves are parts of one: of one curved segment of the load path,
     or of one line with equal anchor and slope.
 
-    None stands for a contact in which nothing sticks.
+    A memory curve M(eta) is the tangential force of the flat punches up to the load eta. None
+    stands for a contact in which nothing sticks.
     """
     if first_piece is None or second_piece is None:
         return first_piece is second_piece
@@ -214,7 +215,8 @@ def _extremes(span: Span) -> Iterator[Event]:
     """Events at which P or Q is largest or least, at the begin of a span of the load path or inside
     it.
 
-    An ellipse is looked at a little beyond its ends too, since the loads turn smoothly there.
+    A span is a time in full stick or with slip in one direction. An ellipse is looked at a little
+    beyond its ends too, since the loads turn smoothly there.
     """
     segment = span.leg
     time_step = 1e-3 * (segment.end - segment.start)
@@ -236,7 +238,8 @@ def _at(span: Span, time: float, name: str) -> Event:
     """The event `name` at the instant of a span of the load path nearest to a `time` of its
     segment, with the loads there.
 
-    P_c, the load at the stick edge, is P minus the load of the slip zones.
+    A span is a time in full stick or with slip in one direction. P_c, the load at the stick edge,
+    is P minus the load of the slip zones.
     """
     time_in_segment = min(max(time, span.begin.time), span.end.time)
     normal_load, tangential_load = (float(load) for load in span.leg.loads(time_in_segment))
@@ -251,8 +254,8 @@ def _at(span: Span, time: float, name: str) -> Event:
 
 
 def _letter_times(history: History) -> dict[str, float]:
-    """Times of the paper's letters A to M on the steady ellipse of loads, by letter; empty where
-    there is none.
+    """Times of the letters A to M of the paper's figure 2 on the steady ellipse of loads, by
+    letter; empty where there is none.
 
     Each letter is where u = Q - f P, v = Q + f P, P or Q is largest or least, mirrored for a
     clockwise ellipse. Its time is the first such one after the letters before it. Loads on a line

@@ -240,7 +240,7 @@ def _integrals_of_parts(
     Parameters
     ----------
     ranges
-        the spans
+        the spans, times of slip in one direction
     integrals_along
         integrates along parts of several spans at once
     span_number, number_of_integral
@@ -381,8 +381,9 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     """Work of the tangential load in a steady cycle, the closed integral of Q dU over its spans
     [energy per unit thickness]; and what the last digits of the displacement U may leave in it.
 
-    It is the area of the hysteresis loop, and equals the friction work. It is taken as -int U dQ,
-    from which any multiple of the closed integral of Q dQ, which is 0, may be subtracted.
+    The integral is the area of the hysteresis loop, and equals the friction work. It is taken as
+    -int U dQ, from which any multiple of the closed integral of Q dQ, which is 0, may be
+    subtracted. A span is a time in full stick or with slip in one direction.
 
     Of Q between -k f P and k f P at constant P: (2 A f^2 P^2/pi) [(1 - k) ln(1 - k) + k - k^2/2].
 

@@ -119,7 +119,8 @@ class OddWork:
         Raises
         ------
         Declined
-            Where there is no matrix, or one side alone slips through most of a span.
+            Where there is no matrix, or one side alone slips through most of a span, a time of slip
+            in one direction.
         """
         if self.declined:
             raise Declined(self.declined)
@@ -287,7 +288,7 @@ def odd_work(
 
 def centres(span: Span, radius: float, time: Array) -> tuple[Array, Array]:
     """Rows that give the centres of contact and of the stick zone of a tilted parabola at times
-    (n,) of a span, (n, 4) each: row . (alpha_P, alpha_Q, e_P, e_Q) is a length.
+    (n,) of a span of stick or slip, (n, 4) each: row . (alpha_P, alpha_Q, e_P, e_Q) is a length.
 
     These are the tilt and the bulk strain per normal and per tangential load; first order. The
     centre of stick is that of contact where all of it sticks, NaN where none does.
@@ -318,8 +319,9 @@ class _Strokes:
         (alpha_P, alpha_Q, e_P, e_Q), their values per normal and per tangential load: work = o .
         matrix o.
 
-        It is the sum over the spans of slip, of the kinks of the memory curve that they pass, and
-        of the smooth ends of strokes. `points` are quadrature nodes a span, `panels` those of a
+        The memory curve M(eta) is the tangential force of the flat punches up to the load eta. The
+        matrix is the sum over the spans of slip, of the kinks of the memory curve that they pass,
+        and of the smooth ends of strokes. `points` are quadrature nodes a span, `panels` those of a
         stroke's end.
         """
         work_matrix = np.zeros((4, 4))
@@ -410,7 +412,8 @@ def _stick_edge_at(
     """The stick edge at times (n,) of a span of slip, where its load P_c = P - `slipped` (n,) lies
     on a `piece` of the memory curve; with the change of P and Q since the memory there was set.
 
-    Tilt and strain shift its centre by v = -R (a_s - a_s,m)/mu, a_s = f alpha - s eps. mu = f - s
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. Tilt and
+    strain shift the centre of stick by v = -R (a_s - a_s,m)/mu, a_s = f alpha - s eps. mu = f - s
     M' is the steepness, s the direction of slip, m the instant at which the memory was set.
     """
     load = span.leg.loads(time)[0]
@@ -445,8 +448,9 @@ def _slope_rate(piece: Piece, eta: Array) -> Array:
     """Change of the slope M' = dQ/dP of a `piece` of the memory curve with the load, at loads eta
     (n,) [1/force per thickness].
 
-    A constant on a straight or parabolic piece; by differences of the rates of the loads on a
-    curved one.
+    The change is constant on a straight or parabolic piece; on a curved one it is found by
+    differences of the rates of the loads. The memory curve M(eta) is the tangential force of the
+    flat punches up to the load eta.
     """
     if piece.arc is None:
         return np.full(np.shape(eta), 2 * piece.bend)
@@ -509,9 +513,10 @@ def _of_kink(span_before: Span, span: Span, radius: float) -> Array:
 
         f (P - P_c) (d_o - d_i)^2 mu_o mu_i/(2R (mu_o - mu_i))
 
-    d are the centres and mu the steepness f - s M' on the outer and on the inner piece of the
-    curve, those of `span_before` and of `span`. Zero where both are on one piece. `radius` is R of
-    the parabola [length].
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. d are
+    the centres and mu the steepness f - s M' on the outer and on the inner piece of the curve,
+    those of `span_before` and of `span`, times of slip. Zero where both are on one piece. `radius`
+    is R of the parabola [length].
     """
     outer_piece = span_before.sticking_piece
     inner_piece = span.sticking_piece
@@ -604,8 +609,8 @@ class _SmoothEnd:
 
 
 def _smooth_end(span: Span, time: float, edge_load: float, radius: float) -> _SmoothEnd | None:
-    """The smooth end of a stroke of slip at a `time` in the load segment of a span, with P_c =
-    `edge_load` there; None where the stroke ends at a corner of the path.
+    """The smooth end of a stroke of slip at a `time` in the load segment of a span of slip, with
+    P_c = `edge_load` there; None where the stroke ends at a corner of the path.
 
     At a smooth end the rate of s Q - f P, which grows in slip, vanishes; s is the direction of
     slip. `radius` is R of the parabola [length].
@@ -642,7 +647,8 @@ def _end_of_piece(
 
 def _of_stroke_end(span: Span, radius: float, panels: int) -> Array:
     """Matrix (4, 4) of the friction work that tilt and strain add at the smooth end of the stroke
-    that ends with a `span`, over (alpha_P, alpha_Q, e_P, e_Q); zero at a corner of the path.
+    that ends with a `span` of slip, over (alpha_P, alpha_Q, e_P, e_Q); zero at a corner of the
+    path.
 
     There the two sides of the contact come to rest one after the other, which leaves a force at
     loads eta; it costs f times itself times (P - eta). `panels` is the number of quadrature panels.
@@ -659,7 +665,7 @@ def _of_stroke_end(span: Span, radius: float, panels: int) -> Array:
 
 def _of_passed_end(span: Span, radius: float, panels: int) -> Array:
     """Matrix (4, 4) of the friction work that tilt and strain add where the stick edge passes, in a
-    span, what the smooth end of an earlier stroke in the other direction left.
+    span of slip, what the smooth end of an earlier stroke in the other direction left.
 
     Over (alpha_P, alpha_Q, e_P, e_Q). The force left at the load eta costs f times itself times (P
     - eta) when the stick edge passes eta. `radius` is that of the parabola, `panels` the number of
@@ -692,10 +698,11 @@ def _one_sided(span: Span, radius: float, modulus: float) -> Iterator[Array]:
     """Ratios that show whether both sides of the contact slip alike, or stick, in a span: rows (n,
     4); row . (alpha_P, alpha_Q, e_P, e_Q) must stay below 1.
 
-    Rates: tilt and strain against what makes slip. Of N = f P - s Q alone the edges would slip by
-    (A/pi) N' arccosh(a/c), of a_s = f alpha - s eps alone by a_s' sqrt(a^2 - c^2). In stick a
-    stands in place of both functions. Places: the distance of the centres of contact and stick over
-    the width of the slip zone. `radius` is that of the parabola, `modulus` E*.
+    A span is a time in full stick or with slip in one direction. Rates: tilt and strain against
+    what makes slip. Of N = f P - s Q alone the edges would slip by (A/pi) N' arccosh(a/c), of a_s =
+    f alpha - s eps alone by a_s' sqrt(a^2 - c^2). In stick a stands in place of both functions.
+    Places: the distance of the centres of contact and stick over the width of the slip zone.
+    `radius` is that of the parabola, `modulus` E*.
     """
     time, _ = _instants(span, _POINTS // 2)
     load = span.leg.loads(time)[0]

@@ -83,7 +83,7 @@ def error_of_shift(friction: float, moments: Array, shifts: Array) -> float:
         (n,) int ln(2 L/a) d eta up to the load of each instant
     shifts
         (n,) int M' ln(2 L/a) d eta along the memory curve, the displacement in the unit of
-        `moments`
+        `moments`. That curve is M(eta), the tangential force of the flat punches up to the load eta
     """
     largest_shift = float(np.max(np.abs(shifts)))
     if largest_shift <= 0:
@@ -114,7 +114,8 @@ def error_of_work(
     Parameters
     ----------
     spans
-        of the cycle; none of a load series, whose records have the error of Lam in W already
+        of the cycle, times in full stick or with slip in one direction; none of a load series,
+        whose records have the error of Lam in W already
     work
         W over A/pi [force^2 per thickness^2]
     route
