@@ -227,7 +227,8 @@ def path_of_question(question: Question, family: OneCurve | None) -> LoadSeries 
     """The load path of a question with its friction history: straight steps between the times asked
     for, or the curved path of the scene.
 
-    With bulk stress or tilt, `family` has the loads along the path that one memory curve needs.
+    With bulk stress or tilt, `family` has the loads along the path that one memory curve needs. A
+    memory curve is the tangential force, or the bulk strain, locked in up to each load.
 
     Raises
     ------
@@ -261,7 +262,8 @@ def _request_of(
     question: Question, family: OneCurve | None, path: LoadSeries | History, time: Array
 ) -> Request:
     """What the memory curves of a followed `path` are evaluated for: contact, fields, instants
-    `time` (n,) and points.
+    `time` (n,) and points. A memory curve M(eta) is the tangential force of the flat punches up to
+    the load eta.
 
     Where the question has no points they are chosen across the largest contact. A symmetric contact
     is evaluated at different |x| only. `family` is the contact under bulk stress or tilt, None
@@ -481,7 +483,8 @@ class _SeriesSums:
         the memory curve.
 
         A step has one part or several, each with slip in one direction or in full stick. The memory
-        curve consists of straight pieces: each step adds one, and slip drops those that it passes.
+        curve M(eta) is the tangential force of the flat punches up to the load eta. It consists of
+        straight pieces: each step adds one, and slip drops those that it passes.
 
         Parameters
         ----------
@@ -896,7 +899,8 @@ def _grids_of(
     Parameters
     ----------
     snapshot
-        the memory curve at each instant
+        the memory curve M(eta) at each instant: the tangential force of the flat punches up to the
+        load eta
     series
         half-widths and edges at each instant, by name
 
@@ -995,7 +999,8 @@ def _errors(
     loads_and_edges, fields
         the answer's values over time, and its fields, by name
     arc_errors
-        errors of the integrals of shear and slip over arcs of the memory curve
+        errors of the integrals of shear and slip over arcs, curved parts of the memory curve. That
+        is M(eta), the tangential force of the flat punches up to the load eta
     loop_work
         closed integral of Q dU of the last cycle
 
@@ -1060,7 +1065,8 @@ def _sums_of(
     Parameters
     ----------
     snapshot
-        the memory curve at each instant
+        the memory curve M(eta) at each instant: the tangential force of the flat punches up to the
+        load eta
     loads_and_edges
         half-widths of contact and of stick at each instant, by name
     fields
@@ -1198,8 +1204,8 @@ def _admissibility(
         tangential_balance    |M(P) - Q| / (f times the largest P)
         cone                  the largest |q| - f p, over f times the largest p
 
-    M(P) is the shear force that the memory curve carries. The Coulomb limit ("cone") is checked
-    where `grids` have both tractions.
+    The memory curve M(eta) is the tangential force carried up to the load eta, M(P) that of the
+    whole contact. The Coulomb limit ("cone") is checked where `grids` have both tractions.
     """
     friction = answer.snapshot.friction
     largest_limit = friction * float(np.max(answer.snapshot.load))

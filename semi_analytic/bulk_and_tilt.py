@@ -128,7 +128,8 @@ def strain_of(materials: Materials) -> tuple[float, float]:
 
 def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     """Contact and loads of a path with bulk strain eps and tilt alpha on which one memory curve
-    holds what friction remembers; None where no single curve does.
+    holds what friction remembers; None where no single curve does. A memory curve is the tangential
+    force, or the bulk strain, locked in up to each load.
 
     One curve is enough where alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q with one kappa,
     and contacts are nested. `path` is that of the scene by default. At constant P large bulk strain
@@ -450,7 +451,8 @@ def cycle_samples(scene: Scene) -> Array:
 
 def steady_curve(scene: Scene) -> OneCurve | None:
     """Contact and loads of a scene's cycle where one memory curve holds what friction remembers of
-    the cycle alone, after an initial loading that presses first and shears then; None else.
+    the cycle alone, after an initial loading that presses first and shears then; None else. A
+    memory curve is the tangential force, or the bulk strain, locked in up to each load.
 
     What changes in a steady cycle of like bodies does not depend on how it was reached, and so
     neither W nor W(x) does (Andersson, Barber and Ponter, 2014); the traction that stays locked in
@@ -628,7 +630,8 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
 
 def followed_path(scene: Scene) -> LoadPath:
     """P and Q of a scene on which one memory curve holds what friction remembers: the scene's own
-    path, or, with bulk stress and tilt, that of the contact that has one curve.
+    path, or, with bulk stress and tilt, that of the contact that has one curve. A memory curve is
+    the tangential force, or the bulk strain, locked in up to each load.
 
     Raises
     ------

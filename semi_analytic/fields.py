@@ -135,7 +135,8 @@ class Arc:
 
     def __init__(self, contact: Contact, kernel: Kernel, piece: Piece, x: Array) -> None:
         """Integrals of one kernel times dQ at |x| = `x` (k,) along an arc, a curved piece of memory
-        curve that was loaded in full stick.
+        curve that was loaded in full stick. The memory curve M(eta) is the tangential force of the
+        flat punches up to the load eta.
 
         The kernels give shear, slip or displacement ("shift") of a flat punch of unit load. The arc
         is cut into panels of time, at corners of the profile too. On each the integral is a series
@@ -182,8 +183,9 @@ class Arc:
         """Integrals of the kernel times dQ from the begin of the arc to each time (n,), at the
         points of the arc (k,): shape (n, k).
 
-        An arc is a curved piece of the memory curve; its kernel the shear, slip or displacement by
-        a unit of load on a flat punch.
+        An arc is a curved piece of the memory curve M(eta), the tangential force of the flat
+        punches up to the load eta. Its kernel is the shear, slip or displacement by a unit of load
+        on a flat punch.
 
         >>> from scenes import ellipse_segment
         >>> from semi_analytic.hertz import HertzContact
@@ -743,8 +745,9 @@ class Integrals:
         """Integrate the kernel over those memory curves that are not stored yet, and store the
         integral up to the top of each of their pieces.
 
-        Curves share their lower pieces: each begins at the first stored piece. All straight parts
-        are integrated in one call.
+        A memory curve M(eta) is the tangential force of the flat punches up to the load eta. Curves
+        share their lower pieces: each begins at the first stored piece. All straight parts are
+        integrated in one call.
         """
         new_pieces: dict[int, CurvePart] = {}
 
@@ -775,8 +778,9 @@ class Integrals:
         """Slope times int K d eta along straight parts of memory curves, from the loads `bottom` to
         `top` (n,), at each point: (n, k); 0 for parts without slope or length.
 
-        A short part is integrated by itself: the difference of two long integrals would leave
-        little more than round-off.
+        A memory curve M(eta) is the tangential force of the flat punches up to the load eta. A
+        short part is integrated by itself: the difference of two long integrals would leave little
+        more than round-off.
         """
         line_integrals = np.zeros((len(top), len(self.x)))
         line_numbers = np.flatnonzero((slope != 0) & (top != bottom))
@@ -842,8 +846,9 @@ class Integrals:
         """What curved pieces of memory curves add to the integral of M' K, beyond their straight
         parts: (n, k), or 0, for each pair of a piece and loads (n,).
 
-        The integral goes from the lower end of the piece to the load at the stick edge. Pieces that
-        are cut from one arc are integrated together.
+        A memory curve M(eta) is the tangential force of the flat punches up to the load eta. The
+        integral goes from the lower end of the piece to the load at the stick edge. Pieces that are
+        cut from one arc are integrated together.
 
         Parameters
         ----------

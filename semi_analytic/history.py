@@ -268,8 +268,9 @@ def _spans_of_part(
     """Spans of time, in full stick or with slip in one direction, of a part of a load segment.
 
     On the part neither P, u = Q - f P nor v = Q + f P turns round. Rising u is forward slip,
-    falling v reverse slip; neither, with rising P, is loading in stick. Each piece of the memory
-    curve that slip erases makes a span of its own.
+    falling v reverse slip; neither, with rising P, is loading in stick. The memory curve M(eta) is
+    the tangential force of the flat punches up to the load eta. Each piece of it that slip erases
+    makes a span of its own.
 
     Parameters
     ----------
@@ -374,9 +375,11 @@ def _slip(
 def _unload(
     curve: Curve, begin_instant: Instant, end_instant: Instant, friction: float, delay: float
 ) -> Iterator[Span]:
-    """Spans of time of an unloading path with P falling and |dQ/dP| <= f.
+    """Spans of time, in full stick or with slip in one direction, of an unloading path with P
+    falling and |dQ/dP| <= f.
 
-    The contact slips forward where the path runs above the memory curve M(P) in the P-Q plane, in
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. The
+    contact slips forward where the path runs above the memory curve M(P) in the P-Q plane, in
     reverse below it, and not along it. Each later point of the path lies inside the friction cones
     of the earlier ones, so that the state is that of one step. `delay` is how much later than the
     load segment itself the spans are: whole periods of the cycle.
@@ -401,8 +404,8 @@ def _retrace(
     """Spans of unloading back down the memory curve, Q = M(P), without slip: a span of time for
     each of its pieces.
 
-    `delay` is how much later than the load segment itself the spans are: whole periods of the
-    cycle.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. `delay`
+    is how much later than the load segment itself the spans are: whole periods of the cycle.
     """
     span_begin = begin_instant
     while curve is not None and curve.bottom > end_instant.normal:
@@ -425,8 +428,9 @@ def slip_directions(
     """Begin time, end time and slip direction of the parts of an unloading path: +1 above the
     memory curve M(P), -1 below it, 0 along it.
 
-    `curve` is the memory curve at the begin; the path goes from `begin_instant` to `end_instant` on
-    one load segment. Neighbouring parts of one direction are merged.
+    `curve` is the memory curve M(eta) at the begin, the tangential force of the flat punches up to
+    the load eta. The path goes from `begin_instant` to `end_instant` on one load segment.
+    Neighbouring parts of one direction are merged.
     """
     parts: list[tuple[float, float, int]] = []
     part_begin = begin_instant.time
@@ -463,8 +467,8 @@ def _directions_on(
     """Begin time, end time and slip direction of the parts of an unloading path between two times
     at which P is within one `piece` of the memory curve M(P).
 
-    The direction is the sign of Q - M(P). It is sampled at some times and at its turning points,
-    and changes at its roots.
+    M(eta) is the tangential force of the flat punches up to the load eta. The direction is the sign
+    of Q - M(P). It is sampled at some times and at its turning points, and changes at its roots.
     """
 
     def excess(time: ArrayLike) -> Array:
@@ -582,7 +586,8 @@ class History:
         """The memory of friction at instants (n,) of the followed path: loads, slip, and the memory
         curve at each.
 
-        An instant between two spans of stick or slip belongs to the one that ends there. Instants
+        The memory curve M(eta) is the tangential force of the flat punches up to the load eta. An
+        instant between two spans of stick or slip belongs to the one that ends there. Instants
         beyond the followed cycles are brought back by whole periods.
 
         Raises
@@ -627,7 +632,8 @@ def follow(loading: Sequence[LoadSegment], turns: Iterable[Turn], friction: floa
     """Friction history of an initial loading and of the `turns`, whole cycles, up to the first
     cycle that ends as it began; f is `friction`.
 
-    A cycle is steady where its memory curves at begin and end agree.
+    A cycle is steady where its memory curves at begin and end agree. A memory curve M(eta) is the
+    tangential force of the flat punches up to the load eta.
 
     Raises
     ------
@@ -779,6 +785,7 @@ def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
 
     A span is a time in full stick or with slip in one direction. A state is P, Q, the load P - P_c
     beyond the stick edge, the direction of slip, and the piece of the memory curve below the slip.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta.
     """
     times = []
     normal_loads = []

@@ -110,8 +110,8 @@ def extremes(answer: ContactSolution, names: Sequence[str] = SEARCHED) -> Extrem
         of half-plane theory to a scene, or to straight steps between its instants; its instants say
         which cycle is the last
     names
-        which of the largest values are looked for; the others are NaN where one memory curve is
-        followed
+        which of the largest values are looked for; the others are NaN where one memory curve (the
+        tangential force, or bulk strain, locked in up to each load) is followed
 
     Returns
     -------
@@ -144,7 +144,8 @@ def _extremes(answer: ContactSolution, names: tuple[str, ...]) -> Extremes:
     `names` are those that are wanted.
 
     Where one memory curve holds what friction remembers, they are searched for on it. For other
-    scenes they are the largest at the default points.
+    scenes they are the largest at the default points. A memory curve is the tangential force, or
+    the bulk strain, locked in up to each load.
     """
     scene = answer.scene
     contact = _contact(scene)
@@ -528,7 +529,8 @@ def _of_default_points(scene: Scene) -> Extremes:
     """The largest pressure, slip, W(x), half-width and edge tension of a scene at the points and
     instants that half-plane theory takes where none are given.
 
-    For scenes without a single memory curve, for which the search has no smooth function.
+    For scenes without a single memory curve, for which the search has no smooth function. A memory
+    curve is the tangential force, or the bulk strain, locked in up to each load.
     """
     answer = solve(scene)
     rows = answer.last_cycle

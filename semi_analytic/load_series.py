@@ -246,7 +246,8 @@ def sides_of(rows: Array, friction: float) -> NDArray[np.int8]:
 def _shortened(curve: Knot, cut_share: float) -> Knot:
     """The memory curve without the upper share `cut_share` < 1 of its uppermost line.
 
-    A line knows its own length in P and rise in Q; both shrink. The lowest line begins at P = 0.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. A line
+    knows its own length in P and rise in Q; both shrink. The lowest line begins at P = 0.
     """
     below, top, force, length, rise, depth = curve
     remaining_length = (1 - cut_share) * length
@@ -308,8 +309,9 @@ def _load_in_stick(curve: Knot | None, begin_station: Station, end_station: Stat
     """The memory curve after a step of growing load in full stick: the step itself is put on top, a
     line of length dP and rise dQ.
 
-    Where the line below has the slope of the step, both become one line. Stations are P, Q and the
-    share of the step that is over; only P and Q matter here.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. Where
+    the line below has the slope of the step, both become one line. Stations are P, Q and the share
+    of the step that is over; only P and Q matter here.
     """
     load, force, _ = begin_station
     load_at_end, force_at_end, _ = end_station
@@ -347,9 +349,10 @@ def _slip(
     # notation: P, Q normal and tangential load; f coefficient of friction; P_c load at the stick
     #           edge; level s Q - f P, s the direction of slip, which grows in slip
 
-    The stick edge goes down through the lines of the curve while the level grows. A line that is l
-    long in P and rises by r in Q is passed when the level has grown by f l - s r. P - P_c is the
-    growth of P in the step plus the lengths of all lines passed.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. The
+    stick edge goes down through the lines of the curve while the level grows. A line that is l long
+    in P and rises by r in Q is passed when the level has grown by f l - s r. P - P_c is the growth
+    of P in the step plus the lengths of all lines passed.
 
     Parameters
     ----------
@@ -446,7 +449,8 @@ def _with_line_at_limit(
     """The memory curve after slip: its part that still sticks, and on it a line up to P = `load`
     and Q = `force` at the Coulomb limit, of length `slipped` in P and `slope` +f or -f.
 
-    Where nothing sticks, the line goes from P = 0 on.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. Where
+    nothing sticks, the line goes from P = 0 on.
     """
     if sticking_curve is None:
         return _knot(Knot, (None, load, force, load, slope * load, 1))
@@ -463,9 +467,10 @@ def _unload(
 ) -> Knot | None:
     """The memory curve after a step in which P falls and |dQ| <= f |dP|.
 
-    Such a step slips forward where the path runs above the memory curve M(P) in the P-Q plane, and
-    in reverse below it. Where the path crosses the curve the step is cut. Each later point lies
-    inside the friction cones of the earlier ones, so that the state is that of one step.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. The step
+    slips forward where the path runs above the memory curve M(P) in the P-Q plane, and in reverse
+    below it. Where the path crosses the curve the step is cut. Each later point lies inside the
+    friction cones of the earlier ones, so that the state is that of one step.
 
     Stations are P, Q and the share of the step that is over; `recorder` takes a record for each
     line of the curve that the step goes through.
@@ -502,7 +507,8 @@ def _sides_of_unloading(
     """The parts of an unloading step, one at least, each with the side of the memory curve M(P) on
     which the path runs: 1 where Q > M(P), -1 below it, 0 within `tolerance` of it.
 
-    Along the step P falls by `load_drop` and Q by `path_slope` times that. The excess Q - M(P) is
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. Along
+    the step P falls by `load_drop` and Q by `path_slope` times that. The excess Q - M(P) is
     followed line by line of the curve.
     """
     parts: list[_Run] = []
@@ -557,8 +563,9 @@ def _retrace(
     """The memory curve after unloading along itself, Q = M(P): nothing slips, and the lines above
     the new P are taken off.
 
-    Stations are P, Q and the share of the step that is over; `recorder` takes a record for each
-    line that P passes.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. Stations
+    are P, Q and the share of the step that is over; `recorder` takes a record for each line that P
+    passes.
     """
     load, force, begin_share = begin_station
     load_at_end, _, end_share = end_station
@@ -1048,7 +1055,8 @@ class States:
         direction of slip, and the line of the memory curve at the stick edge.
 
         An instant whose share of its step is at most `slack` beyond the end of a record counts as
-        that end. `step` and `share_of_step` say where each instant lies. M(P) - Q, zero but for
+        that end. `step` and `share_of_step` say where each instant lies. The memory curve M(eta) is
+        the tangential force of the flat punches up to the load eta. M(P) - Q, zero but for
         round-off, is stored as a check.
         """
         if not len(step):

@@ -241,7 +241,8 @@ def unload_to(curve: Curve, load: float) -> Curve:
 
 def load_in_stick(curve: Curve, leg: LoadSegment, begin: float, end: Instant) -> Piece:
     """The memory curve M(eta) after loading in full stick: the path of P and Q itself, from the
-    time `begin` to `end` on a load segment `leg`, becomes its uppermost piece.
+    time `begin` to `end` on a load segment `leg`, becomes its uppermost piece. M(eta) is the
+    tangential force of the flat punches up to the load eta.
 
     >>> from scenes import StraightSegment
     >>> leg = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
@@ -260,9 +261,10 @@ def slip_to(curve: Curve, direction: int, friction: float, end: Instant, slipped
     """The memory curve M(eta) after slip in one direction up to the instant `end`: its upper part
     becomes a line at the Coulomb limit, slope +-f.
 
-    `slipped` is P - P_c, P_c the load at the stick edge, which lies in the uppermost piece of
-    `curve`. The Masing rule: after a reversal at constant P the stick edge returns at half the
-    speed, P - P_c = dQ/(2 f), and below it the curve is what it was.
+    M(eta) is the tangential force of the flat punches up to the load eta. `slipped` is P - P_c, P_c
+    the load at the stick edge, which lies in the uppermost piece of `curve`. The Masing rule: after
+    a reversal at constant P the stick edge returns at half the speed, P - P_c = dQ/(2 f), and below
+    it the curve is what it was.
 
     >>> from scenes import StraightSegment
     >>> forward = Piece(
@@ -319,9 +321,9 @@ def slipped_load(
     """Load P - P_c of the slip zones at `time` on a load segment, while the stick edge is inside
     one piece of the memory curve M(eta), without cancellation [force per thickness].
 
-    The stick edge is where s M(eta) - f eta equals the path's s Q - f P, s the direction of slip.
-    On a line through the anchor `a` of the piece that gives P - P_c = s [(Q - Q_a) - slope (P -
-    P_a)] / (f - s slope).
+    M(eta) is the tangential force of the flat punches up to the load eta. The stick edge is where s
+    M(eta) - f eta equals the path's s Q - f P, s the direction of slip. On a line through the
+    anchor `a` of the piece that gives P - P_c = s [(Q - Q_a) - slope (P - P_a)] / (f - s slope).
 
     >>> from scenes import StraightSegment
     >>> leg = StraightSegment(0.0, 1.0, (1.0, 0.0), (1.0, 0.3))
@@ -351,8 +353,9 @@ def _slipped_on_arc(
     """Load P - P_c of the slip zones at `time` on a load segment, while the stick edge is inside a
     curved piece of the memory curve, made by loading in full stick.
 
-    On the segment that made the piece the time at which the edge's load was reached is a mirror
-    image; else it is searched for along the arc.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. On the
+    segment that made the piece the time at which the edge's load was reached is a mirror image;
+    else it is searched for along the arc.
     """
     arc_begin, arc_end = _whole_arc(piece)
     slip_level = level(direction, friction)
@@ -374,7 +377,8 @@ def same(curve: Curve, other_curve: Curve, friction: float, tolerance: float = 1
     """Whether two memory curves M(eta) are the same state of friction: within `tolerance` f P of
     each other.
 
-    They are compared at their knots and at three loads between any two; f is `friction`.
+    M(eta) is the tangential force of the flat punches up to the load eta. The curves are compared
+    at their knots and at three loads between any two; f is `friction`.
 
     >>> same(None, None, 0.5)
     True
@@ -436,6 +440,7 @@ class Snapshot:
         """Pieces of memory curves that are the uppermost sticking one at some instants, each with
         the numbers of these instants.
 
+        A memory curve M(eta) is the tangential force of the flat punches up to the load eta.
         Instants without one, where the contact slips throughout, are left out.
         """
         order_by_piece = np.argsort(self.piece_number, kind="stable")

@@ -123,7 +123,8 @@ def _findings(question: Question) -> Findings:
     """What half-plane theory finds for a question: values, errors and notes, by the cheapest method
     that holds for its scene.
 
-    In this order: rigs; finite bodies; one memory curve; the steady cycle alone; grids.
+    In this order: rigs; finite bodies; one memory curve; the steady cycle alone; grids. A memory
+    curve is the tangential force, or the bulk strain, locked in up to each load.
     """
     scene = question.scene
     if scene.load.is_driven:
@@ -153,7 +154,7 @@ def _findings(question: Question) -> Findings:
 
 def _on_grids(question: Question) -> Findings:
     """The answer to a question by a numerical solution on grids, for scenes without a single memory
-    curve.
+    curve. A memory curve is the tangential force, or the bulk strain, locked in up to each load.
 
     The work of the steady cycle is taken from a method without grids where there is one.
     """
@@ -174,7 +175,8 @@ def _on_grids(question: Question) -> Findings:
 
 def _steady_alone(question: Question) -> Findings | None:
     """The steady cycle of a question without its initial loading, where one memory curve holds for
-    that cycle, or the loads are in phase; None for others.
+    that cycle, or the loads are in phase; None for others. A memory curve is the tangential force,
+    or the bulk strain, locked in up to each load.
 
     A steady cycle does not depend on how it was reached. What does, like the moment of the shear,
     is NaN.

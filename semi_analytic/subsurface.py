@@ -264,7 +264,7 @@ def _tensions_of_curves(
     Parameters
     ----------
     in_contact
-        (n,) instants of the snapshot
+        (n,) numbers of the instants of the `snapshot`, which has M at several instants
     edges
         (n,) their half-widths a(P) [length]
     """
@@ -295,13 +295,14 @@ def _panels_of_curves(
     contact: SymmetricContact, snapshot: Snapshot, in_contact: Indices, edges: Array
 ) -> list[_Panel]:
     """Ranges of half-widths over which the memory curves of the instants in contact are integrated:
-    from kink to kink, cut at corners of the profile.
+    from kink to kink, cut at corners of the profile. A memory curve M(eta) is the tangential force
+    of the flat punches up to the load eta.
 
     Parameters
     ----------
     in_contact
-        (m,) numbers of the instants of the `snapshot`; a panel has the place of its instant among
-        these
+        (m,) numbers of the instants of the `snapshot`, which has the memory curves at several
+        instants; a panel has the place of its instant among these
     edges
         (m,) half-width of contact at each [length]
     """
@@ -550,9 +551,9 @@ def _potentials(
     """Muskhelishvili's potentials N of pressure and T of shear, and their derivatives, at x + i y,
     y <= 0: complex (4, n), summed over the flat punches of a contact.
 
-    `lines` are the parts of the memory curve, which say what share of the tangential load each
-    punch has. The derivatives are left 0 on the face, where they only occur times y. Places with x
-    < 0 follow by symmetry.
+    `lines` are the parts of the memory curve M(eta), the tangential force of the punches up to the
+    load eta. Their slopes say what tangential load each punch has per normal load. The derivatives
+    are left 0 on the face, where they only occur times y. Places with x < 0 follow by symmetry.
     """
     potentials = np.zeros((4, len(x)), dtype=complex)
     distance = np.abs(x)
