@@ -393,18 +393,20 @@ class _Iteration:
         return -float(self.faces.interface.work_of_imposed(pressure, shear)[2])
 
     def _updated(self, multipliers: Array, mapped_tractions: Tractions) -> float:
-        """Update the multipliers (2, n) of pressure and shear in place, to the mapped tractions;
-        returns their largest change, over what is tolerated.
+        """Update the multipliers (2, n) of pressure and shear in place, to the tractions that the
+        return mapping onto contact and Coulomb's cone gave; returns the largest change, over what
+        is tolerated.
 
-        Iterated gap and slip contain the multipliers, so that these change with them.
+        The iterated values are gap − softness · pressure and slip + softness · shear, with the
+        softness 1/stiffness of the penalty: they change with the multipliers.
         """
-        change_of_normal = mapped_tractions.pressure - multipliers[0]
-        change_of_tangential = mapped_tractions.shear - multipliers[1]
-        self._gap -= self.softness.normal * change_of_normal
-        self._slip += self.softness.tangential * change_of_tangential
+        pressure_change = mapped_tractions.pressure - multipliers[0]
+        shear_change = mapped_tractions.shear - multipliers[1]
+        self._gap -= self.softness.normal * pressure_change
+        self._slip += self.softness.tangential * shear_change
         multipliers[0] = mapped_tractions.pressure
         multipliers[1] = mapped_tractions.shear
-        return self._over_tolerance(change_of_normal, change_of_tangential)
+        return self._over_tolerance(pressure_change, shear_change)
 
     def answer(self) -> tuple[Array, States]:
         """Values (3 + 4 n,) and states (n,) of the contact after the loops have converged, with

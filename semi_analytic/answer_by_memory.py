@@ -265,9 +265,10 @@ def _request_of(
     `time` (n,) and points. A memory curve M(eta) is the tangential force of the flat punches up to
     the load eta.
 
-    Where the question has no points they are chosen across the largest contact. A symmetric contact
-    is evaluated at different |x| only. `family` is the contact under bulk stress or tilt, None
-    without.
+    Where the question has no points they are chosen across the contact at the largest P; on a long
+    path, of which nothing asks for points, x = 0 alone. A symmetric contact is evaluated at
+    different |x| only. `family` holds the contacts of all loads under bulk stress or tilt on which
+    one memory curve exists; None without these.
     """
     scene = question.scene
     contact = family.contact if family is not None else contact_of(scene.profile, scene.material)

@@ -330,6 +330,7 @@ def _load_in_stick(curve: Knot | None, begin_station: Station, end_station: Stat
             knot_below = curve.below
             length += curve.length
             rise += curve.rise
+    # The lowest line begins at P = 0: its length is the load, without the round-off of a sum.
     if knot_below is None:
         return _knot(Knot, (None, load_at_end, force_at_end, load_at_end, rise, 1))
     return _knot(Knot, (knot_below, load_at_end, force_at_end, length, rise, knot_below.depth + 1))

@@ -173,8 +173,10 @@ class _Search:
     def where_it_passes(
         self, limit: float, log_friction: float, trials_beyond: Array, place: _Place
     ) -> float:
-        """The ln f at which the sum of squares passes `limit`, on the way from the best one,
-        `log_friction`, to the nearest of the trials at which it lies beyond. Infinite without any.
+        """The ln f at which the sum of squares of a fit passes `limit`, on the way from the best
+        one, `log_friction`, to the nearest of the trials at which it lies beyond. Infinite without
+        any. `place` holds where the rows lie on the scene's cycle, as a share of it, and the factor
+        of their loads.
         """
         from scipy.optimize import brentq
 

@@ -322,16 +322,20 @@ def _partial_loops(
     loops = []
     sentences = []
     for name, friction in (("best f", fit.friction), (OF_SCENE, scene.friction.coefficient)):
-        friction_of_scene = friction / fit.scale  # whose loads are smaller by that factor
-        if friction_of_scene < least_friction(scene):
+        # The scene's Q is that of the rows over `fit.scale`, at the same P. With f over it too,
+        # shear and U are smaller by that factor everywhere.
+        friction_at_scene_q = friction / fit.scale
+        if friction_at_scene_q < least_friction(scene):
             sentences.append(
                 f"With {name}, {friction:.4g}, the measured loads slide grossly: there is no such"
                 " loop"
             )
             continue
-        shifts = {f"theory, {name}": theory_shift(fit.scene, friction_of_scene)}
+        shifts = {f"theory, {name}": theory_shift(fit.scene, friction_at_scene_q)}
         if against == "fe":
-            shifts[f"finite elements, {name}"] = finite_element_shift(fit.scene, friction_of_scene)
+            shifts[f"finite elements, {name}"] = finite_element_shift(
+                fit.scene, friction_at_scene_q
+            )
         loops += [
             _with_rig(loop, fit, _LoopOfScene(name_of_loop, friction, shift), rig_compliance)
             for name_of_loop, shift in shifts.items()
