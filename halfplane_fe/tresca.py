@@ -128,6 +128,8 @@ def shear_at_known_pressure(
     rounding
         size of a violation that counts as round-off
 
+    Examples
+    --------
     >>> from halfplane_fe.interface import Interface
     >>> from halfplane_fe.systems import Layer
     >>> springs, none = np.eye(2), np.zeros(2)  # two nodes, each on a spring of its own
