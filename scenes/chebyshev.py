@@ -198,6 +198,8 @@ def difference(coefficients: Array, t: Any, t_before: Any) -> Any:
     t, t_before
         places in [-1, 1], any shape; of two floats a float, in a tenth of the time
 
+    Examples
+    --------
     >>> float(difference(np.array([0.0, 0.0, 1.0]), np.array(0.3), np.array(0.3)))  # T_2' = 4 t
     1.2
     """
