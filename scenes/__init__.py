@@ -33,7 +33,7 @@ Its files and the answer::
     clock_times.py  times of day and dates, to seconds since the first row
     unit_words.py   words for units, their sizes, whether they are one set
     files.py        files up to a stated size, whole or not at all: text, keys, source files
-    netcdf.py       NetCDF files of named arrays with their units, by h5py and h5netcdf
+    netcdf.py       NetCDF files of named arrays with their units, by h5netcdf
     errors.py       what can go wrong, as sentences
     array_types.py  types of arrays by what their entries are, for every package
     arrays.py       arrays of real numbers from Python callers; the largest number that is admitted

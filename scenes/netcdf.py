@@ -1,5 +1,5 @@
-"""NetCDF files of named arrays with their units, written by h5py and read by h5netcdf: xarray reads
-them, and is not needed to write or to read them.
+"""NetCDF files of named arrays with their units, by h5netcdf: xarray reads them, and is not needed
+to write or to read them.
 """
 
 from __future__ import annotations
@@ -62,82 +62,36 @@ class StoredArrays(NamedTuple):
 
 
 def netcdf_of(content: StoredArrays) -> memoryview:
-    """Bytes of a NetCDF-4 file that holds named arrays, with their axes, units and attributes:
-    HDF5 with a dimension scale for each axis.
+    """Bytes of a NetCDF-4 file that holds named arrays, with their axes, units and attributes.
 
-    They are written by h5py, in a quarter of h5netcdf's time, which looks each variable up again
-    and again. HDF5 writes to memory, since on a full disk it would end the process once the file is
-    closed.
+    Missing values of floats are NaN, as xarray writes them; an axis has none missing. HDF5 writes
+    to memory, since on a full disk it would end the process once the file is closed.
     """
+    import h5netcdf
     import h5py
 
     buffer = io.BytesIO()
-    # NetCDF libraries need the variables in the order in which they were written.
-    with h5py.File(buffer, "w", track_order=True) as file:
-        file.attrs["_NCProperties"] = np.bytes_(
-            f"version=2,hdf5={h5py.version.hdf5_version},h5py={h5py.__version__}"
-        )
-        for key, value in content.attributes.items():
-            file.attrs[key] = _in_attribute(value)
+    with h5netcdf.File(buffer, "w") as file:
         for name, stored_array in content.arrays.items():
-            _write_array(file, name, stored_array)
-        _attach_dimensions(file, content.arrays)
+            values = np.asarray(stored_array.values)
+            for dimension, size in zip(stored_array.dimensions, values.shape, strict=True):
+                if dimension not in file.dimensions:
+                    file.dimensions[dimension] = size
+            holds_words = values.dtype.kind == "U"
+            is_axis = stored_array.dimensions == (name,)
+            fill_value = np.nan if values.dtype.kind == "f" and not is_axis else None
+            variable = file.create_variable(
+                name,
+                stored_array.dimensions,
+                h5py.string_dtype() if holds_words else values.dtype,
+                data=values.astype(object) if holds_words else values,
+                fillvalue=fill_value,
+            )
+            for key, text in stored_array.attributes.items():
+                variable.attrs[key] = text
+        for key, value in content.attributes.items():
+            file.attrs[key] = value
     return buffer.getbuffer()
-
-
-def _in_attribute(value: Any) -> Any:
-    """A word, or an array of one number, as NetCDF has numbers."""
-    return value if isinstance(value, str) else np.atleast_1d(value)
-
-
-def _write_array(file: Any, name: str, stored_array: StoredArray) -> None:
-    """Write the values and the attributes of one array to an HDF5 `file`, under its name; the axes
-    follow later.
-
-    Missing values of floats are NaN, as xarray writes them; an axis has none missing.
-    """
-    import h5py
-
-    values = np.asarray(stored_array.values)
-    data_type = values.dtype
-    if data_type.kind == "U":
-        values = values.astype(object)
-        data_type = h5py.string_dtype()
-    is_axis = stored_array.dimensions == (name,)
-    fill_value = np.nan if data_type.kind == "f" and not is_axis else None
-    variable = file.create_dataset(
-        name, data=values, dtype=data_type, fillvalue=fill_value, track_order=True
-    )
-    if fill_value is not None:
-        variable.attrs["_FillValue"] = np.array([fill_value], data_type)
-    for key, text in stored_array.attributes.items():
-        variable.attrs[key] = text
-
-
-def _attach_dimensions(file: Any, arrays: Mapping[str, StoredArray]) -> None:
-    """Turn the arrays in an HDF5 `file` into variables of NetCDF: name the axes of each, by a
-    dimension scale for each axis that is attached to the arrays along it.
-
-    An axis without an array of its own gets one without values, which NetCDF recognises by its
-    name. `arrays` are those that were written, by name, with their axes.
-    """
-    lengths: dict[str, int] = {}
-    for name, stored_array in arrays.items():
-        lengths |= zip(stored_array.dimensions, file[name].shape, strict=True)
-    for number, (dimension, length) in enumerate(lengths.items()):
-        scale_name = dimension
-        if dimension not in arrays:
-            scale_name = f"This is a netCDF dimension but not a netCDF variable.{length:10d}"
-            file.create_dataset(dimension, (length,), dtype=">f4", track_order=True)
-        file[dimension].make_scale(scale_name)
-        file[dimension].attrs["_Netcdf4Dimid"] = np.int32(number)
-    scales = {dimension: file[dimension] for dimension in lengths}
-    for name, stored_array in arrays.items():
-        if name in scales:
-            continue
-        axes = file[name].dims
-        for number, dimension in enumerate(stored_array.dimensions):
-            axes[number].attach_scale(scales[dimension])
 
 
 def read_netcdf(path: Path, form: Mapping[str, tuple[str, ...]], newest: str) -> StoredArrays:
