@@ -17,11 +17,12 @@ _BELOW_ONE = 1 - 2.0**-53
 
 
 def log_excess(ratio: ArrayLike) -> Array:
-    """-ln(1 - r) - r = r^2/2 + r^3/3 + ... for 0 <= r <= 1 to full relative accuracy, however small
-    r is: the share of slip in the friction work of Hertz contacts.
+    """-ln(1 - r) - r = r^2/2 + r^3/3 + ... of `ratio` r, 0 <= r <= 1, of any shape, to full
+    relative accuracy, however small r is.
 
-    An r of 1 is known to its last digit only, and one digit less is taken for it: the logarithm of
-    0 would spoil an integral over r. With y = r/(2 - r): -ln(1 - r) = 2 artanh y and 2 y - r =
+    Friction work of Hertz contacts needs it (`HertzContact.dissipation_kernel`), r = (P - P_c)/P
+    with P_c the load at the stick edge. For r = 1 the number before it is taken, since ln 0 would
+    spoil an integral over r. With y = r/(2 - r): -ln(1 - r) = 2 artanh y and 2 y - r =
     r^2/(2 - r), so that nothing cancels.
 
     >>> float(log_excess(1e-9)) * 2e18, round(float(log_excess(0.5)), 12)
@@ -37,6 +38,7 @@ def log_excess(ratio: ArrayLike) -> Array:
 
 
 def _log_series(ratio: Array) -> Array:
+    """-ln(1 - r) - r of ratios r up to 0.3, by the series of 2 artanh y, y = r/(2 - r)."""
     two_minus_ratio = 2 - ratio
     y = ratio / two_minus_ratio
     square = y * y
@@ -69,8 +71,8 @@ class HertzContact:
     noise: ClassVar[float] = 2 * float(np.finfo(float).eps)
 
     @property
-    def stretch(self) -> float:
-        """a^2 / P = 4 R / (pi E*)."""
+    def square_width_per_load(self) -> float:
+        """a^2/P = 4 R/(pi E*) [length / stress], the same at every load."""
         return 4 * self.radius / (np.pi * self.modulus)
 
     def half_width(self, load: ArrayLike) -> Array:
@@ -85,7 +87,7 @@ class HertzContact:
         ... )
         1.0
         """
-        return np.sqrt(self.stretch * np.asarray(load, dtype=float))
+        return np.sqrt(self.square_width_per_load * np.asarray(load, dtype=float))
 
     def load(self, half_width: ArrayLike) -> Array:
         """P(a) = pi E* a^2/(4 R) [force per thickness], the Hertz law, the inverse of `half_width`.
@@ -96,15 +98,15 @@ class HertzContact:
         ... )
         25.0
         """
-        return np.square(np.asarray(half_width, dtype=float)) / self.stretch
+        return np.square(np.asarray(half_width, dtype=float)) / self.square_width_per_load
 
     def stiffness(self, half_width: ArrayLike) -> Array:
         """dP/da = pi E* a/(2 R) [stress]."""
-        return 2 * np.abs(np.asarray(half_width, dtype=float)) / self.stretch
+        return 2 * np.abs(np.asarray(half_width, dtype=float)) / self.square_width_per_load
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """Hertz' pressure p(x, P) = (E*/2R) sqrt(a^2 - x^2) >= 0 [stress], 0 outside the contact;
-        equation (22) of the paper.
+        """Hertz pressure p(x, P) = (E*/2R) sqrt(a^2 - x^2) >= 0 [stress] at distances x from the
+        middle, 0 outside the contact; equation (22) of Davies, Barber and Hills (2012).
 
         >>> float(
         ...     HertzContact(modulus=100.0, radius=1.0, datum_length=1.0)
@@ -113,8 +115,8 @@ class HertzContact:
         ... )  # 2 P/(pi a)
         50.0
         """
-        excess = np.maximum(np.asarray(load, dtype=float) - self.load(x), 0.0)
-        return np.sqrt(excess / self.stretch) * (2 / np.pi)
+        load_beyond_x = np.maximum(np.asarray(load, dtype=float) - self.load(x), 0.0)
+        return np.sqrt(load_beyond_x / self.square_width_per_load) * (2 / np.pi)
 
     pressure_rise = pressure
 
@@ -123,40 +125,44 @@ class HertzContact:
         return self.pressure(x, load) * (np.asarray(load, dtype=float) + 2 * self.load(x)) / 3
 
     def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """What flat punches that end inside of x add to the slip there, in closed form: S(x, P) =
-        int arccosh(|x|/a(eta)) d eta over loads eta < min(P, P_x) [force per thickness].
+        """Slip integral S(x, P) = int arccosh(|x|/a(eta)) d eta over the loads eta < min(P, P_x)
+        [force per thickness], in closed form.
 
-        P_x is the load at which the edge of contact is at x. S = P arccosh(sqrt(P_x/P)) + P_x -
-        sqrt(P_x (P_x - P)) for P < P_x, and P_x beyond. The gap closes where the edge comes: h =
-        x^2/(2 R) = (A/pi) S(x, P_x).
+        P_x is the load at which the edge of contact is at x. S times A/pi, A = 2/E*, is the
+        displacement at x by the flat punches that end within x. S = P arccosh(sqrt(P_x/P)) + P_x -
+        sqrt(P_x (P_x - P)) for P < P_x, and P_x beyond. The initial gap closes where the edge
+        comes: x^2/(2 R) = (A/pi) S(x, P_x).
 
         >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
         >>> round(2 / np.pi * float(contact.slip_integral(0.6, contact.load(0.6))), 12)  # 0.6^2/2
         0.18
         """
-        edge = self.load(x)
-        outside_load = np.minimum(np.asarray(load, dtype=float), edge)
-        gap = edge - outside_load
-        return outside_load * _arc(gap, outside_load) + edge * outside_load / (
-            edge + np.sqrt(edge * gap) + _TINY
+        load_at_x = self.load(x)
+        punch_load = np.minimum(np.asarray(load, dtype=float), load_at_x)  # of punches within x
+        load_left_to_x = load_at_x - punch_load
+        # P_x - sqrt(P_x (P_x - P)), without its cancellation; 0 at x = 0
+        algebraic_term = (
+            load_at_x * punch_load / (load_at_x + np.sqrt(load_at_x * load_left_to_x) + _TINY)
         )
+        return punch_load * _arccosh_root(load_left_to_x, punch_load) + algebraic_term
 
     def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """Integral of eta' arccosh(|x|/a(eta')) d eta' over the loads from 0 to eta = `load` at
-        which x is outside the contact, in closed form [force^2 per thickness^2].
+        """First moment of the slip integral, int eta' arccosh(|x|/a(eta')) d eta' over the loads
+        eta' < min(eta, P_x), eta = `load`, in closed form [force^2 per thickness^2].
 
-        With P_x the load at which the edge of contact is at x: (eta^2/2) arccosh(sqrt(P_x/eta)) +
-        (r/4) [2 P_x (r - s) - (2/3) (r^3 - s^3)], r = sqrt(P_x), s = sqrt(P_x - eta), in parts: the
-        second term is a quarter of int_0^eta eta' sqrt(P_x/(P_x - eta')) d eta'.
+        P_x is the load at which the edge of contact is at x. The integral is (eta^2/2)
+        arccosh(sqrt(P_x/eta)) + (r/4) [2 P_x (r - s) - (2/3) (r^3 - s^3)], r = sqrt(P_x), s =
+        sqrt(P_x - eta). It is found by parts: the second term is a quarter of
+        int_0^eta eta' sqrt(P_x/(P_x - eta')) d eta'.
         """
         load_at_x = self.load(x)
-        outside_load = np.minimum(np.asarray(load, dtype=float), load_at_x)
-        load_to_edge = load_at_x - outside_load
+        punch_load = np.minimum(np.asarray(load, dtype=float), load_at_x)  # of punches within x
+        load_left_to_x = load_at_x - punch_load
         # notation: r = sqrt(P_x), s = sqrt(P_x - eta)
         r = np.sqrt(load_at_x)
-        s = np.sqrt(load_to_edge)
-        half_power_terms = r * (2 * load_at_x * (r - s) - 2 / 3 * (r**3 - s**3))
-        return outside_load**2 / 2 * _arc(load_to_edge, outside_load) + half_power_terms / 4
+        s = np.sqrt(load_left_to_x)
+        algebraic_term = r * (2 * load_at_x * (r - s) - 2 / 3 * (r**3 - s**3))
+        return punch_load**2 / 2 * _arccosh_root(load_left_to_x, punch_load) + algebraic_term / 4
 
     def advance(self, load: ArrayLike) -> Array:
         """How far the edge is beyond that of no load: a itself [length]."""
@@ -169,14 +175,14 @@ class HertzContact:
         del x
         half_width = np.asarray(advance, dtype=float)
         return np.arcsinh(
-            np.sqrt(self.stretch * np.asarray(excess, dtype=float))
+            np.sqrt(self.square_width_per_load * np.asarray(excess, dtype=float))
             / np.where(half_width > 0, half_width, np.inf)
         )
 
     def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
         """1/sqrt(a(eta)^2 - x^2) from eta - P_x > 0."""
         del x, advance
-        square = self.stretch * np.asarray(excess, dtype=float)
+        square = self.square_width_per_load * np.asarray(excess, dtype=float)
         return 1 / np.sqrt(np.where(square > 0, square, np.inf))
 
     def quadrature_error(self, name: str, *arguments: ArrayLike) -> Array:
@@ -187,8 +193,10 @@ class HertzContact:
         return np.zeros(np.broadcast_shapes(*(np.shape(values) for values in arguments)))
 
     def log_distance(self, load: ArrayLike) -> Array:
-        """int_0^P ln(2 L/a(eta)) d eta [force per thickness]: times A/pi the normal approach of two
-        half-planes against a datum at distance L.
+        """int_0^P ln(2 L/a(eta)) d eta = P [ln(2 L/a(P)) + 1/2] [force per thickness].
+
+        Times A/pi it is the normal approach of the half-planes, relative to a datum at the distance
+        L, `datum_length`; A = 2/E* is the compliance of both.
 
         >>> contact = HertzContact(
         ...     modulus=100.0, radius=1.0, datum_length=0.5
@@ -209,7 +217,9 @@ class HertzContact:
     def log_ratio(self, load: ArrayLike) -> Array:
         """ln(2 L/a(P)); 0 is returned for P = 0, where it is multiplied by P."""
         p = np.asarray(load, dtype=float)
-        return -0.5 * np.log(np.where(p > 0, p, 1.0) * self.stretch / (2 * self.datum_length) ** 2)
+        return -0.5 * np.log(
+            np.where(p > 0, p, 1.0) * self.square_width_per_load / (2 * self.datum_length) ** 2
+        )
 
     def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:
         """Lam(P, P_c) = int_{P_c}^P ln(a(eta)/a(P_c)) d eta [force per thickness] from P and P -
@@ -226,8 +236,8 @@ class HertzContact:
 _TINY = np.finfo(float).tiny
 
 
-def _arc(gap: Array, load: Array) -> Array:
-    """arccosh(sqrt(P_x/eta)) = arsinh(sqrt((P_x - eta)/eta)); 0 is returned for eta = 0, where it
-    is multiplied by eta.
+def _arccosh_root(load_left_to_x: Array, load: Array) -> Array:
+    """arccosh(sqrt(P_x/eta)) = arsinh(sqrt((P_x - eta)/eta)) from P_x - eta and eta = `load`; 0 is
+    returned for eta = 0, where it is multiplied by eta.
     """
-    return np.arcsinh(np.sqrt(gap / np.where(load > 0, load, np.inf)))
+    return np.arcsinh(np.sqrt(load_left_to_x / np.where(load > 0, load, np.inf)))

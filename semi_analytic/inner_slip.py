@@ -45,26 +45,29 @@ _DIVISIONS = 4
 _PARTS = 4
 # Punches on either side of an end of the zone that are divided.
 _AROUND_END = 2
-# What a point does: it slips on, rests, or slips as the edge does.
-_ON, _RESTS, _BACK = 1, 0, -1
-# Zones that are tried: some ten are.
-_MOST_ZONES = 200
-# The first of them may come back to one that was tried: after these one point is changed at a time.
-_AT_ONCE = 30
+# Friction state of a point: it slips in the direction `sense`, sticks, or slips the other way, as
+# the edge does.
+_SLIPS, _RESTS, _SLIPS_BACK = 1, 0, -1
+# Trials of the slip zone (active set) at most: some ten are needed.
+_MOST_TRIALS = 200
+# Trials in which all wrong points change at once. They may come back to a zone that was tried:
+# later ones change one point at a time.
+_TRIALS_OF_ALL_POINTS = 30
 # Share of a within which slip at the edge is too narrow to be told from an edge that rests.
 _AT_EDGE = 1e-3
 # Share of the largest excess, and of the largest slip, that is round-off.
 _ROUNDING = 1e-9
 
 
-def _of_punches(x: Array, half_widths: Array, modulus: float) -> tuple[Array, Array]:
-    """Shear and slip at points x (k,) by a density mu of flat punches over their half-width, for
-    each of m hat functions as density: (k, m) each; the slip but for a constant.
+def _shear_and_slip_of_punches(x: Array, half_widths: Array, modulus: float) -> tuple[Array, Array]:
+    """Influence matrices of flat punches: shear r [stress * length] and slip w [length^2] at
+    points x (k,) per unit of their density mu at each half-width, (k, m) both.
 
         r(x) = (E*/2) int_x^a mu c dc/sqrt(c^2 - x^2),    w(x) = int_0^x mu c arccosh(x/c) dc
 
-    A hat is 1 at one of the m + 1 half-widths and falls straight to 0 at its neighbours; the last
-    half-width has the density of the one before. `modulus` is E*.
+    mu [1/length] is straight between the m + 1 half-widths, a sum of hat functions. A hat is 1 at
+    one half-width and 0 at the others; the last half-width has the mu of the one before. The slip
+    is relative to that at x = 0. `modulus` is E* [stress].
     """
     x_column = x[:, None]
     larger_width = np.maximum(half_widths, x_column)
@@ -75,13 +78,14 @@ def _of_punches(x: Array, half_widths: Array, modulus: float) -> tuple[Array, Ar
         arcsine_term = np.where(
             x_column > 0, np.arcsin(np.minimum(smaller_width / x_column, 1.0)), 0.0
         )
-    # A punch within x makes no shear there.
+    # Primitives over c of both kernels, and of c times the kernels, at each half-width: (k, m + 1).
+    # A punch that ends within x makes no shear there.
     is_beyond = half_widths > x_column
     shear = np.where(is_beyond, root_of_squares, 0.0)  # int c dc/sqrt(c^2 - x^2)
     shear_moment = (
         larger_width * shear + np.where(is_beyond, x_column**2 * arccosh_term, 0.0)
-    ) / 2  # int c^2
-    # Of a range of punches beyond x only its part within x makes slip there.
+    ) / 2  # int c^2 dc/sqrt(c^2 - x^2)
+    # Of a range of punches that ends beyond x only its part within x makes slip there.
     root_of_squares = np.where(is_beyond, 0.0, root_of_squares)
     arccosh_term = np.where(is_beyond, 0.0, arccosh_term)
     slip = (
@@ -90,25 +94,30 @@ def _of_punches(x: Array, half_widths: Array, modulus: float) -> tuple[Array, Ar
     slip_moment = (
         smaller_width**3 * arccosh_term / 3
         + x_column * (x_column**2 * arcsine_term - smaller_width * root_of_squares) / 6
-    )
+    )  # int c^2 arccosh(x/c) dc
+    shear_of_hats = _integrals_over_hats(half_widths, shear, shear_moment)
+    return modulus / 2 * shear_of_hats, _integrals_over_hats(half_widths, slip, slip_moment)
 
-    def hat_integrals(integral: Array, moment: Array) -> Array:
-        begin_width = half_widths[:-1]
-        length = np.diff(half_widths)
-        integral_rise = np.diff(integral, axis=1)
-        upper_part = (np.diff(moment, axis=1) - begin_width * integral_rise) / length
-        lower_part = integral_rise - upper_part
-        integrals = lower_part
-        integrals[:, 1:] += upper_part[:, :-1]
-        integrals[:, -1] += upper_part[:, -1]
-        return integrals
 
-    return modulus / 2 * hat_integrals(shear, shear_moment), hat_integrals(slip, slip_moment)
+def _integrals_over_hats(half_widths: Array, primitive: Array, moment_primitive: Array) -> Array:
+    """Integrals over c of a kernel times each hat function, (k, m), from the primitives of the
+    kernel and of c times it at the half-widths (m + 1,), (k, m + 1) each.
+    """
+    begin_width = half_widths[:-1]
+    interval_length = np.diff(half_widths)
+    kernel_integral = np.diff(primitive, axis=1)
+    moment_integral = np.diff(moment_primitive, axis=1)
+    # On an interval the hat of its upper end rises from 0 to 1, that of its lower end falls.
+    with_rising_hat = (moment_integral - begin_width * kernel_integral) / interval_length
+    hat_integrals = kernel_integral - with_rising_hat
+    hat_integrals[:, 1:] += with_rising_hat[:, :-1]
+    hat_integrals[:, -1] += with_rising_hat[:, -1]
+    return hat_integrals
 
 
 class SlipAtPoints(NamedTuple):
-    """r [stress], w [length] and whether they slip in the sense of the zone, of points (k,); that
-    sense.
+    """What the extra slip adds at points (k,): shear r [stress] and slip w [length]; whether each
+    point lies in its slip zone; direction of that slip `sense`, +1 or -1.
     """
 
     shear: Array
@@ -119,54 +128,56 @@ class SlipAtPoints(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class InnerSlip:
-    """What slips further at an instant.
+    """Extra slip inside the contact at an instant, as a superposition of flat punches.
 
     Attributes
     ----------
     modulus
-        E*
+        E* [stress]
     half_widths
-        (m+1,) of the punches, from 0 to a
-    slopes
+        (m+1,) of the punches, from 0 to a [length]
+    densities
         (m,) mu at all but the last of them [1 / length]
-    shift
-        C [length]
+    slip_at_middle
+        C, the slip at x = 0 [length]
     sense
-        sigma, +1 or -1
-    zone
-        (m,) what the points at all but the last half-width do
+        sigma, direction of the extra slip, +1 or -1
+    friction_states
+        (m,) of the points at all but the last half-width: 1 slips, 0 sticks, -1 slips the other way
     """
 
     modulus: float
     half_widths: Array
-    slopes: Array
-    shift: float
+    densities: Array
+    slip_at_middle: float
     sense: int
-    zone: Indices
+    friction_states: Indices
 
     @property
     def slips(self) -> NDArray[np.bool_]:
-        """(m,) whether they slip in that sense."""
-        return np.asarray(self.zone == _ON)
+        """(m,) whether the points at all but the last half-width slip in the direction `sense`."""
+        return np.asarray(self.friction_states == _SLIPS)
 
     def at(self, x: Array) -> SlipAtPoints:
-        """Extra shear and slip at distances x (k,) from the middle, and which of the points slip in
-        it.
+        """Shear [stress] and slip [length] that the extra slip adds at distances x (k,) >= 0 from
+        the middle, and whether each point lies in its slip zone.
 
-        They come from the slip zone inside the contact, in which the shear would else exceed f p. A
-        point between two punches counts as slipping where both of them do.
+        They are added to the fields of the memory curve, by which |q| would exceed f p inside the
+        contact. A point between two half-widths counts as slipping where both of them do.
         """
-        shear_by_slopes, slip_by_slopes = _of_punches(x, self.half_widths, self.modulus)
-        punch_below = np.searchsorted(self.half_widths, x, side="right") - 1
-        is_inside = punch_below < len(self.zone)
-        slips_beyond = np.append(self.slips[1:], False)
-        slips_on_both_sides = (self.slips & slips_beyond)[
-            np.minimum(punch_below, len(self.zone) - 1)
+        shear_per_density, slip_per_density = _shear_and_slip_of_punches(
+            x, self.half_widths, self.modulus
+        )
+        punch_within_x = np.searchsorted(self.half_widths, x, side="right") - 1
+        is_inside = punch_within_x < len(self.slips)
+        next_one_slips = np.append(self.slips[1:], False)
+        slips_at_both_ends = (self.slips & next_one_slips)[
+            np.minimum(punch_within_x, len(self.slips) - 1)
         ]
         return SlipAtPoints(
-            shear=shear_by_slopes @ self.slopes,
-            slip=self.shift + slip_by_slopes @ self.slopes,
-            slips=is_inside & slips_on_both_sides,
+            shear=shear_per_density @ self.densities,
+            slip=self.slip_at_middle + slip_per_density @ self.densities,
+            slips=is_inside & slips_at_both_ends,
             sense=self.sense,
         )
 
@@ -176,16 +187,17 @@ Tractions = Callable[[Array], tuple[Array, Array]]
 
 
 @dataclass(frozen=True, eq=False)
-class _Step:
-    """The contact at an instant: q and f p of the memory curve, sigma, a, half-widths at which
-    slip of the memory curve begins and ends, that outside of which the edge slips, E*.
+class _MemoryContact:
+    """The contact at an instant before the extra slip: q and f p of the memory curve, direction
+    sigma of the extra slip, a, half-widths at which the memory curve's slip begins or ends, that
+    outside of which the edge slips, E*.
     """
 
     tractions: Tractions
     sense: int
     half_width: float
-    ends: Array
-    edge_of_stick: float
+    slip_ends: Array
+    stick_half_width: float
     modulus: float
 
 
@@ -197,23 +209,26 @@ def inner_slip(
     edge_of_stick: float,
     modulus: float,
 ) -> InnerSlip:
-    """The least extra slip inside the contact after which the shear nowhere exceeds the Coulomb
-    limit, |q| <= f p.
+    """The least slip that must be added to that of the memory curve, inside the contact, for the
+    shear to keep the Coulomb limit |q| <= f p everywhere.
 
-    Where a stroke of slip ends while the curvature of the faces still changes, the edge comes to
-    rest first; points further in slip on. The zone is found on a row of flat punches, which is
-    divided around its ends.
+    Where a stroke of slip ends while the curvature of the faces still changes, points at the edge
+    of contact stick first; points further in slip on. The slip is a superposition of flat punches,
+    of about 100 half-widths at first. They are refined around the ends of the slip zone.
 
     Parameters
     ----------
     tractions
-        q and f p at points, before the extra slip
+        function of points x (k,): q and f p of the memory curve, (k,) each [stress]
     sense
-        direction of the slip inside, +1 or -1; that at the edge is of the other one
-    half_width, ends
-        a; (k,) half-widths at which slip begins or ends before the extra slip: q has a root there
+        direction of the extra slip, +1 or -1; slip at the edge has the other one
+    half_width
+        a [length]
+    ends
+        (k,) distances from the middle at which slip of the memory curve begins or ends, where
+        q varies like a square root [length]
     edge_of_stick
-        the half-width outside of which the edge slips; a where it rests
+        distance from the middle beyond which the edge slips; a where it sticks [length]
     modulus
         E* [stress]
 
@@ -223,110 +238,114 @@ def inner_slip(
         Where no slip zone is found.
     """
     slip_ends = ends[(ends > 0) & (ends < half_width * (1 - _AT_EDGE))]
-    contact_at_instant = _Step(tractions, sense, half_width, slip_ends, edge_of_stick, modulus)
-    equal_widths = half_width * np.sin(np.linspace(0.0, math.pi / 2, _PUNCHES + 1))
-    # A punch next to an end would be of no width.
-    is_apart = np.all(np.abs(equal_widths[:, None] - slip_ends) > half_width / _PUNCHES**2, axis=1)
+    contact = _MemoryContact(tractions, sense, half_width, slip_ends, edge_of_stick, modulus)
+    graded_widths = half_width * np.sin(np.linspace(0.0, math.pi / 2, _PUNCHES + 1))
+    # The interval between a half-width and a slip end next to it would have no length.
+    is_apart = np.all(np.abs(graded_widths[:, None] - slip_ends) > half_width / _PUNCHES**2, axis=1)
     is_apart[[0, -1]] = True
-    half_widths = np.union1d(equal_widths[is_apart], slip_ends)
-    solution = _solved(contact_at_instant, half_widths, None)
+    half_widths = np.union1d(graded_widths[is_apart], slip_ends)
+    solution = _slip_on_punches(contact, half_widths, None)
     if solution is None:
         raise NotFoundError("no zone was found in which points inside the contact slip")
     for _ in range(_DIVISIONS):
-        half_widths = _divided(half_widths, solution.slips, slip_ends)
-        finer_solution = _solved(contact_at_instant, half_widths, solution)
+        half_widths = _refined(half_widths, solution.slips, slip_ends)
+        finer_solution = _slip_on_punches(contact, half_widths, solution)
         if finer_solution is None:
-            # What is left beyond the limit is seen by the check of the Coulomb limit.
+            # The check of the Coulomb limit sees by how much the coarser one still exceeds it.
             return solution
         solution = finer_solution
     return solution
 
 
-def _divided(half_widths: Array, slips: NDArray[np.bool_], slip_ends: Array) -> Array:
-    """The half-widths with more of them around the ends of the slip zone, and around others."""
+def _refined(half_widths: Array, slips: NDArray[np.bool_], slip_ends: Array) -> Array:
+    """The half-widths, ascending, with more of them around the ends of the slip zone and around
+    `slip_ends`, where slip of the memory curve begins or ends.
+    """
     numbers_of_ends = np.flatnonzero(slips[1:] != slips[:-1]) + 1
     numbers_of_ends = np.union1d(numbers_of_ends, np.searchsorted(half_widths, slip_ends))
-    punches_around = (numbers_of_ends[:, None] + np.arange(-_AROUND_END, _AROUND_END)).ravel()
-    punches = np.unique(np.clip(punches_around, 0, len(slips) - 1))
+    intervals_around = (numbers_of_ends[:, None] + np.arange(-_AROUND_END, _AROUND_END)).ravel()
+    intervals = np.unique(np.clip(intervals_around, 0, len(slips) - 1))
     shares = np.arange(1, _PARTS) / _PARTS
-    new_widths = half_widths[punches, None] + np.diff(half_widths)[punches, None] * shares
+    new_widths = half_widths[intervals, None] + np.diff(half_widths)[intervals, None] * shares
     return np.union1d(half_widths, new_widths)
 
 
-def _of_force(half_widths: Array) -> Array:
-    """int r dx over pi E*/2 of the same mu, int mu c dc: (m,)."""
-    begin = half_widths[:-1]
-    length = np.diff(half_widths)
-    upper_part = length * (begin / 2 + length / 3)
-    force = length * (begin / 2 + length / 6)
-    force[1:] += upper_part[:-1]
-    force[-1] += upper_part[-1]
+def _force_of_punches(half_widths: Array) -> Array:
+    """Tangential force int r dx of each hat function of mu, over pi E*/2: int mu c dc, (m,)."""
+    begin_width = half_widths[:-1]
+    interval_length = np.diff(half_widths)
+    of_rising_hat = interval_length * (begin_width / 2 + interval_length / 3)
+    force = interval_length * (begin_width / 2 + interval_length / 6)
+    force[1:] += of_rising_hat[:-1]
+    force[-1] += of_rising_hat[-1]
     return np.asarray(force)
 
 
-def _solved(
-    step: _Step, half_widths: Array, coarser_solution: InnerSlip | None
+def _slip_on_punches(
+    contact: _MemoryContact, half_widths: Array, coarser_solution: InnerSlip | None
 ) -> InnerSlip | None:
-    """Extra slip inside the contact by flat punches of given half-widths (n,), with the slip zone
-    in which it brings |q| to f p; None where no zone settles.
+    """Extra slip by flat punches of given half-widths (m + 1,), after which |q| <= f p at each of
+    them; None where the search for the slip zone does not converge.
 
-    The zone, at first that of a coarser solution, is corrected until no point is beyond the limit
-    and none slips backward. `step` has the tractions before the slip, its direction and the
-    modulus.
+    The zone (active set) starts from that of a coarser solution. It is changed until no sticking
+    point exceeds the limit and no slipping point moves against its direction. Unknowns are the
+    density mu at the points, (m,), and the slip at x = 0; int r dx = 0 is the last equation.
     """
+    sense = contact.sense
     points = half_widths[:-1]
-    shear_by_slopes, slip_by_slopes = _of_punches(points, half_widths, step.modulus)
-    shear, limit = step.tractions(points)
-    excess = step.sense * shear - limit
-    excess_of_reverse = -step.sense * shear - limit
+    shear_per_density, slip_per_density = _shear_and_slip_of_punches(
+        points, half_widths, contact.modulus
+    )
+    shear, limit = contact.tractions(points)
+    excess = sense * shear - limit  # beyond the limit of slip in the direction `sense` [stress]
+    excess_of_reverse = -sense * shear - limit
     excess_tolerance = _ROUNDING * float(np.max(excess))
-    is_at_edge = points >= step.edge_of_stick
-    n_points = len(points)
-    matrix = np.zeros((n_points + 1, n_points + 1))
-    matrix[n_points, :n_points] = _of_force(half_widths)
-    right_side = np.zeros(n_points + 1)
-    zone_of_points = np.where(excess > excess_tolerance, _ON, _RESTS)
+    is_at_edge = points >= contact.stick_half_width
+    states = np.where(excess > excess_tolerance, _SLIPS, _RESTS)
     if coarser_solution is not None:
-        zone_of_points = coarser_solution.zone[
+        states = coarser_solution.friction_states[
             np.searchsorted(coarser_solution.half_widths, points, side="right") - 1
         ]
-    zone_of_points = np.where(is_at_edge, _BACK, zone_of_points)
-    for trial in range(_MOST_ZONES):
-        is_resting = zone_of_points == _RESTS
+    states = np.where(is_at_edge, _SLIPS_BACK, states)
+    n_points = len(points)
+    matrix = np.zeros((n_points + 1, n_points + 1))
+    matrix[n_points, :n_points] = _force_of_punches(half_widths)
+    right_side = np.zeros(n_points + 1)
+    for trial in range(_MOST_TRIALS):
+        # A sticking point does not slip further; the shear of a slipping one comes to the limit.
+        # Slip at the edge is at its limit already: r = 0.
+        is_resting = states == _RESTS
         matrix[:n_points, :n_points] = np.where(
-            is_resting[:, None], slip_by_slopes, shear_by_slopes
+            is_resting[:, None], slip_per_density, shear_per_density
         )
         matrix[:n_points, n_points] = is_resting
-        right_side[:n_points] = np.where(zone_of_points == _ON, -step.sense * excess, 0.0)
+        right_side[:n_points] = np.where(states == _SLIPS, -sense * excess, 0.0)
         right_side[:n_points] += np.where(
-            (zone_of_points == _BACK) & ~is_at_edge, step.sense * excess_of_reverse, 0.0
+            (states == _SLIPS_BACK) & ~is_at_edge, sense * excess_of_reverse, 0.0
         )
-        *slopes, shift = np.linalg.solve(matrix, right_side)
-        added_shear = step.sense * (shear_by_slopes @ slopes)
-        slip = step.sense * (slip_by_slopes @ slopes + shift)
-        round_off = _ROUNDING * float(np.max(np.abs(slip)))
-        turns_back = (zone_of_points == _ON) & (slip < -round_off)
-        turns_back |= (zone_of_points == _BACK) & (slip > round_off) & ~is_at_edge
-        new_zone_of_points = np.where(turns_back, _RESTS, zone_of_points)
-        new_zone_of_points = np.where(
-            is_resting & (excess + added_shear > excess_tolerance), _ON, new_zone_of_points
-        )
-        new_zone_of_points = np.where(
-            is_resting & (excess_of_reverse - added_shear > excess_tolerance),
-            _BACK,
-            new_zone_of_points,
-        )
-        if np.array_equal(new_zone_of_points, zone_of_points):
+        *densities, slip_at_middle = np.linalg.solve(matrix, right_side)
+
+        added_shear = sense * (shear_per_density @ densities)
+        slip = sense * (slip_per_density @ densities + slip_at_middle)
+        slip_roundoff = _ROUNDING * float(np.max(np.abs(slip)))
+        moves_back = (states == _SLIPS) & (slip < -slip_roundoff)
+        moves_back |= (states == _SLIPS_BACK) & (slip > slip_roundoff) & ~is_at_edge
+        new_states = np.where(moves_back, _RESTS, states)
+        exceeds_limit = is_resting & (excess + added_shear > excess_tolerance)
+        new_states = np.where(exceeds_limit, _SLIPS, new_states)
+        exceeds_limit_of_reverse = is_resting & (excess_of_reverse - added_shear > excess_tolerance)
+        new_states = np.where(exceeds_limit_of_reverse, _SLIPS_BACK, new_states)
+        changed_points = np.flatnonzero(new_states != states)
+        if not len(changed_points):
             return InnerSlip(
-                step.modulus,
+                contact.modulus,
                 half_widths,
-                np.array(slopes),
-                float(shift),
-                step.sense,
-                zone_of_points,
+                np.array(densities),
+                float(slip_at_middle),
+                sense,
+                states,
             )
-        changed_punches = np.flatnonzero(new_zone_of_points != zone_of_points)
-        if trial > _AT_ONCE:
-            changed_punches = changed_punches[:1]
-        zone_of_points[changed_punches] = new_zone_of_points[changed_punches]
+        if trial > _TRIALS_OF_ALL_POINTS:
+            changed_points = changed_points[:1]
+        states[changed_points] = new_states[changed_points]
     return None

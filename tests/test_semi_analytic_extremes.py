@@ -151,16 +151,16 @@ def test_on_many_straight_steps_the_largest_values_are_those_about_the_place_on_
     time = np.concatenate([[path.start], cycle, cycle[1:] + path.period])
     steps = semi_analytic.solve(scene, x=[0.0], time=time, straight_steps=True)
     with monkeypatch.context() as everywhere_looked_at:
-        everywhere_looked_at.setattr(largest_values, "_FIRST", 10_000)
+        everywhere_looked_at.setattr(largest_values, "_PLACES_AT_FIRST", 10_000)
         everywhere = semi_analytic.extremes(steps)
     looked_at: list[int] = []
-    search = largest_values._largest
+    search = largest_values._largest_value
 
     def counted(values: Any, marks: Any, *arguments: Any, **keywords: Any) -> Any:
         looked_at.append(len(marks))
         return search(values, marks, *arguments, **keywords)
 
-    monkeypatch.setattr(largest_values, "_largest", counted)
+    monkeypatch.setattr(largest_values, "_largest_value", counted)
     nearby = semi_analytic.extremes(steps)
     assert min(looked_at) < 30
     assert nearby.dissipation_density == pytest.approx(everywhere.dissipation_density, rel=1e-9)
