@@ -1,19 +1,19 @@
 """Friction work, over the whole contact and point by point, of any history; and a second way to the
 former.
 
-# notation: A = 2/E*; w = +-Q - f P, which grows in slip; P_c load at the front of slip, c = a(P_c);
+# notation: A = 2/E*; w = +-Q - f P, which grows in slip; P_c load at the stick edge, c = a(P_c);
 P_x load at which a = |x|
 
     W    = (f A/pi) int w' Lam(P, P_c) dt,                  Lam = int_{P_c}^P ln(a(eta)/c) d eta
     W(x) = (f A/pi) int p(x, P) w' arccosh(|x|/c) dt        over the times with c < |x| < a(P)
     W    = closed-int Q dU                                  over a steady cycle
 
-Each span of slip is integrated in time by one rule for singular ends: roots at the edges of the
-contact, the logarithm of gross sliding, P close to 0 all lie at an end of a span or beyond it. On
-legs and arcs without formulas the front may run unevenly in the middle of a span as well, and so
-may all edges where P(a) hardly grows at one load; and edges pass corners of the profile. There a
-rule of fewer nodes is applied to the span, to parts of it, cut at a corner or in the middle, and to
-parts of these, until that changes nothing: fine tables are cut at a few of their knots.
+A span is the time of one direction of slip. It is integrated by one rule for singular ends: roots
+at the edges of contact, the logarithm of gross sliding and P close to 0 all lie at an end of it or
+beyond. Three things make an integrand rough within a span: segments of the load path without
+formulas, half-widths at which P hardly grows with a, and corners of the profile. There a rule of
+fewer nodes is applied to the span, to parts of it, cut at a corner or in the middle, and to parts
+of these, until that changes nothing. Fine tables are cut at a few of their knots.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import NORMAL_LOAD, Combination, NotFoundError
+from scenes import NORMAL_LOAD, TANGENTIAL_LOAD, NotFoundError
 from scenes.array_types import Array
 from scenes.segments import LEAST
 from semi_analytic.fields import Integrals
@@ -66,8 +66,8 @@ _TINY = float(np.finfo(float).tiny)
 
 
 class Split(NamedTuple):
-    """Friction work done while slipping forward and while slipping in reverse, and an estimate of
-    the error of both together.
+    """Friction work while the upper face slips forward, and in reverse, and an estimate of the
+    error of their sum; one number or (k,) at points.
     """
 
     forward: Array
@@ -81,11 +81,11 @@ class Split(NamedTuple):
 
 
 def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) -> Split:
-    """Friction work of spans of a load path over the whole contact, its forward and reverse part
-    and its error [energy per unit thickness].
+    """Friction work W of a load path over the whole contact, by the direction of slip, and its
+    error [energy per unit thickness].
 
-    A span is a time of slip in one direction, or of full stick. From Q = 0 to k f P at constant P
-    it is (A f^2 P^2/(2 pi)) [(1 - k) ln(1 - k) + k - k^2/2], A = 2/E*, E* = `modulus`.
+    A span is the time of one direction of slip, or of full stick. From Q = 0 to k f P at constant P
+    W is (A f^2 P^2/(2 pi)) [(1 - k) ln(1 - k) + k - k^2/2], A = 2/E*, E* = `modulus`.
 
     >>> from scenes.segments import straight_segments
     >>> from semi_analytic.hertz import HertzContact
@@ -102,14 +102,16 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
         _whole_span(span) for span in spans if span.direction and span.sticking_piece is not None
     ]
 
-    def work(span_range: SpanRanges, rule: QuadratureRule) -> Array:
+    def work_in_range(span_range: SpanRanges, rule: QuadratureRule) -> Array:
+        """W pi/A of a range of time, (1,)."""
         span = span_range.span
         times, weights = rule(span_range.begin, span_range.end)
-        load, _tangential = span.leg.loads(times)
-        kernel = contact.dissipation_kernel(load, span.slipped_at(times, load))
-        return np.asarray(np.sum(weights * _growth(span, times) * kernel, axis=-1))
+        load, _ = span.leg.loads(times)
+        load_of_slip_zones = span.slipped_at(times, load)  # P - P_c
+        kernel = contact.dissipation_kernel(load, load_of_slip_zones)
+        return np.asarray(np.sum(weights * _scaled_excess_rate(span, times) * kernel, axis=-1))
 
-    split = _over_spans(contact, modulus, ranges, 1, _span_by_span(work))
+    split = _over_spans(contact, modulus, ranges, 1, _span_by_span(work_in_range))
     return Split(split.forward[0], split.reverse[0], split.error[0])
 
 
@@ -118,15 +120,18 @@ QuadratureRule = Callable[[ArrayLike, ArrayLike], tuple[Array, Array]]
 
 
 class SpanRanges(NamedTuple):
-    """A span, the numbers of the integrals along it, and when each begins and ends, (n,) each."""
+    """A span of slip, and ranges of time within it, (n,) each: the number of the integral (of the
+    point) that a range belongs to, its begin and its end.
+    """
 
     span: Span
-    number: Indices
+    integral_number: Indices
     begin: Array
     end: Array
 
 
 def _whole_span(span: Span) -> SpanRanges:
+    """One range, from begin to end of the span, for integral number 0."""
     begin = np.array([span.begin.time])
     return SpanRanges(span, np.zeros(1, dtype=int), begin, np.array([span.end.time]))
 
@@ -151,78 +156,83 @@ def _over_spans(
     n_integrals: int,
     integrals_along: IntegralsAlong,
 ) -> Split:
-    """Sums of integrals over the time of slip, times A/pi, of forward and of reverse slip, and
-    their error; A = 2/E*.
+    """A/pi times integrals over the time of slip, summed by the direction of slip, and their
+    errors; A = 2/E*.
 
-    The load path is given in spans, times of slip in one direction. A span is integrated by one
-    rule. Where edges of contact or stick move unevenly, or pass corners of the profile, it is
-    halved until the sum no longer changes.
+    A span is the time of one direction of slip. Each is integrated by one quadrature rule. Where
+    the edges of contact or stick move unevenly, or pass corners of the profile, it is halved until
+    the sum no longer changes.
 
     Parameters
     ----------
     modulus
         E* [stress]
     ranges
-        the spans, with begin and end of each integral that has a part in them
+        for each span the ranges of time over which to integrate
     n_integrals
-        number of integrals, such as one for each point
+        number of integrals: one, or one for each point
     integrals_along
-        the integrals along some of these ranges, or parts of them
+        integrates over given ranges by a given rule
 
     Returns
     -------
     Split
         forward, reverse and the error of both, (n_integrals,) each
     """
-    cuts_of_spans = [corner_times(contact, span_range.span) for span_range in ranges]
-    is_rough = np.array(
+    corner_times_of_spans = [corner_times(contact, span_range.span) for span_range in ranges]
+    needs_halving = np.array(
         [
-            len(cuts) > 0 or uneven(contact, span_range.span)
-            for cuts, span_range in zip(cuts_of_spans, ranges, strict=True)
+            len(times_at_corners) > 0 or uneven(contact, span_range.span)
+            for times_at_corners, span_range in zip(corner_times_of_spans, ranges, strict=True)
         ],
         dtype=bool,
     )
-    values = np.zeros((len(ranges), n_integrals))
+    integrals = np.zeros((len(ranges), n_integrals))
     errors = np.zeros((len(ranges), n_integrals))
-    for rule, is_of_rule in ((graded, ~is_rough), (crowded, is_rough)):
-        spans_of_rule = [k for k in np.flatnonzero(is_of_rule).tolist() if len(ranges[k].number)]
-        if spans_of_rule:
-            integrals = integrals_along([ranges[k] for k in spans_of_rule], rule)
-            for k, integrals_of_span in zip(spans_of_rule, integrals, strict=True):
-                values[k, ranges[k].number] = integrals_of_span
-    rough_spans = [k for k in np.flatnonzero(is_rough).tolist() if len(ranges[k].number)]
-    if rough_spans:
+    # The rule for any singular ends takes 193 nodes; ranges that are halved take one of 24.
+    for rule, takes_rule in ((graded, ~needs_halving), (crowded, needs_halving)):
+        span_numbers = [
+            k for k in np.flatnonzero(takes_rule).tolist() if len(ranges[k].integral_number)
+        ]
+        if span_numbers:
+            integrals_of_spans = integrals_along([ranges[k] for k in span_numbers], rule)
+            for k, integrals_of_span in zip(span_numbers, integrals_of_spans, strict=True):
+                integrals[k, ranges[k].integral_number] = integrals_of_span
+    spans_to_halve = [
+        k for k in np.flatnonzero(needs_halving).tolist() if len(ranges[k].integral_number)
+    ]
+    if spans_to_halve:
         # One size for all: a short span by itself may be all round-off, and would never converge
         # to its own.
-        largest_sum = float(np.max(np.abs(np.sum(values, axis=0))))
-        size_of_spans = np.maximum(largest_sum, np.max(np.abs(values), axis=1))
+        largest_total = float(np.max(np.abs(np.sum(integrals, axis=0))))
+        size_of_integrals = np.maximum(largest_total, np.max(np.abs(integrals), axis=1))
         # 1e-14 across corners, for many small kinks may hide from one halving.
-        has_cuts = np.array([len(cuts) > 0 for cuts in cuts_of_spans])
-        error_share = np.where(has_cuts, min(CONVERGED, 25 * contact.noise), CONVERGED)
-        allowed_errors = error_share * size_of_spans
-        rough_ranges = [ranges[k] for k in rough_spans]
-        span_number = np.repeat(
-            rough_spans, [len(span_range.number) for span_range in rough_ranges]
+        passes_corner = np.array(
+            [len(times_at_corners) > 0 for times_at_corners in corner_times_of_spans]
         )
-        number_of_integral = np.concatenate([span_range.number for span_range in rough_ranges])
-        values[span_number, number_of_integral], errors[span_number, number_of_integral] = (
-            by_halving(
-                partial(
-                    _integrals_of_parts, ranges, integrals_along, span_number, number_of_integral
-                ),
-                np.concatenate([span_range.begin for span_range in rough_ranges]),
-                np.concatenate([span_range.end for span_range in rough_ranges]),
-                allowed_errors[span_number],
-                np.unique(np.concatenate([cuts_of_spans[k] for k in rough_spans])),
-                first_estimate=values[span_number, number_of_integral],
-            )
+        relative_error = np.where(passes_corner, min(CONVERGED, 25 * contact.noise), CONVERGED)
+        allowed_error_of_span = relative_error * size_of_integrals
+        ranges_to_halve = [ranges[k] for k in spans_to_halve]
+        span_number = np.repeat(
+            spans_to_halve, [len(span_range.integral_number) for span_range in ranges_to_halve]
+        )
+        integral_number = np.concatenate(
+            [span_range.integral_number for span_range in ranges_to_halve]
+        )
+        integrals[span_number, integral_number], errors[span_number, integral_number] = by_halving(
+            partial(_integrals_of_parts, ranges, integrals_along, span_number, integral_number),
+            np.concatenate([span_range.begin for span_range in ranges_to_halve]),
+            np.concatenate([span_range.end for span_range in ranges_to_halve]),
+            allowed_error_of_span[span_number],
+            np.unique(np.concatenate([corner_times_of_spans[k] for k in spans_to_halve])),
+            first_estimate=integrals[span_number, integral_number],
         )
     is_forward = np.array([span_range.span.direction > 0 for span_range in ranges], dtype=bool)
-    unit_compliance = 2 / (math.pi * modulus)
+    compliance = 2 / (math.pi * modulus)  # A/pi
     return Split(
-        forward=unit_compliance * np.sum(values[is_forward], axis=0),
-        reverse=unit_compliance * np.sum(values[~is_forward], axis=0),
-        error=unit_compliance * np.sum(errors, axis=0),
+        forward=compliance * np.sum(integrals[is_forward], axis=0),
+        reverse=compliance * np.sum(integrals[~is_forward], axis=0),
+        error=compliance * np.sum(errors, axis=0),
     )
 
 
@@ -230,53 +240,58 @@ def _integrals_of_parts(
     ranges: Sequence[SpanRanges],
     integrals_along: IntegralsAlong,
     span_number: Indices,
-    number_of_integral: Indices,
-    which: Indices,
+    integral_number: Indices,
+    range_number: Indices,
     begins: Array,
     ends: Array,
 ) -> Array:
-    """Integrals along parts of spans, from `begins` to `ends` in time, (n,) each.
+    """Integrals over parts of the ranges of time that are being halved, from `begins` to `ends`,
+    (n,) each, by the rule of 24 nodes.
 
     Parameters
     ----------
     ranges
-        the spans, times of slip in one direction
+        the spans of slip in one direction, with their ranges
     integrals_along
-        integrates along parts of several spans at once
-    span_number, number_of_integral
-        (m,) span and number in it of each integral that is cut into parts
-    which
-        (n,) of which of these m integrals each part is
+        integrates over given ranges by a given rule
+    span_number, integral_number
+        (m,) span, and integral in it, of each range that is halved
+    range_number
+        (n,) which of these m ranges each part belongs to
+    begins, ends
+        (n,) times at which the parts begin and end
     """
-    spans_of_parts = np.unique(span_number[which]).tolist()
-    places = [np.flatnonzero(span_number[which] == k) for k in spans_of_parts]
-    parts = [
+    spans_with_parts = np.unique(span_number[range_number]).tolist()
+    parts_of_spans = [np.flatnonzero(span_number[range_number] == k) for k in spans_with_parts]
+    part_ranges = [
         SpanRanges(
             ranges[k].span,
-            number_of_integral[which[places_of_span]],
-            begins[places_of_span],
-            ends[places_of_span],
+            integral_number[range_number[part_numbers]],
+            begins[part_numbers],
+            ends[part_numbers],
         )
-        for k, places_of_span in zip(spans_of_parts, places, strict=True)
+        for k, part_numbers in zip(spans_with_parts, parts_of_spans, strict=True)
     ]
-    integrals = np.zeros(len(which))
-    for places_of_span, integrals_of_span in zip(
-        places, integrals_along(parts, crowded), strict=True
+    integrals = np.zeros(len(range_number))
+    for part_numbers, integrals_in_span in zip(
+        parts_of_spans, integrals_along(part_ranges, crowded), strict=True
     ):
-        integrals[places_of_span] = integrals_of_span
+        integrals[part_numbers] = integrals_in_span
     return integrals
 
 
-def _growth(span: Span, times: Array) -> Array:
-    """f times the rate at which the level of a span of slip grows; >= 0."""
+def _scaled_excess_rate(span: Span, times: Array) -> Array:
+    """f dw/dt >= 0 at times of a span of slip [force per thickness per time], w = +-Q - f P the
+    excess of the tangential force over the friction limit.
+    """
     return span.friction * np.maximum(
         span.leg.rate_of(level(span.direction, span.friction), times), 0.0
     )
 
 
 def uneven(contact: Contact, span: Span) -> bool:
-    """Whether the load, or the front along an arc, runs by no formula, or the edges of contact and
-    stick do at any load.
+    """Whether the edges of contact or stick may run unevenly within a span: the load, or the edge
+    of stick along an arc of the memory curve, has no formula in time, or P may hardly grow with a.
     """
     if contact.bends_anywhere:
         return True
@@ -290,10 +305,10 @@ def uneven(contact: Contact, span: Span) -> bool:
 def pointwise_dissipation(
     contact: Contact, modulus: float, spans: Sequence[Span], x: Array
 ) -> Split:
-    """Friction work per area W(x) of spans of a load path at |x| = `x` (k,): its forward and
-    reverse part and its error, (k,) each [energy per area].
+    """Friction work per area W(x) of a load path at |x| = `x` (k,), by the direction of slip, and
+    its error, (k,) each [energy per area].
 
-    A span is a time of slip in one direction, or of full stick. While Q grows at constant P, W(x)
+    A span is the time of one direction of slip, or of full stick. While Q grows at constant P, W(x)
     is f p(x) s(x) with the slip s = (f A/pi) [S(x, P) - S(x, P_c)]. S(x, P) is the integral of
     arccosh(|x|/a) over the loads up to P, P_c the load at the stick edge, A = 2/E*, E* = `modulus`.
 
@@ -315,7 +330,7 @@ def pointwise_dissipation(
     ... )
     (0.0, 0.008438314611, 0.008438314611)
     """
-    edge_loads = contact.load(x)
+    edge_loads = contact.load(x)  # P_x, at which the edge of contact is at the point
     slip_spans = [span for span in spans if span.direction and span.sticking_piece is not None]
     ranges = []
     for span in slip_spans:
@@ -323,67 +338,81 @@ def pointwise_dissipation(
         points = np.flatnonzero(end_time > begin_time)
         ranges.append(SpanRanges(span, points, begin_time[points], end_time[points]))
 
-    def work(span_range: SpanRanges, rule: QuadratureRule) -> Array:
+    def density_in_ranges(span_range: SpanRanges, rule: QuadratureRule) -> Array:
+        """W(x) pi/A at the points of a span's ranges of time, (n,)."""
         span = span_range.span
         times, weights = rule(span_range.begin, span_range.end)
-        places = x[span_range.number, None]
-        load, _tangential = span.leg.loads(times)
+        x_of_points = x[span_range.integral_number, None]
+        load, _ = span.leg.loads(times)
         stick_edge_load = load - span.slipped_at(times, load)
-        excess = np.maximum(edge_loads[span_range.number, None] - stick_edge_load, 0.0)
-        ratio = contact.arccosh_ratio(places, excess, contact.advance(stick_edge_load))
-        works = weights * _growth(span, times) * contact.pressure(places, load) * ratio
-        return np.asarray(np.sum(works, axis=-1))
+        edge_load_of_points = edge_loads[span_range.integral_number, None]
+        load_outside_stick = np.maximum(edge_load_of_points - stick_edge_load, 0.0)
+        arccosh_ratio = contact.arccosh_ratio(
+            x_of_points, load_outside_stick, contact.advance(stick_edge_load)
+        )
+        pressure = contact.pressure(x_of_points, load)
+        density_at_nodes = weights * _scaled_excess_rate(span, times) * pressure * arccosh_ratio
+        return np.asarray(np.sum(density_at_nodes, axis=-1))
 
-    return _over_spans(contact, modulus, ranges, len(x), _span_by_span(work))
+    return _over_spans(contact, modulus, ranges, len(x), _span_by_span(density_in_ranges))
 
 
 def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
-    """When, within a span of slip in one direction, points begin and end to slip, (k,) each; the
-    end is not after the begin where a point never does.
+    """Times at which points begin and end to slip within a span of slip in one direction, (k,)
+    each; the end is not after the begin where a point never slips.
 
-    A point slips while it is in contact and outside the stick zone. `edge_load` (k,) is the load at
-    which the edge of contact is at the point: it begins where the stick edge, or the contact,
-    reaches the point.
+    A point slips while it is in contact and outside the stick zone. It begins when the stick edge,
+    or the edge of contact, reaches it. `edge_load` (k,) is P_x, the load at which the edge of
+    contact is at the point. The stick edge is at P_x when the path's excess +-Q - f P equals that
+    of the memory curve M(eta), the tangential force of the flat punches up to the load eta, at eta
+    = P_x.
     """
     assert span.sticking_piece is not None
     leg = span.leg
-    slip_level = level(span.direction, span.friction)
+    # the combination +-Q - f P of the loads
+    excess = level(span.direction, span.friction)
     begin_instant = span.begin
     end_instant = span.end
-    piece_top = span.sticking_piece.top
-    piece_bottom = span.sticking_piece.bottom
-    load_on_piece = np.clip(edge_load, piece_bottom, piece_top)
-    level_at_point = level_on(span.sticking_piece, span.direction, span.friction, load_on_piece)
-    level_rise = level_at_point - float(
-        change_from(span.sticking_piece.anchor, leg, slip_level, begin_instant.time)
+    # The piece of the memory curve that holds the stick edge in this span.
+    load_at_piece_top = span.sticking_piece.top
+    load_at_piece_bottom = span.sticking_piece.bottom
+    clipped_edge_load = np.clip(edge_load, load_at_piece_bottom, load_at_piece_top)
+    excess_on_curve = level_on(
+        span.sticking_piece, span.direction, span.friction, clipped_edge_load
     )
-    time_of_stick_edge = leg.time_of(slip_level, level_rise, begin_instant.time, end_instant.time)
-    time_of_stick_edge = np.where(edge_load <= piece_bottom, end_instant.time, time_of_stick_edge)
-    begin_time = np.where(edge_load >= piece_top, begin_instant.time, time_of_stick_edge)
+    # From the path's excess at the begin of the span: both count from the instant of the anchor.
+    excess_rise = excess_on_curve - float(
+        change_from(span.sticking_piece.anchor, leg, excess, begin_instant.time)
+    )
+    time_of_stick_edge = leg.time_of(excess, excess_rise, begin_instant.time, end_instant.time)
+    time_of_stick_edge = np.where(
+        edge_load <= load_at_piece_bottom, end_instant.time, time_of_stick_edge
+    )
+    begin_time = np.where(edge_load >= load_at_piece_top, begin_instant.time, time_of_stick_edge)
     time_of_contact_edge = leg.time_of(
         NORMAL_LOAD, edge_load - begin_instant.normal, begin_instant.time, end_instant.time
     )
-    span_end = np.full(begin_time.shape, end_instant.time)
-    # Of the change itself: where P hardly moves, the last digits of both loads may say that it
+    end_of_span = np.full(begin_time.shape, end_instant.time)
+    # From the change itself: where P hardly moves, the last digits of both loads may say that it
     # falls while it grows.
-    load_growth = float(leg.change_of(NORMAL_LOAD, end_instant.time, begin_instant.time))
-    if load_growth >= LEAST:
+    change_of_load = float(leg.change_of(NORMAL_LOAD, end_instant.time, begin_instant.time))
+    if change_of_load >= LEAST:
         time_of_touch = np.where(
             edge_load >= end_instant.normal, end_instant.time, time_of_contact_edge
         )
-        return np.maximum(begin_time, time_of_touch), span_end
-    is_met = edge_load < max(begin_instant.normal, end_instant.normal)
-    end_time = time_of_contact_edge if load_growth <= -LEAST else span_end
-    return begin_time, np.where(is_met, end_time, begin_time)
+        return np.maximum(begin_time, time_of_touch), end_of_span
+    contact_reaches_point = edge_load < max(begin_instant.normal, end_instant.normal)
+    end_time = time_of_contact_edge if change_of_load <= -LEAST else end_of_span
+    return begin_time, np.where(contact_reaches_point, end_time, begin_time)
 
 
 def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> LoopWork:
-    """Work of the tangential load in a steady cycle, the closed integral of Q dU over its spans
-    [energy per unit thickness]; and what the last digits of the displacement U may leave in it.
+    """Work of the tangential force in a steady cycle, the closed integral of Q dU over its spans
+    [energy per unit thickness], and the round-off error that U may leave in it.
 
-    The integral is the area of the hysteresis loop, and equals the friction work. It is taken as
-    -int U dQ, from which any multiple of the closed integral of Q dQ, which is 0, may be
-    subtracted. A span is a time in full stick or with slip in one direction.
+    It is the area of the hysteresis loop, and equals the friction work. It is taken as -int U dQ,
+    where a constant added to U changes nothing; nor does any multiple of Q. A span is the time of
+    one direction of slip, or of full stick.
 
     Of Q between -k f P and k f P at constant P: (2 A f^2 P^2/pi) [(1 - k) ln(1 - k) + k - k^2/2].
 
@@ -412,92 +441,104 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     (0.017024392768, 0.017024392768)
     """
     largest_load = max(max(span.begin.normal, span.end.normal) for span in spans)
-    contact = _flat_at(contact, largest_load)
+    contact = _with_moved_datum(contact, largest_load)
     integrals = Integrals(contact, np.zeros(1), "shift")
-    # U is a sum of logarithms times loads up to f P, however little of it changes: its last digits,
-    # all along Q.
+    # U is a sum of logarithms times loads up to f P, however little of it changes: its round-off
+    # error counts along the whole way that Q goes.
     displacement_size = 2 * abs(float(contact.log_distance(largest_load)))
-    path_of_force = 0.0
+    total_change_of_force = 0.0
     for span in spans:
-        _normal, force = span.leg.loads(np.linspace(span.begin.time, span.end.time, 5))
-        path_of_force += float(np.sum(np.abs(np.diff(force))))
-    roundoff = _DIGITS_OF_SHIFT * spans[0].friction * displacement_size * path_of_force
-
-    def work(ranges: Sequence[SpanRanges], rule: QuadratureRule) -> list[Array]:
-        """-int U dQ over the time of all ranges at once, (n,) for each range.
-
-        U is evaluated at the quadrature nodes of all of them together, over A/pi.
-        """
-        nodes = [rule(span_range.begin, span_range.end) for span_range in ranges]
-        times_of_spans = [
-            (span_range.span, times.ravel())
-            for span_range, (times, _) in zip(ranges, nodes, strict=True)
-        ]
-        displacement = integrals.over(snapshot_of(times_of_spans))[:, 0]
-        ends = np.cumsum([len(times) for _, times in times_of_spans])
-        works_of_ranges = []
-        for span_range, (times, weights), end_of_range in zip(
-            ranges, nodes, ends.tolist(), strict=True
-        ):
-            displacement_of_span = displacement[end_of_range - times.size : end_of_range].reshape(
-                times.shape
-            )
-            force_rate = span_range.span.leg.rate_of(Combination(0.0, 1.0), times)
-            works_of_ranges.append(-np.sum(displacement_of_span * force_rate * weights, axis=1))
-        return works_of_ranges
+        _, force = span.leg.loads(np.linspace(span.begin.time, span.end.time, 5))
+        total_change_of_force += float(np.sum(np.abs(np.diff(force))))
+    roundoff = _DIGITS_OF_SHIFT * spans[0].friction * displacement_size * total_change_of_force
 
     ranges = [_whole_span(span) for span in spans]
-    total = _over_spans(contact, modulus, ranges, 1, work).total[0]
+    work_along = partial(_works_of_ranges, integrals)
+    total = _over_spans(contact, modulus, ranges, 1, work_along).total[0]
     return LoopWork(float(total), 2 / (math.pi * modulus) * roundoff)
 
 
-def _flat_at(contact: Contact, largest_load: float) -> Contact:
-    """The contact with the datum of the displacement U moved, so that its logarithm ln(2 L/a) is 0
-    where the contact is largest.
+def _works_of_ranges(
+    integrals: Integrals, ranges: Sequence[SpanRanges], rule: QuadratureRule
+) -> list[Array]:
+    """pi/A times -int U dQ over the ranges of time of each span, (n,) for a span of n ranges.
 
-    That keeps the digits of a closed integral of U where the logarithm hardly varies, as for a face
-    that is nearly all flat. `largest_load` is P there.
+    U is the relative tangential displacement. It is evaluated by `integrals` at the quadrature
+    nodes of all spans in one call.
+    """
+    nodes_of_spans = [rule(span_range.begin, span_range.end) for span_range in ranges]
+    times_of_spans = [
+        (span_range.span, times.ravel())
+        for span_range, (times, _) in zip(ranges, nodes_of_spans, strict=True)
+    ]
+    displacement_at_nodes = integrals.over(snapshot_of(times_of_spans))[:, 0]
+    first_nodes = np.cumsum([len(times) for _, times in times_of_spans])[:-1]
+    works = []
+    for span_range, (times, weights), displacement_in_span in zip(
+        ranges, nodes_of_spans, np.split(displacement_at_nodes, first_nodes), strict=True
+    ):
+        displacement = displacement_in_span.reshape(times.shape)
+        force_rate = span_range.span.leg.rate_of(TANGENTIAL_LOAD, times)
+        works.append(-np.sum(displacement * force_rate * weights, axis=1))
+    return works
+
+
+def _with_moved_datum(contact: Contact, largest_load: float) -> Contact:
+    """The same contact with another datum length L of the displacement U: half the largest
+    half-width, so that ln(2 L/a) is 0 where the contact is largest.
+
+    A moved datum adds a multiple of Q to U, which a closed integral of U dQ does not see. It keeps
+    digits where the logarithm hardly varies, as for a face that is nearly all flat. `largest_load`
+    is the largest P.
     """
     moved_contact = replace(contact, datum_length=float(contact.half_width(largest_load)) / 2)
-    return (
-        replace(moved_contact, rigid="loop")
-        if isinstance(moved_contact, TiltedProfile)
-        else moved_contact
-    )
+    if isinstance(moved_contact, TiltedProfile):
+        # U + kappa m_q, m_q the moment of the shear: its closed integral is that of all work.
+        return replace(moved_contact, rigid="loop")
+    return moved_contact
 
 
-Values = Callable[[Indices, Array, Array], Array]
-"""Something along records number (n,) at P and P - P_c (n, k): (n, k)."""
+FunctionOfLoads = Callable[[Indices, Array, Array], Array]
+"""A function of the loads: of record numbers (n,), P and P - P_c (n, k), with values (n, k)."""
 
 
-def _means(contact: Contact, records: Records, values: Values) -> tuple[Array, int]:
-    """Mean of a function of the loads along each record of slip, (m,), and how many quadrature
-    nodes it took.
+def _means_along_records(
+    contact: Contact, records: Records, function_of_loads: FunctionOfLoads
+) -> tuple[Array, int]:
+    """Mean of a function of P and P - P_c along each record of slip, (m,), and the number of
+    quadrature nodes that it took.
 
     A record is a part of a load step in which P and P_c, the load at the stick edge, change
-    linearly. The integrand is singular where either would be 0 beyond an end. At the corner of the
-    profile below it goes as d^(3/2) only, which nodes that crowd to both ends resolve.
+    linearly. The function is singular at P = 0 and P_c = 0. Behind a load d above that of a corner
+    of the profile it goes as d^(3/2), which nodes that crowd to both ends resolve.
 
     Parameters
     ----------
-    values
-        the function of (record numbers, P, P - P_c) at nodes
+    function_of_loads
+        the function of (record numbers (n,), P, P - P_c (n, nodes)): (n, nodes)
     """
-    smooth_parts = _split(contact, records)
-    rule_of_part = _rule_numbers(
-        _share_of_way(smooth_parts, np.empty(0)), _share_of_way(smooth_parts, contact.break_loads)
+    smooth_parts = _cut_where_unsmooth(contact, records)
+    rule_number_of_part = _rule_numbers(
+        _closeness_of_loads(smooth_parts, np.empty(0)),
+        _closeness_of_loads(smooth_parts, contact.break_loads),
     )
     means = np.zeros(len(records.row))
     node_count = 0
     for rule_number, (rule, _) in enumerate(_RULES):
-        share_of_part, weights = rule(0.0, 1.0)
-        parts_of_rule = smooth_parts.take(np.flatnonzero(rule_of_part == rule_number))
+        place_of_nodes, weights = rule(0.0, 1.0)
+        parts_of_rule = smooth_parts.take(np.flatnonzero(rule_number_of_part == rule_number))
         load_growth = parts_of_rule.load_after - parts_of_rule.load
-        slip_growth = parts_of_rule.slipped_after - parts_of_rule.slipped
-        load = parts_of_rule.load[:, None] + load_growth[:, None] * share_of_part
-        slipped_load = parts_of_rule.slipped[:, None] + slip_growth[:, None] * share_of_part
-        values_at_nodes = values(parts_of_rule.row, load, np.clip(slipped_load, 0.0, load))
-        means_of_parts = parts_of_rule.until * np.sum(weights * values_at_nodes, axis=1)
+        slipped_growth = parts_of_rule.slipped_after - parts_of_rule.slipped
+        # At places of the nodes from 0 to 1 along the part: P, and P - P_c.
+        load = parts_of_rule.load[:, None] + load_growth[:, None] * place_of_nodes
+        load_of_slip_zones = (
+            parts_of_rule.slipped[:, None] + slipped_growth[:, None] * place_of_nodes
+        )
+        values_at_nodes = function_of_loads(
+            parts_of_rule.row, load, np.clip(load_of_slip_zones, 0.0, load)
+        )
+        share_of_record = parts_of_rule.until
+        means_of_parts = share_of_record * np.sum(weights * values_at_nodes, axis=1)
         means += np.bincount(parts_of_rule.row, means_of_parts, len(means))
         node_count += load.size
     return means, node_count
@@ -523,68 +564,69 @@ _RULES: tuple[tuple[QuadratureRule, int], ...] = (
 """Rules for records of slip and their numbers of nodes."""
 
 
-def _rule_numbers(share_to_singularity: Array, share_to_corner: Array) -> Indices:
-    """Number of the quadrature rule for each of some integrands (m,): more nodes the nearer a
-    singularity, crowded nodes next to a corner of the profile.
+def _rule_numbers(closeness_to_singularity: Array, closeness_to_corner: Array) -> Indices:
+    """Number in `_RULES` of the quadrature rule for each of some integrands, (m,): more nodes the
+    nearer a singularity, crowded nodes next to a corner of the profile.
 
-    A share is the part of the way to the singularity, or to the corner below, that the integrand's
-    range covers.
+    Closeness is 1 - d_min/d_max with the distances d of a load from the singularity, or from the
+    load of the corner below, along the range of integration: 0 far away, 1 where it is reached.
     """
-    rule_number = np.searchsorted(_SHARES, share_to_singularity)
-    is_beside_corner = share_to_corner > np.maximum(share_to_singularity, _SHARES[0])
+    rule_number = np.searchsorted(_SHARES, closeness_to_singularity)
+    is_beside_corner = closeness_to_corner > np.maximum(closeness_to_singularity, _SHARES[0])
     rule_number[(rule_number < len(_SHARES)) & is_beside_corner] = len(_SHARES) + 1
     return rule_number
 
 
-def _share_of_way(parts: Records, corners: Array) -> Array:
-    """How near each part of slip records comes to a singularity: the largest share of the way to 0,
-    or to the corner of the profile below, that P or P_c goes, (m,).
+def _closeness_of_loads(parts: Records, corner_loads: Array) -> Array:
+    """Closeness of P and P_c to 0, or to the load of the profile's corner below, along each part of
+    a slip record, the larger of the two, (m,) from 0 (far) to 1 (reached).
 
-    P_c is the load at the stick edge; `corners` are loads at which the contact edge is at a corner.
+    It is 1 - d_min/d_max with the distances d along the part. P_c is the load at the stick edge.
+    `corner_loads` (c,) ascending are those at which the contact edge is at a corner.
     """
-    largest_share = np.zeros(len(parts.row))
-    edge_load = parts.load - parts.slipped
-    edge_load_after = parts.load_after - parts.slipped_after
+    largest_closeness = np.zeros(len(parts.row))
+    stick_edge_load = parts.load - parts.slipped
+    stick_edge_load_after = parts.load_after - parts.slipped_after
     for load_at_begin, load_at_end in (
         (parts.load, parts.load_after),
-        (edge_load, edge_load_after),
+        (stick_edge_load, stick_edge_load_after),
     ):
         least_load = np.minimum(load_at_begin, load_at_end)
         largest_load = np.maximum(load_at_begin, load_at_end)
-        corner_below = np.append(0.0, corners)[
-            np.searchsorted(corners, (least_load + largest_load) / 2)
+        corner_load_below = np.append(0.0, corner_loads)[
+            np.searchsorted(corner_loads, (least_load + largest_load) / 2)
         ]
-        largest_share = np.maximum(
-            largest_share, _share_to_zero(least_load - corner_below, largest_load - corner_below)
-        )
-    return largest_share
+        closeness = _closeness(least_load - corner_load_below, largest_load - corner_load_below)
+        largest_closeness = np.maximum(largest_closeness, closeness)
+    return largest_closeness
 
 
-def _share_to_zero(begin: Array, end: Array) -> Array:
-    """Share of the way to 0 that a distance goes from one end of a range to the other; 1 where it
-    is 0 at one of them.
+def _closeness(distance_at_begin: Array, distance_at_end: Array) -> Array:
+    """1 - d_min/d_max of a distance d >= 0 that changes linearly between the ends of a range: 0
+    where it keeps, 1 where it is 0 at an end.
     """
-    least_distance = np.maximum(np.minimum(begin, end), 0.0)
-    return np.asarray(1 - least_distance / np.maximum(np.maximum(begin, end), _TINY))
+    least_distance = np.maximum(np.minimum(distance_at_begin, distance_at_end), 0.0)
+    largest_distance = np.maximum(np.maximum(distance_at_begin, distance_at_end), _TINY)
+    return np.asarray(1 - least_distance / largest_distance)
 
 
-def _split(contact: Contact, records: Records) -> Records:
-    """Cut `records` of slip, so that along each part the half-width a(P) of `contact` is smooth at
-    both P and P_c, the load at the stick edge.
+def _cut_where_unsmooth(contact: Contact, records: Records) -> Records:
+    """Records of slip, cut so that a(P), the half-width of the contact, is smooth along each part
+    at P and at P_c, the load at the stick edge.
 
-    A record is a part of a load step in which P and P_c change linearly. Cuts are at the loads of
-    the profile's corners. Where P may hardly grow anywhere they are also at half-widths so close
-    that a(P) is smooth in between. In the parts returned `row` is the number of the record, and
-    `until` the share of it.
+    A record is a part of a load step in which P and P_c change linearly; `slipped` is P - P_c,
+    `rise` the growth of +-Q - f P. Cuts are at the loads of the profile's corners. Where P may
+    hardly grow with a they are also at half-widths 7 % apart. In the parts returned `row` is the
+    number of the record, and `until` the share of it that the part takes.
     """
-    break_loads = contact.break_loads
+    cut_loads = contact.break_loads
     if contact.bends_anywhere and len(records.row):
         largest_load = max(float(np.max(records.load)), float(np.max(records.load_after)))
         largest_half_width = contact.half_width(largest_load)
-        break_loads = np.append(break_loads, contact.load(largest_half_width * _LADDER))
+        cut_loads = np.append(cut_loads, contact.load(largest_half_width * _LADDER))
     stick_edge_load = records.load - records.slipped
     stick_edge_load_after = records.load_after - records.slipped_after
-    shares_at_breaks = [np.zeros((len(records.row), 1))]
+    shares_at_cuts = [np.zeros((len(records.row), 1))]
     for load_at_begin, load_at_end in (
         (records.load, records.load_after),
         (stick_edge_load, stick_edge_load_after),
@@ -592,10 +634,8 @@ def _split(contact: Contact, records: Records) -> Records:
         load_change = np.where(load_at_end != load_at_begin, load_at_end - load_at_begin, np.inf)[
             :, None
         ]
-        shares_at_breaks.append(
-            np.clip((break_loads - load_at_begin[:, None]) / load_change, 0.0, 1.0)
-        )
-    share_at_begin = np.concatenate(shares_at_breaks, axis=1)
+        shares_at_cuts.append(np.clip((cut_loads - load_at_begin[:, None]) / load_change, 0.0, 1.0))
+    share_at_begin = np.concatenate(shares_at_cuts, axis=1)
     share_at_begin.sort(axis=1)
     share_at_end = np.append(share_at_begin[:, 1:], np.ones((len(share_at_begin), 1)), axis=1)
     record_number, cut_number = np.nonzero(share_at_end > share_at_begin)
@@ -604,13 +644,13 @@ def _split(contact: Contact, records: Records) -> Records:
     load = records.load[record_number]
     load_growth = (records.load_after - records.load)[record_number]
     slipped = records.slipped[record_number]
-    slip_growth = (records.slipped_after - records.slipped)[record_number]
+    slipped_growth = (records.slipped_after - records.slipped)[record_number]
     return Records(
         direction=records.direction[record_number],
         load=load + begin_share * load_growth,
         load_after=load + end_share * load_growth,
-        slipped=slipped + begin_share * slip_growth,
-        slipped_after=slipped + end_share * slip_growth,
+        slipped=slipped + begin_share * slipped_growth,
+        slipped_after=slipped + end_share * slipped_growth,
         rise=records.rise[record_number] * (end_share - begin_share),
         until=end_share - begin_share,
         row=record_number,
@@ -618,21 +658,25 @@ def _split(contact: Contact, records: Records) -> Records:
 
 
 def slip_work(contact: Contact, records: Records) -> tuple[Array, int]:
-    """int Lam dw of each record of slip, (m,) [force^2 per thickness^2], and how many nodes it
-    took.
+    """pi/(f A) times the friction work of each record of slip, int Lam dw, (m,) [force^2 per
+    thickness^2], and the number of quadrature nodes that it took.
+
+    A record is a part of a load step with slip, w = +-Q - f P. Lam(P, P_c) is the integral of
+    ln(a/c) over the loads from P_c to P, c = a(P_c) the stick half-width.
     """
-    means, nodes = _means(
+    mean_kernels, node_count = _means_along_records(
         contact, records, lambda _, load, slipped: contact.dissipation_kernel(load, slipped)
     )
-    return records.rise * means, nodes
+    return records.rise * mean_kernels, node_count
 
 
 def work_error(contact: Contact, records: Records) -> float:
-    """Estimated error of the sum of friction work over slip records [force^2 per thickness^2]; 0
-    for contacts with closed forms.
+    """Estimated error of pi/(f A) times the friction work of all slip records [force^2 per
+    thickness^2]; 0 for contacts with closed forms.
 
-    It is the largest error of the kernel int ln(a/c) d eta and of the quadrature rule in a sample
-    of records, times the growth of slip force over f of all.
+    It is the largest error of the kernel int ln(a/c) d eta, with that of the quadrature rule, in a
+    sample of records, times the sum of their `rise`. That is the growth of +-Q - f P along a
+    record.
 
     Raises
     ------
@@ -641,90 +685,103 @@ def work_error(contact: Contact, records: Records) -> float:
     """
     if contact.closed_form or not len(records.row):
         return 0.0
-    numbers = np.unique(np.linspace(0, len(records.row) - 1, _SAMPLE).astype(int))
-    sample = records.take(numbers)
-    load = np.append(sample.load, sample.load_after)
-    slipped = np.append(sample.slipped, sample.slipped_after)
-    error_of_kernel = contact.quadrature_error("dissipation_kernel", load, slipped)
-    error_of_rule = _RULE * contact.dissipation_kernel(load, slipped)
-    error_of_sample = error_of_kernel + error_of_rule
-    if not np.all(np.isfinite(error_of_sample)):
+    sampled_numbers = np.unique(np.linspace(0, len(records.row) - 1, _SAMPLE).astype(int))
+    sampled_records = records.take(sampled_numbers)
+    load = np.append(sampled_records.load, sampled_records.load_after)
+    load_of_slip_zones = np.append(sampled_records.slipped, sampled_records.slipped_after)
+    error_of_kernel = contact.quadrature_error("dissipation_kernel", load, load_of_slip_zones)
+    error_of_rule = _RULE * contact.dissipation_kernel(load, load_of_slip_zones)
+    kernel_error = error_of_kernel + error_of_rule
+    if not np.all(np.isfinite(kernel_error)):
         raise NotFoundError(
             "the error of a slip area is not a number: neither is the dissipation of these rows"
         )
-    return float(np.max(error_of_sample, initial=0.0) * np.sum(records.rise))
+    return float(np.max(kernel_error, initial=0.0) * np.sum(records.rise))
 
 
 def density_of_records(contact: Contact, records: Records, x: Array) -> Array:
-    """Friction work per area over f A/pi of all records of slip at |x| = `x` (k,): the sum of int p
-    arccosh(|x|/c) dw, (k,) [stress times force per thickness].
+    """pi/(f A) times the friction work per area of all records of slip, at |x| = `x` (k,): the sum
+    of int p arccosh(|x|/c) dw, (k,) [stress times force per thickness]; A = 2/E*.
 
-    A record is a part of a load step with slip. w is +-Q - f P, which grows in slip, p the pressure
-    at x and c the stick half-width.
+    A record is a part of a load step with slip. w = +-Q - f P grows in slip, p is the pressure at x
+    and c the stick half-width.
     """
     density = np.zeros(len(x))
-    parts = _split(contact, records)
+    smooth_parts = _cut_where_unsmooth(contact, records)
     parts_at_once = max(_CHUNK // len(x), 1)
-    for first_part in range(0, len(parts.load), parts_at_once):
-        chunk = parts.take(slice(first_part, first_part + parts_at_once))
-        density += _density_of_parts(contact, chunk, x)
+    for first_part in range(0, len(smooth_parts.load), parts_at_once):
+        parts_of_chunk = smooth_parts.take(slice(first_part, first_part + parts_at_once))
+        density += _density_of_parts(contact, parts_of_chunk, x)
     return density
 
 
 def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
-    """Friction work per area over f A/pi of parts of slip records between corners of the profile,
-    at |x| = `x` (k,): the sum of int p arccosh(|x|/c) dw [stress times force per thickness].
+    """pi/(f A) times the friction work per area of parts of slip records, at |x| = `x` (k,): the
+    sum of int p arccosh(|x|/c) dw [stress times force per thickness]; A = 2/E*.
 
-    w is +-Q - f P, which grows in slip, p the pressure at x and c the stick half-width. p has a
-    root where P = P_x, the load at which the edge of contact is at x; the arccosh has one where P_c
-    = P_x, and a logarithm where P_c = 0. A pair of part and point takes as many nodes as the
-    nearest of these needs.
+    Along a part P and P_c change linearly, P_c the load at the stick edge, and pass no corner of
+    the profile. w = +-Q - f P grows in slip, p is the pressure at x and c the stick half-width. p
+    has a root where P = P_x, the load at which the edge of contact is at x. The arccosh has one
+    where P_c = P_x, and a logarithm where P_c = 0. A pair of part and point takes as many nodes as
+    the nearest of these needs.
     """
     edge_loads = contact.load(x)
-    load = parts.load[:, None]
+    load_of_parts = parts.load[:, None]
     load_growth = (parts.load_after - parts.load)[:, None]
-    stick_edge_load = load - parts.slipped[:, None]
+    stick_edge_load = load_of_parts - parts.slipped[:, None]
     stick_edge_drop = (parts.slipped_after - parts.slipped)[:, None] - load_growth
     begin_shares, end_shares = _shares_in_slip(
-        load, load_growth, stick_edge_load, stick_edge_drop, edge_loads
+        load_of_parts, load_growth, stick_edge_load, stick_edge_drop, edge_loads
     )
     part_number, point = np.nonzero(end_shares > begin_shares)
     begin_share = begin_shares[part_number, point][:, None]
     end_share = end_shares[part_number, point][:, None]
-    places = x[point, None]
-    load_at_place = edge_loads[point, None]
+    x_of_pairs = x[point, None]
+    edge_load_of_pairs = edge_loads[point, None]
 
     def loads_at(pairs: Indices, shares_at_nodes: Array) -> tuple[Array, Array]:
-        """P and P_c at shares of the part (n, m) for pairs (n,)."""
-        numbers = part_number[pairs]
-        stick_loads = stick_edge_load[numbers] - stick_edge_drop[numbers] * shares_at_nodes
-        return load[numbers] + load_growth[numbers] * shares_at_nodes, np.maximum(stick_loads, 0.0)
+        """P and P_c at shares of the part, (n, nodes) each, for pairs of part and point (n,)."""
+        part_of_pairs = part_number[pairs]
+        stick_edge_load_at_nodes = (
+            stick_edge_load[part_of_pairs] - stick_edge_drop[part_of_pairs] * shares_at_nodes
+        )
+        load_at_nodes = load_of_parts[part_of_pairs] + load_growth[part_of_pairs] * shares_at_nodes
+        return load_at_nodes, np.maximum(stick_edge_load_at_nodes, 0.0)
 
     all_pairs = np.arange(len(part_number))
-    load_at_begin, stick_load_at_begin = loads_at(all_pairs, begin_share)
-    load_at_end, stick_load_at_end = loads_at(all_pairs, end_share)
-    share_to_singularity = np.max(
+    load_at_begin, stick_edge_load_at_begin = loads_at(all_pairs, begin_share)
+    load_at_end, stick_edge_load_at_end = loads_at(all_pairs, end_share)
+    closeness_to_singularity = np.max(
         [
-            _share_to_zero(load_at_begin - load_at_place, load_at_end - load_at_place),
-            _share_to_zero(load_at_place - stick_load_at_begin, load_at_place - stick_load_at_end),
-            _share_to_zero(stick_load_at_begin, stick_load_at_end),
+            _closeness(load_at_begin - edge_load_of_pairs, load_at_end - edge_load_of_pairs),
+            _closeness(
+                edge_load_of_pairs - stick_edge_load_at_begin,
+                edge_load_of_pairs - stick_edge_load_at_end,
+            ),
+            _closeness(stick_edge_load_at_begin, stick_edge_load_at_end),
         ],
         axis=0,
     )[:, 0]
-    share_to_corner = _share_of_way(parts, contact.break_loads)[part_number]
-    rule_of_pair = _rule_numbers(share_to_singularity, share_to_corner)
+    closeness_to_corner = _closeness_of_loads(parts, contact.break_loads)[part_number]
+    rule_of_pair = _rule_numbers(closeness_to_singularity, closeness_to_corner)
     density = np.zeros(len(x))
     for rule_number, (rule, n_nodes) in enumerate(_RULES):
         pairs_of_rule = np.flatnonzero(rule_of_pair == rule_number)
         for j in range(0, len(pairs_of_rule), _CHUNK // n_nodes):
             pairs = pairs_of_rule[j : j + _CHUNK // n_nodes]
             shares_at_nodes, weights = rule(begin_share[pairs, 0], end_share[pairs, 0])
-            load_at_nodes, stick_load = loads_at(pairs, shares_at_nodes)
-            excess = np.maximum(load_at_place[pairs] - stick_load, 0.0)
-            ratio = contact.arccosh_ratio(places[pairs], excess, contact.advance(stick_load))
-            values_at_nodes = weights * contact.pressure(places[pairs], load_at_nodes) * ratio
-            work = parts.rise[part_number[pairs]] * np.sum(values_at_nodes, axis=1)
-            density += np.bincount(point[pairs], work, len(x))
+            load_at_nodes, stick_edge_load_of_pairs = loads_at(pairs, shares_at_nodes)
+            load_outside_stick = np.maximum(
+                edge_load_of_pairs[pairs] - stick_edge_load_of_pairs, 0.0
+            )
+            arccosh_ratio = contact.arccosh_ratio(
+                x_of_pairs[pairs], load_outside_stick, contact.advance(stick_edge_load_of_pairs)
+            )
+            integrand_at_nodes = (
+                weights * contact.pressure(x_of_pairs[pairs], load_at_nodes) * arccosh_ratio
+            )
+            work_of_pairs = parts.rise[part_number[pairs]] * np.sum(integrand_at_nodes, axis=1)
+            density += np.bincount(point[pairs], work_of_pairs, len(x))
     return density
 
 
@@ -733,10 +790,12 @@ def _shares_in_slip(
     load_growth: Array,
     stick_edge_load: Array,
     stick_edge_drop: Array,
-    edge_load: Array,
+    edge_load_of_points: Array,
 ) -> tuple[Array, Array]:
-    """Between which shares of a part of a load step points slip, (n, k) each: while they are in
-    contact and outside the stick zone.
+    """Shares from 0 to 1 of a part of a load step between which points slip, begin and end, (n, k)
+    each; the end is not above the begin where a point never does.
+
+    A point slips while it is in contact and outside the stick zone.
 
     Parameters
     ----------
@@ -744,84 +803,101 @@ def _shares_in_slip(
         (n, 1) P at the begin of each part, and its change
     stick_edge_load, stick_edge_drop
         (n, 1) P_c, the load at the stick edge, at the begin, and how much it falls
-    edge_load
+    edge_load_of_points
         (k,) load at which the edge of contact is at a point
     """
     share_at_stick_edge = np.clip(
-        (stick_edge_load - edge_load) / np.where(stick_edge_drop > 0, stick_edge_drop, 1.0),
+        (stick_edge_load - edge_load_of_points)
+        / np.where(stick_edge_drop > 0, stick_edge_drop, 1.0),
         0.0,
         1.0,
     )
     begin_share = np.where(stick_edge_drop > 0, share_at_stick_edge, 1.0)
-    begin_share = np.where(edge_load >= stick_edge_load, 0.0, begin_share)
+    begin_share = np.where(edge_load_of_points >= stick_edge_load, 0.0, begin_share)
     share_at_contact_edge = np.clip(
-        (edge_load - load) / np.where(load_growth != 0, load_growth, 1.0), 0.0, 1.0
+        (edge_load_of_points - load) / np.where(load_growth != 0, load_growth, 1.0), 0.0, 1.0
     )
     end_share = np.where(load_growth < 0, share_at_contact_edge, 1.0)
-    end_share = np.where(edge_load < np.maximum(load, load + load_growth), end_share, 0.0)
-    return np.where(
-        load_growth > 0, np.maximum(begin_share, share_at_contact_edge), begin_share
-    ), end_share
+    end_share = np.where(edge_load_of_points < np.maximum(load, load + load_growth), end_share, 0.0)
+    # A contact that grows takes a point up at its edge.
+    begin_in_growth = np.maximum(begin_share, share_at_contact_edge)
+    return np.where(load_growth > 0, begin_in_growth, begin_share), end_share
 
 
 class Loop:
-    """Closed integral of Q dU over the records of a steady cycle, block by block, and what rounding
-    may have left in it.
+    """Closed integral of Q dU over the records of a steady cycle, block by block, and its round-off
+    error.
 
-    With G = int_0^P ln(2 L/a) d eta and the slope m of the line that a record goes through, U over
-    A/pi grows along it by m times the growth of G(P_c) plus s f times that of G(P) - G(P_c).
+    A record is a part of a load step in which P and P_c, the load at the stick edge, change
+    linearly. With G(P) the integral of ln(2 L/a) over the loads up to P, U pi/A grows along a
+    record by m times the growth of G(P_c) plus s f times that of G(P) - G(P_c). s is the direction
+    of slip, m the slope of the memory curve M(eta) at the stick edge.
     """
 
-    def __init__(self, contact: Contact, modulus: float, friction: float, largest: float) -> None:
-        self._contact = _flat_at(contact, largest)
+    def __init__(
+        self, contact: Contact, modulus: float, friction: float, largest_load: float
+    ) -> None:
+        self._contact = _with_moved_datum(contact, largest_load)
         self._friction = friction
-        self._unit = 2 / (math.pi * modulus)
-        self._size = 2 * abs(float(self._contact.log_distance(largest)))
-        self._shift = 0.0  # U over A/pi so far
-        self._total = 0.0
-        self._path_of_force = 0.0
+        self._compliance = 2 / (math.pi * modulus)  # A/pi
+        self._displacement_size = 2 * abs(float(self._contact.log_distance(largest_load)))
+        self._scaled_displacement = 0.0  # U pi/A at the end of the last block
+        self._scaled_integral = 0.0  # -int U dQ pi/A so far
+        self._total_change_of_force = 0.0
 
     def add(self, block: StepBlock) -> None:
-        """Add the next block of load steps to the closed integral of Q dU of a cycle.
+        """Add the next block of load steps to the closed integral of Q dU of a cycle, as -int U dQ.
 
-        U, over A/pi, is summed record by record: its change over a record of slip, and its mean
-        along it, from the kernel int ln(2 L/a) dP. The integral is -int U dQ.
+        U pi/A is summed record by record, a record being a part of a load step with one direction
+        of slip or none. Each takes the change of Q times the mean of U along it. U follows from the
+        integral of ln(2 L/a) over the loads up to P, and up to P_c at the stick edge.
         """
         contact = self._contact
         records = block.records
-        slope = block.line_table.slope
-        slope_of_slip = records.direction * self._friction
+        slope_at_stick_edge = block.line_table.slope
+        slope_in_slip_zones = records.direction * self._friction
         load_growth = records.load_after - records.load
 
-        def displacement_at(record_numbers: Indices, load: Array, slipped: Array) -> Array:
+        def displacement_rise(record_numbers: Indices, load: Array, slipped: Array) -> Array:
+            """U pi/A, but for a constant of each record, at P and P - P_c, (n, k) each."""
             integral_to_load = contact.log_distance(load)
-            integral_to_edge_load = contact.log_distance(np.maximum(load - slipped, 0.0))
-            integral_to_edge_load = np.where(slipped > 0, integral_to_edge_load, integral_to_load)
-            part_of_slip = slope_of_slip[record_numbers, None] * (
-                integral_to_load - integral_to_edge_load
+            integral_to_stick_edge = contact.log_distance(np.maximum(load - slipped, 0.0))
+            integral_to_stick_edge = np.where(slipped > 0, integral_to_stick_edge, integral_to_load)
+            part_of_slip_zones = slope_in_slip_zones[record_numbers, None] * (
+                integral_to_load - integral_to_stick_edge
             )
-            return slope[record_numbers, None] * integral_to_edge_load + part_of_slip
+            return (
+                slope_at_stick_edge[record_numbers, None] * integral_to_stick_edge
+                + part_of_slip_zones
+            )
 
-        loads = np.stack([records.load, records.load_after], axis=1)
+        loads_at_ends = np.stack([records.load, records.load_after], axis=1)
         slipped = np.stack([records.slipped, records.slipped_after], axis=1)
-        displacement_at_begin, displacement_at_end = displacement_at(
-            np.arange(len(slope)), loads, slipped
+        rise_at_begin, rise_at_end = displacement_rise(
+            np.arange(len(slope_at_stick_edge)), loads_at_ends, slipped
         ).T
-        force_in_slip = records.direction * (records.rise + self._friction * load_growth)
-        force_change = np.where(records.direction == 0, slope * load_growth, force_in_slip)
-        displacement_after = self._shift + np.cumsum(displacement_at_end - displacement_at_begin)
-        mean_displacement, _ = _means(contact, records, displacement_at)
-        self._total -= float(
-            np.sum(force_change * (displacement_after - displacement_at_end + mean_displacement))
+        force_change_in_slip = records.direction * (records.rise + self._friction * load_growth)
+        force_change = np.where(
+            records.direction == 0, slope_at_stick_edge * load_growth, force_change_in_slip
         )
-        self._path_of_force += float(np.sum(np.abs(force_change)))
-        self._shift = float(displacement_after[-1])
+        displacement_after = self._scaled_displacement + np.cumsum(rise_at_end - rise_at_begin)
+        mean_rise, _ = _means_along_records(contact, records, displacement_rise)
+        self._scaled_integral -= float(
+            np.sum(force_change * (displacement_after - rise_at_end + mean_rise))
+        )
+        self._total_change_of_force += float(np.sum(np.abs(force_change)))
+        self._scaled_displacement = float(displacement_after[-1])
 
     @property
     def value(self) -> LoopWork:
         """The integral so far."""
-        rounding = _DIGITS_OF_SHIFT * self._friction * self._size * self._path_of_force
-        return LoopWork(self._unit * self._total, self._unit * rounding)
+        rounding = (
+            _DIGITS_OF_SHIFT
+            * self._friction
+            * self._displacement_size
+            * self._total_change_of_force
+        )
+        return LoopWork(self._compliance * self._scaled_integral, self._compliance * rounding)
 
 
 class LoopWork(NamedTuple):
@@ -853,22 +929,22 @@ def by_halving(
     first_estimate: Array | None = None,
 ) -> Converged:
     """Integrals of m integrands, number k from begin[k] to end[k], by halving their ranges until
-    the sum no longer changes.
+    the sum no longer changes, and their errors (adaptive quadrature).
 
     Parameters
     ----------
     work
-        work(which (n,), low (n,), high (n,)) gives the integral of integrand which[k] from low[k]
-        to high[k], (n,), by one rule
+        work(which (n,), low (n,), high (n,)) gives the integral of integrand which[k] from
+        low[k] to high[k], (n,), by one rule
     begin, end
         (m,)
     allowed_error
         (m,) or one: the change at which a part has converged, `CONVERGED` of their size where
-        round-off leaves as much. A part of 2^-17 of its range, or one that is not finite, is left
-        as it is, and so are too many at once; the error shows that.
+        round-off leaves as much. A part of 2^-17 of its range, or one that is not finite, is
+        left as it is, and so are too many at once; the error shows that.
     marks
-        (j,) ascending, where a part is cut rather than in its middle: the integrands are not smooth
-        there
+        (j,) ascending, where a part is cut rather than in its middle: the integrands are not
+        smooth there
     first_estimate
         (m,) the integrals from `begin` to `end` by the rule of `work`, where they are known
 
@@ -882,36 +958,47 @@ def by_halving(
     begins = np.array(begin, dtype=float)
     ends = np.array(end, dtype=float)
     all_marks = np.append(marks, np.inf)
-    numbers = np.arange(len(begins))
+    integrand_numbers = np.arange(len(begins))
     n_halvings = np.zeros(len(begins), dtype=int)
     integrals = np.zeros(len(begins))
     errors = np.zeros(len(begins))
     allowed_errors = np.broadcast_to(allowed_error, begins.shape)
-    integrals_before = first_estimate
-    if integrals_before is None:
-        integrals_before = work(numbers, begins, ends)
-    while len(numbers):
-        place_of_cut = (begins + ends) / 2
-        # The mark next above the middle, else the one below it, else the middle itself: parts next
-        # to nothing would change nothing.
-        number_of_cut = np.searchsorted(all_marks, place_of_cut)
-        margin = (ends - begins) / 16
-        for nearest_mark in (all_marks[number_of_cut - 1], all_marks[number_of_cut]):
-            is_inside = (nearest_mark > begins + margin) & (nearest_mark < ends - margin)
-            place_of_cut = np.where(is_inside, nearest_mark, place_of_cut)
+    estimates = first_estimate
+    if estimates is None:
+        estimates = work(integrand_numbers, begins, ends)
+    while len(integrand_numbers):
+        cuts = (begins + ends) / 2
+        # The mark next above the middle, else the one below it, else the middle itself. Not close
+        # to an end: a part of next to no length would change nothing.
+        number_of_mark_above = np.searchsorted(all_marks, cuts)
+        least_length = (ends - begins) / 16
+        for nearest_mark in (all_marks[number_of_mark_above - 1], all_marks[number_of_mark_above]):
+            is_inside = (nearest_mark > begins + least_length) & (
+                nearest_mark < ends - least_length
+            )
+            cuts = np.where(is_inside, nearest_mark, cuts)
+            # After a cut at a mark the halvings count from 0 again.
             n_halvings = np.where(is_inside, -1, n_halvings)
-        halves = work(np.tile(numbers, 2), np.r_[begins, place_of_cut], np.r_[place_of_cut, ends])
+        # In one call: the lower halves of all parts, then the upper ones.
+        halves = work(np.tile(integrand_numbers, 2), np.r_[begins, cuts], np.r_[cuts, ends])
         left_halves, right_halves = np.split(halves, 2)
-        changes = np.abs(left_halves + right_halves - integrals_before)
-        is_last = (n_halvings == _HALVINGS) | (len(numbers) > _MOST * len(integrals) + _FEW)
-        is_done = (changes <= allowed_errors[numbers]) | ~np.isfinite(changes) | is_last
-        np.add.at(integrals, numbers[is_done], (left_halves + right_halves)[is_done])
-        np.add.at(errors, numbers[is_done], changes[is_done])
-        is_halved_further = ~is_done
-        new_begins = np.r_[begins[is_halved_further], place_of_cut[is_halved_further]]
-        ends = np.r_[place_of_cut[is_halved_further], ends[is_halved_further]]
+        sums = left_halves + right_halves
+        changes_by_halving = np.abs(sums - estimates)
+        is_last = (n_halvings == _HALVINGS) | (
+            len(integrand_numbers) > _MOST * len(integrals) + _FEW
+        )
+        is_final = (
+            (changes_by_halving <= allowed_errors[integrand_numbers])
+            | ~np.isfinite(changes_by_halving)
+            | is_last
+        )
+        np.add.at(integrals, integrand_numbers[is_final], sums[is_final])
+        np.add.at(errors, integrand_numbers[is_final], changes_by_halving[is_final])
+        is_halved_again = ~is_final
+        new_begins = np.r_[begins[is_halved_again], cuts[is_halved_again]]
+        ends = np.r_[cuts[is_halved_again], ends[is_halved_again]]
         begins = new_begins
-        numbers = np.tile(numbers[is_halved_further], 2)
-        integrals_before = np.r_[left_halves[is_halved_further], right_halves[is_halved_further]]
-        n_halvings = np.tile(n_halvings[is_halved_further] + 1, 2)
+        integrand_numbers = np.tile(integrand_numbers[is_halved_again], 2)
+        estimates = np.r_[left_halves[is_halved_again], right_halves[is_halved_again]]
+        n_halvings = np.tile(n_halvings[is_halved_again] + 1, 2)
     return Converged(integrals, errors)
