@@ -251,7 +251,7 @@ def limit_of_the_wrong_sign() -> Planted:
     """What slides as a whole slides against Q."""
     step = driven._Stepper.step
 
-    def planted(self: driven._Stepper, *arguments: Any) -> driven._Found:
+    def planted(self: driven._Stepper, *arguments: Any) -> driven._SolvedStep:
         found = step(self, *arguments)
         return found._replace(slide=-found.slide)
 

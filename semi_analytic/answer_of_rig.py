@@ -98,32 +98,34 @@ class Rigged:
     effects: BodyEffects
     compliance: Compliance
 
-    def follow(self, cycles: int, finer: int, further: Array | None = None) -> Driven:
-        """The path by steps, `finer` times as many as at least, with rows at `further` (k,)."""
+    def follow(self, cycles: int, refinement: int, extra_times: Array | None = None) -> Driven:
+        """The path by steps, `refinement` times as many as at least, also at `extra_times` (k,)."""
         path = self.scene.load.path_of_actuators()
-        return self.follow_rows(actuator_rows(path, cycles, finer, further))
+        return self.follow_rows(actuator_rows(path, cycles, refinement, extra_times))
 
     def follow_rows(self, rows: ActuatorRows) -> Driven:
         """The path by given steps."""
         scene = self.scene
         if scene.load.states_approach:
-            loads = loads_of_approach(self.contact, self.modulus, self.compliance, rows.normal)
-            rows = rows._replace(normal=loads)
+            loads = loads_of_approach(
+                self.contact, self.modulus, self.compliance, rows.load_or_approach
+            )
+            rows = rows._replace(load_or_approach=loads)
         table = self._table(rows)
-        largest_load = float(np.max(rows.normal))
-        self.compliance.require_unique(float(table.half_width(table.last)), largest_load)
+        largest_load = float(np.max(rows.load_or_approach))
+        self.compliance.require_unique(float(table.half_width(table.largest_s)), largest_load)
         return follow_actuator(table, scene.friction.coefficient, self.compliance, rows)
 
     def _table(self, rows: ActuatorRows) -> PunchTable:
         """Flat punches up to the largest contact, whatever Q is."""
-        if not np.any(rows.normal > 0):
+        if not np.any(rows.load_or_approach > 0):
             raise InputError(
                 "load: P is never positive, so that the bodies never touch; it is a compression"
             )
         curvatures = self.compliance.curvatures
-        limit = self.scene.friction.coefficient * rows.normal
+        limit = self.scene.friction.coefficient * rows.load_or_approach
         widening_force = -np.sign(curvatures.normal_under_shear) * limit
-        loads = PathRows(rows.time, rows.normal, widening_force, rows.ends, None)
+        loads = PathRows(rows.time, rows.load_or_approach, widening_force, rows.ends, None)
         return table_of(self.contact, self.modulus, loads, curvatures)
 
 
@@ -571,9 +573,9 @@ def steady_cycle(driven: Driven) -> int | None:
     end of the cycle must agree at many punches.
     """
     followed = driven.followed
-    s_of_punches = np.linspace(0.0, followed.table.last, _PLACES)
+    s_of_punches = np.linspace(0.0, followed.table.largest_s, _PLACES)
     tolerance = _STEADY * followed.friction * float(np.max(followed.normal_load))
-    forces_at_ends = [followed.frozen_force(row, s_of_punches) for row in driven.ends]
+    forces_at_ends = [followed.locked_in_force(row, s_of_punches) for row in driven.ends]
     for cycle, (forces_before, forces_after) in enumerate(pairwise(forces_at_ends)):
         if np.max(np.abs(forces_after - forces_before)) <= tolerance:
             return cycle

@@ -551,10 +551,12 @@ class PathSeries:
             return displacement
         curvatures = curvatures_of(self.effects)
         followed = self.followed
-        moment_sum = curvatures.tangential * followed.shear_second
-        moment_sum = moment_sum + curvatures.normal_under_shear * followed.pressure_second
+        moment_sum = curvatures.tangential * followed.shear_second_moment
+        moment_sum = moment_sum + curvatures.normal_under_shear * followed.pressure_second_moment
         if curvatures.tangential_fourth:
-            moment_sum = moment_sum + curvatures.tangential_fourth * followed.shear_fourth / 12
+            moment_sum = (
+                moment_sum + curvatures.tangential_fourth * followed.shear_fourth_moment / 12
+            )
         part_of_load = self.effects.tangential_compliance.value * self.followed.tangential_load
         part_of_tilt, _ = self._moved_by_tilt
         return np.asarray(displacement + part_of_load + moment_sum / 2 + part_of_tilt)
@@ -573,10 +575,14 @@ class PathSeries:
             return approach
         curvatures = curvatures_of(self.effects)
         followed = self.followed
-        moment_sum = curvatures.normal * followed.pressure_second
-        moment_sum = moment_sum + curvatures.tangential_under_pressure * followed.shear_second
+        moment_sum = curvatures.normal * followed.pressure_second_moment
+        moment_sum = (
+            moment_sum + curvatures.tangential_under_pressure * followed.shear_second_moment
+        )
         if curvatures.normal_fourth:
-            moment_sum = moment_sum + curvatures.normal_fourth * followed.pressure_fourth / 12
+            moment_sum = (
+                moment_sum + curvatures.normal_fourth * followed.pressure_fourth_moment / 12
+            )
         part_of_load = self.effects.normal_compliance.value * self.followed.normal_load
         _, part_of_tilt = self._moved_by_tilt
         return np.asarray(approach + part_of_load + moment_sum / 2 + part_of_tilt)
@@ -609,7 +615,7 @@ class PathSeries:
         datum = self.contact.datum_length if self.effects is None else self.effects.datum_length
         at_tops = _logarithms(followed.table, followed.pieces.top, datum)
         at_edge = _logarithms(followed.table, followed.edge, datum)
-        return followed.of_pressure(at_edge), followed.of_shear(at_tops, at_edge)
+        return followed.pressure_integral(at_edge), followed.shear_integral(at_tops, at_edge)
 
     @cached_property
     def _inner_senses(self) -> Indices:
@@ -870,7 +876,7 @@ class PointFields:
         x^4/24.
         """
         followed = self._followed
-        pieces, curves = followed.pieces.of_curves(followed.uppermost_piece[rows])
+        pieces, curves = followed.pieces.pieces_of_curves(followed.uppermost_piece[rows])
         profile_pressures = self.series.contact.pressure_rise(self._x, pieces.load[:, None])
         terms = [(pieces.slope, profile_pressures)]
         if np.any(pieces.parabola_slope) or np.any(pieces.fourth_slope):
@@ -881,18 +887,18 @@ class PointFields:
                 (pieces.parabola_slope, parabola_pressures),
                 (pieces.fourth_slope, fourth_pressures),
             ]
-        return pieces.sums(*terms)[curves]
+        return pieces.integrals_at_tops(*terms)[curves]
 
     def _slip_of_curves(self, rows: Indices) -> Array:
         """Slip of the memory curves at rows, (n, k)."""
         followed = self._followed
-        pieces, curves = followed.pieces.of_curves(followed.uppermost_piece[rows])
+        pieces, curves = followed.pieces.pieces_of_curves(followed.uppermost_piece[rows])
         profile_slips = self.series.contact.slip_integral(self._x, pieces.load[:, None])
         terms = [(self.series.unit_compliance * pieces.slope, profile_slips)]
         if np.any(pieces.parabola_slope) or np.any(pieces.fourth_slope):
             parabola_slips, fourth_slips = self._outside(followed.table.half_width(pieces.top))
             terms += [(pieces.parabola_slope, parabola_slips), (pieces.fourth_slope, fourth_slips)]
-        return pieces.sums(*terms)[curves]
+        return pieces.integrals_at_tops(*terms)[curves]
 
     def _of_bends(self, half_width: Array, bend: Array, fourth: Array) -> Array:
         """Traction within half-widths (n,) that bends x^2/2 and x^4/24 of gap or faces, times these
@@ -945,7 +951,7 @@ def _logarithms(table: PunchTable, s: Array, datum: float) -> PunchMoments:
     load = table.load(s)
     log_ratio = math.log(2 * datum) - table.logarithm(s)
     return PunchMoments(
-        profile=load * log_ratio + table.log_area(s),
+        profile=load * log_ratio + table.load_integral(s),
         parabola=table.parabola(s) * (log_ratio + 0.5),
         fourth=table.fourth(s) * (log_ratio + 0.25),
     )
@@ -1091,7 +1097,7 @@ def _followed(question: Question) -> _Paths:
     curvatures = curvatures_of(effects)
     table = table_of(contact, modulus, rows, curvatures)
     friction = scene.friction.coefficient
-    largest_parabola = float(table.parabola(table.last))
+    largest_parabola = float(table.parabola(table.largest_s))
     rows = route.with_turning_points(rows, friction, curvatures, largest_parabola)
     loads = (rows.normal_load, rows.tangential_load)
     memory_of_half_planes = follow(table, friction, *loads, Curvatures())
@@ -1156,12 +1162,12 @@ def table_of(
     for _ in range(60):
         table = PunchTable(contact, modulus, min(largest_half_width * _BEYOND, contact.extent))
         # p_2 is at most that of a flat punch, P c^2/2.
-        largest_moment = rows.normal_load * float(table.half_width(table.last)) ** 2 / 2
+        largest_moment = rows.normal_load * float(table.half_width(table.largest_s)) ** 2 / 2
         least_curvature = gap_curvature + 2 * min(curvatures.normal_mixed, 0.0) * largest_moment
-        load_at_table_end = float(table.load(table.last)) + least_curvature * float(
-            table.parabola(table.last)
+        load_at_table_end = float(table.load(table.largest_s)) + least_curvature * float(
+            table.parabola(table.largest_s)
         )
-        load_at_table_end = load_at_table_end + gap_fourth * float(table.fourth(table.last))
+        load_at_table_end = load_at_table_end + gap_fourth * float(table.fourth(table.largest_s))
         if np.all(load_at_table_end >= rows.normal_load):
             break
         if largest_half_width >= contact.extent:
@@ -1172,7 +1178,7 @@ def table_of(
         largest_half_width *= _BEYOND
     else:
         raise splits()
-    s_of_punches = np.linspace(1.0 if contact.least_half_width else 0.0, table.last, 200)
+    s_of_punches = np.linspace(1.0 if contact.least_half_width else 0.0, table.largest_s, 200)
     least_curvature_of_all = min(float(np.min(gap_curvature)), 0.0)
     if np.any(
         np.diff(table.load(s_of_punches) + least_curvature_of_all * table.parabola(s_of_punches))
@@ -1213,9 +1219,9 @@ def _steady_from(followed: Followed, rows: PathRows, scene: Scene) -> int | None
     """
     if rows.period is None:
         return 0 if rows.normal_load[-1] <= 0 else None
-    s_of_punches = np.linspace(0.0, followed.table.last, 200)
+    s_of_punches = np.linspace(0.0, followed.table.largest_s, 200)
     tolerance = _STEADY * followed.friction * float(np.max(rows.normal_load))
-    forces_at_ends = [followed.frozen_force(row, s_of_punches) for row in rows.ends]
+    forces_at_ends = [followed.locked_in_force(row, s_of_punches) for row in rows.ends]
     for cycle in range(min(len(rows.cycles), max(scene.cycles, 2))):
         if np.max(np.abs(forces_at_ends[cycle + 1] - forces_at_ends[cycle])) <= tolerance:
             return cycle

@@ -121,8 +121,8 @@ class PunchSums(NamedTuple):
 
     logarithm: float
     parabola_logarithm: float
-    second: float
-    parabola_second: float
+    second_moment: float
+    parabola_second_moment: float
 
 
 class PunchMoments(NamedTuple):
@@ -134,15 +134,16 @@ class PunchMoments(NamedTuple):
 
 
 class PunchTable:
-    """Loads and integrals of the flat punches up to half-width c, along a coordinate s of c.
+    """Loads and integrals of the flat punches of half-width up to c, over a coordinate s of c.
 
-    Between two corners b of the profile c = b + (b' - b) sigma^2, which takes the roots of P(a)
-    behind a corner away; s counts the corners and adds sigma.
+    The profile has kinks, jumps of slope or curvature, at half-widths b. Between two of them c = b
+    + (b' - b) sigma^2: then P(a) over sigma has no square root at the kink. s is the number of
+    kinks passed plus sigma.
 
     Attributes
     ----------
-    last
-        the largest s
+    largest_s
+        s of the widest punch of the table
     parabola_stiffness
         pi E*/4: G(c) over c^2 [stress]
     """
@@ -150,12 +151,12 @@ class PunchTable:
     def __init__(
         self, contact: SymmetricContact, modulus: float, largest_half_width: float
     ) -> None:
-        """Tabulate the load eta(c) that flat punches of half-width up to c carry in a contact, for
-        c from 0 to `largest_half_width` [length].
+        """Tabulate the normal load eta(c) = P(a = c) of a contact on half-planes [force per
+        thickness], for half-widths c from 0 to `largest_half_width` [length].
 
-        eta(c) is P(a) at a = c. It is stored as cubics on equal cells between the corners of the
-        profile, with two integrals of it. Loads of x^2/2 and of x^4/24 need no table: they are
-        closed forms.
+        The kinks of the profile divide this range into intervals, and each interval is divided into
+        equal cells of the coordinate s. eta, int eta dc/c and int eta G dc/c are cubics on each
+        cell. Loads of x^2/2 and of x^4/24 need no table: they are closed forms.
 
         Parameters
         ----------
@@ -164,18 +165,20 @@ class PunchTable:
         modulus
             E* [stress]
         """
-        corners = [contact.least_half_width, *contact.breaks]
-        inner_corners = sorted({corner for corner in corners if 0 < corner < largest_half_width})
-        self._ends = np.array([0.0, *inner_corners, largest_half_width])
-        self._begins: list[float] = self._ends[:-1].tolist()
-        self._lengths: list[float] = np.diff(self._ends).tolist()
-        n_intervals = len(self._lengths)
-        self._cells_per_corner = max(min(_CELLS, _MOST_CELLS // n_intervals), _FEWEST_CELLS)
-        self.last = float(n_intervals)
+        kinks = [contact.least_half_width, *contact.breaks]
+        inner_kinks = sorted({kink for kink in kinks if 0 < kink < largest_half_width})
+        # Half-widths c of the kinks; s of each is its index.
+        self._interval_ends = np.array([0.0, *inner_kinks, largest_half_width])
+        self._interval_begins: list[float] = self._interval_ends[:-1].tolist()
+        self._interval_lengths: list[float] = np.diff(self._interval_ends).tolist()
+        n_intervals = len(self._interval_lengths)
+        self._cells_per_interval = max(min(_CELLS, _MOST_CELLS // n_intervals), _FEWEST_CELLS)
+        self.largest_s = float(n_intervals)
         self.parabola_stiffness = math.pi * modulus / 4
-        sigma = np.linspace(0.0, 1.0, self._cells_per_corner + 1)
-        interval_begin = self._ends[:-1, None]
-        interval_length = np.diff(self._ends)[:, None]
+        sigma = np.linspace(0.0, 1.0, self._cells_per_interval + 1)
+        interval_begin = self._interval_ends[:-1, None]
+        interval_length = np.diff(self._interval_ends)[:, None]
+        # c over sigma, the fraction of an interval in s: by its square P(a) is smooth at a kink.
         half_width = interval_begin + interval_length * sigma**2
         half_width_rate = 2 * interval_length * sigma
         load = contact.load(half_width)
@@ -183,25 +186,28 @@ class PunchTable:
         is_flat = half_width < contact.least_half_width * (1 - 1e-14)
         load = np.where(is_flat, 0.0, load)
         load_rate = np.where(is_flat | (half_width_rate == 0), 0.0, load_rate)
-        self._load = self._cubics(load[:, :-1], load[:, 1:], load_rate[:, :-1], load_rate[:, 1:])
-        self._loads_of_cells: list[list[float]] = self._load.tolist()
+        self._load_cubics = self._hermite_cubics(
+            load[:, :-1], load[:, 1:], load_rate[:, :-1], load_rate[:, 1:]
+        )
+        self._load_coefficients: list[list[float]] = self._load_cubics.tolist()
         # int eta dc/c and int eta G dc/c: by parts they give int ln(2 L/c) over d eta and d(eta G).
-        self._log_area = self._integral(power=0)
-        self._log_moment = self._integral(power=1)
-        self._areas_of_cells: list[list[float]] = self._log_area.tolist()
-        self._moments_of_cells: list[list[float]] = self._log_moment.tolist()
+        self._load_integral_cubics = self._integral_cubics(power=0)
+        self._load_parabola_integral_cubics = self._integral_cubics(power=1)
+        self._load_integral_coefficients: list[list[float]] = self._load_integral_cubics.tolist()
+        self._load_parabola_integral_coefficients: list[list[float]] = (
+            self._load_parabola_integral_cubics.tolist()
+        )
 
-    def _cubics(
+    def _hermite_cubics(
         self, begin_value: Array, end_value: Array, begin_rate: Array, end_rate: Array
     ) -> Array:
-        """Cubic polynomials that have given values and slopes at both ends of each cell of the
-        table (Hermite interpolation).
+        """Coefficients (cells, 4), constant first, of the cubics with given values and derivatives
+        at both ends of each cell of the table (Hermite interpolation).
 
-        Returns coefficients (cells, 4), constant first. Their variable is the passed share of the
-        cell, 0 to 1. The rates are per sigma, which runs from 0 to 1 between two corners of the
-        profile.
+        The variable of a cubic runs from 0 to 1 along its cell. The rates are derivatives with
+        respect to the punch coordinate s.
         """
-        cell_length = 1 / self._cells_per_corner
+        cell_length = 1 / self._cells_per_interval
         rise = end_value - begin_value
         begin_slope = begin_rate * cell_length
         end_slope = end_rate * cell_length
@@ -213,19 +219,20 @@ class PunchTable:
         ]
         return np.stack([column.ravel() for column in columns], axis=1)
 
-    def _integral(self, power: int) -> Array:
-        """Cubics for the integral of eta G^power dc/c from 0 to each half-width c of the punches.
+    def _integral_cubics(self, power: int) -> Array:
+        """Coefficients (cells, 4), constant first, of cubics for int eta G^power dc/c from 0 to c.
 
         eta(c) (`load`) and G(c) (`parabola`) are the loads that flat punches of half-width up to c
-        carry, of the profile and of a parabola. Returns coefficients (cells, 4), constant first, of
-        a cubic of the share of each cell; cells are equal steps of the coordinate s of c.
+        carry, of the profile and of x^2/2. The variable of a cubic runs from 0 to 1 along its cell;
+        cells are equal steps of the punch coordinate s.
         """
-        n_cells = len(self._load)
+        n_cells = len(self._load_cubics)
         nodes, weights = _GAUSS
-        share_of_cell = (nodes + 1) / 2
-        cell_length = 1 / self._cells_per_corner
+        fraction_of_cell = (nodes + 1) / 2
+        cell_length = 1 / self._cells_per_interval  # in s
 
         def integrand(s: Array) -> Array:
+            """eta G^power (dc/ds)/c."""
             half_width = self.half_width(s)
             half_width_rate = self.half_width_rate(s)
             load_per_width = (
@@ -234,41 +241,46 @@ class PunchTable:
             return load_per_width * self.parabola(s) ** power if power else load_per_width
 
         s_of_nodes = np.asarray(
-            (np.arange(n_cells)[:, None] + share_of_cell) * cell_length, dtype=float
+            (np.arange(n_cells)[:, None] + fraction_of_cell) * cell_length, dtype=float
         )
         integrals_of_cells = integrand(s_of_nodes) @ weights * (cell_length / 2)
-        sums_of_cells = np.concatenate([[0.0], np.cumsum(integrals_of_cells)])
-        begins = np.asarray(np.arange(n_cells) * cell_length, dtype=float)
-        # Just within its cell, since beyond a corner of the profile another interval begins.
-        ends = begins + cell_length * (1 - 1e-12)
-        return self._cubics(
-            sums_of_cells[:-1], sums_of_cells[1:], integrand(begins), integrand(ends)
+        integral_at_cell_ends = np.concatenate([[0.0], np.cumsum(integrals_of_cells)])
+        begin_s = np.asarray(np.arange(n_cells) * cell_length, dtype=float)
+        # Just within the cell: at a kink of the profile dc/ds jumps.
+        end_s = begin_s + cell_length * (1 - 1e-12)
+        return self._hermite_cubics(
+            integral_at_cell_ends[:-1],
+            integral_at_cell_ends[1:],
+            integrand(begin_s),
+            integrand(end_s),
         )
 
     def _value(self, cubics: Array, s: ArrayLike) -> Array:
-        place_in_cells = np.asarray(s, dtype=float) * self._cells_per_corner
-        cell = np.minimum(place_in_cells.astype(int), len(cubics) - 1)
-        share_of_cell = place_in_cells - cell
+        s_in_cells = np.asarray(s, dtype=float) * self._cells_per_interval
+        cell = np.minimum(s_in_cells.astype(int), len(cubics) - 1)
+        fraction_of_cell = s_in_cells - cell
         c0, c1, c2, c3 = np.moveaxis(cubics[cell], -1, 0)
-        return np.asarray(c0 + share_of_cell * (c1 + share_of_cell * (c2 + share_of_cell * c3)))
+        return np.asarray(
+            c0 + fraction_of_cell * (c1 + fraction_of_cell * (c2 + fraction_of_cell * c3))
+        )
 
     def half_width(self, s: ArrayLike) -> Array:
         """c [length]."""
         s_of_punches = np.asarray(s, dtype=float)
-        interval = np.minimum(s_of_punches.astype(int), int(self.last) - 1)
-        length = np.diff(self._ends)[interval]
-        return np.asarray(self._ends[interval] + length * (s_of_punches - interval) ** 2)
+        interval = np.minimum(s_of_punches.astype(int), int(self.largest_s) - 1)
+        length = np.diff(self._interval_ends)[interval]
+        return np.asarray(self._interval_ends[interval] + length * (s_of_punches - interval) ** 2)
 
     def half_width_rate(self, s: ArrayLike) -> Array:
         """dc/ds [length]."""
         s_of_punches = np.asarray(s, dtype=float)
-        interval = np.minimum(s_of_punches.astype(int), int(self.last) - 1)
-        length = np.diff(self._ends)[interval]
+        interval = np.minimum(s_of_punches.astype(int), int(self.largest_s) - 1)
+        length = np.diff(self._interval_ends)[interval]
         return np.asarray(2 * length * (s_of_punches - interval))
 
     def load(self, s: ArrayLike) -> Array:
         """eta(c): load of the profile's punches up to c [force per thickness]."""
-        return self._value(self._load, s)
+        return self._value(self._load_cubics, s)
 
     def parabola(self, s: ArrayLike) -> Array:
         """G(c) = (pi E*/4) c^2: load of a parabola's punches up to c per curvature."""
@@ -279,37 +291,40 @@ class PunchTable:
         square = np.square(self.half_width(s))
         return np.asarray(self.parabola_stiffness * square**2 / 8)
 
-    def place_of(self, parabola: float) -> float:
+    def s_of_parabola_load(self, parabola: float) -> float:
         """s of the punch up to which a parabola carries G."""
         half_width = math.sqrt(max(parabola, 0.0) / self.parabola_stiffness)
-        interval = max(bisect_left(self._begins, half_width) - 1, 0)
+        interval = max(bisect_left(self._interval_begins, half_width) - 1, 0)
         return interval + math.sqrt(
-            max(half_width - self._begins[interval], 0.0) / self._lengths[interval]
+            max(half_width - self._interval_begins[interval], 0.0)
+            / self._interval_lengths[interval]
         )
 
     def loads_at(self, s: float) -> PunchLoads:
-        """Loads that the flat punches up to the one at coordinate s carry, and their rates per s.
+        """Normal loads that flat punches of half-width up to c(s) carry, and their derivatives with
+        respect to s, at one s.
 
-        They are eta of the profile [force per thickness], G of a parabola x^2/2 and G_4 of x^4/24,
-        each per unit of its factor. For one s this is faster than by arrays. Round-off below 0 in
-        eta is cut.
+        They are eta of the profile [force per thickness]; G of the gap x^2/2 [force per thickness *
+        length]; and G_4 of x^4/24 [force per thickness * length^3]. Floats are faster than arrays
+        here. eta is at least 0, whatever its round-off.
 
-        # notation: c0 to c3 coefficients of a cubic of the share of a cell
+        # notation: c0 to c3 coefficients of the cubic on a cell, in the fraction of the cell
         """
-        place_in_cells = s * self._cells_per_corner
-        cell = min(int(place_in_cells), len(self._loads_of_cells) - 1)
-        share_of_cell = place_in_cells - cell
-        c0, c1, c2, c3 = self._loads_of_cells[cell]
-        interval = min(int(s), len(self._lengths) - 1)
-        length = self._lengths[interval]
-        half_width = self._begins[interval] + length * (s - interval) ** 2
+        s_in_cells = s * self._cells_per_interval
+        cell = min(int(s_in_cells), len(self._load_coefficients) - 1)
+        fraction_of_cell = s_in_cells - cell
+        c0, c1, c2, c3 = self._load_coefficients[cell]
+        # c over s between two kinks of the profile, see the class.
+        interval = min(int(s), len(self._interval_lengths) - 1)
+        length = self._interval_lengths[interval]
+        half_width = self._interval_begins[interval] + length * (s - interval) ** 2
         half_width_rate = 2 * length * (s - interval)
         squared_width = half_width * half_width
         parabola = self.parabola_stiffness * half_width * half_width
-        load = c0 + share_of_cell * (c1 + share_of_cell * (c2 + share_of_cell * c3))
+        load = c0 + fraction_of_cell * (c1 + fraction_of_cell * (c2 + fraction_of_cell * c3))
         load_rate = (
-            c1 + share_of_cell * (2 * c2 + 3 * share_of_cell * c3)
-        ) * self._cells_per_corner
+            c1 + fraction_of_cell * (2 * c2 + 3 * fraction_of_cell * c3)
+        ) * self._cells_per_interval
         return PunchLoads(
             load=max(load, 0.0),
             parabola=parabola,
@@ -319,48 +334,52 @@ class PunchTable:
             fourth_rate=parabola * half_width * half_width_rate / 2,
         )
 
-    def sums_at(self, s: float, datum: float) -> PunchSums:
-        """Integrals over the flat punches from the middle to the one at coordinate s, for
-        displacements and moments: of ln(2 L/c) and of c^2/2, each over d eta and over dG.
+    def sums_at(self, s: float, datum_length: float) -> PunchSums:
+        """Integrals over the flat punches of half-width 0 to c(s): of ln(2 L/c), which gives
+        displacements, and of c^2/2, which gives second moments.
 
-        c is the half-width of a punch, eta and G are the loads of the profile's and of a parabola's
-        punches up to c, L = `datum` [length]. For one s this is faster than by arrays.
+        Each is taken over d eta and over dG, the loads of the punches of the profile and of x^2/2.
+        L is the datum length. By parts, with the tabulated integrals:
 
-        # notation: c0 to c3 coefficients of a cubic of the share of a cell
+            int ln(2 L/c) d eta = eta ln(2 L/c) + int eta dc/c
+            int (c^2/2) d eta = eta c^2/2 - int eta G dc/c / (pi E*/4)
+
+        # notation: c0 to c3 coefficients of the cubic on a cell, in the fraction of the cell
         """
-        place_in_cells = s * self._cells_per_corner
-        cell = min(int(place_in_cells), len(self._loads_of_cells) - 1)
-        share_of_cell = place_in_cells - cell
+        s_in_cells = s * self._cells_per_interval
+        cell = min(int(s_in_cells), len(self._load_coefficients) - 1)
+        fraction_of_cell = s_in_cells - cell
 
-        def cubic(coefficients_of_cells: list[list[float]]) -> float:
+        def tabulated(coefficients_of_cells: list[list[float]]) -> float:
             c0, c1, c2, c3 = coefficients_of_cells[cell]
-            return c0 + share_of_cell * (c1 + share_of_cell * (c2 + share_of_cell * c3))
+            return c0 + fraction_of_cell * (c1 + fraction_of_cell * (c2 + fraction_of_cell * c3))
 
-        interval = min(int(s), len(self._lengths) - 1)
-        half_width = self._begins[interval] + self._lengths[interval] * (s - interval) ** 2
+        interval = min(int(s), len(self._interval_lengths) - 1)
+        half_width = (
+            self._interval_begins[interval] + self._interval_lengths[interval] * (s - interval) ** 2
+        )
         squared_width = half_width * half_width
-        load = cubic(self._loads_of_cells)
+        load = tabulated(self._load_coefficients)
         parabola = self.parabola_stiffness * squared_width
-        least_half_width = _LEAST * float(self._ends[-1])
-        log_ratio = math.log(2 * datum / max(half_width, least_half_width))
+        least_half_width = _LEAST * float(self._interval_ends[-1])
+        log_ratio = math.log(2 * datum_length / max(half_width, least_half_width))
         return PunchSums(
-            logarithm=load * log_ratio + cubic(self._areas_of_cells),
+            logarithm=load * log_ratio + tabulated(self._load_integral_coefficients),
             parabola_logarithm=parabola * (log_ratio + 0.5),
-            second=squared_width * load / 2
-            - cubic(self._moments_of_cells) / self.parabola_stiffness,
-            parabola_second=squared_width * parabola / 4,
+            second_moment=squared_width * load / 2
+            - tabulated(self._load_parabola_integral_coefficients) / self.parabola_stiffness,
+            parabola_second_moment=squared_width * parabola / 4,
         )
 
-    def contact_at(self, normal_load: float, curvature: float) -> float:
-        """Coordinate s of the flat punch at the edge of contact a under one load P, by bisection of
-        P = eta(a) + kn G(a).
+    def edge_of_contact_at(self, normal_load: float, curvature: float) -> float:
+        """Coordinate s of the edge of contact a under one normal load P, from P = eta(a) + kn G(a)
+        by bisection.
 
-        eta(c) and G(c) are the loads that punches up to half-width c carry, of the profile and of a
-        parabola x^2/2. `curvature` is kn, the factor of x^2/2 that the bodies add to the gap
-        [1/length].
+        eta(c) and G(c) are the loads that flat punches of half-width up to c carry, of the profile
+        and of x^2/2. `curvature` is kn: the bodies add kn x^2/2 to the gap [1/length].
         """
         low_s = 0.0
-        high_s = self.last
+        high_s = self.largest_s
         for _ in range(_BISECTIONS):
             middle_s = (low_s + high_s) / 2
             loads = self.loads_at(middle_s)
@@ -370,49 +389,53 @@ class PunchTable:
                 high_s = middle_s
         return (low_s + high_s) / 2
 
-    def log_area(self, s: ArrayLike) -> Array:
+    def load_integral(self, s: ArrayLike) -> Array:
         """int eta dc/c from 0 to c."""
-        return self._value(self._log_area, s)
+        return self._value(self._load_integral_cubics, s)
 
-    def log_moment(self, s: ArrayLike) -> Array:
+    def load_parabola_integral(self, s: ArrayLike) -> Array:
         """int eta G dc/c from 0 to c."""
-        return self._value(self._log_moment, s)
+        return self._value(self._load_parabola_integral_cubics, s)
 
     @cached_property
-    def _log_fourth(self) -> Array:
+    def _load_fourth_integral_cubics(self) -> Array:
         """Cubics of int eta G^2 dc/c."""
-        return self._integral(power=2)
+        return self._integral_cubics(power=2)
 
     def second_moments(self, s: ArrayLike) -> PunchMoments:
         """Integrals of c^2/2, the second moment of a punch of unit load, up to s (k,)."""
         square = np.square(self.half_width(s))
-        of_profile = square * self.load(s) / 2 - self.log_moment(s) / self.parabola_stiffness
+        of_profile = (
+            square * self.load(s) / 2 - self.load_parabola_integral(s) / self.parabola_stiffness
+        )
         return PunchMoments(of_profile, square * self.parabola(s) / 4, square * self.fourth(s) / 3)
 
     def fourth_moments(self, s: ArrayLike) -> PunchMoments:
         """Integrals of 3 c^4/8, the fourth moment of a punch of unit load, up to s (k,)."""
         square = np.square(self.half_width(s))
         of_profile = square**2 * self.load(s)
-        of_profile -= 4 * self._value(self._log_fourth, s) / self.parabola_stiffness**2
+        of_profile -= (
+            4 * self._value(self._load_fourth_integral_cubics, s) / self.parabola_stiffness**2
+        )
         of_parabola = square**2 * self.parabola(s) / 8
         return PunchMoments(3 / 8 * of_profile, of_parabola, 3 / 16 * square**2 * self.fourth(s))
 
     def logarithm(self, s: ArrayLike) -> Array:
         """ln c; of the least punch that counts for c = 0."""
-        return np.log(np.maximum(self.half_width(s), _LEAST * self._ends[-1]))
+        return np.log(np.maximum(self.half_width(s), _LEAST * self._interval_ends[-1]))
 
-    def contact(
+    def edges_of_contact(
         self,
         normal_load: Array,
         curvature: Array,
         fourth: Array | float = 0.0,
         known_s: Array | None = None,
     ) -> Array:
-        """Coordinates s (n,) of the flat punches at the edges of contact a under loads P (n,), from
-        P = eta(a) + kn G(a) + n4 G_4(a), by bisection and Newton's rule.
+        """Coordinates s (n,) of the edges of contact a under normal loads P (n,), from P = eta(a) +
+        kn G(a) + n4 G_4(a), by bisection and Newton's method.
 
-        eta, G and G_4 are the loads that punches up to half-width c carry: of the profile, of x^2/2
-        and of x^4/24. Where P = 0, s is 0.
+        eta, G and G_4 are the loads that flat punches of half-width up to a carry: of the profile,
+        of x^2/2 and of x^4/24. Where P = 0, s is 0.
 
         Parameters
         ----------
@@ -421,27 +444,28 @@ class PunchTable:
         curvature, fourth
             kn and n4 (n,): factors of x^2/2 and x^4/24 that the bodies add to the gap
         known_s
-            s (n,) where it is known to 1e-3; then bisection is left out
+            s (n,) if it is known to 1e-3: then Newton's method starts from it without bisection
         """
 
-        def carried(s: Array) -> Array:
+        def carried_load(s: Array) -> Array:
             load = self.load(s) + curvature * self.parabola(s)
             return np.asarray(load + fourth * self.fourth(s))
 
         lower_s = np.zeros(len(normal_load))
-        upper_s = np.full(len(normal_load), self.last)
+        upper_s = np.full(len(normal_load), self.largest_s)
         edge_s = known_s
         newton_steps = _STEPS_NEAR
         if edge_s is None:
             for _ in range(_FIRST_BISECTIONS):
                 middle_s = (lower_s + upper_s) / 2
-                carries_less = carried(middle_s) <= normal_load
+                carries_less = carried_load(middle_s) <= normal_load
                 lower_s = np.where(carries_less, middle_s, lower_s)
                 upper_s = np.where(carries_less, upper_s, middle_s)
             edge_s = (lower_s + upper_s) / 2
             newton_steps = _STEPS_AFTER
         for _ in range(newton_steps):
-            missing_load = normal_load - carried(edge_s)
+            missing_load = normal_load - carried_load(edge_s)
+            # kn dG + n4 dG_4 = (kn + n4 c^2/4) dG
             curvature_at_edge = curvature + fourth * np.square(self.half_width(edge_s)) / 4
             load_rate = self._load_rate(edge_s) + curvature_at_edge * self._parabola_rate(edge_s)
             newton_step = missing_load / np.where(load_rate > 0, load_rate, np.inf)
@@ -450,12 +474,13 @@ class PunchTable:
 
     def _load_rate(self, s: Array) -> Array:
         """d eta/ds, (n,)."""
-        place_in_cells = s * self._cells_per_corner
-        cell = np.minimum(place_in_cells.astype(int), len(self._load) - 1)
-        share_of_cell = place_in_cells - cell
-        _, c1, c2, c3 = self._load[cell].T
+        s_in_cells = s * self._cells_per_interval
+        cell = np.minimum(s_in_cells.astype(int), len(self._load_cubics) - 1)
+        fraction_of_cell = s_in_cells - cell
+        _, c1, c2, c3 = self._load_cubics[cell].T
         return np.asarray(
-            (c1 + share_of_cell * (2 * c2 + 3 * share_of_cell * c3)) * self._cells_per_corner
+            (c1 + fraction_of_cell * (2 * c2 + 3 * fraction_of_cell * c3))
+            * self._cells_per_interval
         )
 
     def _parabola_rate(self, s: Array) -> Array:
@@ -529,17 +554,17 @@ class Pieces(list[Piece]):
     def __init__(self) -> None:
         super().__init__([_EMPTY_CURVE])
 
-    def above(self, parent: int, top: float, loads: OfPunches, slopes: OfPunches) -> Piece:
-        """A new piece of memory curve on top of piece number `parent`, not yet stored.
+    def piece_above(self, parent: int, top: float, loads: OfPunches, slopes: OfPunches) -> Piece:
+        """A new piece of memory curve that continues piece number `parent` outwards; it is not yet
+        stored.
 
         A memory curve is F(s), the locked-in tangential force of the flat punches up to s. It is a
-        chain of pieces; on each F rises by constant `slopes` per unit of the punches' loads eta, G
-        and G_4.
+        chain of pieces; on each F is linear in the loads eta, G and G_4 of these punches.
 
         Parameters
         ----------
         top
-            s at which the new piece ends
+            s of the outer end of the new piece
         loads
             eta, G and G_4 there
         slopes
@@ -561,8 +586,8 @@ class Pieces(list[Piece]):
         return len(self) - 1
 
     def add(self, parent: int, top: float, loads: OfPunches, slopes: OfPunches) -> int:
-        """Number of a new piece, as `above`."""
-        return self.append_numbered(self.above(parent, top, loads, slopes))
+        """Number of a new piece, as `piece_above`."""
+        return self.append_numbered(self.piece_above(parent, top, loads, slopes))
 
     def forget_beyond(self, count: int) -> None:
         """Keep the first `count` pieces: those of a trial that was rejected go."""
@@ -607,10 +632,10 @@ class Followed:
     edge, stick_edge
         (n,) s of the edges of contact and of stick; the same where nothing slips
     direction
-        (n,) sense of slip in the step that ends at the row, 0 in full stick
+        (n,) direction of slip in the step that ends at the row, 0 in full stick
     inner_zone, inner_zone_direction
         (n, 2) s of the ends of a slip zone further in, where a stroke goes on while the edge rests
-        or slips the other way; (n,) its sense, 0 where there is none
+        or slips the other way; (n,) its direction, 0 where there is none
     uppermost_piece
         (n,) uppermost piece of the memory curve
     pieces
@@ -640,122 +665,137 @@ class Followed:
 
     @property
     def sense(self) -> Indices:
-        """Sense of slip at the edge, (n,); of the inner zone where the edge rests."""
+        """Direction of slip at the edge, (n,), +1 or -1; that of the inner zone where the edge
+        sticks; 0 in full stick.
+        """
         return np.where(self.direction != 0, self.direction, self.inner_zone_direction)
 
     @cached_property
-    def pressure_second(self) -> Array:
+    def pressure_second_moment(self) -> Array:
         """p_2, (n,)."""
-        return self.of_pressure(self.table.second_moments(self.edge))
+        return self.pressure_integral(self.table.second_moments(self.edge))
 
     @cached_property
-    def shear_second(self) -> Array:
+    def shear_second_moment(self) -> Array:
         """q_2, (n,)."""
         moments = self.table.second_moments
-        return self.of_shear(moments(self.pieces.top), moments(self.edge))
+        return self.shear_integral(moments(self.pieces.top), moments(self.edge))
 
     @cached_property
-    def pressure_fourth(self) -> Array:
+    def pressure_fourth_moment(self) -> Array:
         """p_4 = int x^4 p dx, (n,)."""
-        return self.of_pressure(self.table.fourth_moments(self.edge))
+        return self.pressure_integral(self.table.fourth_moments(self.edge))
 
     @cached_property
-    def shear_fourth(self) -> Array:
+    def shear_fourth_moment(self) -> Array:
         """q_4 = int x^4 q dx, (n,)."""
         moments = self.table.fourth_moments
-        return self.of_shear(moments(self.pieces.top), moments(self.edge))
+        return self.shear_integral(moments(self.pieces.top), moments(self.edge))
 
-    def of_pressure(self, at_edge: PunchMoments) -> Array:
-        """An integral over the punches of p, (n,), by what it is up to the edges.
+    def pressure_integral(self, at_edge: PunchMoments) -> Array:
+        """An integral of the pressure over the contact at each instant, (n,), such as a moment; 0
+        where the bodies are apart.
 
-        It is 0 where the bodies are apart.
+        `at_edge` is that integral for punches of unit load, up to the edge of contact.
         """
         moment = _pressure_moment(at_edge, self.normal_curvature, self.normal_fourth)
         return np.where(self.normal_load > 0, moment, 0.0)
 
-    def of_shear(self, at_tops: PunchMoments, at_edge: PunchMoments) -> Array:
+    def shear_integral(self, at_tops: PunchMoments, at_edge: PunchMoments) -> Array:
         """An integral of the shear traction over the contact at each instant, (n,), such as a
-        moment.
+        moment; 0 where the bodies are apart.
 
-        It is summed along the memory curve, the locked-in tangential force over the half-width of
-        the punches. Each piece adds its slope times the rise of the integral over its punches. The
-        curvature that the loads give to the faces adds its own share. 0 where the bodies are apart.
+        With w(c) the integral for a flat punch of half-width c under unit tangential force, it is
+        int w dM = int w dF + kt int w dG + t4 int w dG_4. F is the memory curve: the locked-in
+        tangential force over c. kt and t4 are curvatures that the loads give to the faces.
 
         Parameters
         ----------
         at_tops
-            the integral over punches of unit load, up to the top of each piece
+            int w d eta, int w dG and int w dG_4 up to the top of each piece of a memory curve
         at_edge
-            that integral up to the edge of contact at each instant
+            the same up to the edge of contact at each instant
         """
         pieces = self.pieces
-        moment = pieces.sums(
+        integral = pieces.integrals_at_tops(
             (pieces.slope, at_tops.profile),
             (pieces.parabola_slope, at_tops.parabola),
             (pieces.fourth_slope, at_tops.fourth),
         )[self.uppermost_piece]
-        moment = moment + self.tangential_curvature * at_edge.parabola
-        moment = moment + self.tangential_fourth * at_edge.fourth
-        return np.where(self.normal_load > 0, moment, 0.0)
+        integral = integral + self.tangential_curvature * at_edge.parabola
+        integral = integral + self.tangential_fourth * at_edge.fourth
+        return np.where(self.normal_load > 0, integral, 0.0)
 
     @cached_property
     def step_work(self) -> Array:
-        """Friction work of the straight step that ends at each instant, times pi/A, (n,).
+        """Friction work of the straight step that ends at each instant, times pi/A = pi E*/2, (n,);
+        0 at the first one.
 
-        Work is done in the slip zone at the edge, in an inner slip zone, and by punches
-        that the contact leaves during the step: they slip until then. A = 2/E*.
+        Work is done in three places: the slip zone at the edge of contact, an inner slip zone, and
+        the annulus that the receding contact leaves, which slips until it separates.
         """
-        # Punches that the contact leaves in a step slip until then.
         edge_before = np.append(self.edge[:1], self.edge[:-1])
-        parts = self._parts_of_zones(
+        intervals = self._intervals_of_zones(
             (self.direction, self.stick_edge, self.edge),
             (self.inner_zone_direction, self.inner_zone[:, 0], self.inner_zone[:, 1]),
-            (self.direction, self.edge, edge_before),
+            (self.direction, self.edge, edge_before),  # empty where the contact grows
         )
-        work = np.bincount(parts.row, self._work_of_parts(parts), len(self.edge))
+        work = np.bincount(intervals.row, self._work_of_intervals(intervals), len(self.edge))
         return np.asarray(work, dtype=float)
 
-    def _work_of_parts(self, parts: _Parts) -> Array:
-        """Friction work of each part of a slip zone in one step, times pi/A, (m,): the integral of
-        f [load beyond c] |dF| dc/c over the flat punches of the part, of half-width c.
+    def _work_of_intervals(self, intervals: _SlipIntervals) -> Array:
+        """Friction work of one step in each interval of a slip zone, times pi/A = pi E*/2, (m,), by
+        Gauss quadrature over its flat punches.
 
-        F is the tangential force that a punch locks in. A punch slips in that share of the step in
-        which F follows the Coulomb bound, which moves linearly. It slips no longer than it is in
-        contact. The load beyond it counts with its mean over that share.
+            int f [mean load beyond c] |dF| dc/c,    c half-width of a punch
+
+        F is the tangential force that a punch locks in while it sticks. During the step the Coulomb
+        bound moves linearly. A punch slips from when the bound meets F to the end of the step, or
+        until it leaves the contact. The mean of the load is over that time.
         """
         nodes, weights = _GAUSS_OF_WORK
-        length = (parts.high - parts.low)[:, None]
-        s = parts.low[:, None] + length * (nodes + 1) / 2
+        length = (intervals.outer_s - intervals.inner_s)[:, None]
+        s = intervals.inner_s[:, None] + length * (nodes + 1) / 2  # of the punches, (m, k)
         table = self.table
         punches = _PunchArrays(table.load(s), table.parabola(s), table.fourth(s))
-        sense_of_part = parts.sense[:, None]
-        load_before = self._load_beyond(punches, parts.row - 1)
-        load_after = self._load_beyond(punches, parts.row)
-        bound_before = self._slip_bound(punches, parts.row - 1, sense_of_part, load_before)
-        bound_after = self._slip_bound(punches, parts.row, sense_of_part, load_after)
-        # bound_rise: how far the bound moves in the step; slip_force: |dF| that the punch slips by.
-        # Of what slides as a whole, the curvature of the faces may move a punch against the slide.
-        bound_rise = sense_of_part * (bound_after - bound_before)
-        slip_force = sense_of_part * (bound_after - self._frozen_forces(punches, parts.piece))
-        slip_share = np.clip(slip_force / np.where(bound_rise != 0, bound_rise, np.inf), 0.0, 1.0)
-        # Where the bodies touch within the step, slip goes on from there to its end.
-        touches = parts.piece[:, None] == 0
-        load_gain = np.where(touches & (load_after > load_before), load_after - load_before, np.inf)
-        share_since_touch = np.clip(load_after / load_gain, 0.0, 1.0)
-        slip_share = np.where(touches, share_since_touch, slip_share)
-        slip_force = np.where(touches, bound_rise * share_since_touch, slip_force)
-        leaves = (load_after < 0) & (load_before > 0)
-        load_loss = np.where(leaves, load_before - load_after, np.inf)
-        share_out_of_contact = np.where(leaves, -load_after / load_loss, 0.0)
-        share_in_contact = np.maximum(slip_share - share_out_of_contact, 0.0)
-        slip_force = np.where(leaves, bound_rise * share_in_contact, slip_force)
-        middle_of_slip = 1 - slip_share + share_in_contact / 2
-        mean_load = np.maximum(load_before + middle_of_slip * (load_after - load_before), 0.0)
-        logarithmic_rate = table.half_width_rate(s) / table.half_width(s)
-        work = (
-            self.friction * (mean_load * slip_force * logarithmic_rate) @ weights * length[:, 0] / 2
+        row = intervals.row
+        direction = intervals.direction[:, None]
+        load_before = self._load_beyond(punches, row - 1)
+        load_after = self._load_beyond(punches, row)
+        bound_before = self._coulomb_bound(punches, row - 1, direction, load_before)
+        bound_after = self._coulomb_bound(punches, row, direction, load_after)
+        locked_in_force = self._locked_in_forces(punches, intervals.piece_number)
+        # Both positive along the slip. In gross sliding the curvature of the faces may move a punch
+        # against the slide.
+        bound_rise = direction * (bound_after - bound_before)
+        force_change = direction * (bound_after - locked_in_force)  # |dF|
+
+        # Fraction of the step, up to its end, in which the bound is beyond F.
+        slip_fraction = np.clip(
+            force_change / np.where(bound_rise != 0, bound_rise, np.inf), 0.0, 1.0
         )
-        return np.asarray(work)
+        # A punch that comes into contact within the step slips from there to its end.
+        is_new_contact = intervals.piece_number[:, None] == 0
+        load_gain = np.where(
+            is_new_contact & (load_after > load_before), load_after - load_before, np.inf
+        )
+        fraction_since_touch = np.clip(load_after / load_gain, 0.0, 1.0)
+        slip_fraction = np.where(is_new_contact, fraction_since_touch, slip_fraction)
+        force_change = np.where(is_new_contact, bound_rise * fraction_since_touch, force_change)
+
+        # A punch that leaves the contact within the step slips until then.
+        leaves_contact = (load_after < 0) & (load_before > 0)
+        load_loss = np.where(leaves_contact, load_before - load_after, np.inf)
+        separated_fraction = np.where(leaves_contact, -load_after / load_loss, 0.0)
+        slip_fraction_in_contact = np.maximum(slip_fraction - separated_fraction, 0.0)
+        force_change = np.where(leaves_contact, bound_rise * slip_fraction_in_contact, force_change)
+
+        # The load is linear in the step: its mean is its value in the middle of the slip.
+        middle_of_slip = 1 - slip_fraction + slip_fraction_in_contact / 2
+        mean_load = np.maximum(load_before + middle_of_slip * (load_after - load_before), 0.0)
+        log_half_width_rate = table.half_width_rate(s) / table.half_width(s)
+        integrand = mean_load * force_change * log_half_width_rate
+        return np.asarray(self.friction * integrand @ weights * length[:, 0] / 2)
 
     def _load_beyond(self, punches: _PunchArrays, row: Indices) -> Array:
         """P - eta - kn G - n4 G_4 at rows (m,): load carried beyond punches (m, k), (m, k)."""
@@ -763,53 +803,57 @@ class Followed:
         load_beyond = load_beyond - self.normal_curvature[row][:, None] * punches.parabola
         return np.asarray(load_beyond - self.normal_fourth[row][:, None] * punches.fourth)
 
-    def _slip_bound(
-        self, punches: _PunchArrays, row: Indices, sense: Indices, load_beyond: Array
+    def _coulomb_bound(
+        self, punches: _PunchArrays, row: Indices, direction: Indices, load_beyond: Array
     ) -> Array:
-        """Coulomb bound of the locked-in tangential force F of each punch at each instant, (m, k):
-        what F is while the punch slips.
+        """Value of the locked-in tangential force F of flat punches while they slip, (m, k) [force
+        per thickness].
 
-            Q - kt G - t4 G_4 - s f [load beyond the punch],    s = `sense`: +1 forward, -1 reverse.
+            Q - kt G - t4 G_4 - direction f [load beyond the punch]
+
+        kt x^2/2 + t4 x^4/24 is the tangential displacement that the loads give to the faces. G and
+        G_4 are the loads of x^2/2 and x^4/24.
 
         Parameters
         ----------
         punches
-            loads eta, G and G_4 (m, k)
+            their loads eta, G and G_4, (m, k)
         row
-            (m,) numbers of the instants
+            (m,) number of the instant
+        direction
+            (m, 1) of slip: +1 forward, -1 reverse
         load_beyond
             (m, k) normal load that is carried outside of each punch
         """
         force = self.tangential_load[row][:, None]
         force = force - self.tangential_curvature[row][:, None] * punches.parabola
         force = force - self.tangential_fourth[row][:, None] * punches.fourth
-        return np.asarray(force - sense * self.friction * load_beyond)
+        return np.asarray(force - direction * self.friction * load_beyond)
 
-    def _frozen_forces(self, punches: _PunchArrays, piece: Indices) -> Array:
-        """Tangential force F that punches (m, k) keep while they stick, (m, k).
+    def _locked_in_forces(self, punches: _PunchArrays, piece_number: Indices) -> Array:
+        """Tangential force F that flat punches keep while they stick, (m, k) [force per thickness].
 
-        The memory curve is F over the half-width of the punches, in pieces of constant slopes. On a
-        piece F is the force at its foot plus each slope times the rise of a load of the punches:
-        eta, G and G_4. `piece` (m,) is the number of the piece for each row of `punches`.
+        The memory curve, F over the half-width of the punches, consists of pieces on which F is
+        linear in the loads eta, G and G_4 of the punches. `piece_number` (m,) is that of the piece
+        on which row m of `punches` (m, k) lies.
         """
         pieces = self.pieces
-        below = pieces.parent[piece]
-        force = pieces.force[below][:, None]
-        load_rise = punches.load - pieces.load[below][:, None]
-        force = force + pieces.slope[piece][:, None] * load_rise
-        parabola_rise = punches.parabola - pieces.parabola[below][:, None]
-        force = force + pieces.parabola_slope[piece][:, None] * parabola_rise
-        fourth_rise = punches.fourth - pieces.fourth[below][:, None]
-        return np.asarray(force + pieces.fourth_slope[piece][:, None] * fourth_rise)
+        number_below = pieces.parent[piece_number]
+        force = pieces.force[number_below][:, None]
+        load_rise = punches.load - pieces.load[number_below][:, None]
+        force = force + pieces.slope[piece_number][:, None] * load_rise
+        parabola_rise = punches.parabola - pieces.parabola[number_below][:, None]
+        force = force + pieces.parabola_slope[piece_number][:, None] * parabola_rise
+        fourth_rise = punches.fourth - pieces.fourth[number_below][:, None]
+        return np.asarray(force + pieces.fourth_slope[piece_number][:, None] * fourth_rise)
 
-    def _parts_of_zones(self, *zones: tuple[Indices, Array, Array]) -> _Parts:
-        """The slip zones of all steps, cut into parts within which the integrand of the work is
-        smooth.
+    def _intervals_of_zones(self, *zones: tuple[Indices, Array, Array]) -> _SlipIntervals:
+        """Intervals of the punch coordinate s of which the slip zones of all steps consist, such
+        that the integrand of the friction work is smooth on each.
 
-        Cuts are at corners of the profile, which are whole numbers of the punch coordinate s. They
-        are also at the tops of the pieces of the memory curve before the step, the locked-in
-        tangential force over s. A part names the piece in which it lies, 0 beyond the edge of
-        contact before the step.
+        They are cut at kinks of the profile, which are at whole numbers of s. They are also cut
+        where pieces of the memory curve before the step meet: the locked-in tangential force over
+        s. Each interval names the piece on which it lies, 0 if it was outside the contact before.
 
         Parameters
         ----------
@@ -817,74 +861,72 @@ class Followed:
             each as three arrays (n,) over the steps: direction of slip, 0 for no slip; s of the
             inner end; s of the outer end
         """
-        parts: list[tuple[int, float, float, int, int]] = []
-        tops, parents, curves = self._lists
-        zones_in_steps = [
-            (row, int(sense[row]), float(begin_s[row]), float(zone_end[row]))
-            for sense, begin_s, zone_end in zones
+        intervals: list[tuple[int, float, float, int, int]] = []
+        top_s, parents, uppermost_pieces = self._lists_of_pieces
+        zones_of_steps = [
+            (row, int(directions[row]), float(inner_ends[row]), float(outer_ends[row]))
+            for directions, inner_ends, outer_ends in zones
             for row in (
-                np.flatnonzero((sense[1:] != 0) & (zone_end[1:] > begin_s[1:])) + 1
+                np.flatnonzero((directions[1:] != 0) & (outer_ends[1:] > inner_ends[1:])) + 1
             ).tolist()
         ]
-        for row, direction, zone_begin, zone_end in zones_in_steps:
-            piece = curves[row - 1]
-            part_end = zone_end
+        for row, direction, inner_end_of_zone, outer_end_of_zone in zones_of_steps:
+            piece_number = uppermost_pieces[row - 1]
             is_beyond_edge = True  # of the contact before the step
-            # From the outer end inwards, piece by piece.
-            while part_end > zone_begin:
-                part_begin = max(
-                    tops[piece] if is_beyond_edge else tops[parents[piece]], zone_begin
-                )
-                piece_of_part = 0 if is_beyond_edge else piece
-                while math.ceil(part_end) - 1 > part_begin:
-                    corner = math.ceil(part_end) - 1
-                    parts.append((row, float(corner), part_end, piece_of_part, direction))
-                    part_end = float(corner)
-                if part_end > part_begin:
-                    parts.append((row, part_begin, part_end, piece_of_part, direction))
-                    part_end = part_begin
-                if not is_beyond_edge:
-                    piece = parents[piece]
+            outer_s = outer_end_of_zone
+            # From the outer end inwards, piece by piece of the curve before the step.
+            while outer_s > inner_end_of_zone:
+                number_below = piece_number if is_beyond_edge else parents[piece_number]
+                inner_s = max(top_s[number_below], inner_end_of_zone)
+                number_of_interval = 0 if is_beyond_edge else piece_number
+                while math.ceil(outer_s) - 1 > inner_s:
+                    kink_s = float(math.ceil(outer_s) - 1)
+                    intervals.append((row, kink_s, outer_s, number_of_interval, direction))
+                    outer_s = kink_s
+                if outer_s > inner_s:
+                    intervals.append((row, inner_s, outer_s, number_of_interval, direction))
+                    outer_s = inner_s
+                piece_number = number_below
                 is_beyond_edge = False
-        columns = np.array(parts).reshape(-1, 5).T
-        return _Parts(
+        columns = np.array(intervals).reshape(-1, 5).T
+        return _SlipIntervals(
             row=columns[0].astype(np.int64),
-            low=columns[1],
-            high=columns[2],
-            piece=columns[3].astype(np.int64),
-            sense=columns[4].astype(np.int64),
+            inner_s=columns[1],
+            outer_s=columns[2],
+            piece_number=columns[3].astype(np.int64),
+            direction=columns[4].astype(np.int64),
         )
 
     @cached_property
-    def _lists(self) -> tuple[list[float], list[int], list[int]]:
-        """Tops and parents of the pieces, and the uppermost piece at each row: loops over them are
-        faster than over arrays.
+    def _lists_of_pieces(self) -> tuple[list[float], list[int], list[int]]:
+        """s of the tops of all pieces, numbers of the pieces below them, and number of the
+        uppermost piece at each instant: loops over lists are faster than over arrays.
         """
         return self.pieces.top.tolist(), self.pieces.parent.tolist(), self.uppermost_piece.tolist()
 
-    def frozen_force(self, row: int, s: Array) -> Array:
-        """Locked-in tangential force F at flat punches of coordinate s (k,), at instant number
-        `row`, (k,) [force per thickness].
+    def locked_in_force(self, row: int, s: Array) -> Array:
+        """Locked-in tangential force F of the flat punches up to s, (k,), at instant number `row`
+        [force per thickness].
 
-        F is the memory of the contact: it does not change while a punch sticks. It is read from the
-        chain of pieces of the memory curve. Beyond the edge of contact its value at the edge is
-        returned.
+        F does not change while a punch sticks: it is the memory of the contact. It is read from the
+        pieces of the memory curve F(s). Beyond the edge of contact F is that at the edge.
         """
-        numbers_of_pieces = self.pieces.chain(int(self.uppermost_piece[row]))
-        tops = self.pieces.top[numbers_of_pieces]
-        number_in_chain = np.clip(np.searchsorted(tops, s), 1, max(len(numbers_of_pieces) - 1, 1))
+        pieces = self.pieces
+        numbers_of_pieces = pieces.chain(int(self.uppermost_piece[row]))
+        top_s = pieces.top[numbers_of_pieces]
+        index_in_chain = np.clip(np.searchsorted(top_s, s), 1, max(len(numbers_of_pieces) - 1, 1))
         if len(numbers_of_pieces) == 1:
             return np.zeros(len(s))
-        s_in_contact = np.minimum(s, tops[-1])
-        below = numbers_of_pieces[number_in_chain - 1]
-        piece = numbers_of_pieces[number_in_chain]
-        load_rise = self.table.load(s_in_contact) - self.pieces.load[below]
-        parabola_rise = self.table.parabola(s_in_contact) - self.pieces.parabola[below]
-        force_rise = self.pieces.slope[piece] * load_rise
-        force_rise = force_rise + self.pieces.parabola_slope[piece] * parabola_rise
-        fourth_rise = self.table.fourth(s_in_contact) - self.pieces.fourth[below]
-        force_rise = force_rise + self.pieces.fourth_slope[piece] * fourth_rise
-        return np.asarray(self.pieces.force[below] + force_rise)
+        s_in_contact = np.minimum(s, top_s[-1])
+        number_below = numbers_of_pieces[index_in_chain - 1]
+        piece_number = numbers_of_pieces[index_in_chain]
+        load_rise = self.table.load(s_in_contact) - pieces.load[number_below]
+        parabola_rise = self.table.parabola(s_in_contact) - pieces.parabola[number_below]
+        force_rise = pieces.slope[piece_number] * load_rise
+        force_rise = force_rise + pieces.parabola_slope[piece_number] * parabola_rise
+        fourth_rise = self.table.fourth(s_in_contact) - pieces.fourth[number_below]
+        force_rise = force_rise + pieces.fourth_slope[piece_number] * fourth_rise
+        return np.asarray(pieces.force[number_below] + force_rise)
 
 
 class _PunchArrays(NamedTuple):
@@ -897,16 +939,17 @@ class _PunchArrays(NamedTuple):
     fourth: Array
 
 
-class _Parts(NamedTuple):
-    """Parts (m,) of slip zones: row of the path, s of both ends, the piece of the curve before in
-    which it is, 0 beyond the edge of the contact before, the sense of the slip.
+class _SlipIntervals(NamedTuple):
+    """Intervals (m,) of s within the slip zones of steps: number of the instant at which the step
+    ends; s of both ends; number of the piece of the memory curve before the step, 0 outside the
+    contact before; direction of slip, +1 or -1.
     """
 
     row: Indices
-    low: Array
-    high: Array
-    piece: Indices
-    sense: Indices
+    inner_s: Array
+    outer_s: Array
+    piece_number: Indices
+    direction: Indices
 
 
 @dataclass(frozen=True, eq=False)
@@ -930,59 +973,66 @@ class PieceTable:
             numbers.append(int(self.parent[numbers[-1]]))
         return np.array(numbers[::-1])
 
-    def of_curves(self, curves: Indices) -> tuple[PieceTable, Indices]:
-        """The pieces that some memory curves consist of, with new numbers; others are left out.
+    def pieces_of_curves(self, uppermost_pieces: Indices) -> tuple[PieceTable, Indices]:
+        """Table of only those pieces of which the memory curves at some instants consist, and the
+        numbers in that table of their uppermost pieces, (n,).
 
         A memory curve is the locked-in tangential force over the half-width of the flat punches.
-        `curves` (n,) gives each curve by the number of its uppermost piece; from there each piece
-        names the one below it. Also returned are the new numbers of these uppermost pieces, (n,).
+        `uppermost_pieces` (n,) are the numbers in this table; `parent` leads down from there.
         """
         is_needed = np.zeros(len(self.parent), dtype=bool)
-        pieces = np.unique(curves)
-        while len(pieces):
-            is_needed[pieces] = True
-            pieces = np.unique(self.parent[pieces])
-            pieces = pieces[~is_needed[pieces]]
-        is_needed[0] = True
+        piece_numbers = np.unique(uppermost_pieces)
+        while len(piece_numbers):
+            is_needed[piece_numbers] = True
+            piece_numbers = np.unique(self.parent[piece_numbers])
+            piece_numbers = piece_numbers[~is_needed[piece_numbers]]
+        is_needed[0] = True  # the empty curve
         numbers_needed = np.flatnonzero(is_needed)
         new_number = np.cumsum(is_needed) - 1
-        columns = {item.name: getattr(self, item.name)[numbers_needed] for item in fields(self)}
+        columns = {field.name: getattr(self, field.name)[numbers_needed] for field in fields(self)}
         columns["parent"] = new_number[columns["parent"]]
-        return PieceTable(**columns), new_number[curves]
+        return PieceTable(**columns), new_number[uppermost_pieces]
 
     @cached_property
-    def _levels(self) -> list[Indices]:
-        """Numbers of the pieces, grouped by how many pieces lie below each in its memory curve:
-        one, two, and so on.
+    def _pieces_by_depth(self) -> list[Indices]:
+        """Numbers of the pieces, grouped by the number of pieces below each in its memory curve:
+        first those on the empty curve, piece 0; then those on the first group; and so on.
 
         A memory curve is the locked-in tangential force over the half-width of the flat punches.
-        Piece 0, the empty curve, counts as one below. Sums along curves are taken group by group.
         """
-        depth = [0]
-        for below in self.parent[1:].tolist():
-            depth.append(depth[below] + 1)
-        depths = np.array(depth)
-        order_by_depth = np.argsort(depths, kind="stable")
-        levels = np.split(order_by_depth, np.cumsum(np.bincount(depths))[:-1])
-        return levels[1:]
+        depth_list = [0]
+        for number_below in self.parent[1:].tolist():
+            depth_list.append(depth_list[number_below] + 1)
+        depth = np.array(depth_list)
+        numbers_by_depth = np.argsort(depth, kind="stable")
+        groups = np.split(numbers_by_depth, np.cumsum(np.bincount(depth))[:-1])
+        return groups[1:]
 
-    def sums(self, *terms: tuple[Array, Array]) -> Array:
-        """Integrals along the memory curves, from the middle up to the top of each piece, (k, ...).
+    def integrals_at_tops(self, *terms: tuple[Array, Array]) -> Array:
+        """Integrals int w dF along the memory curves, from the middle of the contact to the top of
+        each of the k pieces, (k, ...).
 
-        A memory curve is the locked-in tangential force over the half-width of the flat punches. A
-        piece adds its slope (k,) times the rise of a primitive from the piece below it to its own
-        top. `terms` are pairs of slopes (k,) and primitives at the tops (k, ...); they add up.
+        A memory curve is F, the locked-in tangential force over the half-width of the flat punches.
+        On a piece dF = slope d eta + parabola_slope dG + fourth_slope dG_4.
+
+        Parameters
+        ----------
+        terms
+            one of these slopes (k,), and int w d eta, int w dG or int w dG_4 from the middle to
+            the tops (k, ...); more axes are those of w, such as places
         """
         parent = self.parent
-        sums_at_tops = np.zeros_like(terms[0][1])
-        for slopes, values in terms:
+        integrals = np.zeros_like(terms[0][1])
+        for slopes, primitives in terms:
             if np.any(slopes):
-                rise = values - values[parent]
-                sums_at_tops += slopes.reshape((-1,) + (1,) * (values.ndim - 1)) * rise
-        sums_at_tops[0] = 0.0
-        for level in self._levels[1:]:
-            sums_at_tops[level] += sums_at_tops[parent[level]]
-        return sums_at_tops
+                rise_on_piece = primitives - primitives[parent]
+                slopes_as_column = slopes.reshape((-1,) + (1,) * (primitives.ndim - 1))
+                integrals += slopes_as_column * rise_on_piece
+        integrals[0] = 0.0
+        # To its own part each piece adds the integral up to the piece below: lower groups first.
+        for piece_numbers in self._pieces_by_depth[1:]:
+            integrals[piece_numbers] += integrals[parent[piece_numbers]]
+        return integrals
 
 
 def follow(
@@ -993,11 +1043,11 @@ def follow(
     curvatures: Curvatures,
     half_planes: Followed | None = None,
 ) -> Followed:
-    """Memory of friction along a load path of straight steps, from rest, with the curvatures that
-    finite bodies add to half-planes.
+    """Stick edges, slip zones and memory curves at the n ends of the straight steps of a load path,
+    from the unloaded state, with the curvatures that finite bodies add to half-planes.
 
     The memory curve is the locked-in tangential force over the half-width of the flat punches that
-    make up the contact. Stick leaves it, slip clips it at the Coulomb limit.
+    make up the contact. It does not change in stick; slip clips it at the Coulomb limit.
 
     Parameters
     ----------
@@ -1006,11 +1056,11 @@ def follow(
     friction
         f
     normal_load, tangential_load
-        (n,) P and Q at the ends of the steps
+        (n,) P and Q at the ends of the steps [force per thickness]
     curvatures
-        what a unit of P and of Q adds to gap and faces
+        what a unit of P and of Q adds to the gap and to the tangential displacement of the faces
     half_planes
-        the path already followed without curvatures, if there is one
+        the same path without curvatures, if it is known; else it is followed here if needed
 
     Examples
     --------
@@ -1024,75 +1074,81 @@ def follow(
     >>> table.half_width(followed.stick_edge[-2:]).round(9).tolist()  # c = a sqrt(1 - Q/(f P))
     [0.632455532, 0.632455532]
     """
-    rows = _rows(table, normal_load, tangential_load, curvatures)
+    rows = _columns_of_path(table, normal_load, tangential_load, curvatures)
     if curvatures.tangential_mixed:
         if half_planes is None:
             half_planes = follow(table, friction, normal_load, tangential_load, Curvatures())
-        shear_second = _shear_second(table, rows, half_planes)
-        rows[_TANGENTIAL_CURVATURE] += 2 * curvatures.tangential_mixed * shear_second
+        shear_second_moment = _estimated_shear_second_moment(table, rows, half_planes)
+        rows[_TANGENTIAL_CURVATURE] += 2 * curvatures.tangential_mixed * shear_second_moment
     return _follow(table, friction, rows)
 
 
-def _shear_second(table: PunchTable, rows: Array, half_planes: Followed) -> Array:
+def _estimated_shear_second_moment(table: PunchTable, rows: Array, half_planes: Followed) -> Array:
     """Second moment of the shear traction, q_2 = int x^2 q dx, at each instant of the path, (n,),
-    estimated from half-planes.
+    estimated from that of half-planes.
 
-    It is their q_2 times the ratio of the second moments of pressure, with the curvatures of finite
-    bodies over without. What this neglects of the work W is a hundredth of what is left out anyway,
-    the curvatures of sixth order and beyond.
+    q_2 = (q_2 of half-planes) (p_2/(p_2 of half-planes)), with p_2 = int x^2 p dx of the pressure.
+    The work W is changed by this estimate a hundred times less than by the curvatures of sixth and
+    higher order, which are neglected anyway.
 
     Parameters
     ----------
     rows
-        (10, n) loads, curvatures and edge of contact at the instants
+        (10, n) loads, curvatures and edge of contact at the instants, a `Row` each
     half_planes
-        the path followed without curvatures
+        the same path without curvatures
     """
     columns_by_name = dict(zip(Row._fields, rows, strict=True))
-    bends = (columns_by_name["normal_curvature"], columns_by_name["normal_fourth"])
-    pressure_second = _pressure_moment(table.second_moments(columns_by_name["edge"]), *bends)
-    pressure_second_of_half_planes = half_planes.pressure_second
-    ratio = np.divide(
-        pressure_second,
-        pressure_second_of_half_planes,
-        out=np.zeros_like(pressure_second),
-        where=pressure_second_of_half_planes > 0,
+    pressure_moment = _pressure_moment(
+        table.second_moments(columns_by_name["edge"]),
+        columns_by_name["normal_curvature"],
+        columns_by_name["normal_fourth"],
     )
-    return half_planes.shear_second * ratio
+    moment_of_half_planes = half_planes.pressure_second_moment
+    ratio = np.divide(
+        pressure_moment,
+        moment_of_half_planes,
+        out=np.zeros_like(pressure_moment),
+        where=moment_of_half_planes > 0,
+    )
+    return half_planes.shear_second_moment * ratio
 
 
 def _pressure_moment(at_edge: PunchMoments, curvature: Array, fourth: Array) -> Array:
-    """A moment of p, (n,), of what it is up to the edges of contact."""
+    """A moment of the pressure, (n,), with kn = `curvature` and n4 = `fourth`, (n,) each.
+
+    `at_edge` holds the moments of the punches up to the edge of contact.
+    """
     return np.asarray(at_edge.profile + curvature * at_edge.parabola + fourth * at_edge.fourth)
 
 
-def _rows(
+def _columns_of_path(
     table: PunchTable, normal_load: Array, tangential_load: Array, curvatures: Curvatures
 ) -> Array:
-    """Loads, curvatures and edge of contact at each instant of a path with loads P and Q (n,), as
-    columns (10, n).
+    """The quantities of a `Row` at each of the n instants of a load path, (10, n): loads,
+    curvatures and edge of contact.
 
-    The columns are P, Q; kn and kt, the factors of x^2/2 that the bodies add to gap and faces; the
-    factors of x^4/24; the coordinate s of the edge of contact in the `table`; and the loads eta, G
-    and G_4 of the punches up to it, of profile, x^2/2 and x^4/24.
+    They are P and Q; kn and kt, the factors of x^2/2 that the bodies add to the gap and to the
+    tangential displacement of the faces; those of x^4/24; the punch coordinate s of the edge of
+    contact; the loads of profile, x^2/2 and x^4/24 there.
 
-    kn follows from the second moment of pressure, p_2, and p_2 from the edge: they are iterated. kt
-    is without what the second moment of shear adds. `curvatures` are what P and Q add to gap and
-    faces.
+    kn depends on the second moment p_2 of the pressure and p_2 on the edge: they are iterated. In
+    kt the part by the second moment of the shear traction is left out.
     """
     curvature_without_p2 = curvatures.of_gap(normal_load, tangential_load)
     tangential_curvature = curvatures.of_faces(normal_load, tangential_load)
     gap_fourth_order = curvatures.normal_fourth * normal_load
     faces_fourth_order = curvatures.tangential_fourth * tangential_load
     normal_curvature = curvature_without_p2
-    edge = table.contact(normal_load, normal_curvature, gap_fourth_order)
+    # s of the edge of contact.
+    edge = table.edges_of_contact(normal_load, normal_curvature, gap_fourth_order)
     if curvatures.normal_mixed:
         for _ in range(_ROUNDS_OF_MOMENT):
             moments_at_edge = table.second_moments(edge)
-            second_moment = _pressure_moment(moments_at_edge, normal_curvature, gap_fourth_order)
+            pressure_moment = _pressure_moment(moments_at_edge, normal_curvature, gap_fourth_order)
             curvature_before = normal_curvature
-            normal_curvature = curvature_without_p2 + 2 * curvatures.normal_mixed * second_moment
-            edge = table.contact(normal_load, normal_curvature, gap_fourth_order, edge)
+            normal_curvature = curvature_without_p2 + 2 * curvatures.normal_mixed * pressure_moment
+            edge = table.edges_of_contact(normal_load, normal_curvature, gap_fourth_order, edge)
             load_change = np.max(np.abs(normal_curvature - curvature_before) * table.parabola(edge))
             if load_change <= _LEFT_OF_MOMENT * np.max(normal_load):
                 break
@@ -1112,7 +1168,7 @@ def _rows(
 
 
 def _follow(table: PunchTable, friction: float, columns: Array) -> Followed:
-    """The memory curve along rows (10, n)."""
+    """Steps along a path whose instants are `columns` (10, n), a `Row` each; see `follow`."""
     memory = MemoryCurve(table, friction, float(np.max(columns[0])), Pieces())
     state = UNLOADED
     steps = []
@@ -1124,25 +1180,23 @@ def _follow(table: PunchTable, friction: float, columns: Array) -> Followed:
 
 
 def followed_of(memory: MemoryCurve, columns: Array, steps: Sequence[Step]) -> Followed:
-    """The followed load path as arrays over its instants, from the list of its steps.
+    """Arrays over the n instants of a load path, from the single steps that were taken along it.
 
     Parameters
     ----------
     memory
-        the memory curves of all steps (locked-in tangential force over the half-width of the
-        punches), as a list of pieces
+        holds the pieces of the memory curves of all steps: locked-in tangential force over the
+        half-width of the flat punches
     columns
-        (10, n) P, Q, curvatures of gap and faces, their factors of x^4/24, edge of contact and the
-        loads of the punches up to it
+        (10, n) loads, curvatures and edge of contact, in the order of the fields of a `Row`
     steps
-        n results of single steps: state, stick edge, slip zones
+        n: uppermost piece of the memory curve, stick edge and slip zones at the end of each
     """
     pieces = memory.pieces
-    entries_of_pieces = np.fromiter(
-        chain.from_iterable(pieces), float, len(pieces) * len(_EMPTY_CURVE)
-    )
-    parent, *columns_of_pieces = entries_of_pieces.reshape(len(pieces), -1).T
-    piece_table = PieceTable(parent.astype(np.int64), *columns_of_pieces)
+    # The fields of all pieces, one piece after another.
+    flat_fields = np.fromiter(chain.from_iterable(pieces), float, len(pieces) * len(Piece._fields))
+    parent, *float_columns = flat_fields.reshape(len(pieces), -1).T
+    piece_table = PieceTable(parent.astype(np.int64), *float_columns)
     columns_by_name = dict(zip(Row._fields, columns, strict=True))
     return Followed(
         table=memory.table,
@@ -1188,10 +1242,12 @@ class Row(NamedTuple):
 
 
 class State(NamedTuple):
-    """What a contact remembers: the uppermost piece of its curve, the sense of its last slip."""
+    """What a contact remembers: number of the uppermost piece of its memory curve, and direction of
+    its last slip, +1 or -1; 0 for none.
+    """
 
     uppermost_piece: int = 0
-    sense: int = 0
+    last_direction: int = 0
 
 
 UNLOADED = State()
@@ -1234,19 +1290,17 @@ class MemoryCurve:
         return normal_load <= _ROUNDING * self.largest_load
 
     def step(self, state: State, row: Row) -> Step:
-        """State of the contact after a straight step of the loads, with the stick edge and the slip
-        zones at its end.
+        """Memory curve, stick edge and slip zones at the end of a straight step of the loads.
 
-        The memory curve F, locked-in tangential force over punches, is cut at the edge of contact
-        or grows to it in stick. Where F is then beyond the Coulomb bound it follows the bound, from
-        the edge inwards. Where the edge rests, the slip of the stroke before may go on further in,
-        in an inner zone.
+        The memory curve is the locked-in tangential force F over the half-width of the flat
+        punches. First it is cut at the new edge of contact, or extended to it in stick. Then, from
+        the edge inwards, F is set to the Coulomb bound as far as it is beyond it. When the edge of
+        contact stops slipping, points further in may still slip as before: an inner slip zone.
 
         Parameters
         ----------
         state
-            number of the uppermost piece of the curve before the step, and the last direction of
-            slip
+            memory before the step: uppermost piece of the curve, direction of the last slip
         row
             loads, curvatures and edge of contact at the end of the step
         """
@@ -1254,15 +1308,16 @@ class MemoryCurve:
             return Step(UNLOADED, stick_edge=row.edge)
         pieces = self.pieces
         round_off = _ROUNDING * self.friction * self.largest_load
-        outermost_piece, number_of_top = self._up_to_edge(state.uppermost_piece, row)
+        # The number is None as long as the piece is not stored.
+        outermost_piece, number_of_top = self._fit_to_edge(state.uppermost_piece, row)
         stick_edge = row.edge
-        direction = _slipping(
+        direction = _slip_direction_at_edge(
             outermost_piece, pieces[outermost_piece.parent], self.friction, row, round_off
         )
         bound = None
         if direction:
             bound = _bound(direction, self.friction, row)
-            number_of_top = _stick_below_slip(
+            number_of_top = _cut_at_end_of_slip(
                 self.table, pieces, outermost_piece, number_of_top, bound, round_off
             )
             stick_edge = pieces[number_of_top].top
@@ -1270,16 +1325,17 @@ class MemoryCurve:
             number_of_top = pieces.append_numbered(outermost_piece)
         inner_zone = (0.0, 0.0)
         inner_zone_direction = 0
-        if state.sense and direction != state.sense:
-            # Further in the stroke before may go on.
-            bound_of_last_slip = _bound(state.sense, self.friction, row)
-            number_of_top, *ends_of_inner_zone = _with_inner_zone(
+        if state.last_direction and direction != state.last_direction:
+            # Further in, slip in the last direction may continue.
+            bound_of_last_slip = _bound(state.last_direction, self.friction, row)
+            number_of_top, inner_end, outer_end = _add_inner_slip_zone(
                 self.table, pieces, number_of_top, bound_of_last_slip, round_off
             )
-            inner_zone = (ends_of_inner_zone[0], ends_of_inner_zone[1])
-            if inner_zone[1] > inner_zone[0]:
-                inner_zone_direction = state.sense
+            inner_zone = (inner_end, outer_end)
+            if outer_end > inner_end:
+                inner_zone_direction = state.last_direction
         if bound is not None:
+            # The slip zone at the edge, where F is the bound.
             number_of_top = pieces.add(number_of_top, row.edge, row.edge_loads, bound.slopes)
         return Step(
             State(number_of_top, inner_zone_direction or direction),
@@ -1289,23 +1345,23 @@ class MemoryCurve:
             inner_zone_direction,
         )
 
-    def _up_to_edge(self, curve: int, row: Row) -> tuple[Piece, int | None]:
-        """The memory curve fitted to the new edge of contact, before any slip: its outermost piece,
-        and that piece's number (None if it is new and not stored yet).
+    def _fit_to_edge(self, uppermost_piece: int, row: Row) -> tuple[Piece, int | None]:
+        """Outermost piece of the memory curve after it is cut at the new edge of contact, or
+        extended to it in stick; and its number, None if it is new and not stored yet.
 
         The memory curve is the locked-in tangential force F over the half-width of the flat
-        punches. A contact that shrinks cuts the curve at its edge. One that grows in stick adds a
-        straight chord up to Q - kt G - t4 G_4 at the new edge, where all of Q is carried within.
+        punches. Extended, it gets a piece on which F is linear in the load eta of the punches. At
+        the new edge F = Q - kt G - t4 G_4, since all of Q is carried within it.
 
         Parameters
         ----------
-        curve
+        uppermost_piece
             number of the uppermost piece before the step
         row
-            loads, curvatures and edge of contact at its end
+            loads, curvatures and edge of contact at the end of the step
         """
         pieces = self.pieces
-        piece_number = curve
+        piece_number = uppermost_piece
         piece = pieces[piece_number]
         loads = row.edge_loads
         if row.edge > piece.top:
@@ -1317,18 +1373,17 @@ class MemoryCurve:
             )
             load_rise = row.edge_load - piece.load
             if load_rise > 0:
-                return pieces.above(
-                    curve, row.edge, loads, (force_rise / load_rise, 0.0, 0.0)
-                ), None
-            # The face is still flat: only the curvature of the bodies has punches here.
-            parabola_slope = force_rise / (row.edge_parabola - piece.parabola)
-            return pieces.above(curve, row.edge, loads, (0.0, parabola_slope, 0.0)), None
+                slopes = (force_rise / load_rise, 0.0, 0.0)
+                return pieces.piece_above(uppermost_piece, row.edge, loads, slopes), None
+            # The profile is still flat here: only the curvature of the bodies carries load.
+            slopes = (0.0, force_rise / (row.edge_parabola - piece.parabola), 0.0)
+            return pieces.piece_above(uppermost_piece, row.edge, loads, slopes), None
         while piece_number and pieces[piece.parent].top >= row.edge:
             piece_number = piece.parent
             piece = pieces[piece_number]
         if piece.top <= row.edge:
             return piece, piece_number
-        return pieces.above(piece.parent, row.edge, loads, piece.slopes), None
+        return pieces.piece_above(piece.parent, row.edge, loads, piece.slopes), None
 
     def slide(self, row: Row, direction: int) -> Step:
         """The state in which the contact slides as a whole, F at the bound of that direction all
@@ -1351,25 +1406,26 @@ def _bound(direction: int, friction: float, row: Row) -> _Bound:
     )
 
 
-def _slipping(
+def _slip_direction_at_edge(
     outermost_piece: Piece, piece_below: Piece, friction: float, row: Row, round_off: float
 ) -> int:
-    """Direction of slip at the edge of contact, +1 or -1; 0 where the edge sticks.
+    """Direction of slip at the edge of contact, +1 or -1; 0 if the edge sticks.
 
-    The edge slips if the tangential force beyond one end of the outermost piece of the memory curve
-    F exceeds f times the normal load beyond it: |Q - kt G - t4 G_4 - F| > f [P - eta - kn G - n4
-    G_4].
+        |Q - kt G - t4 G_4 - F| > f [P - eta - kn G - n4 G_4]
+
+    The edge slips if this holds at one end of the outermost piece of the memory curve F: more
+    tangential force is then carried outside of that point than f times the normal load there.
 
     Parameters
     ----------
     outermost_piece, piece_below
-        last piece of the curve, and the one at whose top it starts
+        outermost piece of the memory curve, and the one from whose outer end it continues
     friction
         f
     row
-        P, Q and curvatures at the end of the step
+        P, Q and the curvatures kn, kt, n4 and t4 at the end of the step
     round_off
-        excess force that counts as none
+        excess of force that counts as 0
     """
     for piece_end in (outermost_piece, piece_below):
         force_excess = row.tangential_load - row.tangential_curvature * piece_end.parabola
@@ -1381,7 +1437,7 @@ def _slipping(
     return 0
 
 
-def _stick_below_slip(
+def _cut_at_end_of_slip(
     table: PunchTable,
     pieces: Pieces,
     piece: Piece,
@@ -1389,11 +1445,12 @@ def _stick_below_slip(
     bound: _Bound,
     round_off: float,
 ) -> int:
-    """Cut the memory curve where slip from the edge of contact inwards ends: number of the
-    uppermost piece that still sticks.
+    """Cut a memory curve at the inner end of the slip zone at its outer end: number of the
+    uppermost piece that still sticks; its top is the stick edge.
 
-    Slip ends where the curve, the locked-in tangential force F over the half-width of the punches,
-    meets the `bound`. A piece that is crossed there is cut in two.
+    The curve is the locked-in tangential force F over the half-width of the flat punches. The zone
+    ends where F meets its Coulomb bound. If that is within a piece, its inner part becomes a new
+    piece.
 
     Parameters
     ----------
@@ -1402,11 +1459,11 @@ def _stick_below_slip(
     pieces
         all pieces of memory curves
     piece, piece_number
-        the outermost one, and its number, None where it is new
+        the outermost one of this curve, and its number, None if it is not stored yet
     bound
-        the Coulomb limit that F follows during slip in one direction
+        what F is during slip in the direction of the zone
     round_off
-        excess of F that counts as round-off
+        excess of F over the bound that counts as 0
     """
     empty_curve = pieces[0]
     piece_below = pieces[piece.parent]
@@ -1420,70 +1477,76 @@ def _stick_below_slip(
     excess_at_top = bound.excess(piece)
     if excess_at_top <= 0:
         return pieces.append_numbered(piece) if piece_number is None else piece_number
-    crossing_s, loads_at_crossing = _crossing(
+    crossing_s, loads_at_crossing = _crossing_of_bound(
         table, (piece_below, piece), (excess_below, excess_at_top), bound, round_off
     )
     return pieces.add(piece.parent, crossing_s, loads_at_crossing.loads, piece.slopes)
 
 
-def _with_inner_zone(
-    table: PunchTable, pieces: Pieces, top: int, bound: _Bound, round_off: float
+def _add_inner_slip_zone(
+    table: PunchTable, pieces: Pieces, uppermost_piece: int, bound: _Bound, round_off: float
 ) -> tuple[int, float, float]:
-    """Put a slip zone inside the contact into the memory curve: number of its uppermost piece after
-    that, and the punch coordinates s of the inner and outer end of the zone (equal if none).
+    """Set the memory curve to its Coulomb bound in a slip zone inside the contact: number of its
+    uppermost piece then, and s of the inner and outer end of the zone (equal if there is none).
 
-    The memory curve is the locked-in tangential force over the half-width of the flat punches. A
-    slip zone inside the contact forms where the slip of a stroke goes on further in, while the edge
-    of contact sticks or slips the other way.
+    The memory curve is the locked-in tangential force F over the half-width of the flat punches. A
+    slip zone inside the contact forms when points further in still slip as before, while the edge
+    of contact already sticks or slips the other way.
 
     Parameters
     ----------
     table
         loads of the flat punches by their coordinate s
-    pieces, top
+    pieces, uppermost_piece
         all pieces of memory curves, and the number of the uppermost one of this curve
     bound
-        the Coulomb limit that F follows during slip in the direction of that stroke
+        what F is during slip in the direction of the zone
     round_off
-        excess of F that counts as round-off
+        excess of F over the bound that counts as 0
     """
-    piece_number = top
+    # From the edge inwards to the first piece at whose inner end F is beyond the bound.
+    piece_number = uppermost_piece
     piece = pieces[piece_number]
-    pieces_above = []
+    sticking_pieces_outside = []
     while piece_number and bound.excess(pieces[piece.parent]) <= round_off:
-        pieces_above.append(piece)
+        sticking_pieces_outside.append(piece)
         piece_number = piece.parent
         piece = pieces[piece_number]
     excess_at_top = bound.excess(piece)
     if not piece_number or excess_at_top > 0:
-        edge = pieces[top].top
-        return top, edge, edge
-    piece_ends = (pieces[piece.parent], piece)
-    excesses_at_ends = (bound.excess(piece_ends[0]), excess_at_top)
-    outer_end, loads_at_outer_end = _crossing(table, piece_ends, excesses_at_ends, bound, round_off)
-    number_below = _stick_below_slip(
-        table, pieces, pieces[piece.parent], piece.parent, bound, round_off
+        edge_s = pieces[uppermost_piece].top
+        return uppermost_piece, edge_s, edge_s
+
+    piece_below = pieces[piece.parent]
+    excesses_at_ends = (bound.excess(piece_below), excess_at_top)
+    outer_end_s, loads_at_outer_end = _crossing_of_bound(
+        table, (piece_below, piece), excesses_at_ends, bound, round_off
     )
-    curve = pieces.add(number_below, outer_end, loads_at_outer_end.loads, bound.slopes)
-    for piece_above in (piece, *reversed(pieces_above)):
-        curve = pieces.add(curve, piece_above.top, piece_above.loads, piece_above.slopes)
-    return curve, pieces[number_below].top, outer_end
+    number_below_zone = _cut_at_end_of_slip(
+        table, pieces, piece_below, piece.parent, bound, round_off
+    )
+    top_number = pieces.add(number_below_zone, outer_end_s, loads_at_outer_end.loads, bound.slopes)
+    # On top of the zone again what sticks outside of it.
+    for sticking_piece in (piece, *reversed(sticking_pieces_outside)):
+        top_number = pieces.add(
+            top_number, sticking_piece.top, sticking_piece.loads, sticking_piece.slopes
+        )
+    return top_number, pieces[number_below_zone].top, outer_end_s
 
 
-def _crossing(
+def _crossing_of_bound(
     table: PunchTable,
     ends: tuple[Piece, Piece],
     excesses: tuple[float, float],
     bound: _Bound,
     round_off: float,
 ) -> tuple[float, PunchLoads]:
-    """Coordinate s of the flat punch at which the memory curve crosses the Coulomb bound of slip,
-    and the loads of the punches up to there.
+    """Coordinate s at which a piece of the memory curve crosses the Coulomb bound of slip, and the
+    loads of the flat punches up to there.
 
-    The memory curve is the locked-in tangential force F over the half-width of the flat punches. On
-    one piece of it F grows linearly with the loads of the punches of the profile, of x^2/2 and of
-    x^4/24; so does the bound. The zero of their difference is found by Newton's rule between
-    brackets.
+    The memory curve is the locked-in tangential force F over the half-width of the punches. On a
+    piece F and the bound are linear in the loads eta, G and G_4 of the punches. The zero of their
+    difference over s is found by Newton's method, bracketed by the ends of the piece.
 
     Parameters
     ----------
@@ -1492,9 +1555,9 @@ def _crossing(
     excesses
         of F over the bound at the tops of the two pieces, of opposite signs
     bound
-        direction of slip, and slopes of the bound per unit of each load
+        direction of slip, and derivatives of the bound with respect to eta, G and G_4
     round_off
-        excess that counts as 0
+        excess that counts as 0 [force per thickness]
     """
     piece_below, piece = ends
     low_s = piece_below.top
@@ -1504,15 +1567,15 @@ def _crossing(
     slope = bound.direction * (bound.slope - piece.slope)
     parabola_slope = bound.direction * (bound.parabola_slope - piece.parabola_slope)
     fourth_slope = bound.direction * (bound.fourth_slope - piece.fourth_slope)
-    # Without x^4 the excess of a parabolic profile is a straight line over G.
-    share_of_piece = excess_below / (excess_below - excess_above)
-    s = table.place_of(
-        piece_below.parabola + share_of_piece * (piece.parabola - piece_below.parabola)
+    # First guess: without x^4 the excess of a parabolic profile is a straight line over G.
+    fraction_of_piece = excess_below / (excess_below - excess_above)
+    s = table.s_of_parabola_load(
+        piece_below.parabola + fraction_of_piece * (piece.parabola - piece_below.parabola)
     )
     if not low_s < s < high_s:
-        s = low_s + share_of_piece * (high_s - low_s)
+        s = low_s + fraction_of_piece * (high_s - low_s)
     loads_at_s = table.loads_at(s)
-    # Newton's rule, in the middle between two punches where it would leave them.
+    # Newton's method; a step that would leave the bracket is replaced by a bisection.
     for _ in range(_STEPS_OF_NEWTON):
         excess = excess_below + slope * (loads_at_s.load - piece_below.load)
         excess += parabola_slope * (loads_at_s.parabola - piece_below.parabola)

@@ -126,7 +126,7 @@ class Compliance(NamedTuple):
         load = np.asarray(normal_load)
         return np.asarray(-load * (of_pressure * load + of_shear * np.asarray(tangential_load)))
 
-    def rate(self, half_width: Array | float, normal_load: Array | float) -> Array:
+    def of_actuator(self, half_width: Array | float, normal_load: Array | float) -> Array:
         """Compliance d(U + Q/k_s)/dQ of an actuator while the half-width c = `half_width` sticks
         under P [1/stress].
 
@@ -158,7 +158,7 @@ class Compliance(NamedTuple):
         `largest_load`.
         """
         stick_half_width = largest_half_width * np.arange(1, _PLACES + 1) / _PLACES
-        slope_of_displacement = self.rate(stick_half_width, largest_load)
+        slope_of_displacement = self.of_actuator(stick_half_width, largest_load)
         if np.all(slope_of_displacement > 0):
             return
         worst_half_width = float(stick_half_width[np.argmin(slope_of_displacement)])
@@ -177,7 +177,7 @@ class ActuatorRows(NamedTuple):
     """
 
     time: Array
-    normal: Array
+    load_or_approach: Array
     displacement: Array
     ends: tuple[int, ...]
 
@@ -185,11 +185,11 @@ class ActuatorRows(NamedTuple):
 def actuator_rows(
     path: LoadPath,
     cycles: int,
-    finer: int = 1,
-    further: Array | None = None,
+    refinement: int = 1,
+    extra_times: Array | None = None,
     *,
-    fewest: bool = False,
-    steps: int = _STEPS_A_CYCLE,
+    one_step_at_constant_load: bool = False,
+    steps_per_cycle: int = _STEPS_A_CYCLE,
 ) -> ActuatorRows:
     """Instants at which a path of actuators is cut into straight steps: turning points, instants at
     which the bodies part or meet, and equal steps between them; with what the actuators do there.
@@ -198,13 +198,13 @@ def actuator_rows(
     ----------
     path
         of the actuators, P or the approach and U_act in the place of P and Q
-    finer
+    refinement
         how many times as many steps between two of these instants
-    further
+    extra_times
         (k,) instants that are rows too
-    fewest
+    one_step_at_constant_load
         whether one step is taken where P rests, which is exact
-    steps
+    steps_per_cycle
         of a cycle at least, turning points apart
 
     Raises
@@ -214,10 +214,10 @@ def actuator_rows(
     """
     instants = _events_of_actuators(path, cycles)
     n_cycles = max(cycles, 1) if path.period is not None else 1
-    steps_between = max(math.ceil(steps * n_cycles / len(instants)), 1)
-    if len(instants) < steps * n_cycles / _FEWEST_STEPS:
+    steps_between = max(math.ceil(steps_per_cycle * n_cycles / len(instants)), 1)
+    if len(instants) < steps_per_cycle * n_cycles / _FEWEST_STEPS:
         steps_between = max(steps_between, _FEWEST_STEPS)
-    steps_between *= finer
+    steps_between *= refinement
     if steps_between * len(instants) > _MOST_ROWS:
         raise InputError(
             f"load: the path of the actuators takes {steps_between * len(instants):,} steps and"
@@ -226,7 +226,7 @@ def actuator_rows(
     instant_times = np.array(instants)
     shares = np.arange(steps_between) / steps_between
     step_times = instant_times[:-1, None] + np.diff(instant_times)[:, None] * shares
-    if fewest:
+    if one_step_at_constant_load:
         sample_values = path.at(
             np.array(
                 [
@@ -239,9 +239,9 @@ def actuator_rows(
         is_at_rest = np.ptp(sample_values, axis=0) <= _SAME * np.max(np.abs(sample_values))
         step_times[is_at_rest] = step_times[is_at_rest, :1]
     time = np.append(step_times.ravel(), instant_times[-1])
-    if further is not None:
+    if extra_times is not None:
         time = np.append(
-            time, further[(further > instant_times[0]) & (further < instant_times[-1])]
+            time, extra_times[(extra_times > instant_times[0]) & (extra_times < instant_times[-1])]
         )
     time = np.unique(time)
     duration = instant_times[-1] - instant_times[0]
@@ -267,7 +267,7 @@ def _events_of_actuators(path: LoadPath, cycles: int) -> list[float]:
             {segment.start, segment.end, *turns_of_normal, *turns_of_tangential}
         )
         touch_times = [
-            _root(partial(_first_of, segment), begin, end)
+            _root(partial(_normal_value, segment), begin, end)
             for begin, end in pairwise(monotonic_ends)
             if segment.loads(begin)[0] * segment.loads(end)[0] < 0
         ]
@@ -275,7 +275,7 @@ def _events_of_actuators(path: LoadPath, cycles: int) -> list[float]:
     return instants
 
 
-def _first_of(leg: LoadSegment, time: float) -> float:
+def _normal_value(leg: LoadSegment, time: float) -> float:
     """The first load of a leg at a time: P, or the approach of an actuator."""
     return float(leg.loads(time)[0])
 
@@ -349,7 +349,7 @@ def loads_of_approach(
 
     table = _table_of_approach(contact, modulus, compliance, largest_approach)
     begin_s = np.zeros(len(approach))
-    end_s = np.full(len(approach), table.last)
+    end_s = np.full(len(approach), table.largest_s)
     for _ in range(_BISECTIONS):
         middle_s = (begin_s + end_s) / 2
         _, approach_at_middle = _load_and_approach(table, compliance, middle_s)
@@ -370,9 +370,9 @@ def _load_and_approach(table: PunchTable, compliance: Compliance, s: Array) -> t
     normal_curvature = compliance.curvatures.normal
     load = table.load(s) / (1 - normal_curvature * table.parabola(s))
     punch_sums = [table.sums_at(place, compliance.datum_length) for place in s.tolist()]
-    logarithm, parabola_logarithm, second_moment, parabola_second = np.array(punch_sums).T
+    logarithm, parabola_logarithm, second_moment, parabola_second_moment = np.array(punch_sums).T
     gap_curvature = normal_curvature * load
-    moment = second_moment + gap_curvature * parabola_second
+    moment = second_moment + gap_curvature * parabola_second_moment
     approach_of_profile = compliance.unit_compliance * (
         logarithm + gap_curvature * parabola_logarithm
     )
@@ -395,7 +395,7 @@ def _table_of_approach(
     half_width = min(max(contact.least_half_width, 1e-6 * compliance.datum_length) * 1.01, extent)
     for _ in range(_DOUBLINGS):
         table = PunchTable(contact, modulus, half_width)
-        _, approach_at_end = _load_and_approach(table, compliance, np.array([table.last]))
+        _, approach_at_end = _load_and_approach(table, compliance, np.array([table.largest_s]))
         if approach_at_end[0] >= largest_approach:
             break
         if half_width >= extent:
@@ -409,7 +409,7 @@ def _table_of_approach(
             f"load.approach: {largest_approach:.6g} is more than the profile can be pressed in:"
             " check units"
         )
-    s = np.linspace(0.0, table.last, 20 * 512 + 1)
+    s = np.linspace(0.0, table.largest_s, 20 * 512 + 1)
     _, sampled_approach = _load_and_approach(table, compliance, s)
     largest_fall = float(np.max(np.maximum.accumulate(sampled_approach) - sampled_approach))
     if largest_fall > _ERROR_OF_TABLE * np.ptp(sampled_approach):
@@ -499,7 +499,7 @@ def follow_actuator(
     >>> table = PunchTable(contact, contact.modulus, largest_half_width=1.2)
     >>> rows = ActuatorRows(
     ...     time=np.array([0.0, 1.0, 2.0, 3.0]),
-    ...     normal=np.array([0.0, 1.0, 1.0, 0.5]),
+    ...     load_or_approach=np.array([0.0, 1.0, 1.0, 0.5]),
     ...     displacement=np.array([0.0, 0.0, 10.0, 10.0]),
     ...     ends=(3,),
     ... )
@@ -511,43 +511,43 @@ def follow_actuator(
     >>> bool(driven.slide[-1] > 0)  # P falls while U rests: the bodies slide on
     True
     """
-    largest_load = float(np.max(rows.normal))
+    largest_load = float(np.max(rows.load_or_approach))
     memory = MemoryCurve(table, friction, largest_load, Pieces())
     stepper = _Stepper(memory, compliance)
     state = UNLOADED
     instant_before = _Instant(float(rows.time[0]), 0.0, 0.0, float(rows.displacement[0]))
     free_displacement = instant_before.actuator
     times = [instant_before.time]
-    rows_of_memory = [stepper.row(0.0, 0.0)]
-    steps = [memory.step(state, rows_of_memory[0])]
+    memory_rows = [stepper.row(0.0, 0.0)]
+    steps = [memory.step(state, memory_rows[0])]
     slides = [0.0]
     free_displacements = [free_displacement]
     actuators = [instant_before.actuator]
-    memory_row_of_row = [0] * len(rows.time)
+    memory_row_numbers = [0] * len(rows.time)
     for k in range(1, len(rows.time)):
         time, load, actuator_now = (float(column[k]) for column in rows[:3])
         instant_after = _Instant(time, load, 0.0, actuator_now)
-        for part_end in stepper.parts(instant_before, instant_after, free_displacement):
+        for part_end in stepper.ends_of_parts(instant_before, instant_after, free_displacement):
             solved_step = stepper.step(state, part_end, instant_before.force, free_displacement)
             slide_of_step = solved_step.slide
             free_displacement += slide_of_step + solved_step.distance_apart
             times.append(part_end.time)
-            rows_of_memory.append(solved_step.row)
+            memory_rows.append(solved_step.row)
             steps.append(solved_step.step)
             slides.append(slide_of_step)
             free_displacements.append(free_displacement)
             actuators.append(part_end.actuator)
             state = solved_step.step.state
             instant_before = part_end._replace(force=solved_step.row.tangential_load)
-        memory_row_of_row[k] = len(times) - 1
+        memory_row_numbers[k] = len(times) - 1
     return Driven(
         time=np.array(times),
-        followed=followed_of(memory, np.array(rows_of_memory).T, steps),
+        followed=followed_of(memory, np.array(memory_rows).T, steps),
         compliance=compliance,
         slide=np.array(slides),
         rigid_displacement=np.array(free_displacements),
         actuator=np.array(actuators),
-        ends=tuple(memory_row_of_row[row] for row in rows.ends),
+        ends=tuple(memory_row_numbers[row] for row in rows.ends),
     )
 
 
@@ -559,7 +559,7 @@ class _Instant(NamedTuple):
     force: float
     actuator: float
 
-    def before(self, end: _Instant, share: float) -> _Instant:
+    def at_fraction(self, end: _Instant, share: float) -> _Instant:
         """The instant at a share of the straight step from this one to `end`; its Q is unknown."""
         return _Instant(
             self.time + share * (end.time - self.time),
@@ -569,7 +569,7 @@ class _Instant(NamedTuple):
         )
 
 
-class _Found(NamedTuple):
+class _SolvedStep(NamedTuple):
     """The end of a step: its row and state, what slides in it, what moves while the bodies are
     apart.
     """
@@ -588,7 +588,7 @@ class _Stepper:
         self._compliance = compliance
         self._table = memory.table
         # Trials of a step have one P, and where N_Q is 0 one edge.
-        self._contact_at = lru_cache(maxsize=_EDGES)(memory.table.contact_at)
+        self._edge_of_contact_at = lru_cache(maxsize=_EDGES)(memory.table.edge_of_contact_at)
         # Sums over each memory curve of what its pieces add, with those of the tops.
         self._sums_at_tops = [self._table.sums_at(0.0, compliance.datum_length)]
         self._logarithm_integrals = [0.0]
@@ -604,7 +604,7 @@ class _Stepper:
         curvatures = self._compliance.curvatures
         gap_curvature = curvatures.normal * load + curvatures.normal_under_shear * force
         face_curvature = curvatures.tangential * force + curvatures.tangential_under_pressure * load
-        edge = self._edge(load, gap_curvature)
+        edge = self._edge_of_contact(load, gap_curvature)
         edge_loads = self._table.loads_at(edge)
         return Row(
             normal_load=load,
@@ -619,7 +619,7 @@ class _Stepper:
             edge_fourth=edge_loads.fourth,
         )
 
-    def parts(
+    def ends_of_parts(
         self, begin: _Instant, end: _Instant, free_displacement: float
     ) -> tuple[_Instant, ...]:
         """Ends of the parts of a step between two instants: one part, or two where gross sliding
@@ -636,12 +636,12 @@ class _Stepper:
 
         def excess_displacement(direction: int, share: float) -> float:
             """U_act beyond that at the limit of sliding, in a direction."""
-            instant = begin.before(end, share)
+            instant = begin.at_fraction(end, share)
             row_at_limit = self.row(instant.load, direction * memory.friction * instant.load)
             displacement_at_limit = self._displacement(
                 row_at_limit, memory.slide(row_at_limit, direction)
             )
-            self._forget(n_pieces)
+            self._discard_pieces(n_pieces)
             return direction * (instant.actuator - free_displacement - displacement_at_limit)
 
         for direction in (1, -1):
@@ -655,12 +655,12 @@ class _Stepper:
                 continue
             share = _root(partial(excess_displacement, direction), 0.0, 1.0)
             if _AT_END < share < 1 - _AT_END:
-                return begin.before(end, share), end
+                return begin.at_fraction(end, share), end
         return (end,)
 
     def step(
         self, state: State, end: _Instant, force_before: float, free_displacement: float
-    ) -> _Found:
+    ) -> _SolvedStep:
         """Solve one step of a rig, to the instant `end`: the tangential load Q that the actuator's
         displacement makes, and the state of friction.
 
@@ -676,35 +676,37 @@ class _Stepper:
         memory = self._memory
         if memory.is_unloaded(end.load):
             row = self.row(0.0, 0.0)
-            return _Found(
+            return _SolvedStep(
                 row, memory.step(state, row), distance_apart=end.actuator - free_displacement
             )
         target_displacement = end.actuator - free_displacement
         friction_limit = memory.friction * end.load
         n_pieces = len(memory.pieces)
         force = min(max(force_before, -friction_limit), friction_limit)
-        memory_step, displacement = self._reached(state, end.load, force)
-        self._forget(n_pieces)
+        memory_step, displacement = self._step_and_displacement(state, end.load, force)
+        self._discard_pieces(n_pieces)
         direction = 1 if displacement <= target_displacement else -1
         row_at_limit = self.row(end.load, direction * friction_limit)
         sliding_step = memory.slide(row_at_limit, direction)
         slide_distance = target_displacement - self._displacement(row_at_limit, sliding_step)
         # At the begin of a slide nothing is left but round-off, of either sign.
         if direction * slide_distance >= -_ROUNDING * abs(target_displacement):
-            return _Found(row_at_limit, sliding_step, slide=slide_distance)
-        self._forget(n_pieces)
+            return _SolvedStep(row_at_limit, sliding_step, slide=slide_distance)
+        self._discard_pieces(n_pieces)
         lower_force, upper_force = sorted((force, direction * friction_limit))
         tolerance = _FOUND * memory.friction * memory.largest_load
         for _ in range(_MOST_STEPS):
-            force_change = (target_displacement - displacement) / self._rate(memory_step, end.load)
+            force_change = (target_displacement - displacement) / self._compliance_at(
+                memory_step, end.load
+            )
             is_in_bracket = lower_force <= force + force_change <= upper_force
             new_force = force + force_change if is_in_bracket else (lower_force + upper_force) / 2
             force_change = new_force - force
             force = new_force
-            memory_step, displacement = self._reached(state, end.load, force)
+            memory_step, displacement = self._step_and_displacement(state, end.load, force)
             if abs(force_change) <= tolerance or displacement == target_displacement:
-                return _Found(self.row(end.load, force), memory_step)
-            self._forget(n_pieces)
+                return _SolvedStep(self.row(end.load, force), memory_step)
+            self._discard_pieces(n_pieces)
             if displacement < target_displacement:
                 lower_force = force
             else:
@@ -713,7 +715,7 @@ class _Stepper:
             f"at time {end.time:.6g} no Q was found that moves the actuator by {end.actuator:.6g}"
         )
 
-    def _reached(self, state: State, load: float, force: float) -> tuple[Step, float]:
+    def _step_and_displacement(self, state: State, load: float, force: float) -> tuple[Step, float]:
         """The state at (P, Q), and U + Q/k_s there; pieces of the curve are added."""
         row = self.row(load, force)
         step = self._memory.step(state, row)
@@ -729,7 +731,7 @@ class _Stepper:
         half-width c. p_2 and q_2 are the second moments of pressure and shear, T and N_Q curvatures
         of the bodies, c_t their compliance.
         """
-        self._add_up()
+        self._integrate_new_pieces()
         compliance = self._compliance
         curvatures = compliance.curvatures
         sums_at_edge = self._table.sums_at(row.edge, compliance.datum_length)
@@ -739,31 +741,34 @@ class _Stepper:
             self._logarithm_integrals[uppermost_piece]
             + face_curvature * sums_at_edge.parabola_logarithm
         )
-        shear_second = (
-            self._second_moments[uppermost_piece] + face_curvature * sums_at_edge.parabola_second
+        shear_second_moment = (
+            self._second_moments[uppermost_piece]
+            + face_curvature * sums_at_edge.parabola_second_moment
         )
-        pressure_second = sums_at_edge.second + row.normal_curvature * sums_at_edge.parabola_second
+        pressure_second_moment = (
+            sums_at_edge.second_moment + row.normal_curvature * sums_at_edge.parabola_second_moment
+        )
         displacement = compliance.unit_compliance * integral_of_logarithm
         added_compliance = compliance.tangential + compliance.tangential_spring
         displacement += added_compliance * row.tangential_load
-        displacement += curvatures.tangential * shear_second / 2
-        displacement += curvatures.normal_under_shear * pressure_second / 2
+        displacement += curvatures.tangential * shear_second_moment / 2
+        displacement += curvatures.normal_under_shear * pressure_second_moment / 2
         return displacement + float(compliance.of_tilt(row.normal_load, row.tangential_load))
 
-    def _rate(self, step: Step, load: float) -> float:
+    def _compliance_at(self, step: Step, load: float) -> float:
         """d(U + Q/k_s)/dQ at the end of a step."""
         stick_edge = step.inner_zone[0] if step.inner_zone_direction else step.stick_edge
         half_width = float(self._table.half_width(stick_edge))
-        least_half_width = 1e-9 * float(self._table.half_width(self._table.last))
-        return float(self._compliance.rate(max(half_width, least_half_width), load))
+        least_half_width = 1e-9 * float(self._table.half_width(self._table.largest_s))
+        return float(self._compliance.of_actuator(max(half_width, least_half_width), load))
 
-    def _edge(self, load: float, gap_bend: float) -> float:
+    def _edge_of_contact(self, load: float, gap_bend: float) -> float:
         """s of the edge of contact."""
         if self._memory.is_unloaded(load):
             return 0.0
-        return self._contact_at(load, gap_bend)
+        return self._edge_of_contact_at(load, gap_bend)
 
-    def _add_up(self) -> None:
+    def _integrate_new_pieces(self) -> None:
         """Integrate along the memory curve M up to the top of each new piece: ln(2 L/c) and c^2/2
         over dM, for the displacement U and the moment of the shear.
 
@@ -779,9 +784,9 @@ class _Stepper:
             logarithm_integral += piece.parabola_slope * (
                 sums_at_top.parabola_logarithm - sums_below.parabola_logarithm
             )
-            second_moment = piece.slope * (sums_at_top.second - sums_below.second)
+            second_moment = piece.slope * (sums_at_top.second_moment - sums_below.second_moment)
             second_moment += piece.parabola_slope * (
-                sums_at_top.parabola_second - sums_below.parabola_second
+                sums_at_top.parabola_second_moment - sums_below.parabola_second_moment
             )
             integral_below = self._logarithm_integrals[piece.parent]
             moment_below = self._second_moments[piece.parent]
@@ -789,7 +794,7 @@ class _Stepper:
             self._logarithm_integrals.append(integral_below + logarithm_integral)
             self._second_moments.append(moment_below + second_moment)
 
-    def _forget(self, count: int) -> None:
+    def _discard_pieces(self, count: int) -> None:
         """Take back the pieces of a trial."""
         self._memory.pieces.forget_beyond(count)
         del self._sums_at_tops[count:]

@@ -94,11 +94,11 @@ def events(scene: Scene) -> tuple[Event, ...]:
     history = history_of(followed_path(scene), scene.friction.coefficient, scene.cycles)
     times = _letter_times(history)
     merged_events: list[Event] = []
-    for event in sorted(_named(history), key=lambda event: event.time):
+    for event in sorted(_unlettered_events(history), key=lambda event: event.time):
         event_before = merged_events[-1] if merged_events else None
         tolerance = _SAME * max(abs(event.time), 1.0)
         if event_before is not None and abs(event_before.time - event.time) <= tolerance:
-            merged_events[-1] = _as_one(event_before, event)
+            merged_events[-1] = _merged_event(event_before, event)
         else:
             merged_events.append(event)
     lettered = []
@@ -109,7 +109,7 @@ def events(scene: Scene) -> tuple[Event, ...]:
     return tuple(lettered)
 
 
-def _as_one(first_event: Event, second_event: Event) -> Event:
+def _merged_event(first_event: Event, second_event: Event) -> Event:
     """Two events of one instant, with both names and the lower load at the edge of slip."""
     names = [name for name in (first_event.name, second_event.name) if not name.endswith(_GOES_ON)]
     if not names:
@@ -145,7 +145,7 @@ def event(scene: Scene, letter: str) -> Event:
     raise InputError(f"events: the scene {scene.name!r} has no event {letter!r} among {LETTERS}")
 
 
-def _named(history: History) -> Iterator[Event]:
+def _unlettered_events(history: History) -> Iterator[Event]:
     """Events of a friction history, not yet lettered A to M as in the paper's figure 2, in the
     order of its spans; several may fall on one instant.
 
@@ -177,13 +177,13 @@ def _named(history: History) -> Iterator[Event]:
                 )
             else:
                 event_name = state_names[span.direction] + _GOES_ON
-            yield _at(span, span.begin.time, event_name)
+            yield _event_at(span, span.begin.time, event_name)
             if span_before is not None:
-                yield _at(span_before, span_before.end.time, event_name)
-            yield from _extremes(span)
+                yield _event_at(span_before, span_before.end.time, event_name)
+            yield from _load_extremes(span)
             span_before = span
     last_span = history.spans[-1]
-    yield _at(
+    yield _event_at(
         last_span,
         last_span.end.time,
         "the path ends" if history.period is None else "the last cycle ends",
@@ -211,7 +211,7 @@ def _same_piece(first_piece: Curve, second_piece: Curve) -> bool:
     )
 
 
-def _extremes(span: Span) -> Iterator[Event]:
+def _load_extremes(span: Span) -> Iterator[Event]:
     """Events at which P or Q is largest or least, at the begin of a span of the load path or inside
     it.
 
@@ -229,12 +229,12 @@ def _extremes(span: Span) -> Iterator[Event]:
                 change_after = float(segment.change_of(combination, time + time_step, time))
                 change_before = float(segment.change_of(combination, time - time_step, time))
                 change_of_slope = change_after + change_before
-                yield _at(
+                yield _event_at(
                     span, time, f"{load_name} {'largest' if change_of_slope < 0 else 'least'}"
                 )
 
 
-def _at(span: Span, time: float, name: str) -> Event:
+def _event_at(span: Span, time: float, name: str) -> Event:
     """The event `name` at the instant of a span of the load path nearest to a `time` of its
     segment, with the loads there.
 

@@ -109,7 +109,7 @@ def fretting_map(
             raise InputError(f"fretting_map: {name} has {values.min():.6g}: factors are above 0")
     rig = rigged(scene, checked_effects(effects))
     cycles = max(scene.cycles, 2)
-    rows = actuator_rows(path, cycles, fewest=True)
+    rows = actuator_rows(path, cycles, one_step_at_constant_load=True)
     shape = factors[0].shape
     regimes = np.empty(shape, dtype=np.int8)
     dissipation = np.empty(shape)
@@ -118,7 +118,8 @@ def fretting_map(
     for index_in_map in np.ndindex(shape):
         stroke_factor, load_factor = (float(values[index_in_map]) for values in factors)
         scaled_rows = rows._replace(
-            normal=load_factor * rows.normal, displacement=stroke_factor * rows.displacement
+            load_or_approach=load_factor * rows.load_or_approach,
+            displacement=stroke_factor * rows.displacement,
         )
         driven = rig.follow_rows(scaled_rows)
         steady_from = steady_cycle(driven)

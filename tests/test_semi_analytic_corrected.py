@@ -759,7 +759,9 @@ def test_brute_force_finds_a_planted_fault(method, fault, history, bend) -> None
         assert fresh_change(history, BENDS[bend]) != pytest.approx(brute, abs=2e-2)
 
 
-@pytest.mark.parametrize("moment", ["shear_second", "pressure_second", "shear_fourth"])
+@pytest.mark.parametrize(
+    "moment", ["shear_second_moment", "pressure_second_moment", "shear_fourth_moment"]
+)
 def test_the_loop_finds_a_moment_that_is_dropped(moment: str) -> None:
     """T q_2/2 of U and of the approach, N p_2/2, T_4 q_4/24."""
 
@@ -767,9 +769,9 @@ def test_the_loop_finds_a_moment_that_is_dropped(moment: str) -> None:
         return 0 * followed.normal_load
 
     effects = {
-        "shear_second": ALL_BENDS,
-        "pressure_second": BENDS["normal under shear"],
-        "shear_fourth": NEXT_ORDER,
+        "shear_second_moment": ALL_BENDS,
+        "pressure_second_moment": BENDS["normal under shear"],
+        "shear_fourth_moment": NEXT_ORDER,
     }[moment]
     with mock.patch.object(corrected_memory.Followed, moment, property(nothing)):
         solution = semi_analytic.solve(

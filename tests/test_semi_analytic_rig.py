@@ -370,7 +370,7 @@ def test_rows_have_turning_points_and_the_instants_of_contact() -> None:
     rows = actuator_rows(load.path_of_actuators(), 1)
     for time in (0.0, 1.0, 2.0, 2.0 + 2 / 3, 3.0 + 1 / 3, 4.0):
         assert np.min(np.abs(rows.time - time)) < 1e-12
-    assert rows.normal.min() == 0.0
+    assert rows.load_or_approach.min() == 0.0
 
 
 # ------------------------------------------------------------------------- tilt and bulk strain
