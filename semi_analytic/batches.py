@@ -67,52 +67,54 @@ from semi_analytic.steady_ellipse import (
 
 Indices = NDArray[np.intp]
 
-_MEMBERS = 256
-# Samples between two kinks or events, closer together at both, and what is left of them where a
-# profile has many corners; samples beside the kinks, as shares of the smaller part of the slip
-# zone.
-_INSIDE = (1 - np.cos(math.pi * np.arange(1, 6) / 6)) / 2
-_FEW = 8
-_FEW_INSIDE = slice(2, 3)
-_BESIDE_KINK = 0.03 * np.power(0.1, np.arange(4))
-# Samples that differ by less than this share of the largest, at more than this share of the slip
-# zone, get others in between.
-_LEVEL = 0.01
-_CLOSER = np.array([0.25, 0.5, 0.75])
-# Share of the slip zone within which two samples are one.
-_ALIKE = 1e-10
-# A maximum is found when W may rise by this share of it only; by every second node of the rule at
-# first.
-_NEARLY = 1e-5
-_KNOWN = 1e-10
+_ELLIPSES_AT_ONCE = 256
+# Places of samples between two kinks or events, as fractions of their distance: closer together at
+# both. The one in the middle is left where a profile has many corners.
+_FRACTIONS_OF_INTERVAL = (1 - np.cos(math.pi * np.arange(1, 6) / 6)) / 2
+_MIDDLE_FRACTION = slice(2, 3)
+_FEW_CORNERS = 8
+# Places of samples beside a kink, as fractions of the smaller part of the slip zone.
+_DISTANCES_TO_KINK = 0.03 * np.power(0.1, np.arange(4))
+# Neighbouring samples that differ by less than this fraction of the largest W, at a distance of
+# more than this fraction of the slip zone, get others in between.
+_LEVEL_FRACTION = 0.01
+_QUARTERS = np.array([0.25, 0.5, 0.75])
+# Fraction of the slip zone within which two samples are one.
+_SAME_POINT = 1e-10
+# A maximum is located when W may rise by this fraction of it at most: the first with every second
+# node of the quadrature, the last with all.
+_FIRST_TOLERANCE = 1e-5
+_LAST_TOLERANCE = 1e-10
 # Each round takes a bracket to a fourth where W is smooth, every other one to half at worst.
-_ROUNDS = 40
-_EVENLY = np.array([0.21, 0.47, 0.73])
-_THREE = np.array([[-1], [0], [1]])
+_MOST_ROUNDS = 40
+_EVEN_FRACTIONS = np.array([0.21, 0.47, 0.73])
+# From the number of a sample to those of itself and of its neighbours.
+_NEIGHBOURS = np.array([[-1], [0], [1]])
 # Of what the rule over punches misses of W of half-planes, what it may leave in the change by
 # bodies: 1.4 at most on five profiles with three curvatures, against 200 nodes.
-_OF_RULE = 4
-# A second maximum counts where W falls between the two by this share of the larger; samples are
+_FACTOR_ON_RULE_ERROR = 4
+# A second maximum counts where W falls between the two by this fraction of the larger; samples are
 # good to 1e-6.
-_DISTINCT = 1e-3
+_LEAST_FALL = 1e-3
 
 
 def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
-    """The two largest maxima over x of the friction work per area W(x), for each of m steady
-    `ellipses` of loads, (6, m); `contact` is the normal contact P(a) of the profile.
+    """The two largest maxima over x of the friction work per area and cycle W(x), for each of m
+    steady load ellipses, (6, m); `contact` is the normal contact P(a) of the profile.
 
     Rows: the largest W(x) pi E*/(2 f^2), the second largest, the error of the largest, their |x|,
     and that of the largest as a fraction, 0 at the permanent stick edge, 1 at the largest contact.
     The largest is 0, and the other rows but its error NaN, where nothing slips. The second one is
     NaN where there is one maximum only. All are NaN where a sample of W(x) is.
 
-    Between the half-widths at which the law of W(x) changes it is sampled with half of the
-    quadrature nodes. A maximum is looked for about every sample above its neighbours.
+    W(x) is sampled with half of the quadrature nodes, between the half-widths at which its formula
+    changes. A maximum is looked for about every sample above its neighbours.
     """
-    if len(ellipses.mean_load) > _MEMBERS:
-        block_starts = range(0, len(ellipses.mean_load), _MEMBERS)
+    n_ellipses = len(ellipses.mean_load)
+    if n_ellipses > _ELLIPSES_AT_ONCE:
         maxima_of_blocks = [
-            maxima_of(ellipses.take(slice(k, k + _MEMBERS)), contact) for k in block_starts
+            maxima_of(ellipses.take(slice(first, first + _ELLIPSES_AT_ONCE)), contact)
+            for first in range(0, n_ellipses, _ELLIPSES_AT_ONCE)
         ]
         return np.concatenate(maxima_of_blocks, axis=1)
 
@@ -120,11 +122,11 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
         forward, reverse = density_of(ellipses.take(ellipse_numbers), contact, x, node_stride)
         return forward + reverse
 
-    points = _points_of_search(ellipses, contact)
-    samples, is_unknown = _samples(points, partial(density, node_stride=2))
+    points = _sample_points(ellipses, contact)
+    samples, is_unknown = _sampled_density(points, partial(density, node_stride=2))
     maxima = _local_maxima(samples, density)
-    peaks = _largest_of(maxima, ellipses, points, is_unknown, density)
-    second_work, second_place = _second_of(maxima, samples.work, peaks)
+    peaks = _largest_maximum(maxima, ellipses, points, is_unknown, density)
+    second_work, second_place = _second_maximum(maxima, samples.work, peaks)
     stick_edge = points[:, 0]
     largest_half_width = points[:, -1]
     place_fraction = (peaks.place - stick_edge) / np.where(
@@ -165,25 +167,30 @@ class _LocalMaxima(NamedTuple):
 
 
 def _local_maxima(samples: _Samples, density: Callable[..., Array]) -> _LocalMaxima:
-    """Every local maximum of W(x), looked for about each sample above its neighbours: first with
-    half of the quadrature nodes, then with all.
+    """Every local maximum over x of the friction work per area W(x) of each load ellipse, one for
+    each sample of W above its neighbours.
 
-    `density`(ellipse numbers, x, node_stride=1) gives W.
+    The sample and its neighbours are a bracket. It is narrowed with every second quadrature node
+    first, then with all. `density`(ellipse numbers, x, node_stride=1) gives W.
     """
     work = samples.work
     is_local_maximum = (work[1:-1] > work[:-2]) & (work[1:-1] >= work[2:])
     sample_numbers = np.flatnonzero(is_local_maximum) + 1
-    ellipse = samples.member[sample_numbers]
-    three_x, _ = _closer(
+    ellipse = samples.ellipse[sample_numbers]
+    bracket_numbers = sample_numbers + _NEIGHBOURS
+    bracket_places, _ = _narrowed_brackets(
         partial(density, node_stride=2),
         ellipse,
-        samples.x[sample_numbers + _THREE],
-        work[sample_numbers + _THREE],
-        _NEARLY,
+        samples.x[bracket_numbers],
+        work[bracket_numbers],
+        _FIRST_TOLERANCE,
     )
-    three_works = np.stack([density(ellipse, row) for row in three_x])
-    three_x, three_works = _closer(density, ellipse, three_x, three_works, _KNOWN)
-    return _LocalMaxima(ellipse, sample_numbers, _parabola(three_x, three_works))
+    # With all nodes from here on.
+    bracket_works = np.stack([density(ellipse, places) for places in bracket_places])
+    bracket_places, bracket_works = _narrowed_brackets(
+        density, ellipse, bracket_places, bracket_works, _LAST_TOLERANCE
+    )
+    return _LocalMaxima(ellipse, sample_numbers, _vertex_of_parabola(bracket_places, bracket_works))
 
 
 class _Peaks(NamedTuple):
@@ -194,125 +201,132 @@ class _Peaks(NamedTuple):
     work: Array
     error: Array
     place: Array
-    number: Indices
+    maximum_number: Indices
 
 
-def _largest_of(
+def _largest_maximum(
     maxima: _LocalMaxima,
     ellipses: Ellipses,
     points: Array,
     is_unknown: NDArray[np.bool_],
     density: Callable[..., Array],
 ) -> _Peaks:
-    """The largest maximum of W(x) of each ellipse with its error: 0 where nothing slips, NaN where
-    W `is_unknown` (m,) at some sample.
+    """The largest maximum over x of W(x) pi E*/(2 f^2) of each load ellipse, with its error from
+    above and its |x|, (m,) each.
 
-    The error adds what the maximum may rise between its points, what the quadrature leaves out, and
-    round-off. Where d = P - P_c, the load of the slip zone, is small the last digits of P_x, the
-    load at which the edge of contact is at x, count for more.
+    W is 0 where nothing slips, NaN where it `is_unknown` (m,) at some sample. The error adds how
+    far W may rise between the points of the bracket, the quadrature error and round-off. Round-off
+    counts for more where the load P - P_c carried by the slip zones is small; P_c is the load at
+    the stick edge.
 
     Parameters
     ----------
     points
-        (m, n) from the permanent stick edge to the largest contact
+        (m, n) places of the samples, from the permanent stick edge to the largest contact
     density
         W of (ellipse numbers, x, stride of the quadrature nodes)
     """
     stick_edge = points[:, 0]
     largest_half_width = points[:, -1]
-    deepest_load = ellipses.deepest_slip
-    relative_error = (
+    largest_slip_load = ellipses.deepest_slip  # P - P_c
+    share_of_last_digits = (
         LAST_DIGITS
         * (ellipses.mean_load + ellipses.load_amplitude)
-        / np.where(deepest_load > 0, deepest_load, np.inf)
+        / np.where(largest_slip_load > 0, largest_slip_load, np.inf)
     )
-    relative_error = PROMISED + 3 * relative_error
-    # W(x) that is lost in the last digits is at most the product of p, 2 (u + v) and
-    # arccosh(|x|/c), which is 2 (u + v) d/(pi a).
-    error_without_slip = (
+    relative_roundoff = PROMISED + 3 * share_of_last_digits
+    # Where no maximum is found W(x) may be lost in the last digits. It is at most the product of p,
+    # 2 (u + v) and arccosh(|x|/c), which is 2 (u + v) (P - P_c)/(pi a).
+    error_without_maximum = (
         2
         / math.pi
         * (ellipses.u + ellipses.v)
-        * deepest_load
+        * largest_slip_load
         / np.where(stick_edge > 0, stick_edge, largest_half_width)
     )
     n_ellipses = len(ellipses.mean_load)
-    number_of_largest = maxima.largest_of_ellipses(n_ellipses)
-    largest_work = np.where(is_unknown, np.nan, 0.0)
-    error_of_largest = np.where(is_unknown, np.nan, error_without_slip)
-    place_of_largest = np.full(n_ellipses, np.nan)
-    slipping_ellipses = np.flatnonzero((number_of_largest >= 0) & ~is_unknown)
-    peak_numbers = number_of_largest[slipping_ellipses]
+    maximum_number = maxima.largest_of_ellipses(n_ellipses)
+    work = np.where(is_unknown, np.nan, 0.0)
+    error = np.where(is_unknown, np.nan, error_without_maximum)
+    place = np.full(n_ellipses, np.nan)
+
+    slipping_ellipses = np.flatnonzero((maximum_number >= 0) & ~is_unknown)
+    maxima_of_slipping = maximum_number[slipping_ellipses]
     vertex = maxima.vertex
-    largest_work[slipping_ellipses] = vertex.work[peak_numbers]
-    place_of_largest[slipping_ellipses] = vertex.place[peak_numbers]
-    works_by_rules = np.stack(
+    work[slipping_ellipses] = vertex.work[maxima_of_slipping]
+    place[slipping_ellipses] = vertex.place[maxima_of_slipping]
+    works_by_stride = np.stack(
         [
-            density(slipping_ellipses, place_of_largest[slipping_ellipses], node_stride)
+            density(slipping_ellipses, place[slipping_ellipses], node_stride)
             for node_stride in (1, 2, 4)
         ]
     )
-    rule_error = quadrature_error(works_by_rules, works_by_rules[0])
-    relative_rule_error = rule_error + relative_error[slipping_ellipses]
-    error_of_largest[slipping_ellipses] = (
-        vertex.rise[peak_numbers] + vertex.work[peak_numbers] * relative_rule_error
+    relative_rule_error = quadrature_error(works_by_stride, works_by_stride[0])
+    relative_error = relative_rule_error + relative_roundoff[slipping_ellipses]
+    error[slipping_ellipses] = (
+        vertex.rise[maxima_of_slipping] + vertex.work[maxima_of_slipping] * relative_error
     )
-    return _Peaks(largest_work, error_of_largest, place_of_largest, number_of_largest)
+    return _Peaks(work, error, place, maximum_number)
 
 
-def _second_of(maxima: _LocalMaxima, sampled_work: Array, peaks: _Peaks) -> tuple[Array, Array]:
-    """W pi E*/(2 f^2) and |x| of the second largest maximum of W(x) of each ellipse, (m,) each; NaN
-    where there is one maximum only.
+def _second_maximum(
+    maxima: _LocalMaxima, sampled_work: Array, peaks: _Peaks
+) -> tuple[Array, Array]:
+    """W pi E*/(2 f^2) and |x| of the second largest maximum of W(x) of each load ellipse, (m,)
+    each; NaN where there is one maximum only.
 
-    It counts where W falls between it and the largest one by a share of that, and not by the last
-    digits only. `sampled_work` is W at all samples.
+    It counts where W falls between it and the largest one by more than 1e-3 of the largest W, and
+    by more than twice its error. `sampled_work` is W at all samples of all ellipses.
     """
     n_ellipses = len(peaks.work)
     second_work = np.full(n_ellipses, np.nan)
     second_place = np.full(n_ellipses, np.nan)
     if not len(maxima.sample):
         return second_work, second_place
-    ends_of_gaps = np.sort(
-        np.stack([maxima.sample, maxima.sample[peaks.number[maxima.ellipse]]]), axis=0
-    )
-    least_between = np.minimum.reduceat(sampled_work, ends_of_gaps.T.ravel())[::2]
-    least_fall = np.maximum(_DISTINCT * peaks.work, 2 * peaks.error)
-    numbers = maxima.by_work()
-    ellipse = maxima.ellipse[numbers]
-    work = maxima.vertex.work[numbers]
-    is_second = numbers != peaks.number[ellipse]
-    is_distinct = least_between[numbers] < work - least_fall[ellipse]
-    second_numbers = numbers[is_second & is_distinct]
+    # From the sample of each maximum to that of the largest of its ellipse.
+    sample_of_largest = maxima.sample[peaks.maximum_number[maxima.ellipse]]
+    range_ends = np.sort(np.stack([maxima.sample, sample_of_largest]), axis=0)
+    # Every other minimum is that from one range to the next.
+    least_work_in_range = np.minimum.reduceat(sampled_work, range_ends.T.ravel())[::2]
+    least_fall = np.maximum(_LEAST_FALL * peaks.work, 2 * peaks.error)
     # By ascending W: the last one of an ellipse stays.
+    maximum_numbers = maxima.by_work()
+    ellipse = maxima.ellipse[maximum_numbers]
+    work = maxima.vertex.work[maximum_numbers]
+    is_not_largest = maximum_numbers != peaks.maximum_number[ellipse]
+    is_distinct = least_work_in_range[maximum_numbers] < work - least_fall[ellipse]
+    second_numbers = maximum_numbers[is_not_largest & is_distinct]
     second_work[maxima.ellipse[second_numbers]] = maxima.vertex.work[second_numbers]
     second_place[maxima.ellipse[second_numbers]] = maxima.vertex.place[second_numbers]
     return second_work, second_place
 
 
 class _Samples(NamedTuple):
-    """Points of members, one member after the other, ascending, and W there, (n,) each."""
+    """Places of samples, ascending within an ellipse, one ellipse after the other, and W there,
+    (n,) each.
+    """
 
-    member: Indices
+    ellipse: Indices
     x: Array
     work: Array
 
 
-def _samples(
+def _sampled_density(
     points: Array, density: Callable[[Indices, Array], Array]
 ) -> tuple[_Samples, NDArray[np.bool_]]:
-    """Samples of the friction work W(x) of each ellipse at its `points` (m, n), and at more points
-    where W is nearly level; and for which ellipses W is not known at some point, (m,).
+    """Samples of the friction work per area W(x) of each load ellipse at its `points` (m, n), and
+    at more points where W is nearly level; and for which ellipses W is NaN at some point, (m,).
 
     Of equal points one counts. At both ends of the slip zone W is set to 0. `density`(ellipse
     numbers, x) gives W.
     """
     widths_of_zones = points[:, -1] - points[:, 0]
-    is_new = np.diff(points, axis=1, prepend=-np.inf) > _ALIKE * widths_of_zones[:, None]
+    is_new = np.diff(points, axis=1, prepend=-np.inf) > _SAME_POINT * widths_of_zones[:, None]
     ellipse_of_point = np.nonzero(is_new)[0]
     x = points[is_new]
     work = density(ellipse_of_point, x)
     is_unknown = np.bincount(ellipse_of_point, np.isnan(work), len(points)) > 0
-    # Nothing is dissipated at the ends of the slip zone: no maximum is there, and members next to
+    # Nothing is dissipated at the ends of the slip zone: no maximum is there, and ellipses next to
     # each other stay apart.
     first_numbers = np.flatnonzero(np.diff(ellipse_of_point, prepend=-1))
     last_numbers = np.append(first_numbers[1:], len(x)) - 1
@@ -320,31 +334,35 @@ def _samples(
     work[last_numbers] = 0.0
     # Samples are put closer where W is nearly level, lest one of two maxima next to each other is
     # missed.
-    level_scale = (_LEVEL * np.maximum.reduceat(work, first_numbers))[ellipse_of_point[:-1]]
-    is_high = (work[:-1] > level_scale) & (work[1:] > level_scale)
-    is_level = (np.abs(np.diff(work)) < level_scale) & is_high
-    is_wide = np.diff(x) > _LEVEL * widths_of_zones[ellipse_of_point[:-1]]
-    level_gaps = np.flatnonzero(is_level & is_wide)
-    new_x = (x[level_gaps] + np.diff(x)[level_gaps] * _CLOSER[:, None]).ravel()
-    ellipse_of_new_point = np.tile(ellipse_of_point[level_gaps], len(_CLOSER))
+    largest_works = np.maximum.reduceat(work, first_numbers)
+    level_change = (_LEVEL_FRACTION * largest_works)[ellipse_of_point[:-1]]
+    is_high = (work[:-1] > level_change) & (work[1:] > level_change)
+    is_level = (np.abs(np.diff(work)) < level_change) & is_high
+    is_wide = np.diff(x) > _LEVEL_FRACTION * widths_of_zones[ellipse_of_point[:-1]]
+    level_intervals = np.flatnonzero(is_level & is_wide)
+    new_x = (x[level_intervals] + np.diff(x)[level_intervals] * _QUARTERS[:, None]).ravel()
+    ellipse_of_new_point = np.tile(ellipse_of_point[level_intervals], len(_QUARTERS))
     work = np.concatenate([work, density(ellipse_of_new_point, new_x)])
     ellipse_of_point = np.concatenate([ellipse_of_point, ellipse_of_new_point])
     x = np.concatenate([x, new_x])
     order_by_ellipse = np.lexsort((x, ellipse_of_point))
-    return _Samples(
+    samples = _Samples(
         ellipse_of_point[order_by_ellipse], x[order_by_ellipse], work[order_by_ellipse]
-    ), is_unknown
+    )
+    return samples, is_unknown
 
 
-def _points_of_search(ellipses: Ellipses, contact: SymmetricContact) -> Array:
-    """Points at which W(x) of each ellipse is sampled, from the permanent stick edge to the largest
-    contact, ascending, some of them equal: (m, n).
+def _sample_points(ellipses: Ellipses, contact: SymmetricContact) -> Array:
+    """Places |x| at which the friction work per area W(x) of each load ellipse is sampled: (m, n),
+    ascending from the permanent stick edge to the largest contact, some of them equal.
 
-    They lie between the half-widths at which the law of W(x) changes: contact or stick edge at an
-    event of the cycle, corners of the profile. More lie next to the kinks of W(x).
+    They lie at and between the half-widths at which the formula of W(x) changes: those of the loads
+    at which slip begins or ends, and the corners of the profile. More lie next to the kinks of
+    W(x), which are at the half-width of the least load and at corners.
     """
     least_load = ellipses.mean_load - ellipses.load_amplitude
     largest_load = ellipses.mean_load + ellipses.load_amplitude
+    # Events E, G, I and J, as in `steady_ellipse`.
     event_cosines = (
         ellipses.cosine_of_start,
         np.cos(ellipses.slip_start + ellipses.slip_angle),
@@ -352,27 +370,28 @@ def _points_of_search(ellipses: Ellipses, contact: SymmetricContact) -> Array:
         np.cos(ellipses.slip_start - ellipses.slip_angle),
     )
     event_loads = [ellipses.load(cosine) for cosine in event_cosines]
-    corners = np.clip(contact.break_loads[:, None], ellipses.permanent_stick_load, largest_load)
+    corner_loads = np.clip(
+        contact.break_loads[:, None], ellipses.permanent_stick_load, largest_load
+    )
     loads = np.stack(
-        [ellipses.permanent_stick_load, least_load, *event_loads, *corners, largest_load]
+        [ellipses.permanent_stick_load, least_load, *event_loads, *corner_loads, largest_load]
     )
     loads = np.clip(loads, ellipses.permanent_stick_load, largest_load)
     clipped_least_load = loads[1:2]
     half_widths = contact.half_width(np.sort(loads, axis=0))
-    few_corners = len(corners) <= _FEW
-    shares_of_intervals = _INSIDE if few_corners else _INSIDE[_FEW_INSIDE]
-    inner_points = (
-        half_widths[:-1] + np.diff(half_widths, axis=0) * shares_of_intervals[:, None, None]
-    )
-    kink_loads = clipped_least_load
-    if few_corners:
-        kink_loads = np.concatenate([clipped_least_load, corners])
+    has_few_corners = len(corner_loads) <= _FEW_CORNERS
+    fractions = _FRACTIONS_OF_INTERVAL
+    kink_loads = np.concatenate([clipped_least_load, corner_loads])
+    if not has_few_corners:
+        fractions = _FRACTIONS_OF_INTERVAL[_MIDDLE_FRACTION]
+        kink_loads = clipped_least_load
+    inner_points = half_widths[:-1] + np.diff(half_widths, axis=0) * fractions[:, None, None]
     kink_half_widths = contact.half_width(kink_loads)
     distance_to_kink = (
         np.minimum(kink_half_widths - half_widths[0], half_widths[-1] - kink_half_widths)
-        * _BESIDE_KINK[:, None, None]
+        * _DISTANCES_TO_KINK[:, None, None]
     )
-    rows_of_points = [
+    further_points = [
         points_of_ellipses.reshape(-1, len(least_load))
         for points_of_ellipses in (
             inner_points,
@@ -380,21 +399,21 @@ def _points_of_search(ellipses: Ellipses, contact: SymmetricContact) -> Array:
             kink_half_widths + distance_to_kink,
         )
     ]
-    return np.sort(np.concatenate([half_widths, *rows_of_points]), axis=0).T
+    return np.sort(np.concatenate([half_widths, *further_points]), axis=0).T
 
 
-def _closer(
+def _narrowed_brackets(
     density: Callable[[Indices, Array], Array],
     ellipse_of_maximum: Indices,
-    three_places: Array,
-    works_at_three: Array,
-    known_share: float,
+    bracket_places: Array,
+    bracket_works: Array,
+    rise_tolerance: float,
 ) -> tuple[Array, Array]:
-    """Narrow brackets of three points about maxima of W(x), until W may rise by `known_share` of
-    itself at most: the places and W there, (3, n).
+    """Brackets of three places about each of n maxima of W(x), narrowed until W may rise by the
+    fraction `rise_tolerance` of itself at most: the places and W there, (3, n) each.
 
-    Round by round a parabola through the three points says where the next ones go. Where that does
-    not halve the bracket, the next ones divide it evenly.
+    In each round three new places are tried, about the vertex of the parabola through the bracket.
+    Where the last round did not halve the bracket they divide it evenly.
 
     Parameters
     ----------
@@ -402,60 +421,65 @@ def _closer(
         W at places (n,) of ellipses of these numbers (n,)
     ellipse_of_maximum
         (n,) number of the ellipse whose maximum it is
-    three_places, works_at_three
+    bracket_places, bracket_works
         (3, n) places and W to begin with
     """
-    three_places = three_places.copy()
-    works_at_three = works_at_three.copy()
-    open_numbers = np.arange(len(ellipse_of_maximum))
-    is_slow = np.zeros(len(ellipse_of_maximum), dtype=bool)
-    for _ in range(_ROUNDS):
-        vertex = _parabola(three_places[:, open_numbers], works_at_three[:, open_numbers])
-        is_rough = vertex.rise > known_share * np.abs(works_at_three[1, open_numbers])
-        open_numbers = open_numbers[is_rough]
-        if not len(open_numbers):
-            break
-        bracket_places = three_places[:, open_numbers]
-        bracket_width = bracket_places[2] - bracket_places[0]
-        places_by_parabola = _next_points(bracket_places, vertex.place[is_rough])
-        even_places = bracket_places[0] + bracket_width * _EVENLY[:, None]
-        new_places = np.where(is_slow[open_numbers], even_places, places_by_parabola)
-        new_works = [density(ellipse_of_maximum[open_numbers], row) for row in new_places]
-        places = np.concatenate([bracket_places, new_places])
-        works = np.concatenate([works_at_three[:, open_numbers], new_works])
-        ascending = np.argsort(places, axis=0, kind="stable")
-        places = np.take_along_axis(places, ascending, 0)
-        works = np.take_along_axis(works, ascending, 0)
-        numbers_of_three = np.clip(np.argmax(works, axis=0), 1, len(works) - 2) + _THREE
-        three_places[:, open_numbers] = np.take_along_axis(places, numbers_of_three, 0)
-        works_at_three[:, open_numbers] = np.take_along_axis(works, numbers_of_three, 0)
-        is_slow[open_numbers] = (
-            three_places[2, open_numbers] - three_places[0, open_numbers] > bracket_width / 2
+    bracket_places = bracket_places.copy()
+    bracket_works = bracket_works.copy()
+    wide_brackets = np.arange(len(ellipse_of_maximum))
+    narrows_slowly = np.zeros(len(ellipse_of_maximum), dtype=bool)
+    for _ in range(_MOST_ROUNDS):
+        vertex = _vertex_of_parabola(
+            bracket_places[:, wide_brackets], bracket_works[:, wide_brackets]
         )
-    return three_places, works_at_three
+        is_wide = vertex.rise > rise_tolerance * np.abs(bracket_works[1, wide_brackets])
+        wide_brackets = wide_brackets[is_wide]
+        if not len(wide_brackets):
+            break
+        places_before = bracket_places[:, wide_brackets]
+        width_before = places_before[2] - places_before[0]
+        places_by_parabola = _next_points(places_before, vertex.place[is_wide])
+        even_places = places_before[0] + width_before * _EVEN_FRACTIONS[:, None]
+        new_places = np.where(narrows_slowly[wide_brackets], even_places, places_by_parabola)
+        new_works = [density(ellipse_of_maximum[wide_brackets], places) for places in new_places]
+        # Of the six places the highest and its neighbours are the new bracket.
+        six_places = np.concatenate([places_before, new_places])
+        six_works = np.concatenate([bracket_works[:, wide_brackets], new_works])
+        ascending = np.argsort(six_places, axis=0, kind="stable")
+        six_places = np.take_along_axis(six_places, ascending, 0)
+        six_works = np.take_along_axis(six_works, ascending, 0)
+        highest = np.clip(np.argmax(six_works, axis=0), 1, len(six_works) - 2)
+        rows_of_bracket = highest + _NEIGHBOURS
+        bracket_places[:, wide_brackets] = np.take_along_axis(six_places, rows_of_bracket, 0)
+        bracket_works[:, wide_brackets] = np.take_along_axis(six_works, rows_of_bracket, 0)
+        width = bracket_places[2, wide_brackets] - bracket_places[0, wide_brackets]
+        narrows_slowly[wide_brackets] = width > width_before / 2
+    return bracket_places, bracket_works
 
 
 def _next_points(bracket: Array, vertex_place: Array) -> Array:
-    """Three points (3, n) at which a maximum is looked for next, about the vertex of a parabola at
-    `vertex_place` (n,), within brackets of three places (3, n).
+    """Three places (3, n) at which W is evaluated next in the search for a maximum: one at
+    `vertex_place` (n,), the vertex of a parabola, and one on each side of it.
 
-    They keep away from the ends of the bracket and from its middle place, where W is known.
+    `bracket` (3, n) are the places about each maximum so far, ascending. The new ones keep away
+    from its ends and from its middle place, where W is known.
     """
     left_end, middle_place, right_end = bracket
     bracket_width = right_end - left_end
-    vertex_place = np.clip(
+    inner_vertex = np.clip(
         vertex_place, left_end + 0.02 * bracket_width, right_end - 0.02 * bracket_width
     )
+    # The vertex is taken to be as wrong as it is far from the middle place; twice that should hold
+    # the maximum. An eighth of the width at most takes the bracket to a fourth.
     half_step = np.clip(
-        2 * np.abs(vertex_place - middle_place), 0.003 * bracket_width, 0.125 * bracket_width
+        2 * np.abs(inner_vertex - middle_place), 0.003 * bracket_width, 0.125 * bracket_width
     )
-    is_middle = np.abs(vertex_place - middle_place) < 0.1 * half_step
-    centre_place = np.where(is_middle, middle_place, vertex_place)
+    is_at_middle = np.abs(inner_vertex - middle_place) < 0.1 * half_step
+    centre_place = np.where(is_at_middle, middle_place, inner_vertex)
     left_point = np.maximum(centre_place - half_step, (left_end + centre_place) / 2)
     right_point = np.minimum(centre_place + half_step, (centre_place + right_end) / 2)
-    # A vertex that is all but the middle point needs no work of its own: the third point goes
-    # beyond.
-    trial_point = np.where(is_middle, (right_point + right_end) / 2, vertex_place)
+    # A vertex that is all but the middle place needs no W of its own: the third point goes beyond.
+    trial_point = np.where(is_at_middle, (right_point + right_end) / 2, inner_vertex)
     return np.stack([left_point, trial_point, right_point])
 
 
@@ -469,12 +493,12 @@ class _Vertex(NamedTuple):
     rise: Array
 
 
-def _parabola(x: Array, work: Array) -> _Vertex:
-    """Top of the parabola through three points (x, W) of each of n maxima, (3, n) each, and the
-    most that W can rise above the middle point.
+def _vertex_of_parabola(x: Array, work: Array) -> _Vertex:
+    """Vertex of the parabola through three points (x, W) about each of n maxima, (3, n) each, and
+    the most that W can rise above the middle point.
 
-    A concave W stays below the chords of the points, drawn on. Where the parabola bends up the
-    middle point stands for its top.
+    The bound holds for a concave W: it stays below the chords of the points, extended. Where the
+    parabola is convex the middle point stands for its vertex.
     """
     lengths = np.diff(x, axis=0)
     length_before, length_after = lengths
@@ -482,17 +506,20 @@ def _parabola(x: Array, work: Array) -> _Vertex:
     length_of_both = np.where(
         length_before + length_after > 0, length_before + length_after, np.inf
     )
-    bend = (slope_after - slope_before) / length_of_both
-    slope = (slope_before * length_after + slope_after * length_before) / length_of_both
-    shift = np.where(bend < 0, slope / np.where(bend < 0, -2 * bend, 1.0), 0.0)
+    half_second_derivative = (slope_after - slope_before) / length_of_both
+    slope_at_middle = (slope_before * length_after + slope_after * length_before) / length_of_both
+    is_concave = half_second_derivative < 0
+    vertex_distance = np.where(
+        is_concave, slope_at_middle / np.where(is_concave, -2 * half_second_derivative, 1.0), 0.0
+    )
     return _Vertex(
-        work=work[1] + slope * shift / 2,
-        place=x[1] + shift,
+        work=work[1] + slope_at_middle * vertex_distance / 2,
+        place=x[1] + vertex_distance,
         rise=np.maximum(np.abs(slope_before) * length_after, np.abs(slope_after) * length_before),
     )
 
 
-_LOADS = (
+_LOAD_NAMES = (
     "mean_normal_load",
     "normal_amplitude",
     "mean_tangential_load",
@@ -500,13 +527,13 @@ _LOADS = (
     "phase_radians",
     "friction_coefficient",
 )
-_BLOCK = 16384
-# Shares of P0 that P - P_c must reach for the quick way to Lam, which there loses 6e-11 of W by
-# formulas, 1e-12 by the table.
-_DEEP = 0.02
-_DEEP_ON_TABLE = 0.04
-_LEAST = 1 / LARGEST
-_HALF = Elastic(young_modulus=2.0, poisson_ratio=0.0)  # against itself E* = 1
+_MEMBERS_AT_ONCE = 16384
+# Fractions of P0 that P - P_c must reach for the quick way to the kernel Lam of W, see
+# `steady_ellipse`. There it loses 6e-11 of W by formulas, 1e-12 by the table.
+_DEEP_SLIP = 0.02
+_DEEP_SLIP_ON_TABLE = 0.04
+_LEAST_SCALE = 1 / LARGEST
+_BODY_OF_UNIT_MODULUS = Elastic(young_modulus=2.0, poisson_ratio=0.0)  # against itself E* = 1
 
 
 class Reason(IntEnum):
@@ -604,8 +631,8 @@ def dissipation(
     mean_tangential_load: ArrayLike = 0.0,
     effects: BodyEffects | None = None,
 ) -> DissipationBatch:
-    """Friction work of one steady cycle of the loads P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase),
-    for arrays of loads, profiles and friction; every argument broadcasts.
+    """Friction work of one steady cycle [energy per unit thickness] of the loads P = P0 + P1 cos t,
+    Q = Q0 + Q1 cos(t - phase), for arrays of loads, profiles and friction; all broadcast.
 
     Parameters
     ----------
@@ -631,13 +658,13 @@ def dissipation(
     -------
     DissipationBatch
         A member that is inadmissible gets NaN and a reason; the others get their values. Each is
-        exact to 1e-11 of A f^2 P0^2 or 1e-10 relative, and to `value_error`, from slips of 1e-9 to
-        gross sliding itself. Q0 decides on gross sliding only. No member depends on the others: it
-        is what a batch of it alone gives. Hertz and power laws take some 0.6 us a member, flat and
-        rounded 1.5 us. The other profiles are integrated from corner to corner with one table of ln
-        a(P) for all loads within eight octaves: 8 to 14 us, 20 us for tables of 31 rows, and 1 ms
-        and more where P - P_c stays below 1e-6 of P0. Where the parameters are arrays each
-        different polynomial or R2/R1 costs 1.5 to 2 ms.
+        exact to 1e-11 of (2/E*) f^2 P0^2 or 1e-10 relative, and to `value_error`, from slips of
+        1e-9 to gross sliding itself. Q0 decides on gross sliding only. No member depends on the
+        others: it is what a batch of it alone gives. Hertz and power laws take some 0.6 us a
+        member, flat and rounded 1.5 us. The others are integrated between the corners of the
+        profile, with one table of ln a(P) for all loads within eight octaves: 8 to 14 us, 20 us for
+        tables of 31 rows, and 1 ms and more where P - P_c stays below 1e-6 of P0. Where the
+        parameters are arrays each different polynomial or R2/R1 costs 1.5 to 2 ms.
 
     Raises
     ------
@@ -671,98 +698,111 @@ def dissipation(
     )
     material = _of_both(material)
     effects = checked_effects(effects)
-    works_of = _works_of
+    works_of_members = _works_of_members
     notes = list(neglected_coupling(material))
     if effects is not None:
-        works_of = partial(_works_with_effects, curvatures_of(effects))
+        works_of_members = partial(_works_with_effects, curvatures_of(effects))
         notes.extend(notes_of_batch(effects))
-    columns, reason = _columns(profile, material, loads, works_of, n_results=5, n_scaled=4)
-    value, forward, reverse, error, stick = columns
-    return DissipationBatch(value, forward, reverse, stick, reason, error, notes=tuple(notes))
+    results, reason = _results_of_members(
+        profile, material, loads, works_of_members, n_results=5, n_normalised=4
+    )
+    work, forward_work, reverse_work, work_error, permanent_stick_load = results
+    return DissipationBatch(
+        value=work,
+        forward=forward_work,
+        reverse=reverse_work,
+        permanent_stick_load=permanent_stick_load,
+        reason=reason,
+        value_error=work_error,
+        notes=tuple(notes),
+    )
 
 
-def _works_of(members: Members) -> Array:
-    """Friction work of the members of an array of load ellipses times pi E*/(2 f^2): sum, forward
-    and reverse part, error; and the permanent stick load P_T, (5, m).
+def _works_of_members(members: Members) -> Array:
+    """Friction work of one steady cycle of each member, times pi E*/(2 f^2) [(force per
+    thickness)^2], and its permanent stick load P_T [force per thickness]: (5, m).
 
-    The method follows the profile: a closed kernel for Hertz and power laws, a table for flat and
-    rounded faces, else quadrature with one contact for each shape. Ellipses that were mirrored have
-    forward and reverse slip exchanged.
+    Rows: the work, its parts by forward and by reverse slip, the error of the work from above, and
+    P_T. The integrand is the kernel Lam, the integral of ln(a/a(P_c)) over loads from P_c, that at
+    the stick edge, to P. Hertz and power laws have it in closed form, flat and rounded faces by a
+    table; other profiles by quadrature, one contact for all of a shape.
     """
     ellipses = members.ellipses
     kind = members.kind
-    forward, reverse, error = works = np.empty((3, len(members.mirrored)))
+    works = np.empty((3, len(members.is_mirrored)))
     if kind in ("hertz", "power_law"):
-        works[:2] = works_by_lam(ellipses, quick_bracket, careful_bracket, _DEEP)
-        works[2] = lam_error(ellipses, works[0] + works[1], _DEEP, 1.0)
-        works /= members.parameters[0] if kind == "power_law" else 2
+        works[:2] = works_by_lam(ellipses, quick_bracket, careful_bracket, _DEEP_SLIP)
+        works[2] = lam_error(ellipses, works[0] + works[1], _DEEP_SLIP, 1.0)
+        # The brackets are Lam of ln P. Of a profile |x|^n it is 1/n of that: a goes as P^(1/n).
+        exponent = members.parameters[0] if kind == "power_law" else 2
+        works /= exponent
     elif kind == "flat_rounded":
-        _, height, *_ = _UNITS[kind](*members.parameters)
-        works[:] = _works_on_table(ellipses, members.modulus * height)
+        _, height_unit, *_ = _UNITS[kind](*members.parameters)
+        works[:] = _works_on_table(ellipses, members.modulus * height_unit)
     else:
-        for shape_group in members.groups():
-            works_of_group = dissipation_and_error(shape_group.ellipses, shape_group.contact)
-            works[:, shape_group.members] = (
-                works_of_group * shape_group.load_unit * shape_group.load_unit
-            )
-    forward_of_members = np.where(members.mirrored, reverse, forward)
-    reverse_of_members = np.where(members.mirrored, forward, reverse)
+        for group in members.shape_groups():
+            works_in_units = dissipation_and_error(group.ellipses, group.contact)
+            works[:, group.members] = works_in_units * group.load_unit * group.load_unit
+    forward_of_ellipses, reverse_of_ellipses, work_error = works
+    # A mirrored ellipse has Q -> -Q: its forward slip is the reverse slip of the member.
+    forward_work = np.where(members.is_mirrored, reverse_of_ellipses, forward_of_ellipses)
+    reverse_work = np.where(members.is_mirrored, forward_of_ellipses, reverse_of_ellipses)
     return np.stack(
         [
-            forward + reverse,
-            forward_of_members,
-            reverse_of_members,
-            error,
+            forward_of_ellipses + reverse_of_ellipses,
+            forward_work,
+            reverse_work,
+            work_error,
             ellipses.permanent_stick_load,
         ]
     )
 
 
 def _works_with_effects(curvatures: Curvatures, members: Members) -> Array:
-    """Friction work of the members of an array of load ellipses, with the curvatures that finite
-    bodies add: sum, forward and reverse part, error, and permanent stick load, (5, m).
+    """Friction work of one steady cycle of each member, times pi E*/(2 f^2), on finite bodies,
+    whose loads add `curvatures` to gap and faces; rows (5, m) as of `_works_of_members`.
 
-    It is exact half-plane theory plus what the bodies change. One quadrature rule gives the works
-    with and without them, so that its error hardly counts. Works are times pi E*/(2 f^2).
+    It is the work on half-planes, exact, plus the change by the curvatures. One quadrature rule
+    gives the works with and without curvatures, so that its error nearly cancels in the change.
     """
-    works = _works_of(members)
-    for shape_group in members.groups():
-        columns_of_loads = LoadArrays(
-            *(column[shape_group.members, None] for column in members.loads)
-        )
-        ones = np.ones((len(shape_group.members), 1))
+    results = _works_of_members(members)
+    work, forward_work, reverse_work, work_error, permanent_stick_load = results  # views: set below
+    for group in members.shape_groups():
+        numbers = group.members
+        loads_of_group = LoadArrays(*(column[numbers, None] for column in members.loads))
+        # One column (k, 1) also where one unit serves all.
+        ones = np.ones((len(numbers), 1))
+        load_units = np.reshape(group.load_unit, (-1, 1)) * ones
+        squared_length_units = np.reshape(np.square(group.length_unit), (-1, 1)) * ones
         loads = EllipseOfLoads(
-            mean_normal=columns_of_loads.mean,
-            normal_amplitude=columns_of_loads.amplitude,
-            mean_tangential=columns_of_loads.force,
-            tangential_amplitude=columns_of_loads.tangential,
-            phase=columns_of_loads.phase,
-            friction=columns_of_loads.friction,
-        ).over(np.reshape(shape_group.load_unit, (-1, 1)) * ones)
+            mean_normal=loads_of_group.mean_normal,
+            normal_amplitude=loads_of_group.normal_amplitude,
+            mean_tangential=loads_of_group.mean_tangential,
+            tangential_amplitude=loads_of_group.tangential_amplitude,
+            phase=loads_of_group.phase,
+            friction=loads_of_group.friction,
+        ).over(load_units)
         # Of profiles that vary the contact has E* = 1 in its own units, of one profile its own E*.
-        modulus = members.modulus if members.contact is not None else 1.0
-        squared_length_unit = np.reshape(np.square(shape_group.length_unit), (-1, 1)) * ones
-        curvatures_of_bodies = BendColumns.of(
-            curvatures, members.modulus / modulus * squared_length_unit
+        contact_modulus = members.modulus if members.contact is not None else 1.0
+        scaled_curvatures = BendColumns.of(
+            curvatures, members.modulus / contact_modulus * squared_length_units
         )
         no_curvatures = BendColumns.of(Curvatures(), ones)
-        works_of_half_planes = works_of_ellipses(loads, no_curvatures, shape_group.contact, modulus)
-        works_of_bodies = works_of_ellipses(
-            loads, curvatures_of_bodies, shape_group.contact, modulus
-        )
-        work_unit = np.square(shape_group.load_unit / members.loads.friction[shape_group.members])
-        forward_change = work_unit * (works_of_bodies.forward - works_of_half_planes.forward)
-        reverse_change = work_unit * (works_of_bodies.reverse - works_of_half_planes.reverse)
-        works_by_rule = work_unit * (works_of_half_planes.forward + works_of_half_planes.reverse)
-        rule_error = np.abs(works_by_rule - works[0, shape_group.members])
-        works[0, shape_group.members] += forward_change + reverse_change
-        works[1, shape_group.members] += forward_change
-        works[2, shape_group.members] += reverse_change
-        works[3, shape_group.members] += _OF_RULE * rule_error
-        works[4, shape_group.members] = shape_group.load_unit * shape_group.contact.load(
-            works_of_bodies.stick
-        )
-    return works
+        half_planes = works_of_ellipses(loads, no_curvatures, group.contact, contact_modulus)
+        bodies = works_of_ellipses(loads, scaled_curvatures, group.contact, contact_modulus)
+        # Works of ellipses are times pi E*/2, without 1/f^2.
+        work_unit = np.square(group.load_unit / members.loads.friction[numbers])
+        forward_change = work_unit * (bodies.forward - half_planes.forward)
+        reverse_change = work_unit * (bodies.reverse - half_planes.reverse)
+        half_plane_work_by_rule = work_unit * (half_planes.forward + half_planes.reverse)
+        rule_error = np.abs(half_plane_work_by_rule - work[numbers])
+        work[numbers] += forward_change + reverse_change
+        forward_work[numbers] += forward_change
+        reverse_work[numbers] += reverse_change
+        work_error[numbers] += _FACTOR_ON_RULE_ERROR * rule_error
+        stick_half_width = bodies.stick
+        permanent_stick_load[numbers] = group.load_unit * group.contact.load(stick_half_width)
+    return results
 
 
 @accepts_phase
@@ -778,12 +818,12 @@ def peak_dissipation(
     phase_radians: ArrayLike | None = None,
     mean_tangential_load: ArrayLike = 0.0,
 ) -> PeakBatch:
-    """Largest friction work per area W(x) in one steady cycle of P = P0 + P1 cos t, Q = Q0 + Q1
-    cos(t - phase), and where it is, for arrays of loads, profiles and friction.
+    """Largest friction work per area W(x) [energy per area] in one steady cycle of P = P0 + P1 cos
+    t, Q = Q0 + Q1 cos(t - phase), and where it is, for arrays of loads, profiles and friction.
 
     W(x) may have two maxima: the shoulder, just inside the contact half-width a(P_min) of the least
-    load, and one further out. Each piece between the kinks of W(x) is searched, which are at
-    a(P_min) and at the corners of the profile. The value is good to some 1e-10 of itself, or to
+    load, and one further out. W(x) is searched between its kinks, which are at a(P_min) and at the
+    corners of the profile. The value is good to some 1e-10 of itself, or to
     `value_error` of the result where slip is tiny. A member takes 3 ms for Hertz, 10 to 15 ms for
     power laws, flat and rounded, 20 ms for polynomials, wedges and compound curvatures, 0.1 s for
     tables of 31 rows.
@@ -824,61 +864,82 @@ def peak_dissipation(
         friction_coefficient,
     )
     material = _of_both(material)
-    columns, reason = _columns(profile, material, loads, _maxima_of, n_results=6, n_scaled=3)
-    value, second_value, error, place, second_place, fraction = columns
-    notes = tuple(neglected_coupling(material))
-    return PeakBatch(value, place, fraction, reason, second_value, second_place, error, notes=notes)
+    results, reason = _results_of_members(
+        profile, material, loads, _maxima_of_members, n_results=6, n_normalised=3
+    )
+    largest_work, second_work, work_error, place, second_place, place_fraction = results
+    return PeakBatch(
+        value=largest_work,
+        place=place,
+        fraction=place_fraction,
+        reason=reason,
+        second_value=second_work,
+        second_place=second_place,
+        value_error=work_error,
+        notes=tuple(neglected_coupling(material)),
+    )
 
 
-def _maxima_of(members: Members) -> Array:
-    """Both maxima of W(x) and the error of the first, their places, and the first place over the
-    half-width, (6, m).
+def _maxima_of_members(members: Members) -> Array:
+    """The two largest maxima over x of the friction work per area W(x) of each member, (6, m), in
+    the rows of `maxima_of`, with loads and lengths in units of the scene.
     """
-    maxima = np.empty((6, len(members.mirrored)))
-    for group in members.groups():
-        of_group = maxima_of(group.ellipses, group.contact)
-        of_group[:3] *= group.load_unit / group.length_unit * group.load_unit
-        of_group[3:5] *= group.length_unit
-        maxima[:, group.members] = of_group
+    maxima = np.empty((6, len(members.is_mirrored)))
+    for group in members.shape_groups():
+        maxima_in_units = maxima_of(group.ellipses, group.contact)
+        # W(x) pi E*/(2 f^2) goes as load^2/length; then two places, and a fraction.
+        maxima_in_units[:3] *= group.load_unit / group.length_unit * group.load_unit
+        maxima_in_units[3:5] *= group.length_unit
+        maxima[:, group.members] = maxima_in_units
     return maxima
 
 
-def _works_on_table(ellipses: Ellipses, unit: Array) -> Array:
-    """Friction work of forward and of reverse slip times pi E*/(2 f^2), and the error of their sum,
-    (3, m), of steady ellipses on flat and rounded faces, by tables of the kernel.
+def _works_on_table(ellipses: Ellipses, load_unit: Array) -> Array:
+    """Friction work of forward and of reverse slip times pi E*/(2 f^2) [(force per thickness)^2],
+    and the error of their sum, (3, m), of steady load ellipses on flat and rounded faces.
 
-    Loads are taken over `unit` = E* b^2/R (m,), b half-length of the flat, R radius of the edges:
-    one table serves all such faces.
+    The kernel of the work, the integral of ln(a/a(P_c)) over the loads from P_c, that at the stick
+    edge, to P, is read from tables. They hold loads over `load_unit` = E* b^2/R (m,), b half-length
+    of the flat, R radius of the edges, so that one table serves all such faces.
     """
-    ellipses = ellipses.over(unit)
-    works = np.empty((3, len(unit)))
-    for numbers_of_table, first_load, last_load in by_largest_load(ellipses):
-        table = _table(first_load, last_load)
-        ellipses_of_table = ellipses.take(numbers_of_table)
-        forward, reverse = works_by_lam(
-            ellipses_of_table, table.quick, table.careful, _DEEP_ON_TABLE, LEAST_LOAD
+    scaled_ellipses = ellipses.over(load_unit)
+    works = np.empty((3, len(load_unit)))
+    for numbers, first_octave, last_octave in by_largest_load(scaled_ellipses):
+        table = _kernel_table(first_octave, last_octave)
+        ellipses_of_table = scaled_ellipses.take(numbers)
+        quick_kernel = table.quick  # to round-off of P - P_c
+        careful_kernel = table.careful  # to round-off of itself
+        largest_log_half_width = table.largest
+        forward_work, reverse_work = works_by_lam(
+            ellipses_of_table, quick_kernel, careful_kernel, _DEEP_SLIP_ON_TABLE, LEAST_LOAD
         )
-        works[0, numbers_of_table] = forward
-        works[1, numbers_of_table] = reverse
-        works[2, numbers_of_table] = lam_error(
-            ellipses_of_table, forward + reverse, _DEEP_ON_TABLE, table.largest
+        works[0, numbers] = forward_work
+        works[1, numbers] = reverse_work
+        works[2, numbers] = lam_error(
+            ellipses_of_table,
+            forward_work + reverse_work,
+            _DEEP_SLIP_ON_TABLE,
+            largest_log_half_width,
         )
-    return works * unit * unit
+    return works * load_unit * load_unit
 
 
 @lru_cache(maxsize=32)
-def _table(first_load: int, last_load: int) -> LamTable:
-    return LamTable(_contact("flat_rounded", ()), first_load, last_load)
+def _kernel_table(first_octave: int, last_octave: int) -> LamTable:
+    """The kernel of W on a flat and rounded face for loads from 2^first_octave to 2^(last_octave +
+    1), over E* b^2/R.
+    """
+    return LamTable(_contact("flat_rounded", ()), first_octave, last_octave)
 
 
 # ------------------------------------------------------------------------ members and their reasons
 class EllipseLoads(NamedTuple):
     """Loads of a batch and its friction, numbers or arrays (m,): P0, P1, Q0, Q1, phase, f."""
 
-    mean: ArrayLike
-    amplitude: ArrayLike
-    force: ArrayLike
-    tangential: ArrayLike
+    mean_normal: ArrayLike
+    normal_amplitude: ArrayLike
+    mean_tangential: ArrayLike
+    tangential_amplitude: ArrayLike
     phase: ArrayLike
     friction: ArrayLike
 
@@ -886,17 +947,17 @@ class EllipseLoads(NamedTuple):
 class LoadArrays(NamedTuple):
     """The same as arrays (m,)."""
 
-    mean: Array
-    amplitude: Array
-    force: Array
-    tangential: Array
+    mean_normal: Array
+    normal_amplitude: Array
+    mean_tangential: Array
+    tangential_amplitude: Array
     phase: Array
     friction: Array
 
 
-class Group(NamedTuple):
-    """Members (k,) whose profiles differ by units only: the contact in these units with E* = 1,
-    their loops, the units of load and of length, (k,) or one.
+class ShapeGroup(NamedTuple):
+    """Members whose profiles differ by units of length and load only: their numbers (k,), the
+    normal contact in these units with E* = 1, their load ellipses, and the units, (k,) or one.
     """
 
     members: Indices
@@ -908,7 +969,7 @@ class Group(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Members:
-    """The good members of some of a batch.
+    """Members of a batch with admissible loads and profiles, m of them.
 
     Attributes
     ----------
@@ -921,9 +982,9 @@ class Members:
     modulus
         E*
     ellipses
-        their loops
-    mirrored
-        (m,) whether Q goes round the other way
+        their load ellipses, those that go round the other way mirrored, Q -> -Q
+    is_mirrored
+        (m,) whether that was done
     loads
         as they were given, (m,) each
     """
@@ -933,37 +994,39 @@ class Members:
     contact: SymmetricContact | None
     modulus: float
     ellipses: Ellipses
-    mirrored: NDArray[np.bool_]
+    is_mirrored: NDArray[np.bool_]
     loads: LoadArrays
 
-    def groups(self) -> Iterator[Group]:
-        """Members by their profiles."""
+    def shape_groups(self) -> Iterator[ShapeGroup]:
+        """The members in groups by the shape of their profiles."""
         if self.contact is not None:
-            everybody = np.arange(len(self.mirrored))
-            yield Group(everybody, self.contact, self.ellipses, 1.0, 1.0)
+            all_numbers = np.arange(len(self.is_mirrored))
+            yield ShapeGroup(all_numbers, self.contact, self.ellipses, 1.0, 1.0)
             return
-        for members, shape, length, height in _by_shape(self.kind, self.parameters):
-            load_unit = self.modulus * height
-            loops = self.ellipses.take(members).over(load_unit)
-            yield Group(members, _contact(self.kind, shape), loops, load_unit, length)
+        for numbers, ratios, length_unit, height_unit in _members_by_shape(
+            self.kind, self.parameters
+        ):
+            load_unit = self.modulus * height_unit
+            ellipses = self.ellipses.take(numbers).over(load_unit)
+            yield ShapeGroup(numbers, _contact(self.kind, ratios), ellipses, load_unit, length_unit)
 
 
 def _of_both(material: Materials | Elastic) -> Materials:
     return Materials(upper=material, lower=material) if isinstance(material, Elastic) else material
 
 
-def _columns(
+def _results_of_members(
     profile: Profile | Mapping[str, Any],
     material: Materials,
     loads: EllipseLoads,
     results_of: Callable[[Members], Array],
     n_results: int,
-    n_scaled: int,
+    n_normalised: int,
 ) -> tuple[list[Array], NDArray[np.int8]]:
-    """Compute `n_results` values for each member of a batch of load ellipses, block by block, and
-    the code of the reason where a member has none, 0 else.
+    """The `n_results` values of each member of a batch of steady load ellipses, computed block by
+    block, and the code of the `Reason` why a member has none, 0 else.
 
-    All arrays have the broadcast shape of the inputs and are read-only; values without result are
+    All arrays have the broadcast shape of the inputs and are read-only. A member without values has
     NaN.
 
     Parameters
@@ -971,10 +1034,10 @@ def _columns(
     profile, material, loads
         of all members; keys of the profile and loads may be arrays that broadcast
     results_of
-        results (n_results, m) of m members with admissible loads; a member whose first result is
-        not finite did not settle
-    n_scaled
-        how many results, from the first on, are given over 2 f^2/(pi E*)
+        results (n_results, m) of m members with admissible loads; where the first one is not
+        finite the quadrature did not converge
+    n_normalised
+        how many results, from the first on, `results_of` gives times pi E*/(2 f^2)
 
     Raises
     ------
@@ -985,32 +1048,35 @@ def _columns(
     material = validated(material, Materials)
     profile = validated(profile, Frozen) if isinstance(profile, Frozen) else profile
     kind, parameters = _parameters_of(profile)
-    arguments = [real_numbers(value, name) for name, value in zip(_LOADS, loads, strict=True)]
+    arguments = [real_numbers(value, name) for name, value in zip(_LOAD_NAMES, loads, strict=True)]
     arguments += [real_numbers(value, f"profile: {name}") for name, value in parameters.items()]
     try:
-        shape = np.broadcast_shapes(*(array.shape for array in arguments))
-    except ValueError as reason:
-        raise InputError(f"the arrays of a batch must broadcast: {reason}") from reason
+        batch_shape = np.broadcast_shapes(*(array.shape for array in arguments))
+    except ValueError as mismatch:
+        raise InputError(f"the arrays of a batch must broadcast: {mismatch}") from mismatch
     batch = _Batch(kind, material, profile)
-    n_members = math.prod(shape)
-    columns = np.full((n_results, n_members), np.nan)
+    n_members = math.prod(batch_shape)
+    results = np.full((n_results, n_members), np.nan)
     reasons = np.zeros(n_members, dtype=np.int8)
-    for first_member in range(0, n_members, _BLOCK):
-        member_beyond = min(first_member + _BLOCK, n_members)
-        arrays_of_block = [_part(array, shape, first_member, member_beyond) for array in arguments]
-        reasons_of_block, places_in_block, members, friction = batch.members_of(
+    for first_member in range(0, n_members, _MEMBERS_AT_ONCE):
+        end_member = min(first_member + _MEMBERS_AT_ONCE, n_members)
+        arrays_of_block = [
+            _block_of(array, batch_shape, first_member, end_member) for array in arguments
+        ]
+        reasons_of_block, numbers_in_block, members = batch.members_of(
             LoadArrays(*arrays_of_block[: len(loads)]), arrays_of_block[len(loads) :]
         )
-        if len(places_in_block):
+        if len(numbers_in_block):
             results_of_block = results_of(members)
-            results_of_block[:n_scaled] *= 2 / (math.pi * batch.modulus) * friction**2
-            columns[:, first_member + places_in_block] = results_of_block
-            unsettled_places = places_in_block[~np.isfinite(results_of_block[0])]
-            reasons_of_block[unsettled_places] = Reason.UNSETTLED
-        reasons[first_member:member_beyond] = reasons_of_block
-    columns.flags.writeable = False
+            friction = members.loads.friction
+            results_of_block[:n_normalised] *= 2 / (math.pi * batch.modulus) * friction**2
+            results[:, first_member + numbers_in_block] = results_of_block
+            unsettled_numbers = numbers_in_block[~np.isfinite(results_of_block[0])]
+            reasons_of_block[unsettled_numbers] = Reason.UNSETTLED
+        reasons[first_member:end_member] = reasons_of_block
+    results.flags.writeable = False
     reasons.flags.writeable = False
-    return [column.reshape(shape) for column in columns], reasons.reshape(shape)
+    return [values.reshape(batch_shape) for values in results], reasons.reshape(batch_shape)
 
 
 class _Batch:
@@ -1021,11 +1087,11 @@ class _Batch:
     def __init__(
         self, kind: str, material: Materials, profile: Profile | Mapping[str, Any]
     ) -> None:
-        """What all members of a batch of load ellipses share: E*, and the normal contact of one
-        `profile` with the largest load that it carries.
+        """What all members of a batch of load ellipses share: E* of the `material`, and the normal
+        contact of a single `profile` with the largest load that it carries.
 
-        Of a profile given as keys with arrays each member has its own contact, made later. `kind`
-        is that of the profile.
+        A profile given as keys with arrays has no contact yet: each member gets its own later.
+        `kind` is that of the profile.
         """
         self.kind = kind
         self.modulus = composite_modulus(material)
@@ -1033,29 +1099,30 @@ class _Batch:
         self.largest_load = math.inf
         if not isinstance(profile, Mapping):
             self.contact = contact_of(profile, material)
-            if self.contact.extent < math.inf:
-                load_at_end = float(self.contact.load(self.contact.extent))
+            profile_half_length = self.contact.extent
+            if profile_half_length < math.inf:
+                load_at_end = float(self.contact.load(profile_half_length))
+                # By so much that round-off takes no edge of contact beyond the end.
                 self.largest_load = load_at_end * (1 - 1e-12)
 
     def members_of(
         self, loads: LoadArrays, parameters: list[Array]
-    ) -> tuple[NDArray[np.int8], Indices, Members, Array]:
-        """Sort out the members of a block of load ellipses that can have a result, from `loads` and
-        `parameters` of the profile, (m,) each.
+    ) -> tuple[NDArray[np.int8], Indices, Members]:
+        """The members of a block of a batch whose loads and profile are admissible, from `loads`
+        and `parameters` of the profile, (m,) each.
 
         Returns
         -------
         reason
-            (m,) why a member has none, a code of `Reason`
+            (m,) why a member has no result, a code of `Reason`
         numbers
-            (k,) of the members that can have one
+            (k,) of the admissible members
         members
-            these members with their ellipses
-        friction
-            (k,) their f
+            these members with their load ellipses
         """
         is_invalid = self._invalid(loads, parameters)
         if np.any(is_invalid):
+            # Any numbers that can be computed with.
             loads = LoadArrays(*(np.where(is_invalid, 1.0, column) for column in loads))
             parameters = [np.where(is_invalid, 1.0, column) for column in parameters]
         # Without friction only Q = 0 is admissible, and nothing is dissipated: any positive
@@ -1064,21 +1131,27 @@ class _Batch:
         with np.errstate(over="ignore", invalid="ignore"):
             # Q1/f beyond all bounds slides.
             ellipses = ellipses_of(
-                loads.mean, loads.amplitude, loads.tangential, loads.phase, friction
+                loads.mean_normal,
+                loads.normal_amplitude,
+                loads.tangential_amplitude,
+                loads.phase,
+                friction,
             )
         is_mirrored = np.tan(loads.phase / 2) < 0
-        mean_force = np.where(is_mirrored, -loads.force, loads.force)
-        reason_codes = _reasons(ellipses, mean_force, loads.tangential, loads.friction)
-        is_too_large = loads.mean + loads.amplitude > self.largest_load
+        mean_tangential = np.where(is_mirrored, -loads.mean_tangential, loads.mean_tangential)
+        reason_codes = _reasons(
+            ellipses, mean_tangential, loads.tangential_amplitude, loads.friction
+        )
+        is_too_large = loads.mean_normal + loads.normal_amplitude > self.largest_load
         reason_codes[(reason_codes == Reason.NONE) & is_too_large] = Reason.EXTENT
         reason_codes[is_invalid] = Reason.INVALID
-        good_numbers = np.flatnonzero(reason_codes == Reason.NONE)
-        if 0 < len(good_numbers) < len(reason_codes):
-            ellipses = ellipses.take(good_numbers)
-            is_mirrored = is_mirrored[good_numbers]
-            friction = friction[good_numbers]
-            parameters = [column[good_numbers] for column in parameters]
-            loads = LoadArrays(*(column[good_numbers] for column in loads))
+        admissible_numbers = np.flatnonzero(reason_codes == Reason.NONE)
+        if 0 < len(admissible_numbers) < len(reason_codes):
+            ellipses = ellipses.take(admissible_numbers)
+            is_mirrored = is_mirrored[admissible_numbers]
+            friction = friction[admissible_numbers]
+            parameters = [column[admissible_numbers] for column in parameters]
+            loads = LoadArrays(*(column[admissible_numbers] for column in loads))
         members = Members(
             self.kind,
             parameters,
@@ -1088,27 +1161,29 @@ class _Batch:
             is_mirrored,
             loads._replace(friction=friction),
         )
-        return reason_codes, good_numbers, members, friction
+        return reason_codes, admissible_numbers, members
 
     def _invalid(self, loads: LoadArrays, parameters: list[Array]) -> NDArray[np.bool_]:
         """Members (m,) whose numbers are none that can be used."""
         is_invalid = _invalid(loads)
         if self.contact is None:
-            is_invalid |= _invalid_shapes(self.kind, parameters)
+            is_invalid |= _is_invalid_shape(self.kind, parameters)
         if self.kind in _UNITS:
-            is_invalid |= _beyond_units(self.kind, parameters, self.modulus, loads.mean)
+            is_invalid |= _beyond_units(self.kind, parameters, self.modulus, loads.mean_normal)
         return is_invalid
 
 
-def _part(array: Array, shape: tuple[int, ...], first_member: int, member_beyond: int) -> Array:
-    """Members `first_member` to `member_beyond` of the array broadcast to `shape`, without the
-    others.
+def _block_of(
+    array: Array, batch_shape: tuple[int, ...], first_member: int, end_member: int
+) -> Array:
+    """Values of the members `first_member` to `end_member` - 1 of an array that broadcasts to
+    `batch_shape`; the others are not made.
     """
     if array.size == 1:
-        return np.full(member_beyond - first_member, array.item())
-    if array.shape == shape and array.flags.c_contiguous:
-        return array.reshape(-1)[first_member:member_beyond]
-    return np.broadcast_to(array, shape).flat[first_member:member_beyond]
+        return np.full(end_member - first_member, array.item())
+    if array.shape == batch_shape and array.flags.c_contiguous:
+        return array.reshape(-1)[first_member:end_member]
+    return np.broadcast_to(array, batch_shape).flat[first_member:end_member]
 
 
 def _invalid(loads: LoadArrays) -> NDArray[np.bool_]:
@@ -1116,8 +1191,10 @@ def _invalid(loads: LoadArrays) -> NDArray[np.bool_]:
     not be.
     """
     admitted = np.logical_and.reduce([np.abs(values) <= LARGEST for values in loads])
-    is_negative = (loads.amplitude < 0) | (loads.tangential < 0) | (loads.friction < 0)
-    return np.asarray(~admitted | (loads.mean < 1 / LARGEST) | is_negative)
+    is_negative = (
+        (loads.normal_amplitude < 0) | (loads.tangential_amplitude < 0) | (loads.friction < 0)
+    )
+    return np.asarray(~admitted | (loads.mean_normal < 1 / LARGEST) | is_negative)
 
 
 def _beyond_units(
@@ -1135,11 +1212,11 @@ def _beyond_units(
 def _reasons(
     ellipses: Ellipses, mean_tangential_load: Array, tangential_amplitude: Array, friction: Array
 ) -> NDArray[np.int8]:
-    """Reason why each of m load ellipses is inadmissible: separation, gross sliding, or none; codes
-    of `Reason`, (m,).
+    """Why each of m load ellipses is inadmissible: separation (P1 > P0), gross sliding (|Q| > f P
+    at some instant), or none; codes of `Reason`, (m,).
 
-    |Q| = f P is admitted, to round-off. The largest Q - f P and -Q - f P follow from the amplitudes
-    u, v of (Q -+ f P)/f.
+    |Q| = f P is admitted, to round-off. The largest Q - f P is Q0 - f P0 + f u, the largest -Q - f
+    P is -Q0 - f P0 + f v; u and v are the amplitudes of (Q - f P)/f and (Q + f P)/f.
 
     Parameters
     ----------
@@ -1148,24 +1225,24 @@ def _reasons(
     tangential_amplitude, friction
         (m,) Q1 and f
     """
-    limit = friction * ellipses.mean_load
+    mean_limit = friction * ellipses.mean_load
     round_off = 4e-16 * (
         np.abs(mean_tangential_load)
         + tangential_amplitude
-        + limit
+        + mean_limit
         + friction * ellipses.load_amplitude
     )
-    # The greatest Q - f P and -Q - f P; without friction u and v are those of another coefficient.
-    slides = (
+    is_sliding = (
         np.maximum(
             friction * ellipses.u + mean_tangential_load,
             friction * ellipses.v - mean_tangential_load,
         )
-        > limit + round_off
+        > mean_limit + round_off
     )
-    slides |= (friction == 0) & (tangential_amplitude > 0)
-    reasons = np.full(len(limit), Reason.NONE, dtype=np.int8)
-    reasons[slides] = Reason.SLIDING
+    # Without friction u and v are those of another coefficient.
+    is_sliding |= (friction == 0) & (tangential_amplitude > 0)
+    reasons = np.full(len(mean_limit), Reason.NONE, dtype=np.int8)
+    reasons[is_sliding] = Reason.SLIDING
     reasons[ellipses.load_amplitude > ellipses.mean_load] = Reason.SEPARATION
     return reasons
 
@@ -1207,10 +1284,11 @@ _PROFILES: dict[str, Callable[..., Profile]] = {
 
 
 def _parameters_of(profile: Profile | Mapping[str, Any]) -> tuple[str, dict[str, ArrayLike]]:
-    """The kind of a profile and its parameters by name, numbers or arrays; those of a polynomial's
-    `rises` one by one; none of a table or a function.
+    """The kind of a profile and its parameters by name, numbers or arrays; a table or a function
+    has none.
 
-    The profile may be a mapping of keys to arrays, one value for each member of a batch.
+    The profile may be a mapping of keys to arrays, one value for each member of a batch. The
+    `rises` of a polynomial, its coefficients, become "rise 1", "rise 2" and so on.
 
     Raises
     ------
@@ -1219,31 +1297,31 @@ def _parameters_of(profile: Profile | Mapping[str, Any]) -> tuple[str, dict[str,
     """
     if not isinstance(profile, Mapping):
         names = [name for name in _KEYS.get(profile.kind, ()) if name != "rises"]
-        numbers = {name: getattr(profile, name) for name in names}
+        parameters = {name: getattr(profile, name) for name in names}
         rises = profile.rises if isinstance(profile, EvenPolynomial) else ()
-        return profile.kind, numbers | _numbered(rises)
+        return profile.kind, parameters | _numbered(rises)
     # A profile that was fitted to rows has a key `fitted` in its dump, which is no parameter.
     kind = profile.get("kind")
-    values = {name: value for name, value in profile.items() if name not in ("kind", "fitted")}
+    parameters = {name: value for name, value in profile.items() if name not in ("kind", "fitted")}
     if kind not in _KEYS:
         raise InputError(
             f"profile: a mapping for a batch has one of the kinds {', '.join(_KEYS)}, not {kind!r};"
             " give the profile itself"
         )
-    if set(values) != set(_KEYS[kind]):
+    if set(parameters) != set(_KEYS[kind]):
         raise InputError(
             f"profile: {kind} comes with all its keys, {', '.join(_KEYS[kind])}, not"
-            f" {', '.join(values) or 'none'}"
+            f" {', '.join(parameters) or 'none'}"
         )
-    values = {name: values[name] for name in _KEYS[kind]}
+    parameters = {name: parameters[name] for name in _KEYS[kind]}
     if kind != "polynomial":
-        return kind, values
-    rises = values.pop("rises")
+        return kind, parameters
+    rises = parameters.pop("rises")
     if not isinstance(rises, list | tuple) or not len(rises):
         raise InputError(
             "profile: rises is a list of numbers or arrays, one for each of the powers 2, 4, 6, ..."
         )
-    return kind, values | _numbered(rises)
+    return kind, parameters | _numbered(rises)
 
 
 def _numbered(rises: Sequence[ArrayLike]) -> dict[str, ArrayLike]:
@@ -1251,7 +1329,7 @@ def _numbered(rises: Sequence[ArrayLike]) -> dict[str, ArrayLike]:
     return {f"rise {number}": rise for number, rise in enumerate(rises, 1)}
 
 
-def _by_shape(
+def _members_by_shape(
     kind: str, parameters: list[Array]
 ) -> Iterator[tuple[Indices, tuple[float, ...], Array, Array]]:
     """Groups of members of a batch whose profiles differ only by a unit of length and one of
@@ -1264,49 +1342,53 @@ def _by_shape(
     with np.errstate(all="ignore"):
         length_unit, height_unit, *ratios = _UNITS[kind](*parameters)
     if all(np.all(values == values[0]) for values in ratios):
-        all_members = np.arange(len(length_unit))
-        yield all_members, tuple(float(values[0]) for values in ratios), length_unit, height_unit
+        all_numbers = np.arange(len(length_unit))
+        yield all_numbers, tuple(float(values[0]) for values in ratios), length_unit, height_unit
         return
-    unlike_ratios, shape_of_member = np.unique(
+    different_ratios, group_of_member = np.unique(
         np.stack(ratios, axis=1), axis=0, return_inverse=True
     )
-    shape_number = shape_of_member.reshape(-1)
-    order_by_shape = np.argsort(shape_number, kind="stable")
-    ends_of_shapes = np.cumsum(np.bincount(shape_number, minlength=len(unlike_ratios)))
-    for unlike_shape, members in zip(
-        unlike_ratios.tolist(), np.split(order_by_shape, ends_of_shapes[:-1]), strict=True
-    ):
-        yield members, tuple(unlike_shape), length_unit[members], height_unit[members]
+    group_of_member = group_of_member.reshape(-1)
+    members_by_group = np.argsort(group_of_member, kind="stable")
+    group_ends = np.cumsum(np.bincount(group_of_member, minlength=len(different_ratios)))
+    numbers_of_groups = np.split(members_by_group, group_ends[:-1])
+    for common_ratios, numbers in zip(different_ratios.tolist(), numbers_of_groups, strict=True):
+        yield numbers, tuple(common_ratios), length_unit[numbers], height_unit[numbers]
 
 
 @lru_cache(maxsize=512)
-def _contact(kind: str, shape: tuple[float, ...]) -> SymmetricContact:
-    """The contact of a profile in units of its own, with E* = 1."""
-    return contact_of(_PROFILES[kind](*shape), Materials(upper=_HALF, lower=_HALF))
-
-
-def _invalid_shapes(kind: str, parameters: list[Array]) -> NDArray[np.bool_]:
-    """Members (m,) of a batch whose profile parameters are not admitted: numbers outside their
-    range, or shapes under which the contact would split. True where invalid.
+def _contact(kind: str, ratios: tuple[float, ...]) -> SymmetricContact:
+    """The normal contact of a profile in units of its own, with E* = 1, from the `ratios` of its
+    parameters.
     """
-    bounds = (_LEAST,) * len(parameters)
+    return contact_of(
+        _PROFILES[kind](*ratios),
+        Materials(upper=_BODY_OF_UNIT_MODULUS, lower=_BODY_OF_UNIT_MODULUS),
+    )
+
+
+def _is_invalid_shape(kind: str, parameters: list[Array]) -> NDArray[np.bool_]:
+    """Whether the profile parameters of each member of a batch are not admitted, (m,): numbers
+    outside their range, or shapes under which the contact would split.
+    """
+    least_values = (_LEAST_SCALE,) * len(parameters)
     if kind == "power_law":
-        bounds = (1.0, _LEAST, _LEAST)
+        least_values = (1.0, _LEAST_SCALE, _LEAST_SCALE)
     elif kind == "polynomial":
-        bounds = (_LEAST, *[-LARGEST] * (len(parameters) - 1))
+        least_values = (_LEAST_SCALE, *[-LARGEST] * (len(parameters) - 1))
     is_in_range = [
-        (values >= bound) & (values <= LARGEST)
-        for values, bound in zip(parameters, bounds, strict=True)
+        (values >= least_value) & (values <= LARGEST)
+        for values, least_value in zip(parameters, least_values, strict=True)
     ]
     is_invalid = ~np.logical_and.reduce(is_in_range)
-    valid_numbers = np.flatnonzero(~is_invalid)
-    if kind in ("polynomial", "compound") and len(valid_numbers):
-        # By the rules of the profile, and by those of one contact.
-        for numbers_of_shape, shape, _, _ in _by_shape(
-            kind, [values[valid_numbers] for values in parameters]
+    numbers_in_range = np.flatnonzero(~is_invalid)
+    if kind in ("polynomial", "compound") and len(numbers_in_range):
+        # The profile and its contact have rules of their own: both are made once for each shape.
+        for numbers_of_shape, ratios, _, _ in _members_by_shape(
+            kind, [values[numbers_in_range] for values in parameters]
         ):
             try:
-                _contact(kind, shape)
+                _contact(kind, ratios)
             except InputError:
-                is_invalid[valid_numbers[numbers_of_shape]] = True
+                is_invalid[numbers_in_range[numbers_of_shape]] = True
     return is_invalid
