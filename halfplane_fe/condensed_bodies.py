@@ -47,8 +47,8 @@ class CondensedBodies:
     def condensed(
         self, body: BodyMesh, material: Elastic, datum_length: float, work: Counter[str]
     ) -> CondensedBody:
-        """Stiffness of a meshed body condensed to the nodes of its contact face, taken from this
-        process's cache where the same body was condensed before.
+        """Compliance of a meshed body at the nodes of its contact face, by static condensation;
+        taken from this process's cache where the same body was condensed before.
 
         Parameters
         ----------
@@ -92,7 +92,7 @@ def _nbytes(values: dict[str, Any]) -> int:
 
 
 def _digest(body: BodyMesh, material: Elastic, datum_length: float) -> bytes:
-    """SHA-256 hash of a body by which a cache finds its condensed stiffness: of its mesh, element
+    """SHA-256 hash of a body by which a cache finds its condensed compliance: of its mesh, element
     sizes, supports, elastic constants and `datum_length`.
 
     A body that differs in any bit of these has another hash. The datum length is the distance from

@@ -41,8 +41,8 @@ if TYPE_CHECKING:
 ROUNDING = 1e-11
 # Stiffness against tilt, scaled, that is rounding: of two nodes it is the square of their distance.
 _LEAST_STIFFNESS = 1e-12
-# Rounding of one node's force, against zero or the cone: it is a hundredth of the load and less, of
-# which the laws are met to 1e-9.
+# Round-off of one node's force, against zero or the Coulomb limit: the force is a hundredth of the
+# load or less, and the laws are met to 1e-9 of it.
 _ROUNDING_OF_FORCE = 1e-13
 
 # Force or gap that is the last digit of an answer, and not left by an event.
@@ -153,14 +153,14 @@ class BesideTheFaces(InputError):
 
 
 class _Changes(NamedTuple):
-    """What meeting the equalities of other states changes, see `ContactProblem._by_changes`.
+    """Change of the contact's values by new node states, see `ContactProblem._change_by_states`.
 
     Attributes
     ----------
     start
-        from which
+        state before the increment
     states
-        of the nodes, as bytes
+        new ones of the nodes, as bytes
     values
         (3 + 4 n,), or 0 where nothing changes
     """
@@ -262,7 +262,7 @@ class ContactProblem:
     def _return_mapping(self) -> ReturnMapping:
         """Solver by return mapping of trial tractions, made when it is first used: with a penalty
         on gap and slip for the augmented Lagrangian, without one for the penalty method, whose
-        layer of springs is the penalty.
+        layer of springs between the faces is the penalty.
         """
         from halfplane_fe.return_mapping import ReturnMapping  # noqa: PLC0415 - not by default
 
@@ -318,8 +318,8 @@ class ContactProblem:
         values = np.concatenate([rigid_motion, slip, no_force, no_force, gap])
         states = np.where(gap <= ROUNDING, STICK, OPEN)
         pressed_approach = approach if self.actuators.normal is not None else 0.0
-        loads = (pressed_approach, shift, *loads[2:])
-        return self._state(time, loads, freeze(values), states)
+        loads_at_rest = (pressed_approach, shift, *loads[2:])
+        return self._state(time, loads_at_rest, freeze(values), states)
 
     def _state(
         self, time: float, loads: tuple[float, ...], values: Array, states: States
@@ -453,7 +453,7 @@ class ContactProblem:
         Raises
         ------
         SingularSet
-            If so few nodes hold that the bodies are free to move.
+            If so few nodes stick or touch that the bodies are free to move.
         """
         values = self.values_following(start, loads, states)
         # The solution of the linear system leaves round-off in these: set them exactly.
@@ -478,18 +478,19 @@ class ContactProblem:
         """Approach, shift, tilt, then slip, p, q and gap of the n nodes, (3 + 4 n,), one increment
         after `start`, for given states (n,) of the nodes.
 
-            values = start values + changes of state at constant loads + rates x load increment
+            values = start values + change by new node states + rates @ load increment
 
-        Gaps of closed nodes and forces of open ones are zero but for round-off. All is scaled.
+        The rates are derivatives by the loads at fixed node states. Gaps of closed nodes and forces
+        of open ones are zero but for round-off. All is scaled.
 
         Raises
         ------
         SingularSet
-            If so few nodes hold that the bodies are free to move.
+            If so few nodes stick or touch that the bodies are free to move.
         """
-        by_changes = self._by_changes(start, states)
+        change_by_states = self._change_by_states(start, states)
         rates = self.rates(states, len(loads))
-        values: Array = start.values + by_changes + np.subtract(loads, start.loads) @ rates
+        values: Array = start.values + change_by_states + np.subtract(loads, start.loads) @ rates
         # Nodes that change their state at constant tilt change the moment: a tilt restores it.
         if self.moment_given and len(loads) > 2:
             missing_moment = loads[_TILT_OR_MOMENT] - self._moments(values)
@@ -504,15 +505,15 @@ class ContactProblem:
         """
         rates = self._rates.get(states.tobytes())
         if rates is None:
-            rates = self._cached_rates(states, self._systems.answers(states, n_loads))
+            rates = self._store_rates(states, self._systems.answers(states, n_loads))
         return rates
 
-    def _cached_rates(self, states: States, rates_by_load: Array) -> Array:
-        """Store the derivatives (n_loads, 3 + 4 n) of the contact's values by its loads in a cache,
-        under the states of its n nodes, and return them.
+    def _store_rates(self, states: States, rates_by_load: Array) -> Array:
+        """Derivatives (n_loads, 3 + 4 n) of the contact's values by its loads at fixed node states,
+        stored in the cache of rates.
 
-        The values are approach, shift and tilt, then slip, p, q and gap of the nodes. Where the
-        moment M is given, not the tilt t, derivatives at constant t become those at constant M:
+        The values v are approach, shift and tilt, then slip, p, q and gap of the n nodes. With M
+        given, derivatives at constant tilt t become those at constant M:
 
             dv/dF - dv/dt (dM/dF) / (dM/dt)   of the loads F = P, Q, bulk stresses
             dv/dt / (dM/dt)                   of the moment
@@ -535,20 +536,20 @@ class ContactProblem:
                 rates_by_load
                 - np.outer(load_factors, rates_by_load[_TILT_OR_MOMENT]) / moment_by_tilt
             )
-        # The oldest sets leave beyond a number of bytes.
+        # The cache is bounded in bytes: the oldest set of node states leaves first.
         n_sets = len(self._rates)
         if n_sets > _FEWEST_CACHED_SETS and n_sets * rates_by_load.nbytes > _MOST_RATE_BYTES:
             self._rates.pop(next(iter(self._rates)))
         return self._rates.setdefault(states.tobytes(), rates_by_load)
 
-    def _by_changes(self, start: InterfaceState, states: States) -> Array | float:
-        """Change (3 + 4 n,) of the contact's values, at constant loads, as nodes go from their
-        states in `start` to new `states` (n,); 0 where none of them has to change its values.
+    def _change_by_states(self, start: InterfaceState, states: States) -> Array | float:
+        """Change (3 + 4 n,) of approach, shift and tilt, then slip, p, q and gap of the n nodes, at
+        constant loads, as the nodes go from their states in `start` to new `states` (n,).
 
         A node that opens loses its pressure; one that closes loses its gap; one that slips gets
-        q = +-f p. The values are approach, shift and tilt, then slip, p, q and gap of the nodes.
+        q = +-f p. The change is 0 where every node meets its new equations already. All is scaled.
         """
-        # Increments from one start are tried with several loads: the latest answer is kept.
+        # Increments from one start are tried with several loads: the latest change is cached.
         latest_changes = self._latest_changes
         states_key = states.tobytes()
         if (
@@ -558,22 +559,22 @@ class ContactProblem:
         ):
             return latest_changes.values
         _, pressure, shear, gap = nodal(start.values)
-        force_beyond_cone = shear - self._tractions(states) * pressure
+        shear_beyond_limit = shear - self._tractions(states) * pressure
         residual = np.concatenate(
             [
                 np.where(states == OPEN, pressure, gap),
-                np.where(states == STICK, 0.0, force_beyond_cone),
+                np.where(states == STICK, 0.0, shear_beyond_limit),
             ]
         )
         equation_numbers = (np.abs(residual) > self._last_digit).nonzero()[0]
         value_changes: Array | float = 0.0
         if len(equation_numbers):
-            answers = self._systems.answers(
+            solution_vectors = self._systems.answers(
                 states, len(start.loads), equation_numbers, -residual[equation_numbers]
             )
-            value_changes = answers[-1]
+            value_changes = solution_vectors[-1]
             if states_key not in self._rates:
-                self._cached_rates(states, answers[:-1].copy())
+                self._store_rates(states, solution_vectors[:-1].copy())
         self._latest_changes = _Changes(start, states_key, value_changes)
         return value_changes
 
@@ -595,7 +596,7 @@ class ContactProblem:
         states
             (n,) open, stick or slip of the nodes, to begin with
         """
-        sets_met: set[bytes] = set()  # all sets of states that the law has chosen so far
+        states_chosen: set[bytes] = set()  # states of all nodes, as the law chose them so far
         n_changing = 0
         try:
             for iteration in range(self.max_iterations + 1):
@@ -607,13 +608,13 @@ class ContactProblem:
                 )
                 if not n_changing:
                     return _Solved(state, max(iteration, 1), 0)
-                if next_states.tobytes() in sets_met:
+                if next_states.tobytes() in states_chosen:
                     return _Solved(None, iteration, n_changing)
                 if iteration:
-                    sets_met.add(next_states.tobytes())
+                    states_chosen.add(next_states.tobytes())
                 states = next_states
         except SingularSet:
-            return _Solved(None, max(len(sets_met), 1), n_changing)
+            return _Solved(None, max(len(states_chosen), 1), n_changing)
         return _Solved(None, self.max_iterations, n_changing)
 
     def _alternating(self, start: InterfaceState, time: float, loads: tuple[float, ...]) -> _Solved:
@@ -622,34 +623,34 @@ class ContactProblem:
 
         Both problems are convex, and coupling times friction is small, so that the turns converge.
         As soon as the node states that they give obey the law in the full system too, its solution
-        is taken. Like materials need one turn. P and Q of actuators, which follow from movements,
-        are those of the turn before.
+        is taken. Like materials need one turn. Where actuators prescribe movements, P and Q are
+        those of the turn before.
         """
         self.work["alternating solves"] += 1
         systems = self._systems
         normals_x = self.interface.normals[0]
-        coupling = self.interface.coupling
+        coupling = self.interface.coupling  # (n, n) slip by nodal normal forces
         if coupling is None:
             coupling = np.zeros_like(self.interface.normal)
         shear = start.shear
         shift = start.shift
         is_closed = start.closed
-        imposed_values = replace(start, loads=loads).imposed
-        carried_loads = start.carried or loads[:2]
+        stresses_and_tilt = replace(start, loads=loads).imposed
+        resultants = start.carried or loads[:2]  # P and Q
         if len(loads) > 2 and not self.moment_given:
-            imposed_values[2] = loads[_TILT_OR_MOMENT]
+            stresses_and_tilt[2] = loads[_TILT_OR_MOMENT]
         n_changing = 0
         for turn_number in range(1, self.max_iterations + 1):
-            height = self.height - coupling.T @ shear + normals_x * shift
+            gap_without_pressure = self.height - coupling.T @ shear + normals_x * shift
             if self.moment_given:
-                imposed_values[2] = self._tilt_at_known_shear(
-                    height, shear, is_closed, imposed_values, loads
+                stresses_and_tilt[2] = self._tilt_at_known_shear(
+                    gap_without_pressure, shear, is_closed, stresses_and_tilt, loads
                 )
-            gap_by_imposed, slip_by_imposed = self.offsets(imposed_values)
+            gap_by_imposed, slip_by_imposed = self.offsets(stresses_and_tilt)
             pressure, approach, is_closed = pressure_at_known_shear(
                 systems,
-                height + gap_by_imposed,
-                carried_loads[0] - float(normals_x @ shear),
+                gap_without_pressure + gap_by_imposed,
+                resultants[0] - float(normals_x @ shear),
                 is_closed,
                 ROUNDING,
             )
@@ -658,19 +659,17 @@ class ContactProblem:
                 known_slip = (
                     start.slip - slip_by_imposed - coupling @ pressure - normals_x * approach
                 )
-                free_load = (
-                    None
-                    if self.interface.guided
-                    else carried_loads[1] + float(normals_x @ pressure)
+                tangential_load = (
+                    None if self.interface.guided else resultants[1] + float(normals_x @ pressure)
                 )
                 shear, shift, states = shear_at_known_pressure(
-                    systems, np.maximum(pressure, 0.0), known_slip, free_load, ROUNDING
+                    systems, np.maximum(pressure, 0.0), known_slip, tangential_load, ROUNDING
                 )
             # Without a sticking node the full system is singular, unless an actuator holds it.
             if not np.any(states == STICK) and self.actuators.tangential is None:
                 continue
             state = self.following(start, time, loads, states)
-            carried_loads = state.carried or carried_loads
+            resultants = state.carried or resultants
             n_changing = int(np.count_nonzero(self._states_by_law(state, start) != states))
             if not n_changing:
                 return _Solved(state, turn_number, 0)
@@ -698,31 +697,31 @@ class ContactProblem:
         # rounding would look like a force.
         slip, pressure, shear, gap = nodal(answer.values)
         slip_increment = slip - start.slip
-        r_normal, r_tangential = self.augmentation
+        r_normal, r_tangential = self.augmentation  # weights of gap and slip
         trial_pressure = pressure - r_normal * gap
-        limit = self.friction * np.maximum(trial_pressure, ROUNDING)
+        friction_limit = self.friction * np.maximum(trial_pressure, ROUNDING)
         closed_states = np.full_like(states, STICK)
         if self.tangential:
-            closed_states = states_if_closed(shear + r_tangential * slip_increment, limit)
+            closed_states = states_if_closed(shear + r_tangential * slip_increment, friction_limit)
         states_by_law = np.where(trial_pressure > 0, closed_states, OPEN)
         changing = (states_by_law != states).nonzero()[0]
         if not len(changing):
             return states
 
-        # Within rounding of touching or of the cone a node keeps the state it has.
+        # Within round-off of touching or of the Coulomb limit a node keeps the state it has.
         states_before = states[changing]
         was_closed = states_before != OPEN
         has_no_force = np.abs(pressure[changing]) <= _ROUNDING_OF_FORCE
         is_touching = has_no_force & (np.abs(gap[changing]) <= ROUNDING)
-        force_beyond_limit = np.abs(shear[changing]) - limit[changing]
+        force_beyond_limit = np.abs(shear[changing]) - friction_limit[changing]
         has_not_moved = np.abs(slip_increment[changing]) <= ROUNDING * self._shear_scale
         is_at_limit = np.abs(force_beyond_limit) <= _ROUNDING_OF_FORCE * self._shear_scale
         keeps_state = was_closed & is_at_limit & has_not_moved
         is_closed = np.where(is_touching, was_closed, states_by_law[changing] != OPEN)
         states_if_touching = np.where(keeps_state, states_before, closed_states[changing])
         states_after = np.where(is_closed, states_if_touching, OPEN)
-        # A sliding node that turns round sticks first: from forward to reverse slip at one go, sets
-        # chase each other.
+        # A sliding node that turns round sticks first: straight from forward to reverse slip, the
+        # iteration cycles between sets of states.
         has_turned = (
             (states_after != states_before) & (states_after > STICK) & (states_before > STICK)
         )
@@ -731,40 +730,50 @@ class ContactProblem:
         return next_states
 
     def _tilt_at_known_shear(
-        self, height: Array, shear: Array, is_closed: Mask, imposed: Array, loads: tuple[float, ...]
+        self,
+        gap_without_pressure: Array,
+        shear: Array,
+        is_closed: Mask,
+        stresses_and_tilt: Array,
+        loads: tuple[float, ...],
     ) -> float:
         """Tilt of the upper body at which pressure and known shear together have the given moment,
         by bracketing and Brent's method: the larger the tilt, the smaller the moment.
 
         Parameters
         ----------
-        height
-            (n,) initial gap with what the shear adds to it, scaled
+        gap_without_pressure
+            (n,) initial gap plus what the known shear and the shift add to it, scaled
         shear
             (n,) known nodal forces along x
         is_closed
             (n,) nodes that are assumed to touch first
-        imposed
-            bulk stresses of both bodies and the latest tilt, about which the search begins
+        stresses_and_tilt
+            (3,) bulk stresses of the lower and upper body, and the tilt at which the search begins
         loads
-            P, Q, both bulk stresses and the moment
+            P, Q, both bulk stresses and the moment, scaled
 
         Raises
         ------
         ConvergenceError
             Where no tilt has the moment.
         """
-        normal_load = loads[0] - float(self.interface.normals[0] @ shear)
+        load_of_pressure = loads[0] - float(self.interface.normals[0] @ shear)
         moment = loads[_TILT_OR_MOMENT]
 
         def excess_moment(tilt: float) -> float:
-            gap_by_imposed, _ = self.offsets(np.array([*imposed[:2], tilt]))
+            """Moment of pressure and shear at a tilt, minus the given one."""
+            gap_by_imposed, _ = self.offsets(np.array([*stresses_and_tilt[:2], tilt]))
             pressure, _, _ = pressure_at_known_shear(
-                self._systems, height + gap_by_imposed, normal_load, is_closed, ROUNDING
+                self._systems,
+                gap_without_pressure + gap_by_imposed,
+                load_of_pressure,
+                is_closed,
+                ROUNDING,
             )
             return -float(self.interface.work_of_imposed(pressure, shear)[2]) - moment
 
-        latest_tilt = float(imposed[2])
+        latest_tilt = float(stresses_and_tilt[2])
         slope_of_gap = float(np.ptp(self.height)) / float(np.ptp(self.interface.x))
         # The range is a thousandth of the gap's slope at first, doubled until it holds the tilt.
         for half_range in slope_of_gap * 2.0 ** np.arange(-10, 30):
@@ -785,34 +794,34 @@ class ContactProblem:
             " the faces"
         )
 
-    def _resting_tilt(self, line: float) -> float:
+    def _resting_tilt(self, x_of_load: float) -> float:
         """Tilt at which the upper body rests on the lower one, without load, if it is pressed at
-        x = `line`: the faces touch on both sides of that line.
+        `x_of_load`, scaled: the faces touch on both sides of that place.
 
         It is minus the slope of the lower convex hull of the gap there. Of all chords between a
-        node before the line and one beyond it, the hull follows the one that is lowest there.
+        node before that place and one beyond it, the hull follows the one that is lowest there.
 
         Raises
         ------
         BesideTheFaces
-            Where no node lies on one side of the line.
+            Where no node lies on one side of that place.
         """
         n_y = self.interface.normals[1]
         gap_by_unit_tilt, _ = self.offsets(np.array([0.0, 0.0, 1.0]))
-        x = gap_by_unit_tilt / n_y
-        height = self.height / n_y
-        if not x[0] < line < x[-1]:
+        x = gap_by_unit_tilt / n_y  # (n,) lever arms: a unit tilt opens the gap along y by them
+        gap_along_y = self.height / n_y
+        if not x[0] < x_of_load < x[-1]:
             raise BesideTheFaces(
                 "load: the upper body falls over: its line of action meets the faces beside where"
                 " they can touch; take a smaller moment, or wider bodies"
             )
-        nodes_before = np.flatnonzero(x <= line)
-        nodes_beyond = np.flatnonzero(x > line)
-        height_rises = np.subtract.outer(height[nodes_beyond], height[nodes_before])
-        chord_slopes = height_rises / np.subtract.outer(x[nodes_beyond], x[nodes_before])
-        # The height at `line` of the chord between each pair; the lowest chord is the hull's.
-        heights_at_line = height[nodes_before] + chord_slopes * (line - x[nodes_before])
-        return -float(chord_slopes.flat[np.argmin(heights_at_line)])
+        nodes_before = np.flatnonzero(x <= x_of_load)
+        nodes_beyond = np.flatnonzero(x > x_of_load)
+        gap_rises = np.subtract.outer(gap_along_y[nodes_beyond], gap_along_y[nodes_before])
+        chord_slopes = gap_rises / np.subtract.outer(x[nodes_beyond], x[nodes_before])
+        # The gap at that place on the chord of each pair of nodes; the lowest chord is the hull's.
+        gaps_of_chords = gap_along_y[nodes_before] + chord_slopes * (x_of_load - x[nodes_before])
+        return -float(chord_slopes.flat[np.argmin(gaps_of_chords)])
 
     def offsets(self, imposed: Array) -> tuple[Array, Array]:
         """What bulk stresses and tilt (..., 3) add to gap and slip, each (..., n)."""
