@@ -160,6 +160,7 @@ def assemble(body: BodyMesh, material: Elastic) -> System:
         [np.empty((2, 0), dtype=np.int64), *(boundary_dofs[name] for name in half_plane_arcs)]
     )
     if pulled_ends and supports["base"] == "rollers":
+        # In place of an arc, which such a body lacks: the ends, which hold it against Q.
         arc_dofs = np.hstack([boundary_dofs[name][:1] for name in pulled_ends])
     components_held = {
         "fixed": (0, 1),
@@ -223,9 +224,9 @@ def split_lame(material: Elastic, order: int) -> SplitLame:
 
 
 def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
-    """Assemble the plane-strain stiffness matrix of some elements of a body, (n_dofs, n_dofs)
-    [stress]: of displacement u, and of a pressure r where a material is nearly incompressible.
+    """Plane-strain stiffness matrix of some elements of a body, (n_dofs, n_dofs) [stress].
 
+    Unknowns are the displacement u and, in a nearly incompressible material, the mixed pressure r.
     With D_iajb the integral of d_a phi_i d_b phi_j over an element,
 
         K_iajb = lambda D_iajb + G (D_ibja + delta_ab sum_c D_icjc).
@@ -243,31 +244,38 @@ def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
     n_nodes = cells.shape[1]
     element = scalar_element(mesh, system.order)
     points, weights = get_quadrature(mesh.refdom, 2 * system.order)
-    slopes = np.stack([element.lbasis(points, i)[1] for i in range(n_nodes)])  # (n, 2, q)
-    (xx, xy), (yx, yy) = np.einsum("aen,nbq->abeq", mesh.p[:, cells], slopes, optimize=True)
+    reference_gradients = np.stack(  # (n, 2, q)
+        [element.lbasis(points, i)[1] for i in range(n_nodes)]
+    )
+    jacobian = np.einsum("aen,nbq->abeq", mesh.p[:, cells], reference_gradients, optimize=True)
+    (xx, xy), (yx, yy) = jacobian
     determinant = xx * yy - xy * yx
     inverse_jacobian = np.array([[yy, -xy], [-yx, xx]]) / determinant
-    gradients = np.einsum("nbq,baeq->enaq", slopes, inverse_jacobian).reshape(
+    gradients = np.einsum("nbq,baeq->enaq", reference_gradients, inverse_jacobian).reshape(
         len(cells), -1, len(weights)
     )
-    areas = (np.abs(determinant) * weights)[:, None]
-    D = gradients * areas @ gradients.transpose(0, 2, 1)
+    point_areas = (np.abs(determinant) * weights)[:, None]
+    D = gradients * point_areas @ gradients.transpose(0, 2, 1)
     D = D.reshape(len(cells), n_nodes, 2, n_nodes, 2)
-    blocks = lam * D + G * D.swapaxes(2, 4)
-    blocks[:, :, [0, 1], :, [0, 1]] += G * np.einsum("eicjc->eij", D)
-    blocks = blocks.reshape(len(cells), 2 * n_nodes, -1)
+    element_matrices = lam * D + G * D.swapaxes(2, 4)
+    element_matrices[:, :, [0, 1], :, [0, 1]] += G * np.einsum("eicjc->eij", D)
+    element_matrices = element_matrices.reshape(len(cells), 2 * n_nodes, -1)
     dofs = (2 * cells[..., None] + [0, 1]).reshape(len(cells), -1)
     if lambda_1:
         corners = cells[:, : mesh.refdom.nfacets]
         linear_element = scalar_element(mesh, 1)
-        values = np.stack([linear_element.lbasis(points, i)[0] for i in range(corners.shape[1])])
-        divergence = G * (values * areas) @ gradients.transpose(0, 2, 1)
-        mass = -(G**2) / lambda_1 * (values * areas) @ values.T
+        pressure_shapes = np.stack(
+            [linear_element.lbasis(points, i)[0] for i in range(corners.shape[1])]
+        )
+        divergence = G * (pressure_shapes * point_areas) @ gradients.transpose(0, 2, 1)
+        mass = -(G**2) / lambda_1 * (pressure_shapes * point_areas) @ pressure_shapes.T
         dofs = np.hstack([dofs, 2 * mesh.p.shape[1] + corners])
-        blocks = np.block([[blocks, divergence.transpose(0, 2, 1)], [divergence, mass]])
-    rows = np.broadcast_to(dofs[:, :, None], blocks.shape)
-    columns = np.broadcast_to(dofs[:, None, :], blocks.shape)
-    entries = (blocks.ravel(), (rows.ravel(), columns.ravel()))
+        element_matrices = np.block(
+            [[element_matrices, divergence.transpose(0, 2, 1)], [divergence, mass]]
+        )
+    rows = np.broadcast_to(dofs[:, :, None], element_matrices.shape)
+    columns = np.broadcast_to(dofs[:, None, :], element_matrices.shape)
+    entries = (element_matrices.ravel(), (rows.ravel(), columns.ravel()))
     return sparse.csr_matrix(entries, shape=(len(system.node_of_dof),) * 2)
 
 
@@ -299,7 +307,7 @@ class CondensedBody:
     diagnostics
         asymmetry (largest skew part over largest entry: rounding), residual (see `condense`),
         degrees_of_freedom, sparse_factorisations (one for the order of elimination, one for
-        each mode)
+        each subspace)
     """
 
     body: BodyMesh
@@ -327,17 +335,18 @@ def factorise(stiffness: sparse.csc_matrix, ordering: str = "MMD_AT_PLUS_A") -> 
     )
 
 
-class _Mode(NamedTuple):
-    """Motions that are condensed by themselves: all of a body, or those of one parity of a body
-    that is its own mirror image.
+class _Subspace(NamedTuple):
+    """Displacements of a body that are condensed by themselves, spanned by k orthonormal motions:
+    all of them, or the symmetric or antisymmetric ones of a body that is its own mirror image.
+
+    With amplitudes a (k,) the displacement is u[dof] = factor_of_dof[dof] a[column_of_dof[dof]].
 
     Attributes
     ----------
     leading_dofs
-        (k,) degrees of freedom that stand for themselves and for their mirror images
+        (k,) degree of freedom that each motion moves, together with its mirror image
     column_of_dof, factor_of_dof
-        (n_dofs,) which of them each one follows, and by how much, so that the motions are
-        orthonormal; 0 if it is at rest
+        (n_dofs,) motion that moves each degree of freedom, and by how much; 0 if it is at rest
     """
 
     leading_dofs: Indices
@@ -345,7 +354,7 @@ class _Mode(NamedTuple):
     factor_of_dof: Array
 
     def motions(self, moved_dofs: Indices, by: Indices) -> sparse.csr_matrix:
-        """(m, n) displacement of m degrees of freedom of the body by n of the k of the mode."""
+        """Displacement (m, n) of m degrees of freedom of the body by n of the k motions, `by`."""
         place = np.full(len(self.leading_dofs), -1)
         place[by] = np.arange(len(by))
         column = place[self.column_of_dof[moved_dofs]]
@@ -356,38 +365,38 @@ class _Mode(NamedTuple):
         )
 
 
-def _modes(system: System) -> tuple[Indices, tuple[_Mode, ...]]:
-    """Split the motions of a mirror-symmetric body into symmetric and antisymmetric ones, which
-    have no elastic energy in common, so that each set can be condensed by itself on one half.
+def _symmetry_subspaces(system: System) -> tuple[Indices, tuple[_Subspace, ...]]:
+    """Symmetric and antisymmetric displacements of a mirror-symmetric body. They have no elastic
+    energy in common, so that each subspace can be condensed by itself on one half.
 
-    In the symmetric mode u_x is odd in x, u_y and the pressure even; in the antisymmetric one the
-    other way round. The stiffness in each is twice that of the half x >= 0.
+    Symmetric: u_x is odd in x, u_y and the pressure r are even; antisymmetric: the other way round.
+    The stiffness in each is twice that of the half x >= 0.
 
     Returns
     -------
-    elements, modes
-        Numbers of the elements at x >= 0, and the two modes; all elements and one mode of a body
-        that is not its own mirror image to the last bit.
+    elements, subspaces
+        Numbers of the elements at x >= 0, and the two subspaces. Of a body that is not its own
+        mirror image to the last bit: all elements, and one subspace of all displacements.
     """
     mesh = system.mesh
     all_dofs = np.arange(len(system.node_of_dof))
     mirror_images = _mirror_images(system)
     right_elements = np.flatnonzero((mesh.p[0, mesh.t] >= 0).all(axis=0))
     if mirror_images is None or 2 * len(right_elements) != mesh.nelements:
-        return np.arange(mesh.nelements), (_Mode(all_dofs, all_dofs, np.ones(len(all_dofs))),)
+        return np.arange(mesh.nelements), (_Subspace(all_dofs, all_dofs, np.ones(len(all_dofs))),)
     on_right = mesh.p[0, system.node_of_dof] >= 0
-    parity = np.ones(len(all_dofs))
-    parity[: 2 * mesh.p.shape[1] : 2] = -1.0
-    modes = []
-    for image_sign in (parity, -parity):
+    signs_if_symmetric = np.ones(len(all_dofs))
+    signs_if_symmetric[: 2 * mesh.p.shape[1] : 2] = -1.0  # u_x
+    subspaces = []
+    for image_sign in (signs_if_symmetric, -signs_if_symmetric):
         pair_factor = np.sqrt(0.5) * np.where(on_right, 1.0, image_sign)
-        factors = np.where(mirror_images == all_dofs, (1 + image_sign) / 2, pair_factor)
-        leading_dofs = np.flatnonzero(on_right & (factors != 0))  # those of x < 0 follow them
-        columns = np.zeros_like(all_dofs)
-        columns[leading_dofs] = np.arange(len(leading_dofs))
-        columns[mirror_images[leading_dofs]] = np.arange(len(leading_dofs))
-        modes.append(_Mode(leading_dofs, columns, factors))
-    return right_elements, tuple(modes)
+        factor_of_dof = np.where(mirror_images == all_dofs, (1 + image_sign) / 2, pair_factor)
+        leading_dofs = np.flatnonzero(on_right & (factor_of_dof != 0))  # those of x < 0 follow them
+        column_of_dof = np.zeros_like(all_dofs)
+        column_of_dof[leading_dofs] = np.arange(len(leading_dofs))
+        column_of_dof[mirror_images[leading_dofs]] = np.arange(len(leading_dofs))
+        subspaces.append(_Subspace(leading_dofs, column_of_dof, factor_of_dof))
+    return right_elements, tuple(subspaces)
 
 
 def _mirror_images(system: System) -> Indices | None:
@@ -430,8 +439,8 @@ def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
     n_nodes = system.mesh.p.shape[1]
     # Half of a mirror-symmetric body has no stiffness at the nodes of the other half.
     stiff_nodes = np.flatnonzero(stiffness.diagonal()[: 2 * n_nodes : 2])
-    outer_dofs = np.concatenate([system.contact_dofs[0], system.arc_dofs[0]])
-    inner_nodes = stiff_nodes[~np.isin(2 * stiff_nodes, outer_dofs)]
+    remaining_dofs = np.concatenate([system.contact_dofs[0], system.arc_dofs[0]])
+    inner_nodes = stiff_nodes[~np.isin(2 * stiff_nodes, remaining_dofs)]
     # The pressure r of contact nodes comes last: first of all, it would fill the factors.
     ranks = np.full(n_nodes, n_nodes)
     if len(inner_nodes):
@@ -441,25 +450,25 @@ def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
     return ranks[system.node_of_dof]
 
 
-class _CondensedMode(NamedTuple):
-    """A body's response to unit forces at its contact nodes, in motions of one symmetry alone.
+class _CondensedSubspace(NamedTuple):
+    """A body's response to unit forces at its contact nodes, in one `_Subspace` of displacements.
 
     Attributes
     ----------
     motions
-        (2 n, k) displacement of the n contact nodes (along x, then outward) in each of the mode's k
-        degrees of freedom there
+        (2 n, k) displacement of the n contact nodes (along x, then outward) in each of the k
+        motions that move them
     compliance
-        (k, k) displacement in each of them by a unit force on each [1 / stress]
-    by_stress
-        (k,) displacement in each of them by a unit of tension on the ends [length / stress]
+        (k, k) amplitude of each of these motions by a unit force on each [1 / stress]
+    displacement_by_stress
+        (k,) amplitude of each of them by a unit of tension on the body's ends [length / stress]
     error
-        how far both are from the solution of the mesh under a random load, relative
+        of both: relative difference from the solution of the mesh under a random load
     """
 
     motions: sparse.csr_matrix
     compliance: Array
-    by_stress: Array
+    displacement_by_stress: Array
     error: float
 
 
@@ -474,25 +483,25 @@ class _Elimination(NamedTuple):
         number of the inner ones
     factors
         sparse factors of [K_ii 0; K_ti 1], i the inner ones, t the others
-    root_of_schur
+    schur_cholesky
         (t, t) lower Cholesky factor of the Schur complement K_tt - K_ti K_ii^-1 K_it
     """
 
     stiffness: sparse.csc_matrix
     n_inner: int
     factors: SuperLU
-    root_of_schur: Array
+    schur_cholesky: Array
 
     @classmethod
     def of(cls, stiffness: sparse.csc_matrix, n_inner: int) -> _Elimination:
-        """Eliminate the first n_inner degrees of freedom of a stiffness.
+        """Sparse elimination of the first n_inner degrees of freedom of a stiffness, and dense
+        Cholesky factor of the Schur complement S of the others.
 
-        SuperLU eliminates the inner ones alone, of
+        With i the inner ones and t the others, SuperLU factorises
 
             [K_ii 0; K_ti 1] = L U,   L_ti = K_ti U_ii^-1,   S = K_tt - L_ti D L_ti^T,
 
-        D being the diagonal of U. Dense algebra goes on with the Schur complement S, which is
-        several times faster.
+        D being the diagonal of U. For S, which is dense, Cholesky is several times faster.
         """
         n_rows = stiffness.shape[0]
         remaining = slice(n_inner, None)
@@ -503,15 +512,15 @@ class _Elimination(NamedTuple):
         eliminated_stiffness = _outer_product(
             factors.L[remaining, :n_inner], factors.U.diagonal()[:n_inner]
         )
-        root_of_schur = cholesky(
+        schur_cholesky = cholesky(
             stiffness[remaining, remaining].toarray() - eliminated_stiffness, lower=True
         )
-        return cls(stiffness, n_inner, factors, root_of_schur)
+        return cls(stiffness, n_inner, factors, schur_cholesky)
 
     @property
     def inverse_of_schur(self) -> Array:
         """(t, t) displacement of the degrees of freedom that remain by unit forces on them."""
-        lower_triangle = np.tril(dpotri(self.root_of_schur, lower=1)[0])
+        lower_triangle = np.tril(dpotri(self.schur_cholesky, lower=1)[0])
         return lower_triangle + np.tril(lower_triangle, -1).T
 
     def displacements(self, loads: Array) -> Array:
@@ -520,22 +529,22 @@ class _Elimination(NamedTuple):
         remaining = slice(n_inner, None)
         # Of the degrees of freedom that remain this gives the load that is left to them.
         displacements = self.factors.solve(loads)
-        displacements[remaining] = cho_solve((self.root_of_schur, True), displacements[remaining])
+        displacements[remaining] = cho_solve((self.schur_cholesky, True), displacements[remaining])
         displacements[:n_inner] -= self.factors.solve(
             self.stiffness[:, remaining] @ displacements[remaining]
         )[:n_inner]
         return displacements
 
 
-def _condensed_mode(
+def _condensed_subspace(
     system: System,
-    mode: _Mode,
+    subspace: _Subspace,
     stiffness: sparse.csr_matrix,
     ranks: Indices,
     half_plane_loads: ArcLoads,
-) -> _CondensedMode:
-    """Compliance of the contact nodes of a body in motions of one symmetry, all its other nodes
-    eliminated, with an error estimate.
+) -> _CondensedSubspace:
+    """Compliance of the contact nodes of a body in symmetric or in antisymmetric displacements, by
+    static condensation, with an error estimate.
 
     The nodes of the arc of a half-disc stay with those of the contact, since the half-plane around
     it loads them. With B the forces on the arc by unit forces on the contact, and S the Schur
@@ -546,39 +555,39 @@ def _condensed_mode(
     ----------
     system
         the body's mesh, supports and degrees of freedom
-    mode
-        its symmetric or antisymmetric motions, or all
+    subspace
+        its symmetric or antisymmetric displacements, or all
     stiffness
-        of the whole system
+        of the whole system [stress]
     ranks
         (n_dofs,) place of each degree of freedom in an order of elimination that keeps factors
         sparse
     half_plane_loads
         tractions of the half-plane around a half-disc on its arc, by unit forces on the contact
     """
-    contact_dofs = np.flatnonzero(np.isin(mode.leading_dofs, system.contact_dofs))
-    arc_dofs = np.flatnonzero(np.isin(mode.leading_dofs, system.arc_dofs))
-    held_dofs = np.flatnonzero(np.isin(mode.leading_dofs, system.held_dofs))
+    contact_dofs = np.flatnonzero(np.isin(subspace.leading_dofs, system.contact_dofs))
+    arc_dofs = np.flatnonzero(np.isin(subspace.leading_dofs, system.arc_dofs))
+    held_dofs = np.flatnonzero(np.isin(subspace.leading_dofs, system.held_dofs))
     if system.half_plane_arcs:
         # The loads balance, so that holding a half-disc at as few of its nodes as it has rigid
         # motions changes nothing.
-        held_dofs, arc_dofs = _held_on_arc(system, mode, arc_dofs)
+        held_dofs, arc_dofs = _held_on_arc(system, subspace, arc_dofs)
     inner_dofs = np.delete(
-        np.arange(len(mode.leading_dofs)), np.concatenate([held_dofs, arc_dofs, contact_dofs])
+        np.arange(len(subspace.leading_dofs)), np.concatenate([held_dofs, arc_dofs, contact_dofs])
     )
-    inner_dofs = inner_dofs[np.argsort(ranks[mode.leading_dofs[inner_dofs]], kind="stable")]
+    inner_dofs = inner_dofs[np.argsort(ranks[subspace.leading_dofs[inner_dofs]], kind="stable")]
     elimination_order = np.concatenate([inner_dofs, arc_dofs, contact_dofs])
     n_arc = len(arc_dofs)
-    all_motions = mode.motions(np.arange(len(mode.column_of_dof)), elimination_order)
-    ordered_stiffness = (all_motions.T @ stiffness @ all_motions).tocsc()
+    ordered_motions = subspace.motions(np.arange(len(subspace.column_of_dof)), elimination_order)
+    ordered_stiffness = (ordered_motions.T @ stiffness @ ordered_motions).tocsc()
     elimination = _Elimination.of(ordered_stiffness, len(inner_dofs))
-    motions = mode.motions(system.contact_dofs.ravel(), contact_dofs)
-    loads = _ModeLoads(
-        arc_loads=mode.motions(system.arc_dofs.ravel(), arc_dofs).T
-        @ (half_plane_loads.by_nodes @ motions),
-        tractions_on_arc=(half_plane_loads.tractions @ motions).T,
-        displacements_on_arc=half_plane_loads.displacements @ motions,
-        tension_on_ends=all_motions.T @ system.tension_forces,
+    contact_motions = subspace.motions(system.contact_dofs.ravel(), contact_dofs)
+    loads = _SubspaceLoads(
+        arc_loads=subspace.motions(system.arc_dofs.ravel(), arc_dofs).T
+        @ (half_plane_loads.nodal_forces @ contact_motions),
+        tractions_on_arc=(half_plane_loads.tractions @ contact_motions).T,
+        displacements_on_arc=half_plane_loads.displacements @ contact_motions,
+        tension_on_ends=ordered_motions.T @ system.tension_forces,
     )
     inverse_of_schur = elimination.inverse_of_schur
     displacement_by_forces = (
@@ -589,13 +598,13 @@ def _condensed_mode(
         + displacement_by_forces[n_arc:]
         - loads.tractions_on_arc @ loads.displacements_on_arc
     )
-    by_stress, error = _tested_mode(elimination, loads, compliance)
-    return _CondensedMode(motions, compliance, by_stress, error)
+    displacement_by_stress, error = _tension_response_and_error(elimination, loads, compliance)
+    return _CondensedSubspace(contact_motions, compliance, displacement_by_stress, error)
 
 
-class _ModeLoads(NamedTuple):
-    """Loads that a mode of a body carries: by unit forces on its k contact degrees of freedom, and
-    by tension on its ends.
+class _SubspaceLoads(NamedTuple):
+    """Loads on a `_Subspace` of a body's displacements: by unit forces on the k motions that move
+    its contact nodes, and by tension on its ends.
 
     Attributes
     ----------
@@ -614,14 +623,16 @@ class _ModeLoads(NamedTuple):
     tension_on_ends: Array
 
 
-def _tested_mode(
-    elimination: _Elimination, loads: _ModeLoads, compliance: Array
+def _tension_response_and_error(
+    elimination: _Elimination, loads: _SubspaceLoads, compliance: Array
 ) -> tuple[Array, float]:
-    """Displacement (k,) of the contact by a unit of tension on the ends, and the relative error of
-    the `compliance` (k, k): the largest of four tests by a random load.
+    """Displacement (k,) of the contact by a unit of tension on the ends of a body, and the largest
+    relative error of the `compliance` (k, k) in four tests by a random load on the contact.
 
     They are residuals of the mesh's equations under the random load and under tension, displacement
-    by the compliance against that of the mesh, and reciprocity of the two loads (Betti).
+    by the compliance against that of the mesh, and reciprocity of the two loads (Betti). The mesh's
+    displacement has the work of the half-plane's tractions on the arc subtracted, as the compliance
+    has.
     """
     n_inner = elimination.n_inner
     n_arc, n_contact = loads.arc_loads.shape
@@ -657,18 +668,18 @@ def _tested_mode(
     return displacement_by_stress, float(np.max(errors))
 
 
-def _held_on_arc(system: System, mode: _Mode, arc_dofs: Indices) -> tuple[Indices, Indices]:
+def _held_on_arc(system: System, subspace: _Subspace, arc_dofs: Indices) -> tuple[Indices, Indices]:
     """Split the degrees of freedom on the arc of a half-disc into a few that are held against rigid
-    motion, one for each rigid motion of the mode, and the others, ascending.
+    motion, one for each rigid motion in the subspace, and the others, ascending.
 
-    Pivoted QR of the rigid motions picks those that hold best. `arc_dofs` are numbers within the
-    mode (the body's symmetric or antisymmetric motions).
+    Pivoted QR of the rigid motions picks those that hold best. `arc_dofs` are numbers of motions in
+    the subspace (symmetric or antisymmetric displacements).
     """
     all_arc_dofs = system.arc_dofs.ravel()
-    rigid_of_mode = (
-        mode.motions(all_arc_dofs, arc_dofs).T @ rigid_motions(system.mesh)[all_arc_dofs]
+    rigid_in_subspace = (
+        subspace.motions(all_arc_dofs, arc_dofs).T @ rigid_motions(system.mesh)[all_arc_dofs]
     )
-    _, triangular_factor, pivots = qr(rigid_of_mode.T, mode="economic", pivoting=True)
+    _, triangular_factor, pivots = qr(rigid_in_subspace.T, mode="economic", pivoting=True)
     n_rigid = np.count_nonzero(
         np.abs(triangular_factor.diagonal()) > 1e-6 * np.abs(triangular_factor[0, 0])
     )
@@ -703,19 +714,19 @@ def _outer_product(columns: sparse.csc_matrix, factor: Array) -> Array:
 
 
 class ArcLoads(NamedTuple):
-    """The half-plane's tractions on the arc by unit forces on the contact nodes, see
-    `far_field.arc_work`; zeros, and none, for a body without an arc.
+    """The half-plane's tractions on the arc by unit forces on the n contact nodes, see
+    `far_field.arc_work`; for a body without an arc see `arc_loads`.
 
     Attributes
     ----------
-    by_nodes
-        (2 m, 2 n) their work on the nodes of the arc
+    nodal_forces
+        (2 m, 2 n) forces on the nodes of the arc, equal in work to the tractions
     tractions, displacements
         (k, 2 n) of the half-plane at points of the arc, whose product is their work in the
         half-plane's own displacement
     """
 
-    by_nodes: Array
+    nodal_forces: Array
     tractions: Array
     displacements: Array
 
@@ -725,9 +736,9 @@ def arc_loads(system: System, datum_length: float) -> ArcLoads:
     tractions of the half-plane around it.
 
     On a body that rolls on its base and is held at its ends, each end takes its part of a force
-    along x; `arc_dofs` are then those of the ends. Other bodies have no such loads. `datum_length`
-    is the distance from a force at which
-    the half-plane's surface counts as unmoved [length].
+    along x; `arc_dofs` are then those of the ends. For other bodies all arrays are empty.
+    `datum_length` is the distance from a force at which the half-plane's surface has no
+    displacement [length].
     """
     contact_places = system.mesh.p[0, system.node_of_dof[system.contact_dofs[0]]]
     arc_places = system.mesh.p[:, system.node_of_dof[system.arc_dofs[0]]]
@@ -735,12 +746,12 @@ def arc_loads(system: System, datum_length: float) -> ArcLoads:
         return ArcLoads(
             *arc_work(arc_places, system.order, contact_places, system.material, datum_length)
         )
-    loads_by_nodes = np.zeros((system.arc_dofs.size, system.contact_dofs.size))
+    nodal_forces = np.zeros((system.arc_dofs.size, system.contact_dofs.size))
     if system.arc_dofs.size:  # in proportion to the nodal forces of tension: half on either end
         end_shares = np.abs(system.tension_forces[system.arc_dofs.ravel()])
-        loads_by_nodes[:, : len(contact_places)] = -(end_shares / end_shares.sum())[:, None]
-    no_rows = np.zeros((0, system.contact_dofs.size))
-    return ArcLoads(loads_by_nodes, tractions=no_rows, displacements=no_rows)
+        nodal_forces[:, : len(contact_places)] = -(end_shares / end_shares.sum())[:, None]
+    no_points = np.zeros((0, system.contact_dofs.size))  # of an arc
+    return ArcLoads(nodal_forces, tractions=no_points, displacements=no_points)
 
 
 def rigid_motions(mesh: skfem.Mesh) -> Array:
@@ -763,7 +774,7 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     With i the inner and c the contact nodes: stiffness S = K_cc - K_ci K_ii^-1 K_ic (Schur
     complement), compliance S^-1. A half-disc stands for a half-plane: its arc carries the tractions
     that the half-plane has there. A body that is its own mirror image is condensed on one half, for
-    symmetric and for antisymmetric motions.
+    symmetric and for antisymmetric displacements.
 
     Parameters
     ----------
@@ -772,7 +783,7 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     material
         Young's modulus and Poisson's ratio of the body
     datum_length
-        distance from a force at which a half-plane's surface counts as unmoved [length]
+        distance from a force at which a half-plane's surface has no displacement [length]
 
     Raises
     ------
@@ -798,26 +809,29 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
     """
     system = assemble(body, material)
     arc = arc_loads(system, datum_length)
-    elements, modes = _modes(system)
-    stiffness = len(modes) * _stiffness(system, elements)
+    elements, subspaces = _symmetry_subspaces(system)
+    stiffness = len(subspaces) * _stiffness(system, elements)
     ranks = _elimination_ranks(system, stiffness)
     n_dofs = system.contact_dofs.size
     compliance = np.zeros((n_dofs, n_dofs))
-    by_stress = np.zeros(n_dofs)
+    response_to_stress = np.zeros(n_dofs)
     asymmetry = 0.0
     residual = 0.0
     try:
-        for mode in modes:
-            motions, mode_compliance, by_stress_of_mode, mode_error = _condensed_mode(
-                system, mode, stiffness, ranks, arc
+        for subspace in subspaces:
+            motions, subspace_compliance, subspace_response, subspace_error = _condensed_subspace(
+                system, subspace, stiffness, ranks, arc
             )
             skew_part = float(
-                (mode_compliance - mode_compliance.T).max() / np.abs(mode_compliance).max()
+                (subspace_compliance - subspace_compliance.T).max()
+                / np.abs(subspace_compliance).max()
             )
             asymmetry = max(asymmetry, skew_part)
-            residual = np.fmax(residual, mode_error)
-            compliance += motions @ (motions @ ((mode_compliance + mode_compliance.T) / 2)).T
-            by_stress += motions @ by_stress_of_mode
+            residual = np.fmax(residual, subspace_error)
+            compliance += (
+                motions @ (motions @ ((subspace_compliance + subspace_compliance.T) / 2)).T
+            )
+            response_to_stress += motions @ subspace_response
     except LinAlgError as reason:
         raise ConvergenceError(
             "condensation: a stiffness is lost in rounding, as of a block 1e6 times as high as wide"
@@ -830,11 +844,11 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
         )
     places = system.mesh.p[:, system.node_of_dof[system.contact_dofs[0]]]
     dof_shape = system.contact_dofs.shape
-    by_stress_at_nodes = by_stress.reshape(dof_shape)
+    displacement_by_stress = response_to_stress.reshape(dof_shape)
     if system.half_plane_arcs:
-        by_stress_at_nodes = uniform_stretch(material, *places)
-    nodes, shapes, _, tangents = line_elements(places, system.order, 3)
-    weights = np.bincount(nodes.ravel(), (np.hypot(*tangents) @ shapes.T).ravel())
+        displacement_by_stress = uniform_stretch(material, *places)
+    nodes, shape_values, _, tangents = line_elements(places, system.order, 3)
+    weights = np.bincount(nodes.ravel(), (np.hypot(*tangents) @ shape_values.T).ravel())
     return CondensedBody(
         body=body,
         material=material,
@@ -842,11 +856,11 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
         y=freeze(places[1]),
         weights=freeze(weights),
         compliance=freeze(compliance.reshape(*dof_shape, *dof_shape)),
-        by_stress=freeze(by_stress_at_nodes),
+        by_stress=freeze(displacement_by_stress),
         diagnostics={
             "asymmetry": asymmetry,
             "residual": float(residual),
-            "sparse_factorisations": 1.0 + len(modes),
+            "sparse_factorisations": 1.0 + len(subspaces),
             "degrees_of_freedom": float(2 * system.mesh.p.shape[1]),
         },
     )
@@ -867,8 +881,8 @@ def displacement_fields(
     """Displacement of all nodes of a body under given forces on its contact nodes, by a solution of
     its full finite-element system.
 
-    Mixed elements of nearly incompressible materials have a mean stress r as a further unknown,
-    which is returned too.
+    Mixed elements of nearly incompressible materials have a further unknown, which is returned too:
+    r = lambda_1 div u, the part of the mean stress that they do not take from u.
 
     Parameters
     ----------
@@ -877,7 +891,7 @@ def displacement_fields(
     forces
         (2, n, k) along x and outward on the contact nodes, k load cases [force per thickness]
     datum_length
-        distance from a force at which a half-plane's surface counts as unmoved [length]
+        distance from a force at which a half-plane's surface has no displacement [length]
     stresses
         (k,) bulk stress of the body [stress]; the uniform stretch of a half-plane by it is not
         in what is returned
@@ -888,7 +902,7 @@ def displacement_fields(
         finite-element basis of the displacement
     displacements
         (basis.N, k) values in this basis [length]
-    tension
+    mean_stress
         (n_corners, k) r at the corners of the elements, added to every normal stress; zero for
         plain elements [stress]
     """
@@ -896,11 +910,11 @@ def displacement_fields(
     loads_on_contact = forces.reshape(-1, forces.shape[-1])
     nodal_loads = np.zeros((system.stiffness.shape[0], forces.shape[-1]))
     nodal_loads[system.contact_dofs.ravel()] = loads_on_contact
-    arc = arc_loads(system, datum_length)
-    nodal_loads[system.arc_dofs.ravel()] += arc.by_nodes @ loads_on_contact
+    arc = arc_loads(system, datum_length)  # or loads on the ends
+    nodal_loads[system.arc_dofs.ravel()] += arc.nodal_forces @ loads_on_contact
     if stresses is not None:
         nodal_loads += system.tension_forces[:, None] * stresses
-    held = system.held_dofs
+    held_dofs = system.held_dofs
     if system.half_plane_arcs:
         # The ends of the arc hold a half-disc without a force, since the loads balance.
         ends_of_arc = [
@@ -908,8 +922,8 @@ def displacement_fields(
             system.arc_dofs[1, 0],
             system.arc_dofs[1, -1],
         ]  # u_x, u_y; u_y
-        held = np.concatenate([held, ends_of_arc])
-    free_dofs = np.setdiff1d(np.arange(len(nodal_loads)), held)
+        held_dofs = np.concatenate([held_dofs, ends_of_arc])
+    free_dofs = np.setdiff1d(np.arange(len(nodal_loads)), held_dofs)
     displacements = np.zeros_like(nodal_loads)
     displacements[free_dofs] = factorise(system.stiffness[free_dofs][:, free_dofs].tocsc()).solve(
         nodal_loads[free_dofs]
@@ -921,14 +935,14 @@ def displacement_fields(
         motions = rigid_motions(system.mesh)
         work_in_half_plane = arc.tractions.T @ (arc.displacements @ loads_on_contact)
         missing_displacement = (
-            arc.by_nodes.T @ displacements[system.arc_dofs.ravel()] - work_in_half_plane
+            arc.nodal_forces.T @ displacements[system.arc_dofs.ravel()] - work_in_half_plane
         )
         motions_of_contact = motions[system.contact_dofs.ravel()]
         displacements[:n_displacements] += (
             motions @ np.linalg.lstsq(motions_of_contact, missing_displacement, rcond=None)[0]
         )
-    tension = np.zeros((system.mesh.nvertices, forces.shape[-1]))
+    mean_stress = np.zeros((system.mesh.nvertices, forces.shape[-1]))
     if len(displacements) > n_displacements:
         shear_modulus = split_lame(condensed.material, condensed.order).shear_modulus
-        tension[:] = shear_modulus * displacements[n_displacements:]
-    return system.basis, displacements[:n_displacements], tension
+        mean_stress[:] = shear_modulus * displacements[n_displacements:]
+    return system.basis, displacements[:n_displacements], mean_stress
