@@ -59,7 +59,7 @@ _BODY_NAMES = ("lower", "upper")
 # that of the tractions,
 _OUTER_DISTANCE = 3.0
 # but no further than this share of the way to the nearest support or side;
-_SHARE_OF_ROOM = 0.8
+_SHARE_OF_DISTANCE_TO_SUPPORT = 0.8
 # over the last share of it the elements' takes its place.
 _BLENDING_SHARE = 0.2
 # A body has room for the tractions' stress only if that distance over the half-width is larger.
@@ -72,7 +72,7 @@ _ACCURATE_DISTANCE = 1.2
 _NEGLIGIBLE_PRESSURE = 1e-9
 # Step over the place of a kink of the profile by which its curvature on either side is found.
 _STEP_AT_KINK = 1e-3
-# Instants at which what the size of a body adds is found for a whole cycle.
+# Instants of a cycle at which the elements give the stress that the size of a body adds.
 _N_SAMPLED_STEPS = 12
 # The same where the instants of the largest tension are looked for. Of an ellipse a spline through
 # six is 2 % of the amplitude off.
@@ -190,45 +190,50 @@ def _fields_of_bodies(
     `steps` are indices of stored instants.
     """
     tension, tension_uncertainty = edge_tension(solution, steps)
-    series_of_steps = [tractions_with_uncertainty(_nodal(solution, step)).series for step in steps]
+    tractions_at_steps = [
+        tractions_with_uncertainty(_nodal_tractions(solution, step)).series for step in steps
+    ]
     bodies = []
-    for number, name in enumerate(_BODY_NAMES):
-        displacement, stress = _displacement_and_stress(solution, steps, series_of_steps, number)
-        condensed = solution.condensed[number]
-        points = condensed.body.mesh.p.T * [1.0, _sign_of_y(number)]
-        cells = _counter_clockwise(points, cells_of(condensed.body.mesh, condensed.order))
+    for body_number, name in enumerate(_BODY_NAMES):
+        displacement, stress = _displacement_and_stress(
+            solution, steps, tractions_at_steps, body_number
+        )
+        condensed = solution.condensed[body_number]
+        points = condensed.body.mesh.p.T * [1.0, _sign_of_y(body_number)]
+        cells = _counter_clockwise_cells(points, cells_of(condensed.body.mesh, condensed.order))
         fields_of_steps = []
-        for k, (step, tractions_of_step) in enumerate(zip(steps, series_of_steps, strict=True)):
-            edges = (np.nan, np.nan) if tractions_of_step is None else tractions_of_step.edges
+        for k, (step, step_tractions) in enumerate(zip(steps, tractions_at_steps, strict=True)):
+            edges = (np.nan, np.nan) if step_tractions is None else step_tractions.edges
+            rigid_motion = _rigid_motion(solution, body_number, step, points)
             fields_of_steps.append(
                 BodyFields(
                     name=name,
                     points=points,
                     cells=cells,
-                    displacement=displacement[k] + _rigid_motion(solution, number, step, points),
+                    displacement=displacement[k] + rigid_motion,
                     stress=stress[k],
                     von_mises=_von_mises(stress[k]),
                     edges=np.array(edges),
-                    edge_tension=tension[k, number],
-                    edge_tension_uncertainty=tension_uncertainty[k, number],
+                    edge_tension=tension[k, body_number],
+                    edge_tension_uncertainty=tension_uncertainty[k, body_number],
                 )
             )
         bodies.append(fields_of_steps)
     return bodies
 
 
-def _sign_of_y(number: int) -> float:
+def _sign_of_y(body_number: int) -> float:
     """1 of the lower body (0), -1 of the upper one (1): y of a body's own frame in the common
     one.
     """
-    return 1.0 - 2.0 * number
+    return 1.0 - 2.0 * body_number
 
 
 def _displacement_and_stress(
     solution: FiniteElementSolution,
     steps: Sequence[int],
-    series: Sequence[Tractions | None],
-    number: int,
+    tractions_at_steps: Sequence[Tractions | None],
+    body_number: int,
 ) -> tuple[Array, Array]:
     """Displacement (n_steps, n, 2) [length] and stress xx, yy, xy, zz (n_steps, n, 4) at the n
     nodes of one body, in the common frame (y out of the lower body).
@@ -240,16 +245,16 @@ def _displacement_and_stress(
     ----------
     steps
         indices of stored instants
-    series
-        tractions on the lower body at each step, as series; None out of contact
-    number
+    tractions_at_steps
+        tractions on the lower body at each step, as sine series; None out of contact
+    body_number
         0 of the lower body, 1 of the upper one
     """
-    material = solution.condensed[number].material
-    sign_of_y = _sign_of_y(number)
-    bulk_stress = _bulk_stress(solution, steps, number)
-    nodal_fields = _nodal_fields(solution, number, steps, bulk_stress)
-    near_contact = _near_contact(solution, number, nodal_fields, series)
+    material = solution.condensed[body_number].material
+    sign_of_y = _sign_of_y(body_number)
+    bulk_stress = _bulk_stress(solution, steps, body_number)
+    nodal_fields = _nodal_fields(solution, body_number, steps, bulk_stress)
+    near_contact = _near_contact(solution, body_number, nodal_fields, tractions_at_steps)
     stress = (
         nodal_fields.stress
         if near_contact is None
@@ -258,21 +263,23 @@ def _displacement_and_stress(
     places = nodal_fields.basis.mesh.p
     displacement = nodal_fields.displacement.reshape(places.shape[1], 2, -1).swapaxes(0, 1)
     # The elements of other bodies have the bulk stress in them.
-    if isinstance(getattr(solution.scene.bodies, _BODY_NAMES[number]), HalfPlane):
+    if isinstance(getattr(solution.scene.bodies, _BODY_NAMES[body_number]), HalfPlane):
         displacement = displacement + uniform_stretch(material, *places)[..., None] * bulk_stress
-        by_bulk_stress = np.array([1.0, 0.0, 0.0, material.poisson_ratio])
-        stress = stress + by_bulk_stress[:, None] * bulk_stress
+        stress_per_bulk_stress = np.array([1.0, 0.0, 0.0, material.poisson_ratio])
+        stress = stress + stress_per_bulk_stress[:, None] * bulk_stress
     return (
         displacement.transpose(2, 1, 0) * [1.0, sign_of_y],
         stress.transpose(2, 0, 1) * [1.0, 1.0, sign_of_y, 1.0],
     )
 
 
-def _rigid_motion(solution: FiniteElementSolution, number: int, step: int, points: Array) -> Array:
+def _rigid_motion(
+    solution: FiniteElementSolution, body_number: int, step: int, points: Array
+) -> Array:
     """Displacement (n, 2) of points of the upper body as it moves rigidly, by tilt, tangential
-    displacement and normal approach [length]; 0 of the lower body (`number` 0).
+    displacement and normal approach [length]; 0 of the lower body (`body_number` 0).
     """
-    if number == 0:
+    if body_number == 0:
         return np.zeros_like(points)
     tilt = 0.0 if solution.tilt is None else solution.tilt[step]
     translation = [solution.tangential_displacement[step], -solution.normal_approach[step]]
@@ -296,8 +303,7 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
     """Stress s_xx along both faces at the edges of contact, tension positive, and its uncertainty
     [stress].
 
-    Its largest value in a cycle, at the trailing edge, is the tension on which lives in fretting
-    fatigue are built.
+    Predictions of fretting-fatigue life use its largest value in a cycle, at the trailing edge.
 
     Parameters
     ----------
@@ -326,9 +332,11 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
         )
     tension = _edge_tension(solution, steps)
     # A narrow strip of new contact, or of slip, may lie between the nodes at an edge.
-    change_by_new_contact = np.array([_of_new_contact(solution, step) for step in steps])
+    change_by_new_contact = np.array(
+        [_tension_change_by_new_contact(solution, step) for step in steps]
+    )
     uncertainties = tension.uncertainties + change_by_new_contact.reshape(-1, 1, 2)
-    return tension.values, np.maximum(uncertainties, tension.of_unseen_slip)
+    return tension.values, np.maximum(uncertainties, tension.change_by_unseen_slip)
 
 
 def _has_bodies(solution: ContactSolution) -> bool:
@@ -341,42 +349,50 @@ def _has_bodies(solution: ContactSolution) -> bool:
     return bodies.half_planes or isinstance(solution, FiniteElementSolution)
 
 
-def _of_new_contact(solution: ContactSolution, step: int) -> Array:
-    """Possible error of the tension at the left and right edge, (2,) [stress], where the contact
-    has just grown by a strip so narrow that no node shows the shear in it.
+def _tension_change_by_new_contact(solution: ContactSolution, step: int) -> Array:
+    """Possible error of s_xx at the left and right edge of contact, (2,) [stress], by growth of the
+    contact: the latest strip may be so narrow that no node shows the shear in it.
 
-    While P grows in full stick, q/p in the new strip is dQ/dP, while behind it q/p is what earlier
-    slip has left. With p = K sqrt(d) near the edge, a jump c of q/p at the depth w changes s_xx by
-    (4/pi) c K sqrt(w). The largest of these counts, of all instants since which w is still less
-    than the depth of the outermost nodes (the rim); a quarter of it where a node lies in the strip.
+    While P grows in full stick, q/p in the new strip is dQ/dP; behind it q/p is what earlier slip
+    has left. With p = K sqrt(d) near the edge, a jump c of q/p at the distance w changes s_xx by
+    (4/pi) c K sqrt(w). Returned is the largest change by the strips since each earlier instant. A
+    strip that reaches the outermost node counts a quarter; beyond the rim node it counts nothing.
 
-    # notation: d distance from the edge, K constant of the pressure there, w width of the strip
+    # notation: d distance from the edge, K constant of the pressure there, w width of the strip;
+    # the rim node is the first one whose tractions the mesh leaves undisturbed, `face_stress.RIM`
     """
     if not step or not _sticks_in_full(solution, step):
         return np.zeros(2)
     p_increments = np.diff(solution.normal_load[: step + 1])
     q_increments = np.diff(solution.tangential_load[: step + 1])
-    start = step  # the stored step at which P began to grow in full stick
-    while start > 0 and p_increments[start - 1] > 0 and _sticks_in_full(solution, start):
-        start -= 1
-    nodal = _nodal(solution, step)
-    if start == step or len(nodal.x) <= 2 * RIM:
+    start_of_growth = step  # the stored step at which P began to grow in full stick
+    while (
+        start_of_growth > 0
+        and p_increments[start_of_growth - 1] > 0
+        and _sticks_in_full(solution, start_of_growth)
+    ):
+        start_of_growth -= 1
+    nodal_tractions = _nodal_tractions(solution, step)
+    if start_of_growth == step or len(nodal_tractions.x) <= 2 * RIM:
         return np.zeros(2)
     rim_nodes = [RIM, -1 - RIM]
-    pressure = nodal.pressure[rim_nodes]
-    rim_depths = np.abs(nodal.x[rim_nodes] - solution.contact_edges[step])
-    q_over_p = q_increments[start:] / p_increments[start:]  # in the strip of each increment
-    # q/p that was at the edge before each increment: before the first, that of the rim's node.
+    pressure = nodal_tractions.pressure[rim_nodes]
+    depths_of_rim = np.abs(nodal_tractions.x[rim_nodes] - solution.contact_edges[step])
+    # q/p in the strip of each increment.
+    q_over_p = q_increments[start_of_growth:] / p_increments[start_of_growth:]
+    # q/p at the edge before each increment: before the first, that of the rim node.
     ratio_before = np.tile(np.append(np.nan, q_over_p[:-1])[:, None], 2)
-    ratio_before[0] = nodal.shear[rim_nodes] / pressure
-    strip_widths = np.abs(solution.contact_edges[step] - solution.contact_edges[start:step])
+    ratio_before[0] = nodal_tractions.shear[rim_nodes] / pressure
+    strip_widths = np.abs(
+        solution.contact_edges[step] - solution.contact_edges[start_of_growth:step]
+    )
     jump_of_ratio = np.abs(q_over_p[-1] - ratio_before)
-    pressure_at_width = pressure * np.sqrt(strip_widths / rim_depths)
-    depths_of_outermost = np.abs(nodal.x[[0, -1]] - solution.contact_edges[step])
-    share_unseen = np.where(strip_widths < depths_of_outermost, 1.0, _SHOWN_BY_A_NODE)
-    share_unseen[strip_widths >= rim_depths] = 0.0
-    changes = share_unseen * 4 / np.pi * jump_of_ratio * pressure_at_width
-    return np.asarray(changes.max(axis=0))
+    pressure_at_width = pressure * np.sqrt(strip_widths / depths_of_rim)
+    depths_of_outermost = np.abs(nodal_tractions.x[[0, -1]] - solution.contact_edges[step])
+    share_of_jump = np.where(strip_widths < depths_of_outermost, 1.0, _SHOWN_BY_A_NODE)
+    share_of_jump[strip_widths >= depths_of_rim] = 0.0
+    tension_changes = share_of_jump * 4 / np.pi * jump_of_ratio * pressure_at_width
+    return np.asarray(tension_changes.max(axis=0))
 
 
 def _sticks_in_full(solution: ContactSolution, step: int) -> bool:
@@ -385,22 +401,22 @@ def _sticks_in_full(solution: ContactSolution, step: int) -> bool:
 
 
 class _EdgeTension(NamedTuple):
-    """Stress s_xx along the faces at the edges of contact, its uncertainty, and what slip in a zone
-    too narrow for the nodes may change: each (n_steps, 2, 2) by body and edge [stress].
+    """Stress s_xx along the faces at the edges of contact, its uncertainty, and its possible change
+    by slip in a zone too narrow for the nodes: each (n_steps, 2, 2) by body and edge [stress].
     """
 
     values: Array
     uncertainties: Array
-    of_unseen_slip: Array
+    change_by_unseen_slip: Array
 
 
 def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTension:
-    """Stress s_xx along each face just outside each edge of contact, with its uncertainty and what
-    slip in a zone too narrow for the nodes may change.
+    """Stress s_xx along each face just outside each edge of contact, with its uncertainty and its
+    possible change by slip in a zone too narrow for the nodes.
 
     It is the tension that the tractions cause in a half-plane, opposite in the two bodies, plus
-    what bulk stress and the size of each body add. Arrays are (n_steps, 2, 2) by body and edge: NaN
-    where too few nodes touch to fit the tractions by a series, 0 where P = 0.
+    what bulk stress and the finite size of each body add. Arrays are (n_steps, 2, 2) by body and
+    edge: NaN where too few nodes touch to fit sine series to the tractions, 0 where P = 0.
 
     Parameters
     ----------
@@ -409,33 +425,33 @@ def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTensi
     """
     values = np.zeros((len(steps), 2, 2))
     uncertainties = np.zeros((len(steps), 2, 2))
-    of_unseen_slip = np.zeros((len(steps), 2, 2))
-    series_of_rows: dict[int, Tractions] = {}
-    for row, step in enumerate(steps):
-        tractions_of_step = tractions_with_uncertainty(_nodal(solution, step))
-        if tractions_of_step.series is not None:
-            series_of_rows[row] = tractions_of_step.series
-            values[row] = np.outer([1.0, -1.0], tractions_of_step.series.edge_tension())
-            uncertainties[row] = tractions_of_step.tension_uncertainty
-            of_unseen_slip[row] = tractions_of_step.of_unseen_slip
+    change_by_unseen_slip = np.zeros((len(steps), 2, 2))
+    tractions_in_contact: dict[int, Tractions] = {}  # by position in `steps`
+    for k, step in enumerate(steps):
+        step_tractions = tractions_with_uncertainty(_nodal_tractions(solution, step))
+        if step_tractions.series is not None:
+            tractions_in_contact[k] = step_tractions.series
+            values[k] = np.outer([1.0, -1.0], step_tractions.series.edge_tension())
+            uncertainties[k] = step_tractions.tension_uncertainty
+            change_by_unseen_slip[k] = step_tractions.of_unseen_slip
         elif solution.normal_load[step] > 0:
-            values[row] = math.nan
-            uncertainties[row] = math.nan
-    if series_of_rows:
-        rows_with_series = list(series_of_rows)
-        tension_by_bodies, uncertainty_by_bodies = _tension_by_bodies(
-            solution, [steps[row] for row in rows_with_series], list(series_of_rows.values())
+            values[k] = math.nan
+            uncertainties[k] = math.nan
+    if tractions_in_contact:
+        positions = list(tractions_in_contact)
+        added_tension, added_uncertainty = _added_edge_tension(
+            solution, [steps[k] for k in positions], list(tractions_in_contact.values())
         )
-        values[rows_with_series] += tension_by_bodies
-        uncertainties[rows_with_series] += uncertainty_by_bodies[:, None]
-    return _EdgeTension(values, uncertainties, of_unseen_slip)
+        values[positions] += added_tension
+        uncertainties[positions] += added_uncertainty[:, None]
+    return _EdgeTension(values, uncertainties, change_by_unseen_slip)
 
 
-def _tension_by_bodies(
-    solution: ContactSolution, steps: Sequence[int], series: Sequence[Tractions]
+def _added_edge_tension(
+    solution: ContactSolution, steps: Sequence[int], tractions_at_steps: Sequence[Tractions]
 ) -> tuple[Array, Array]:
-    """Stress s_xx at both edges of contact that bulk stress and the finite size of the bodies add
-    to that of half-planes.
+    """Stress s_xx along both faces at the edges of contact that bulk stress and the finite size of
+    the bodies add to that of half-planes.
 
     Two bodies that mirror each other have one effect of size, which is computed once.
 
@@ -443,8 +459,8 @@ def _tension_by_bodies(
     ----------
     steps
         (n_steps,) indices of stored instants
-    series
-        tractions on the lower body at each step, as series
+    tractions_at_steps
+        tractions on the lower body at each step, as sine series over the contact
 
     Returns
     -------
@@ -453,40 +469,48 @@ def _tension_by_bodies(
     """
     bodies = solution.scene.bodies
     material = solution.scene.material
-    tension = np.zeros((len(steps), 2, 2))
+    added_tension = np.zeros((len(steps), 2, 2))
     uncertainties = np.zeros(2)
-    bulk_of_bodies = [_bulk_stress(solution, steps, number) for number in (0, 1)]
-    has_bulk_stress = any(bulk_stress.any() for bulk_stress in bulk_of_bodies)
+    bulk_stresses = [_bulk_stress(solution, steps, body_number) for body_number in (0, 1)]
+    has_bulk_stress = any(bulk_stress.any() for bulk_stress in bulk_stresses)
     are_mirrored = bodies.lower == bodies.upper and material.alike and not has_bulk_stress
     size_fit_of_lower: _SizeFit | None = None
-    for number, name in enumerate(_BODY_NAMES):
+    for body_number, name in enumerate(_BODY_NAMES):
         if isinstance(getattr(bodies, name), HalfPlane):
-            tension[:, number] = bulk_of_bodies[number][:, None]
+            added_tension[:, body_number] = bulk_stresses[body_number][:, None]
             continue
-        tractions_on_body = [_on_body(tractions_of_step, number) for tractions_of_step in series]
+        tractions_on_body = [
+            _on_body(step_tractions, body_number) for step_tractions in tractions_at_steps
+        ]
         if isinstance(solution, KernelSolution):
-            size_tension, uncertainty = _tension_by_kernels(solution, number, tractions_on_body)
-            tension[:, number] += size_tension
-            uncertainties[number] = uncertainty
+            tension_by_size, uncertainty = _size_tension_by_kernels(
+                solution, body_number, tractions_on_body
+            )
+            added_tension[:, body_number] += tension_by_size
+            uncertainties[body_number] = uncertainty
             continue
         assert isinstance(solution, FiniteElementSolution)  # for the type checker
-        if number == 1 and are_mirrored:
+        if body_number == 1 and are_mirrored:
             size_fit = size_fit_of_lower
         else:
-            size_fit = _size_fit(solution, number, steps, series, bulk_of_bodies[number])
+            size_fit = _size_fit(
+                solution, body_number, steps, tractions_at_steps, bulk_stresses[body_number]
+            )
         if size_fit is None:
-            tension[:, number] = math.nan
-            uncertainties[number] = math.nan
+            added_tension[:, body_number] = math.nan
+            uncertainties[body_number] = math.nan
         else:
-            # the elements have the bulk stress too
-            tension[:, number] = size_fit.tension(tractions_on_body, bulk_of_bodies[number])
-            uncertainties[number] = size_fit.uncertainty
+            # the fit has the bulk stress in it, as the elements have
+            added_tension[:, body_number] = size_fit.tension(
+                tractions_on_body, bulk_stresses[body_number]
+            )
+            uncertainties[body_number] = size_fit.uncertainty
         size_fit_of_lower = size_fit
-    return tension, uncertainties
+    return added_tension, uncertainties
 
 
-def _tension_by_kernels(
-    solution: KernelSolution, number: int, tractions_on_body: Sequence[Tractions]
+def _size_tension_by_kernels(
+    solution: KernelSolution, body_number: int, tractions_on_body: Sequence[Tractions]
 ) -> tuple[Array, float]:
     """Stress s_xx at both edges of contact that the finite size of a flat-faced body adds to that
     of a half-plane, (n_steps, 2), and its uncertainty [stress].
@@ -497,30 +521,32 @@ def _tension_by_kernels(
 
     Parameters
     ----------
-    number
+    body_number
         0 of the lower body, 1 of the upper one
     tractions_on_body
         tractions on the body in its own frame at each step, as sine series over the contact
     """
-    name = _BODY_NAMES[number]
-    kernels = getattr(solution.kernels, name)
+    name = _BODY_NAMES[body_number]
+    kernels = getattr(solution.kernels, name)  # strain of the face by unit forces on it
     material: Elastic = getattr(solution.scene.material, name)
     modulus = material.young_modulus / (1 - material.poisson_ratio**2)
     angles = math.pi * (np.arange(_N_ANGLES) + 0.5) / _N_ANGLES
     tension = np.zeros((len(tractions_on_body), 2))
     uncertainty = 0.0
-    for k, tractions_of_step in enumerate(tractions_on_body):
-        places_in_contact = tractions_of_step.middle - tractions_of_step.half_width * np.cos(angles)
-        lengths = tractions_of_step.half_width * np.sin(angles) * math.pi / _N_ANGLES
+    for k, step_tractions in enumerate(tractions_on_body):
+        x_in_contact = step_tractions.middle - step_tractions.half_width * np.cos(angles)
+        point_lengths = step_tractions.half_width * np.sin(angles) * math.pi / _N_ANGLES
         pressing_forces, shear_forces = (
-            np.sin(np.outer(angles, np.arange(1, len(sines) + 1))) @ sines * lengths
-            for sines in (
-                tractions_of_step.pressure[:_N_ANGLES],
-                tractions_of_step.shear[:_N_ANGLES],
+            np.sin(np.outer(angles, np.arange(1, len(sine_coefficients) + 1)))
+            @ sine_coefficients
+            * point_lengths
+            for sine_coefficients in (
+                step_tractions.pressure[:_N_ANGLES],
+                step_tractions.shear[:_N_ANGLES],
             )
         )
         strain, strain_difference = kernels.strain(
-            np.array(tractions_of_step.edges), places_in_contact, pressing_forces, shear_forces
+            np.array(step_tractions.edges), x_in_contact, pressing_forces, shear_forces
         )
         tension[k] = modulus * strain
         uncertainty = max(uncertainty, modulus * float(strain_difference.max()))
@@ -529,94 +555,110 @@ def _tension_by_kernels(
 
 @dataclass(frozen=True, eq=False)
 class _SizeFit:
-    """What the size of a body adds, as a linear function of moments of its tractions and of its
-    bulk stress.
+    """Stress that the finite size of a body adds, as a linear function of moments of its tractions
+    and of its bulk stress: the predictors of the regression.
 
     Attributes
     ----------
     size_effect
-        of the instants that it was found at
-    slopes
-        (n_causes, n_coefficients) of the size effect
-    scale
-        (n_causes,) unit of each cause
+        at the instants to which it is fitted
+    regression_matrix
+        (n_predictors, n_coefficients) coefficients of the size effect by a unit of each predictor
+    predictor_units
+        (n_predictors,) unit of each predictor
     uncertainty
         of s_xx at an edge [stress]
     """
 
     size_effect: SizeEffect
-    slopes: Array
-    scale: Array
+    regression_matrix: Array
+    predictor_units: Array
     uncertainty: float
 
-    def tension(self, on_body: Sequence[Tractions], bulk: Array) -> Array:
-        """(n_steps, 2) of s_xx at both edges of contact, by the tractions on the body in its own
-        frame.
+    def tension(self, tractions_on_body: Sequence[Tractions], bulk_stress: Array) -> Array:
+        """Stress s_xx (n_steps, 2) that the size adds at both edges of contact, by the tractions on
+        the body in its own frame [stress].
         """
-        effect = self.of_causes(_causes(on_body, bulk)[:, : len(self.scale)])
+        size_effect = self.size_effect_of(
+            _predictors(tractions_on_body, bulk_stress)[:, : len(self.predictor_units)]
+        )
         on_face = np.zeros(2)
-        by_size = [
-            effect.stress(np.array(of_step.edges), on_face)[:, 0, k]
-            for k, of_step in enumerate(on_body)
+        tensions = [
+            size_effect.stress(np.array(step_tractions.edges), on_face)[:, 0, k]
+            for k, step_tractions in enumerate(tractions_on_body)
         ]
-        return np.array(by_size)
+        return np.array(tensions)
 
-    def of_causes(self, causes: Array) -> SizeEffect:
-        """The size effect by (n_steps, n_causes) causes."""
-        return replace(self.size_effect, coefficients=(causes / self.scale @ self.slopes).T)
+    def size_effect_of(self, predictors: Array) -> SizeEffect:
+        """Size effect at n_steps instants, by predictors (n_steps, n_predictors)."""
+        return replace(
+            self.size_effect,
+            coefficients=(predictors / self.predictor_units @ self.regression_matrix).T,
+        )
 
 
-def _causes(on_body: Sequence[Tractions], bulk: Array) -> Array:
-    """(n_steps, 7) moments of the tractions, and the bulk stress."""
-    moments = np.array([of_step.moments() for of_step in on_body])
-    return np.column_stack([moments, bulk])
+def _predictors(tractions_on_body: Sequence[Tractions], bulk_stress: Array) -> Array:
+    """Predictors (n_steps, 7) of the size effect: six moments of the tractions, the bulk stress."""
+    moments = np.array([step_tractions.moments() for step_tractions in tractions_on_body])
+    return np.column_stack([moments, bulk_stress])
 
 
 def _size_fit(
     solution: FiniteElementSolution,
-    number: int,
+    body_number: int,
     steps: Sequence[int],
-    series: Sequence[Tractions],
-    bulk: Array,
+    tractions_at_steps: Sequence[Tractions],
+    bulk_stress: Array,
 ) -> _SizeFit | None:
-    """Least-squares fit of what the finite size of a body adds to the stress beside the contact:
-    linear in its causes, which are moments of the tractions and the bulk stress.
+    """Linear regression of the stress that the finite size of a body adds beside the contact; the
+    predictors are moments of the tractions and the bulk stress.
 
-    The stress of the elements minus that of a half-plane is found at a dozen steps, spread evenly;
-    the fit gives it at all others. None where the body is too thin for it.
+    That stress is element stress minus half-plane stress at a dozen steps, spread evenly; the
+    regression gives it at all others. None where the body is too thin for it.
 
     Parameters
     ----------
-    number
+    body_number
         0 of the lower body, 1 of the upper one
     steps
         (n_steps,) indices of stored instants
-    series, bulk
-        tractions on the lower body as series, and bulk stress of this body, at the steps
+    tractions_at_steps
+        tractions on the lower body at each step, as sine series over the contact
+    bulk_stress
+        (n_steps,) of this body [stress]
     """
     evenly_spread = np.linspace(0, len(steps) - 1, _N_SAMPLED_STEPS).round().astype(int)
-    sampled_rows = sorted(set(evenly_spread.tolist()))
-    sampled_steps = [steps[k] for k in sampled_rows]
-    nodal_fields = _nodal_fields(solution, number, sampled_steps, bulk[sampled_rows])
-    near_contact = _near_contact(solution, number, nodal_fields, [series[k] for k in sampled_rows])
+    sampled_indices = sorted(set(evenly_spread.tolist()))
+    sampled_steps = [steps[k] for k in sampled_indices]
+    nodal_fields = _nodal_fields(solution, body_number, sampled_steps, bulk_stress[sampled_indices])
+    near_contact = _near_contact(
+        solution, body_number, nodal_fields, [tractions_at_steps[k] for k in sampled_indices]
+    )
     if near_contact is None or near_contact.size_effect is None:
         return None
-    causes = _causes([_on_body(step_tractions, number) for step_tractions in series], bulk)
+    predictors = _predictors(
+        [_on_body(step_tractions, body_number) for step_tractions in tractions_at_steps],
+        bulk_stress,
+    )
     # Over P and powers of the half-width: moments that are zero by symmetry must not count as
     # round-off over round-off.
-    half_width = max(step_tractions.half_width for step_tractions in series)
-    cause_units = np.abs(causes[:, 0]).max() * half_width ** np.array([0, 1, 2, 0, 1, 2])
-    if bulk.any():
-        cause_units = np.append(cause_units, np.abs(bulk).max())
-    causes = causes[sampled_rows, : len(cause_units)]
-    slopes = np.linalg.lstsq(
-        causes / cause_units, near_contact.size_effect.coefficients.T, rcond=1e-8
+    half_width = max(step_tractions.half_width for step_tractions in tractions_at_steps)
+    predictor_units = np.abs(predictors[:, 0]).max() * half_width ** np.array([0, 1, 2, 0, 1, 2])
+    if bulk_stress.any():
+        predictor_units = np.append(predictor_units, np.abs(bulk_stress).max())
+    predictors = predictors[sampled_indices, : len(predictor_units)]
+    regression_matrix = np.linalg.lstsq(
+        predictors / predictor_units, near_contact.size_effect.coefficients.T, rcond=1e-8
     )[0]
-    size_fit = _SizeFit(near_contact.size_effect, slopes, cause_units, uncertainty=0.0)
-    origin = np.zeros(1)
-    stress_of_fit = size_fit.of_causes(causes).stress(origin, origin)
-    missed_stress = near_contact.size_effect.stress(origin, origin) - stress_of_fit
-    uncertainty = float(near_contact.size_effect.error.max() + np.abs(missed_stress[:, 0]).max())
+    size_fit = _SizeFit(
+        near_contact.size_effect, regression_matrix, predictor_units, uncertainty=0.0
+    )
+    origin = np.zeros(1)  # the fit is checked at the middle of the face
+    stress_of_fit = size_fit.size_effect_of(predictors).stress(origin, origin)
+    stress_missed_by_fit = near_contact.size_effect.stress(origin, origin) - stress_of_fit
+    uncertainty = float(
+        near_contact.size_effect.error.max() + np.abs(stress_missed_by_fit[:, 0]).max()
+    )
     return replace(size_fit, uncertainty=uncertainty)
 
 
@@ -661,8 +703,8 @@ def stress(
     """
     instant_times = np.atleast_1d(np.asarray(instants, dtype=float))
     steps = [_step(solution, float(instant)) for instant in instant_times]
-    number = _BODY_NAMES.index(body)
-    sign_of_y = _sign_of_y(number)
+    body_number = _BODY_NAMES.index(body)
+    sign_of_y = _sign_of_y(body_number)
     x_places, y_places = np.broadcast_arrays(
         np.atleast_1d(np.asarray(x, dtype=float)),
         np.atleast_1d(sign_of_y * np.asarray(y, dtype=float)),
@@ -672,22 +714,25 @@ def stress(
             f"stress: y = {sign_of_y * float(y_places.max()):.6g} is outside the {body} body; y"
             " points out of the lower one"
         )
-    bulk_stress = _bulk_stress(solution, steps, number)
-    series_of_steps = [tractions_with_uncertainty(_nodal(solution, step)).series for step in steps]
+    bulk_stress = _bulk_stress(solution, steps, body_number)
+    tractions_at_steps = [
+        tractions_with_uncertainty(_nodal_tractions(solution, step)).series for step in steps
+    ]
     tractions_on_body = [
-        None if series is None else _on_body(series, number) for series in series_of_steps
+        None if step_tractions is None else _on_body(step_tractions, body_number)
+        for step_tractions in tractions_at_steps
     ]
     stress = np.zeros((len(steps), len(x_places), 4))
     half_plane_stress = _stress_of_tractions(tractions_on_body, x_places, y_places)
     stress[..., :3] = np.moveaxis(half_plane_stress, -1, 0)
     if isinstance(getattr(solution.scene.bodies, body), HalfPlane):
         stress[..., 0] += bulk_stress[:, None]
-    elif any(series is not None for series in series_of_steps):
-        nodal_fields = _nodal_fields(solution, number, steps, bulk_stress)
-        near_contact = _near_contact(solution, number, nodal_fields, series_of_steps)
+    elif any(step_tractions is not None for step_tractions in tractions_at_steps):
+        nodal_fields = _nodal_fields(solution, body_number, steps, bulk_stress)
+        near_contact = _near_contact(solution, body_number, nodal_fields, tractions_at_steps)
         size_effect = None if near_contact is None else near_contact.size_effect
         distances = np.hypot(x_places, y_places)
-        # A place at the limit itself may miss it by rounding.
+        # A place at the largest distance itself may be beyond it by rounding.
         if size_effect is None or np.any(distances > size_effect.length * (1 + 1e-9)):
             raise InputError(
                 f"stress: a place in the {body} body is further from the contact than where the"
@@ -695,7 +740,7 @@ def stress(
             )
         stress[..., :3] += np.moveaxis(size_effect.stress(x_places, y_places), -1, 0)
     stress[..., 2] *= sign_of_y  # s_xy from the body's own frame to the common one
-    poisson_ratio = solution.condensed[number].material.poisson_ratio
+    poisson_ratio = solution.condensed[body_number].material.poisson_ratio
     stress[..., 3] = poisson_ratio * (stress[..., 0] + stress[..., 1])  # plane strain
     return stress
 
@@ -731,35 +776,37 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     edge of contact, with its place, time and uncertainty.
 
     None out of contact, and where it is not known what the size of a body adds. Just after a load
-    has turned, the new slip zone is narrower than an element, so that the stress is still that from
-    before the turn. The largest tension is met before a turn: such slip leaves it certain.
+    reverses, the new slip zone is narrower than an element, so that the stress is still that from
+    before. The largest tension comes before a reversal: such slip adds no uncertainty to it.
     """
     if not _has_bodies(solution):
         return None
     steps = _steps_of_large_tension(solution)
     if not steps:
         return None
-    series_of_steps = [tractions(_nodal(solution, step)) for step in steps]
-    tension_by_bodies, body_uncertainties = _tension_by_bodies(solution, steps, series_of_steps)
+    tractions_at_steps = [tractions(_nodal_tractions(solution, step)) for step in steps]
+    added_tension, added_uncertainty = _added_edge_tension(solution, steps, tractions_at_steps)
     tension_by_tractions = [
-        np.outer([1.0, -1.0], tractions_of_step.edge_tension())
-        for tractions_of_step in series_of_steps
+        np.outer([1.0, -1.0], step_tractions.edge_tension())
+        for step_tractions in tractions_at_steps
     ]
-    values = np.array(tension_by_tractions) + tension_by_bodies
+    values = np.array(tension_by_tractions) + added_tension
     if np.isnan(values).any():
         return None
-    # Of mirrored instants, alike but for round-off, the first counts.
+    # Two halves of a cycle may mirror each other but for round-off: the first instant is taken.
     is_largest = values >= values.max() - _ROUND_OFF * abs(values.max())
-    place_of_largest = np.unravel_index(np.argmax(is_largest), values.shape)
-    k, body, edge = (int(index) for index in place_of_largest)
-    series_uncertainty = tractions_with_uncertainty(_nodal(solution, steps[k])).tension_uncertainty
-    edges = series_of_steps[k].edges
+    largest_index = np.unravel_index(np.argmax(is_largest), values.shape)
+    candidate, body_number, edge_number = (int(index) for index in largest_index)
+    series_uncertainty = tractions_with_uncertainty(
+        _nodal_tractions(solution, steps[candidate])
+    ).tension_uncertainty
+    edges = tractions_at_steps[candidate].edges
     return LargestTension(
-        value=float(values[k, body, edge]),
-        uncertainty=float(series_uncertainty[edge] + body_uncertainties[body]),
-        time=float(solution.time[steps[k]]),
-        body=_BODY_NAMES[body],
-        x=edges[edge],
+        value=float(values[candidate, body_number, edge_number]),
+        uncertainty=float(series_uncertainty[edge_number] + added_uncertainty[body_number]),
+        time=float(solution.time[steps[candidate]]),
+        body=_BODY_NAMES[body_number],
+        x=edges[edge_number],
         edges=edges,
     )
 
@@ -768,78 +815,81 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
     """Candidates for the instant of the largest edge tension: steps of the last cycle, in order of
     time, at which an estimate of it is highest.
 
-    The estimate is the tension by tractions that are fitted at few points, plus what bodies and
-    bulk stress add, interpolated in time. Fits cost most, so they are made in the order of a
-    cheaper bound, by nodal values alone. They end when no step left can be among the highest.
+    The estimate is the tension by tractions that are fitted at few points, plus the tension that
+    bulk stress and body size add, interpolated in time. Fits cost most: they are made in the order
+    of a cheaper bound by nodal tractions, until no step left can be among the highest.
 
     Between half-planes without bulk stress the estimate is exact, and one candidate is enough.
     """
     cycle = [int(step) for step in solution.last_cycle]
-    nodal_values = {step: _nodal(solution, step) for step in cycle}
-    tension_by_nodes = {
+    nodal_tractions = {step: _nodal_tractions(solution, step) for step in cycle}
+    nodal_tension = {
         step: tension_of_nodes(nodal)
-        for step, nodal in nodal_values.items()
+        for step, nodal in nodal_tractions.items()
         if len(nodal.x) >= FEWEST
     }
     has_bulk_stress = any(_bulk_stress(solution, cycle, body).any() for body in (0, 1))
     is_exact = solution.scene.bodies.half_planes and not has_bulk_stress
     n_candidates = 1 if is_exact else _N_CANDIDATES
-    if len(tension_by_nodes) <= n_candidates:
-        return list(tension_by_nodes)
-    tension_by_bodies = dict.fromkeys(tension_by_nodes, np.zeros((2, 2)))
+    if len(nodal_tension) <= n_candidates:
+        return list(nodal_tension)
+    added_tension = dict.fromkeys(nodal_tension, np.zeros((2, 2)))
     if not is_exact:
-        tension_by_bodies = _between_sampled(
-            solution, {step: nodal_values[step] for step in tension_by_nodes}
+        added_tension = _interpolated_added_tension(
+            solution, {step: nodal_tractions[step] for step in nodal_tension}
         )
     upper_bounds = {
-        step: _LARGEST_RATIO_TO_NODAL * tension + float(tension_by_bodies[step].max())
-        for step, tension in tension_by_nodes.items()
+        step: _LARGEST_RATIO_TO_NODAL * tension + float(added_tension[step].max())
+        for step, tension in nodal_tension.items()
     }
     estimates: dict[int, float] = {}
     for step in sorted(upper_bounds, key=lambda step: -upper_bounds[step]):
         highest_estimates = sorted(estimates.values(), reverse=True)[:n_candidates]
         if len(highest_estimates) == n_candidates and upper_bounds[step] < highest_estimates[-1]:
             break
-        tension_at_edges = sampled_tractions(nodal_values[step]).edge_tension()
-        tension_of_bodies = np.outer([1.0, -1.0], tension_at_edges) + tension_by_bodies[step]
-        estimates[step] = float(tension_of_bodies.max())
+        tension_at_edges = sampled_tractions(nodal_tractions[step]).edge_tension()
+        tension_estimate = np.outer([1.0, -1.0], tension_at_edges) + added_tension[step]
+        estimates[step] = float(tension_estimate.max())
     highest_estimates = sorted(estimates.values(), reverse=True)[:n_candidates]
     # Instants that are alike but for round-off are all candidates, or none.
     least_estimate = highest_estimates[-1] * (1 - _ROUND_OFF)
     return [step for step in cycle if estimates.get(step, -math.inf) >= least_estimate]
 
 
-def _between_sampled(
-    solution: ContactSolution, nodal_values: Mapping[int, Nodal]
+def _interpolated_added_tension(
+    solution: ContactSolution, nodal_tractions: Mapping[int, Nodal]
 ) -> dict[int, Array]:
-    """Estimate of what bulk stress and the size of the bodies add to the edge tension at each step:
-    step -> (2, 2) by body and edge [stress].
+    """Estimate of the tension s_xx that bulk stress and the size of the bodies add at the edges of
+    contact, by index of the stored step: (2, 2) by body and edge [stress].
 
     It is computed at six steps and interpolated in time by a cubic spline; 0 where it is not known.
-    `nodal_values` maps the index of a stored step to the tractions at its nodes.
+    `nodal_tractions` maps the index of a stored step to the tractions at its nodes.
     """
-    steps = list(nodal_values)
+    steps = list(nodal_tractions)
     evenly_spread = np.linspace(0, len(steps) - 1, _N_STEPS_OF_SEARCH).round().astype(int)
     sampled_steps = [steps[k] for k in evenly_spread]
-    series = [tractions(nodal_values[step]) for step in sampled_steps]
-    sampled_tensions, _ = _tension_by_bodies(solution, sampled_steps, series)
+    tractions_at_steps = [tractions(nodal_tractions[step]) for step in sampled_steps]
+    sampled_tensions, _ = _added_edge_tension(solution, sampled_steps, tractions_at_steps)
     spline = scipy.interpolate.CubicSpline(
         solution.time[sampled_steps], np.nan_to_num(sampled_tensions)
     )
     return dict(zip(steps, spline(solution.time[steps]), strict=True))
 
 
-def _bulk_stress(solution: ContactSolution, steps: Sequence[int], number: int) -> Array:
+def _bulk_stress(solution: ContactSolution, steps: Sequence[int], body_number: int) -> Array:
     """(n_steps,) bulk stress of the lower (0) or the upper (1) body [stress]."""
-    bulk_stress = (solution.bulk_stress_lower, solution.bulk_stress_upper)[number]
+    bulk_stress = (solution.bulk_stress_lower, solution.bulk_stress_upper)[body_number]
     if bulk_stress is None:
         return np.zeros(len(steps))
     return np.asarray(bulk_stress[list(steps)])
 
 
-def _nodal(solution: ContactSolution, step: int) -> Nodal:
-    """Pressure and shear at the touching nodes of a solution at a stored step, with all that a fit
-    of them by a series needs: edges of stick and contact, friction, Q, kinks of the profile.
+def _nodal_tractions(solution: ContactSolution, step: int) -> Nodal:
+    """Pressure and shear at the touching nodes of a solution at a stored step, with what a fit of
+    sine series to them needs: edges of stick and contact, friction, Q, kinks of the profile.
+
+    `growing` says that P rises by |dQ|/f at least, so that nothing slips; `coupled` that p and q
+    act on each other, by unlike shapes or materials; `unlike` that the materials are unlike.
     """
     pressure = solution.pressure[step]
     shear = solution.shear[step]
@@ -896,7 +946,7 @@ def profile_kinks(scene: Scene) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class _NodalFields:
-    """What the elements of a body give at its n nodes at k stored steps, in its own frame.
+    """Displacement and stress by elements at the n nodes of a body, k stored steps, its own frame.
 
     The bulk stress of a block is in both; that of a half-plane is not.
 
@@ -909,7 +959,7 @@ class _NodalFields:
     stress
         (n, 4, k) xx, yy, xy, zz [stress]
     areas
-        (n,) that each node stands for
+        (n,) sum of the areas of the elements around each node
     """
 
     basis: skfem.Basis
@@ -938,12 +988,12 @@ def _nodal_fields(
     pressure = np.stack([state.pressure for state in states], axis=1) * solution.scales.load
     shear = np.stack([state.shear for state in states], axis=1) * solution.scales.load
     forces = body_forces(*solution.condensed, pressure, shear)[_BODY_NAMES[body_number]]
-    basis, displacements, tensions = displacement_fields(
+    basis, displacements, mean_stresses = displacement_fields(
         condensed, forces, solution.scene.profile.datum_length, bulk_stress
     )
     stresses = []
-    for displacement, tension in zip(displacements.T, tensions.T, strict=True):
-        stress, areas = _nodal_stress(basis, displacement, tension, condensed)
+    for displacement, mean_stress in zip(displacements.T, mean_stresses.T, strict=True):
+        stress, areas = _nodal_stress(basis, displacement, mean_stress, condensed)
         stresses.append(stress)
     return _NodalFields(basis, displacements, np.stack(stresses, axis=-1), areas)
 
@@ -954,69 +1004,71 @@ class _NearContact:
 
     Attributes
     ----------
-    limit
-        distance from the middle of the contact up to which it goes [length]
+    largest_distance
+        of its nodes from the middle of the contact [length]
     nodes
         (m,) in it
     x, y
         (m,) their places, the face flattened [length]
-    series
-        (k,) tractions on this body, in its own frame; None out of contact
+    tractions
+        (k,) tractions on this body at the k steps, in its own frame; None out of contact
     size_effect
-        what the size of the body adds; None of a half-plane
+        stress that the finite size of the body adds; None of a half-plane
     """
 
-    limit: float
+    largest_distance: float
     nodes: Indices
     x: Array
     y: Array
-    series: Sequence[Tractions | None]
+    tractions: Sequence[Tractions | None]
     size_effect: SizeEffect | None
 
 
 def _near_contact(
     solution: FiniteElementSolution,
-    number: int,
+    body_number: int,
     nodal_fields: _NodalFields,
-    series: Sequence[Tractions | None],
+    tractions_at_steps: Sequence[Tractions | None],
 ) -> _NearContact | None:
-    """The nodes of a body within three half-widths of the contact, the tractions on the body, and a
-    fit of what its finite size adds to the stress at these nodes.
+    """The nodes of a body within three half-widths of the middle of the contact, the tractions on
+    the body, and a fit of the stress that its finite size adds at these nodes.
 
-    There stress follows from the tractions more accurately than from the elements. The fit rests on
+    There stress follows from the tractions more accurately than from the elements. The fit uses
     nodes deep enough, or far enough beside the contact, for the elements to be accurate. None where
     nothing touches, and where a support or a side is too near.
 
     Parameters
     ----------
-    number
+    body_number
         0 of the lower body, 1 of the upper one
     nodal_fields
         stress and displacement at its nodes by the elements, at k steps
-    series
-        (k,) tractions on the lower body at the steps, None without contact
+    tractions_at_steps
+        (k,) tractions on the lower body at the steps, as sine series; None out of contact
     """
-    shape = getattr(solution.scene.bodies, _BODY_NAMES[number])
+    shape = getattr(solution.scene.bodies, _BODY_NAMES[body_number])
     half_widths = [
-        tractions_of_step.half_width
-        for tractions_of_step in series
-        if tractions_of_step is not None
+        step_tractions.half_width
+        for step_tractions in tractions_at_steps
+        if step_tractions is not None
     ]
     if not half_widths:
         return None
     half_width = max(half_widths)
-    largest_distance = min(_OUTER_DISTANCE * half_width, _SHARE_OF_ROOM * _room(shape))
+    largest_distance = min(
+        _OUTER_DISTANCE * half_width, _SHARE_OF_DISTANCE_TO_SUPPORT * _distance_to_support(shape)
+    )
     if largest_distance < _LEAST_OUTER_DISTANCE * half_width:
         return None
-    x, y = nodal_fields.basis.mesh.p
-    # Depth below the curved face, as if that were flat.
-    y = np.minimum(y + face_of(shape, solution.scene.profile).depth(np.abs(x)), 0.0)
-    nodes = np.flatnonzero(np.hypot(x, y) < largest_distance)
-    x = x[nodes]
-    y = y[nodes]
+    x_of_mesh, y_of_mesh = nodal_fields.basis.mesh.p
+    depth_of_face = face_of(shape, solution.scene.profile).depth(np.abs(x_of_mesh))
+    y_below_face = np.minimum(y_of_mesh + depth_of_face, 0.0)  # as if the face were flat
+    nodes = np.flatnonzero(np.hypot(x_of_mesh, y_below_face) < largest_distance)
+    x = x_of_mesh[nodes]
+    y = y_below_face[nodes]
     tractions_on_body = [
-        None if tractions_of_step is None else _on_body(tractions_of_step, number)
-        for tractions_of_step in series
+        None if step_tractions is None else _on_body(step_tractions, body_number)
+        for step_tractions in tractions_at_steps
     ]
     size_effect = None
     if not isinstance(shape, HalfPlane):
@@ -1024,25 +1076,33 @@ def _near_contact(
         is_accurate = (y < -_ACCURATE_DEPTH * half_width) | is_beside
         x_fitted = x[is_accurate]
         y_fitted = y[is_accurate]
-        stress_beyond = nodal_fields.stress[nodes][is_accurate, :3] - _stress_of_tractions(
+        stress_by_size = nodal_fields.stress[nodes][is_accurate, :3] - _stress_of_tractions(
             tractions_on_body, x_fitted, y_fitted
         )
         areas = nodal_fields.areas[nodes][is_accurate]
         size_effect = fitted_size_effect(
-            x_fitted, y_fitted, stress_beyond, areas, largest_distance, half_width
+            x_fitted, y_fitted, stress_by_size, areas, largest_distance, half_width
         )
     return _NearContact(largest_distance, nodes, x, y, tractions_on_body, size_effect)
 
 
-def _on_body(tractions_on_lower: Tractions, number: int) -> Tractions:
+def _on_body(tractions_on_lower: Tractions, body_number: int) -> Tractions:
     """Tractions on the lower body as the body with this number has them in its own frame."""
-    return replace(tractions_on_lower, shear=_sign_of_y(number) * tractions_on_lower.shear)
+    return replace(tractions_on_lower, shear=_sign_of_y(body_number) * tractions_on_lower.shear)
 
 
-def _stress_of_tractions(series: Sequence[Tractions | None], x: Array, y: Array) -> Array:
+def _stress_of_tractions(
+    tractions_at_steps: Sequence[Tractions | None], x: Array, y: Array
+) -> Array:
     """(n, 3, k) s_xx, s_yy, s_xy of a half-plane y <= 0 at (n,) places; 0 out of contact."""
-    none = np.zeros((len(x), 3))
-    return np.stack([none if step is None else step.stress(x, y) for step in series], axis=-1)
+    no_stress = np.zeros((len(x), 3))
+    return np.stack(
+        [
+            no_stress if step_tractions is None else step_tractions.stress(x, y)
+            for step_tractions in tractions_at_steps
+        ],
+        axis=-1,
+    )
 
 
 def _joined_stress(
@@ -1051,26 +1111,27 @@ def _joined_stress(
     """Stress xx, yy, xy, zz at the n nodes of a body at k steps, (n, 4, k): that of the elements
     far from the contact, that of the tractions close to it, blended in between.
 
-    With s the distance to the limit of the close part over the width of the blending zone, clipped
-    to 0 <= s <= 1, the weight of the tractions' stress is s^2 (3 - 2 s).
+    The blending zone is an annulus inside the largest distance of the nodes close to the contact.
+    With s the distance from its outer circle over its width, clipped to 0 <= s <= 1, the weight of
+    the tractions' stress is s^2 (3 - 2 s).
 
     Parameters
     ----------
     nodal_fields
         stress by the elements at all nodes
     near_contact
-        the nodes close to the contact, the tractions on the body, and the effect of its size
+        the nodes close to the contact, the tractions on the body, and the stress that its size adds
     material
         of the body; its Poisson ratio gives s_zz in plane strain
     """
     x = near_contact.x
     y = near_contact.y
     nodes = near_contact.nodes
-    traction_stress = _stress_of_tractions(near_contact.series, x, y)
+    traction_stress = _stress_of_tractions(near_contact.tractions, x, y)
     if near_contact.size_effect is not None:
         traction_stress = traction_stress + near_contact.size_effect.stress(x, y)
-    blending_width = _BLENDING_SHARE * near_contact.limit
-    s = np.clip((near_contact.limit - np.hypot(x, y)) / blending_width, 0.0, 1.0)
+    blending_width = _BLENDING_SHARE * near_contact.largest_distance
+    s = np.clip((near_contact.largest_distance - np.hypot(x, y)) / blending_width, 0.0, 1.0)
     weight = (s**2 * (3 - 2 * s))[:, None, None]
     stress = nodal_fields.stress.copy()
     stress[nodes, :3] = (1 - weight) * stress[nodes, :3] + weight * traction_stress
@@ -1078,12 +1139,12 @@ def _joined_stress(
     return stress
 
 
-def _room(shape: Shape) -> float:
+def _distance_to_support(shape: Shape) -> float:
     """Distance from the middle of the face to the nearest support or side of a body [length]."""
     return min(shape.face_half_width, shape.least_depth)
 
 
-def _counter_clockwise(points: Array, cells: Indices) -> Indices:
+def _counter_clockwise_cells(points: Array, cells: Indices) -> Indices:
     """Node numbers of elements, (n_elements, nodes of one), with those that run clockwise reversed:
     readers of VTU files would give them negative areas.
 
@@ -1099,7 +1160,7 @@ def _counter_clockwise(points: Array, cells: Indices) -> Indices:
 
 
 def _nodal_stress(
-    basis: skfem.Basis, displacement: Array, tension: Array, condensed: CondensedBody
+    basis: skfem.Basis, displacement: Array, mean_stress: Array, condensed: CondensedBody
 ) -> tuple[Array, Array]:
     """Stress xx, yy, xy, zz at the nodes of a body, (n_nodes, 4), by averaging over the elements
     around each node, and the sum of the areas of these elements, (n_nodes,).
@@ -1107,7 +1168,7 @@ def _nodal_stress(
     Stress at quadrature points is extrapolated to the nodes of each element, then averaged there
     with the areas as weights.
 
-    # notation: lam, mu Lame's constants; lam without the part that enters through `tension`
+    # notation: lam, mu Lame's constants; lam without the part that enters through `mean_stress`
 
     Parameters
     ----------
@@ -1115,21 +1176,23 @@ def _nodal_stress(
         finite-element basis of the displacement
     displacement
         (n_dofs,) values of the displacement in this basis [length]
-    tension
-        part of lam div(u) that mixed elements have as an unknown of its own, at the corners
-        [stress]
+    mean_stress
+        (n_corners,) part of lam div(u) that mixed elements have as a further unknown, r, at their
+        corners [stress]
     condensed
         the body, with its material and the order of its elements
     """
     lam, _, mu = split_lame(condensed.material, condensed.order)
     strain = sym_grad(basis.interpolate(displacement))
-    tension_at_points = basis.with_element(scalar_element(basis.mesh, 1)).interpolate(tension)
-    s_zz = lam * (strain[0, 0] + strain[1, 1]) + np.asarray(tension_at_points)
+    mean_stress_at_points = basis.with_element(scalar_element(basis.mesh, 1)).interpolate(
+        mean_stress
+    )
+    s_zz = lam * (strain[0, 0] + strain[1, 1]) + np.asarray(mean_stress_at_points)
     s_xx = s_zz + 2 * mu * strain[0, 0]
     s_yy = s_zz + 2 * mu * strain[1, 1]
     s_xy = 2 * mu * strain[0, 1]
     stress_at_element_nodes = (
-        np.stack((s_xx, s_yy, s_xy, s_zz)) @ _to_nodes(basis, condensed.order).T
+        np.stack((s_xx, s_yy, s_xy, s_zz)) @ _extrapolation_to_nodes(basis, condensed.order).T
     )
     element_areas = basis.dx.sum(axis=1)[:, None]
     cells = cells_of(basis.mesh, condensed.order).ravel()
@@ -1145,7 +1208,7 @@ def _nodal_stress(
     )
 
 
-def _to_nodes(basis: skfem.Basis, order: int) -> Array:
+def _extrapolation_to_nodes(basis: skfem.Basis, order: int) -> Array:
     """Matrix (n_nodes, n_quadrature) that extrapolates values at the quadrature points of an
     element to its nodes, by the polynomial that fits them best in least squares.
 
