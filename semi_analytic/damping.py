@@ -53,8 +53,8 @@ def hysteresis(
     datum_length: float | None = None,
     effects: BodyEffects | None = None,
 ) -> Hysteresis:
-    """Secant stiffness and damping ratio of the loop of Q over the displacement U in the last cycle
-    of a solution.
+    """Secant stiffness, damping ratio and dissipation of the hysteresis loop of the tangential load
+    Q over the tangential displacement U in the last cycle of a solution, per unit thickness.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def hysteresis(
     >>> round(loop.damping_ratio, 5)
     0.00607
     """
-    cycle = solution.last_cycle
+    cycle = solution.last_cycle  # indices of its instants
     if any(
         np.any(stress)
         for stress in (solution.bulk_stress_lower, solution.bulk_stress_upper)
@@ -123,18 +123,22 @@ def added_compliance(
     datum_length: float | None,
     effects: BodyEffects | None,
 ) -> float:
-    """What the tangential compliance dU/dQ of an actuator has beside that of a solution [1/stress].
+    """Difference of the tangential compliance dU/dQ of a contact with a given reference of U to
+    that of a solution [1/stress].
 
-    For half-planes it is c_t of `effects`, or (A/pi) ln(L/L_solution) of a stated datum length L, A
-    = 2/E*; 0 for finite bodies, whose U counts from their supports. `caller` begins the messages.
+    U of half-planes needs a datum length L, a distance from the load at which the surface does not
+    move. The difference is c + (A/pi) ln(L/L_solution), A = 2/E*: c = c_t and L are those of
+    `effects`, or c = 0 and L = `datum_length`. It is 0 for finite bodies, whose U counts from their
+    supports. `caller` begins the messages.
 
     Raises
     ------
     InputError
         For half-planes without either, for both at once, and for either beside finite bodies.
     """
-    is_plain_theory = solution.engine == "semi_analytic" and "effects" not in solution.settings
-    if not is_plain_theory and not solution.scene.bodies.half_planes:
+    # By theory without the effects of finite bodies, whatever bodies the scene has.
+    is_half_plane_theory = solution.engine == "semi_analytic" and "effects" not in solution.settings
+    if not is_half_plane_theory and not solution.scene.bodies.half_planes:
         if datum_length is not None or effects is not None:
             raise InputError(
                 f"{caller}: U of finite bodies counts from their supports: leave datum_length and"
@@ -165,9 +169,8 @@ def compliance(
     datum_length: float | None = None,
     effects: BodyEffects | None = None,
 ) -> tuple[Array, Array]:
-    """Tangential compliance dU/dQ of the contact of half-planes at constant P, (n_steps,)
-    [1/stress], twice: while slip goes on, infinite where nothing sticks, and right after a reversal
-    of Q.
+    """Tangential compliances dU/dQ of a contact of half-planes at constant P, (n_steps,) each
+    [1/stress]: while slip continues, infinite if nothing sticks; and right after a reversal of Q.
 
     It is (A/pi) ln(2 L/c) with the stick half-width c, or with the contact half-width after a
     reversal. U, the tangential displacement, needs a reference: either `datum_length` L, the
@@ -187,8 +190,8 @@ def compliance(
     """
     if solution.tilt is not None:
         raise InputError("compliance: it is for symmetric profiles without bulk stress and tilt")
-    is_plain_theory = solution.engine == "semi_analytic" and "effects" not in solution.settings
-    if not is_plain_theory and not solution.scene.bodies.half_planes:
+    is_half_plane_theory = solution.engine == "semi_analytic" and "effects" not in solution.settings
+    if not is_half_plane_theory and not solution.scene.bodies.half_planes:
         raise InputError("compliance: the formula is that of half-planes; solve by theory")
     compliance_to_datum = added_compliance(solution, "compliance", datum_length, effects)
     unit_compliance = 2 / (math.pi * composite_modulus(solution.scene.material))

@@ -92,7 +92,7 @@ _DOUBLINGS = 60
 
 
 class Compliance(NamedTuple):
-    """What moves the actuator beside slip.
+    """Compliances of contact, bodies and springs: what moves the actuator besides gross sliding.
 
     Attributes
     ----------
@@ -127,15 +127,14 @@ class Compliance(NamedTuple):
         return np.asarray(-load * (of_pressure * load + of_shear * np.asarray(tangential_load)))
 
     def of_actuator(self, half_width: Array | float, normal_load: Array | float) -> Array:
-        """Compliance d(U + Q/k_s)/dQ of an actuator while the half-width c = `half_width` sticks
-        under P [1/stress].
+        """Compliance d(U + Q/k_s)/dQ of the actuator at constant P [1/stress], where c =
+        `half_width` is the half-width of the stick zone.
 
             (A/pi) ln(2 L/c) + c_t + T c^2/2 - T^2 G(c) c^2/8 + 1/k_s - R alpha_Q^2 P,
             G(c) = (pi E*/4) c^2
 
-        T is the curvature of the faces per Q, c_t the compliance of the bodies, k_s the spring, L
-        the datum length; R alpha_Q^2 P comes from the tilt. Without the curvatures by the other
-        load.
+        T is the curvature of the faces per Q, c_t the compliance of the bodies, k_s the tangential
+        spring, L the datum length. R alpha_Q^2 is `tilts[1]`. N_Q and T_P are taken as 0.
         """
         stick_half_width = np.asarray(half_width, dtype=float)
         squared_width = stick_half_width**2
@@ -151,11 +150,11 @@ class Compliance(NamedTuple):
         return np.asarray(half_plane_rate + body_rate + self.tangential_spring - tilt_rate)
 
     def require_unique(self, largest_half_width: float, largest_load: float) -> None:
-        """Refuse a rig for which the prescribed displacement U does not determine Q: InputError
-        where U falls while Q grows.
+        """Raise InputError if the displacement U that a rig prescribes does not determine Q: if U
+        falls while Q grows.
 
-        Looked for at all stick half-widths up to `largest_half_width`, at the normal load
-        `largest_load`.
+        dU/dQ is checked for all half-widths of the stick zone up to `largest_half_width` [length],
+        under the normal load `largest_load`.
         """
         stick_half_width = largest_half_width * np.arange(1, _PLACES + 1) / _PLACES
         slope_of_displacement = self.of_actuator(stick_half_width, largest_load)
@@ -172,8 +171,10 @@ class Compliance(NamedTuple):
 
 # --------------------------------------------------------------------------------- rows of the path
 class ActuatorRows(NamedTuple):
-    """Instants of a path of actuators, (n,) each: P or the approach, U_act; `ends` are the rows at
-    which the initial loading ends, and each cycle, the last row where there is no cycle.
+    """Instants of a path of actuators, with P or the normal approach and U_act there, (n,) each.
+
+    `ends` are the indices of the instants at which the initial loading and each cycle end; of a
+    path without cycles that of the last instant.
     """
 
     time: Array
@@ -191,100 +192,100 @@ def actuator_rows(
     one_step_at_constant_load: bool = False,
     steps_per_cycle: int = _STEPS_A_CYCLE,
 ) -> ActuatorRows:
-    """Instants at which a path of actuators is cut into straight steps: turning points, instants at
-    which the bodies part or meet, and equal steps between them; with what the actuators do there.
+    """Instants between which the motion of the actuators of a rig is taken as linear, with P or the
+    normal approach and U_act there.
+
+    They are turning points, ends of segments, instants of separation and touch, and equal steps
+    between these.
 
     Parameters
     ----------
     path
-        of the actuators, P or the approach and U_act in the place of P and Q
+        of the actuators: P or the normal approach in the place of P, U_act in that of Q
     refinement
-        how many times as many steps between two of these instants
+        factor on the number of equal steps
     extra_times
-        (k,) instants that are rows too
+        (k,) more instants
     one_step_at_constant_load
-        whether one step is taken where P rests, which is exact
+        whether to take one step, which is exact, between two turning points if P is constant there
     steps_per_cycle
-        of a cycle at least, turning points apart
+        least number of steps in a cycle
 
     Raises
     ------
     InputError
         For more steps than can be followed.
     """
-    instants = _events_of_actuators(path, cycles)
+    turning_times = np.array(_turning_times_of_actuators(path, cycles))
+    n_turns = len(turning_times)
     n_cycles = max(cycles, 1) if path.period is not None else 1
-    steps_between = max(math.ceil(steps_per_cycle * n_cycles / len(instants)), 1)
-    if len(instants) < steps_per_cycle * n_cycles / _FEWEST_STEPS:
-        steps_between = max(steps_between, _FEWEST_STEPS)
-    steps_between *= refinement
-    if steps_between * len(instants) > _MOST_ROWS:
+    steps_between_turns = max(math.ceil(steps_per_cycle * n_cycles / n_turns), 1)
+    if n_turns < steps_per_cycle * n_cycles / _FEWEST_STEPS:
+        steps_between_turns = max(steps_between_turns, _FEWEST_STEPS)
+    steps_between_turns *= refinement
+    if steps_between_turns * n_turns > _MOST_ROWS:
         raise InputError(
-            f"load: the path of the actuators takes {steps_between * len(instants):,} steps and"
+            f"load: the path of the actuators takes {steps_between_turns * n_turns:,} steps and"
             f" {_MOST_ROWS:,} are followed at most: take a part of it, or fewer cycles"
         )
-    instant_times = np.array(instants)
-    shares = np.arange(steps_between) / steps_between
-    step_times = instant_times[:-1, None] + np.diff(instant_times)[:, None] * shares
+
+    # (turns - 1, steps between two)
+    fractions = np.arange(steps_between_turns) / steps_between_turns
+    step_times = turning_times[:-1, None] + np.diff(turning_times)[:, None] * fractions
     if one_step_at_constant_load:
-        sample_values = path.at(
-            np.array(
-                [
-                    instant_times[:-1],
-                    instant_times[1:],
-                    (instant_times[1:] + instant_times[:-1]) / 2,
-                ]
-            )
-        )[0]
-        is_at_rest = np.ptp(sample_values, axis=0) <= _SAME * np.max(np.abs(sample_values))
-        step_times[is_at_rest] = step_times[is_at_rest, :1]
-    time = np.append(step_times.ravel(), instant_times[-1])
+        middle_times = (turning_times[1:] + turning_times[:-1]) / 2
+        sample_times = np.array([turning_times[:-1], turning_times[1:], middle_times])
+        loads_at_samples = path.at(sample_times)[0]
+        largest_load = np.max(np.abs(loads_at_samples))
+        is_constant = np.ptp(loads_at_samples, axis=0) <= _SAME * largest_load
+        # Equal times become one below.
+        step_times[is_constant] = step_times[is_constant, :1]
+    time = np.append(step_times.ravel(), turning_times[-1])
     if extra_times is not None:
-        time = np.append(
-            time, extra_times[(extra_times > instant_times[0]) & (extra_times < instant_times[-1])]
-        )
+        is_in_path = (extra_times > turning_times[0]) & (extra_times < turning_times[-1])
+        time = np.append(time, extra_times[is_in_path])
     time = np.unique(time)
-    duration = instant_times[-1] - instant_times[0]
+    duration = turning_times[-1] - turning_times[0]
     time = time[np.diff(time, prepend=-np.inf) > _SAME * duration]
-    normal_values, displacement = path.at(time)
-    cycle_ends = [instant_times[-1]]
+
+    load_or_approach, displacement = path.at(time)
+    cycle_end_times = [turning_times[-1]]
     if path.period is not None:
-        cycle_ends = [path.cycle_start + k * path.period for k in range(cycles + 1)]
-    ends = tuple(int(np.argmin(np.abs(time - mark))) for mark in cycle_ends)
-    return ActuatorRows(time, np.maximum(normal_values, 0.0), displacement, ends)
+        cycle_end_times = [path.cycle_start + k * path.period for k in range(cycles + 1)]
+    ends = tuple(int(np.argmin(np.abs(time - cycle_end))) for cycle_end in cycle_end_times)
+    return ActuatorRows(time, np.maximum(load_or_approach, 0.0), displacement, ends)
 
 
-def _events_of_actuators(path: LoadPath, cycles: int) -> list[float]:
-    """Instants, ascending, between which the actuators of a rig move one way: turning points of
-    both, ends of segments of the path, and instants at which the bodies part or meet.
+def _turning_times_of_actuators(path: LoadPath, cycles: int) -> list[float]:
+    """Ascending times between which the motion of each actuator of a rig is monotonic: turning
+    points, ends of segments of the path, and instants at which the bodies separate or touch.
     """
     segments = list(path.legs(cycles))
-    instants = [segments[0].start]
+    times = [segments[0].start]
     for segment in segments:
-        turns_of_normal = segment.turning_points(NORMAL_LOAD)
-        turns_of_tangential = segment.turning_points(TANGENTIAL_LOAD)
+        normal_turning_times = segment.turning_points(NORMAL_LOAD)
+        tangential_turning_times = segment.turning_points(TANGENTIAL_LOAD)
         monotonic_ends = sorted(
-            {segment.start, segment.end, *turns_of_normal, *turns_of_tangential}
+            {segment.start, segment.end, *normal_turning_times, *tangential_turning_times}
         )
         touch_times = [
             _root(partial(_normal_value, segment), begin, end)
             for begin, end in pairwise(monotonic_ends)
             if segment.loads(begin)[0] * segment.loads(end)[0] < 0
         ]
-        instants += sorted({*monotonic_ends[1:], *touch_times})
-    return instants
+        times += sorted({*monotonic_ends[1:], *touch_times})
+    return times
 
 
-def _normal_value(leg: LoadSegment, time: float) -> float:
-    """The first load of a leg at a time: P, or the approach of an actuator."""
-    return float(leg.loads(time)[0])
+def _normal_value(segment: LoadSegment, time: float) -> float:
+    """P, or the normal approach of an actuator, at a time of a segment of its path."""
+    return float(segment.loads(time)[0])
 
 
 def _root(function: Callable[[float], float], begin: float, end: float) -> float:
-    """Place between `begin` and `end` at which a function with opposite signs there is 0, by the
-    rule of Illinois.
+    """Root of a function that has opposite signs at `begin` and `end`, by the Illinois algorithm.
 
-    That is false position, with half the value of an end that stays.
+    That is false position, but the value at an end that stays twice is halved.
     """
     value_at_begin = function(begin)
     value_at_end = function(end)
@@ -312,13 +313,12 @@ def _root(function: Callable[[float], float], begin: float, end: float) -> float
 def loads_of_approach(
     contact: SymmetricContact, modulus: float, compliance: Compliance, approach: Array
 ) -> Array:
-    """Normal load P (n,) that follows from approaches of an actuator (n,) [length]; 0 where the
-    approach is not positive, the bodies being apart.
+    """Normal loads P (n,) [force per thickness] under given normal approaches of an actuator (n,)
+    [length]; 0 where the approach is not positive, since the bodies are apart.
 
-    With kn = N P, N the curvature of the gap that a unit of P adds, each half-width a has its load
-    P = eta(a)/(1 - N G(a)) and its approach. a is found by bisection. eta and G are the loads of
-    the punches of the profile and of x^2/2. What Q adds to the gap and P to the faces must be 0: P
-    does not depend on Q then.
+    Each contact half-width a has one load, P = eta(a)/(1 - N G(a)), and one approach: a is found by
+    bisection. eta and G are the loads of the flat punches of the profile and of x^2/2; N P x^2/2 is
+    what the bodies add to the gap. N_Q and T_P must be 0, so that P does not depend on Q.
 
     Parameters
     ----------
@@ -327,7 +327,7 @@ def loads_of_approach(
     modulus
         E* [stress]
     compliance
-        how the bodies and springs give way, and the curvatures that they add
+        of bodies and springs, with the curvatures that the bodies add to the gap
 
     Raises
     ------
@@ -348,49 +348,58 @@ def loads_of_approach(
         )
 
     table = _table_of_approach(contact, modulus, compliance, largest_approach)
-    begin_s = np.zeros(len(approach))
-    end_s = np.full(len(approach), table.largest_s)
+    # Bracket of s of the edge of contact.
+    low_s = np.zeros(len(approach))
+    high_s = np.full(len(approach), table.largest_s)
     for _ in range(_BISECTIONS):
-        middle_s = (begin_s + end_s) / 2
+        middle_s = (low_s + high_s) / 2
         _, approach_at_middle = _load_and_approach(table, compliance, middle_s)
-        is_less = approach_at_middle <= approach
-        begin_s = np.where(is_less, middle_s, begin_s)
-        end_s = np.where(is_less, end_s, middle_s)
-    load, _ = _load_and_approach(table, compliance, (begin_s + end_s) / 2)
+        is_too_low = approach_at_middle <= approach
+        low_s = np.where(is_too_low, middle_s, low_s)
+        high_s = np.where(is_too_low, high_s, middle_s)
+    load, _ = _load_and_approach(table, compliance, (low_s + high_s) / 2)
     return np.where(approach > 0, load, 0.0)
 
 
-def _load_and_approach(table: PunchTable, compliance: Compliance, s: Array) -> tuple[Array, Array]:
-    """P [force per thickness] and approach of the actuator [length] for contacts whose edge is at
-    the places s (n,) of the `table` of flat punches, (n,) each.
+def _load_and_approach(
+    table: PunchTable, compliance: Compliance, edge_s: Array
+) -> tuple[Array, Array]:
+    """Normal load P [force per thickness] and normal approach of the actuator [length], (n,) each,
+    for contacts whose edge a is at the coordinates `edge_s` (n,) of the `table`.
 
-    P = eta(a)/(1 - N G(a)), eta and G the loads of the punches of the profile and of x^2/2, N the
-    curvature of the gap per P. The bodies and the spring add c_n P + P/k_n to the approach.
+        P = eta(a)/(1 - N G(a))
+        approach = (A/pi) int ln(2 L/c) dP(c) + N p_2/2 + c_n P + P/k_n
+
+    eta and G are the loads of the flat punches of the profile and of x^2/2; P(c) is carried by
+    those of half-width up to c, p_2 the second moment of the pressure. N P x^2/2 is what the bodies
+    add to the gap, c_n their compliance, k_n the spring.
     """
     normal_curvature = compliance.curvatures.normal
-    load = table.load(s) / (1 - normal_curvature * table.parabola(s))
-    punch_sums = [table.sums_at(place, compliance.datum_length) for place in s.tolist()]
+    load = table.load(edge_s) / (1 - normal_curvature * table.parabola(edge_s))
+    punch_sums = [table.sums_at(s, compliance.datum_length) for s in edge_s.tolist()]
     logarithm, parabola_logarithm, second_moment, parabola_second_moment = np.array(punch_sums).T
     gap_curvature = normal_curvature * load
-    moment = second_moment + gap_curvature * parabola_second_moment
-    approach_of_profile = compliance.unit_compliance * (
+    pressure_moment = second_moment + gap_curvature * parabola_second_moment
+    approach_of_half_planes = compliance.unit_compliance * (
         logarithm + gap_curvature * parabola_logarithm
     )
     approach_of_load = (compliance.normal + compliance.normal_spring) * load
-    return load, approach_of_profile + approach_of_load + normal_curvature * moment / 2
+    approach = approach_of_half_planes + approach_of_load + normal_curvature * pressure_moment / 2
+    return load, approach
 
 
 def _table_of_approach(
     contact: SymmetricContact, modulus: float, compliance: Compliance, largest_approach: float
 ) -> PunchTable:
-    """Table of the flat punches of a contact, wide enough for the largest approach of an actuator
-    [length].
+    """Table of the flat punches of a contact up to a half-width at which the normal approach of the
+    actuator is at least `largest_approach` [length].
 
     Raises
     ------
     InputError
-        For an approach beyond the profile, and where the approach falls while P grows.
+        For an approach beyond the profile, and if the approach falls while P grows.
     """
+    # Half-width to which the profile is given.
     extent = contact.extent if math.isfinite(contact.extent) else math.inf
     half_width = min(max(contact.least_half_width, 1e-6 * compliance.datum_length) * 1.01, extent)
     for _ in range(_DOUBLINGS):
@@ -424,7 +433,7 @@ def _table_of_approach(
 # ------------------------------------------------------------------------------------ step by step
 @dataclass(frozen=True, eq=False)
 class Driven:
-    """Loads and slides that follow from the way of the actuators.
+    """Loads and gross sliding under the prescribed motion of the actuators of a rig.
 
     Attributes
     ----------
@@ -487,11 +496,11 @@ def follow_actuator(
     compliance: Compliance,
     rows: ActuatorRows,
 ) -> Driven:
-    """Follow a rig that prescribes P and the displacement U_act(t) of an actuator: Q(t), partial
-    slip and gross sliding, step by step from rest.
+    """Tangential load Q(t), partial slip and gross sliding of a contact in a rig that prescribes P
+    and the displacement U_act(t) of an actuator, step by step from the unloaded state.
 
-    `rows` are the instants with P and U_act, `table` the flat punches of the contact, `friction` f,
-    `compliance` what moves the actuator beside slip.
+    `rows` are instants with P and U_act. `table` holds the flat punches of the contact, `friction`
+    is f, `compliance` that of bodies and springs.
 
     >>> import numpy as np
     >>> from semi_analytic.hertz import HertzContact
@@ -516,6 +525,7 @@ def follow_actuator(
     stepper = _Stepper(memory, compliance)
     state = UNLOADED
     instant_before = _Instant(float(rows.time[0]), 0.0, 0.0, float(rows.displacement[0]))
+    # Part of U_act by gross sliding and separation so far: it causes no Q.
     free_displacement = instant_before.actuator
     times = [instant_before.time]
     memory_rows = [stepper.row(0.0, 0.0)]
@@ -523,10 +533,15 @@ def follow_actuator(
     slides = [0.0]
     free_displacements = [free_displacement]
     actuators = [instant_before.actuator]
-    memory_row_numbers = [0] * len(rows.time)
+    # Where each instant of `rows` is in these lists: begins of slides are in them too.
+    index_of_row = [0] * len(rows.time)
     for k in range(1, len(rows.time)):
-        time, load, actuator_now = (float(column[k]) for column in rows[:3])
-        instant_after = _Instant(time, load, 0.0, actuator_now)
+        instant_after = _Instant(
+            time=float(rows.time[k]),
+            load=float(rows.load_or_approach[k]),
+            force=0.0,  # not known yet
+            actuator=float(rows.displacement[k]),
+        )
         for part_end in stepper.ends_of_parts(instant_before, instant_after, free_displacement):
             solved_step = stepper.step(state, part_end, instant_before.force, free_displacement)
             slide_of_step = solved_step.slide
@@ -539,7 +554,7 @@ def follow_actuator(
             actuators.append(part_end.actuator)
             state = solved_step.step.state
             instant_before = part_end._replace(force=solved_step.row.tangential_load)
-        memory_row_numbers[k] = len(times) - 1
+        index_of_row[k] = len(times) - 1
     return Driven(
         time=np.array(times),
         followed=followed_of(memory, np.array(memory_rows).T, steps),
@@ -547,31 +562,31 @@ def follow_actuator(
         slide=np.array(slides),
         rigid_displacement=np.array(free_displacements),
         actuator=np.array(actuators),
-        ends=tuple(memory_row_numbers[row] for row in rows.ends),
+        ends=tuple(index_of_row[row] for row in rows.ends),
     )
 
 
 class _Instant(NamedTuple):
-    """Time, P, Q, U_act."""
+    """Time, P = `load`, Q = `force`, U_act = `actuator`."""
 
     time: float
     load: float
     force: float
     actuator: float
 
-    def at_fraction(self, end: _Instant, share: float) -> _Instant:
-        """The instant at a share of the straight step from this one to `end`; its Q is unknown."""
+    def at_fraction(self, end: _Instant, fraction: float) -> _Instant:
+        """The instant at a fraction of the straight step from this one to `end`; Q is not known."""
         return _Instant(
-            self.time + share * (end.time - self.time),
-            self.load + share * (end.load - self.load),
+            self.time + fraction * (end.time - self.time),
+            self.load + fraction * (end.load - self.load),
             0.0,
-            self.actuator + share * (end.actuator - self.actuator),
+            self.actuator + fraction * (end.actuator - self.actuator),
         )
 
 
 class _SolvedStep(NamedTuple):
-    """The end of a step: its row and state, what slides in it, what moves while the bodies are
-    apart.
+    """The end of a step: loads and memory there, distance of gross sliding in the step, and motion
+    of the actuator while the bodies are apart [length].
     """
 
     row: Row
@@ -581,7 +596,7 @@ class _SolvedStep(NamedTuple):
 
 
 class _Stepper:
-    """One step after the other: Q from U_act."""
+    """Solves the steps of a rig one after another: Q from U_act."""
 
     def __init__(self, memory: MemoryCurve, compliance: Compliance) -> None:
         self._memory = memory
@@ -589,17 +604,15 @@ class _Stepper:
         self._table = memory.table
         # Trials of a step have one P, and where N_Q is 0 one edge.
         self._edge_of_contact_at = lru_cache(maxsize=_EDGES)(memory.table.edge_of_contact_at)
-        # Sums over each memory curve of what its pieces add, with those of the tops.
+        # Of each piece of memory curve, by its number: integrals up to its top over the load of the
+        # punches, and over the memory curve itself.
         self._sums_at_tops = [self._table.sums_at(0.0, compliance.datum_length)]
         self._logarithm_integrals = [0.0]
         self._second_moments = [0.0]
 
     def row(self, load: float, force: float) -> Row:
-        """Everything that a step of the friction memory needs of the loads P = `load` and Q =
-        `force` at its end.
-
-        The loads add curvatures to gap and faces. P gives the place of the edge of contact in the
-        table of flat punches, and the loads of the punches up to it.
+        """Loads P = `load` and Q = `force`, the curvatures that they add to gap and faces, and the
+        edge of contact with the loads of the flat punches up to it.
         """
         curvatures = self._compliance.curvatures
         gap_curvature = curvatures.normal * load + curvatures.normal_under_shear * force
@@ -622,21 +635,20 @@ class _Stepper:
     def ends_of_parts(
         self, begin: _Instant, end: _Instant, free_displacement: float
     ) -> tuple[_Instant, ...]:
-        """Ends of the parts of a step between two instants: one part, or two where gross sliding
-        begins in between.
+        """Instants at which to solve the step from `begin` to `end`: the begin of gross sliding if
+        that is in between, and `end`.
 
-        Sliding begins where the actuator's displacement exceeds what contact and spring take at the
-        Coulomb limit. `free_displacement` is the part of U_act by earlier sliding or separation
-        [length].
+        Sliding begins when U_act, minus the displacement by earlier sliding and separation
+        (`free_displacement` [length]), exceeds U + Q/k_s at Q = +-f P.
         """
         memory = self._memory
         if memory.is_unloaded(end.load) or memory.is_unloaded(begin.load):
             return (end,)
         n_pieces = len(memory.pieces)
 
-        def excess_displacement(direction: int, share: float) -> float:
-            """U_act beyond that at the limit of sliding, in a direction."""
-            instant = begin.at_fraction(end, share)
+        def excess_displacement(direction: int, fraction: float) -> float:
+            """U_act beyond that at the limit of sliding, at a fraction of the step [length]."""
+            instant = begin.at_fraction(end, fraction)
             row_at_limit = self.row(instant.load, direction * memory.friction * instant.load)
             displacement_at_limit = self._displacement(
                 row_at_limit, memory.slide(row_at_limit, direction)
@@ -653,25 +665,33 @@ class _Stepper:
                 or excess_displacement(direction, 0.0) >= 0
             ):
                 continue
-            share = _root(partial(excess_displacement, direction), 0.0, 1.0)
-            if _AT_END < share < 1 - _AT_END:
-                return begin.at_fraction(end, share), end
+            fraction = _root(partial(excess_displacement, direction), 0.0, 1.0)
+            if _AT_END < fraction < 1 - _AT_END:
+                return begin.at_fraction(end, fraction), end
         return (end,)
 
     def step(
         self, state: State, end: _Instant, force_before: float, free_displacement: float
     ) -> _SolvedStep:
-        """Solve one step of a rig, to the instant `end`: the tangential load Q that the actuator's
-        displacement makes, and the state of friction.
+        """Tangential load Q at the instant `end` of a rig, with the memory of friction and gross
+        sliding there.
 
-        Q is found by Newton's method: U + Q/k_s is U_act minus `free_displacement`, what moved by
-        earlier sliding or separation. Where Q would exceed f P the bodies slide as a whole; where P
-        is 0 they separate. `force_before` is Q at the begin of the step.
+        Q is the root of U(Q) + Q/k_s = U_act - `free_displacement` by Newton's method in a bracket.
+        If it would exceed f P, the bodies slide as a whole; if P is 0, they are apart.
+
+        Parameters
+        ----------
+        state
+            memory of friction at the begin of the step
+        force_before
+            Q there
+        free_displacement
+            part of U_act by earlier sliding and separation [length]
 
         Raises
         ------
         NotFoundError
-            Where no Q is found.
+            If no Q is found.
         """
         memory = self._memory
         if memory.is_unloaded(end.load):
@@ -681,6 +701,7 @@ class _Stepper:
             )
         target_displacement = end.actuator - free_displacement
         friction_limit = memory.friction * end.load
+        # Each trial adds pieces of memory curve, which are discarded after it.
         n_pieces = len(memory.pieces)
         force = min(max(force_before, -friction_limit), friction_limit)
         memory_step, displacement = self._step_and_displacement(state, end.load, force)
@@ -716,20 +737,23 @@ class _Stepper:
         )
 
     def _step_and_displacement(self, state: State, load: float, force: float) -> tuple[Step, float]:
-        """The state at (P, Q), and U + Q/k_s there; pieces of the curve are added."""
+        """Memory of friction after a step to P = `load`, Q = `force`, and U + Q/k_s there [length].
+
+        The pieces of the new memory curve are stored.
+        """
         row = self.row(load, force)
         step = self._memory.step(state, row)
         return step, self._displacement(row, step)
 
     def _displacement(self, row: Row, step: Step) -> float:
-        """Displacement U + Q/k_s of the actuator under the loads P, Q of a `row` [length]: U of
-        contact and bodies, plus what the tangential spring k_s takes.
+        """Displacement U + Q/k_s of the actuator at the end of a step under the loads P, Q of `row`
+        [length]: U of contact and bodies, plus the extension of the spring k_s.
 
-            (A/pi) int ln(2 L/c) dM + (c_t + 1/k_s) Q + T q_2/2 + N_Q p_2/2 + part of the tilt
+            (A/pi) int ln(2 L/c) dM + (c_t + 1/k_s) Q + T q_2/2 + N_Q p_2/2 + `of_tilt`(P, Q)
 
-        M is the memory curve at the end of the `step`, the tangential force of flat punches up to
-        half-width c. p_2 and q_2 are the second moments of pressure and shear, T and N_Q curvatures
-        of the bodies, c_t their compliance.
+        M(c) is the tangential force that flat punches of half-width up to c carry. p_2 and q_2 are
+        the second moments of pressure and shear traction. T and N_Q are curvatures of the bodies
+        per Q, c_t is their compliance.
         """
         self._integrate_new_pieces()
         compliance = self._compliance
@@ -737,7 +761,8 @@ class _Stepper:
         sums_at_edge = self._table.sums_at(row.edge, compliance.datum_length)
         uppermost_piece = step.state.uppermost_piece
         face_curvature = row.tangential_curvature
-        integral_of_logarithm = (
+        # dM = dF + kt dG: the integrals over F are stored with the pieces of the memory curve.
+        logarithm_integral = (
             self._logarithm_integrals[uppermost_piece]
             + face_curvature * sums_at_edge.parabola_logarithm
         )
@@ -748,7 +773,7 @@ class _Stepper:
         pressure_second_moment = (
             sums_at_edge.second_moment + row.normal_curvature * sums_at_edge.parabola_second_moment
         )
-        displacement = compliance.unit_compliance * integral_of_logarithm
+        displacement = compliance.unit_compliance * logarithm_integral
         added_compliance = compliance.tangential + compliance.tangential_spring
         displacement += added_compliance * row.tangential_load
         displacement += curvatures.tangential * shear_second_moment / 2
@@ -756,30 +781,31 @@ class _Stepper:
         return displacement + float(compliance.of_tilt(row.normal_load, row.tangential_load))
 
     def _compliance_at(self, step: Step, load: float) -> float:
-        """d(U + Q/k_s)/dQ at the end of a step."""
+        """d(U + Q/k_s)/dQ at the end of a step under P = `load` [1/stress]."""
         stick_edge = step.inner_zone[0] if step.inner_zone_direction else step.stick_edge
         half_width = float(self._table.half_width(stick_edge))
         least_half_width = 1e-9 * float(self._table.half_width(self._table.largest_s))
         return float(self._compliance.of_actuator(max(half_width, least_half_width), load))
 
-    def _edge_of_contact(self, load: float, gap_bend: float) -> float:
-        """s of the edge of contact."""
+    def _edge_of_contact(self, load: float, gap_curvature: float) -> float:
+        """s of the edge of contact under P = `load`; 0 if the bodies are apart."""
         if self._memory.is_unloaded(load):
             return 0.0
-        return self._edge_of_contact_at(load, gap_bend)
+        return self._edge_of_contact_at(load, gap_curvature)
 
     def _integrate_new_pieces(self) -> None:
-        """Integrate along the memory curve M up to the top of each new piece: ln(2 L/c) and c^2/2
-        over dM, for the displacement U and the moment of the shear.
+        """Store int ln(2 L/c) dF and int (c^2/2) dF up to the top of each new piece of memory
+        curve, for the displacement U and the second moment of the shear traction.
 
-        M is the locked-in tangential force over the half-width c of the flat punches. A piece
-        begins at the top of its parent, with dM = slope d(load of the profile) + parabola_slope
-        d(load of a parabola). L is the datum length.
+        F is the locked-in tangential force over the half-width c of the flat punches. On a piece dF
+        = slope d eta + parabola_slope dG, with the loads eta and G of the punches of the profile
+        and of x^2/2. L is the datum length.
         """
         pieces = self._memory.pieces
         for piece in pieces[len(self._sums_at_tops) :]:
             sums_at_top = self._table.sums_at(piece.top, self._compliance.datum_length)
             sums_below = self._sums_at_tops[piece.parent]
+            # Of this piece alone.
             logarithm_integral = piece.slope * (sums_at_top.logarithm - sums_below.logarithm)
             logarithm_integral += piece.parabola_slope * (
                 sums_at_top.parabola_logarithm - sums_below.parabola_logarithm
@@ -795,7 +821,7 @@ class _Stepper:
             self._second_moments.append(moment_below + second_moment)
 
     def _discard_pieces(self, count: int) -> None:
-        """Take back the pieces of a trial."""
+        """Keep the first `count` pieces of memory curve: those of a rejected trial go."""
         self._memory.pieces.forget_beyond(count)
         del self._sums_at_tops[count:]
         del self._logarithm_integrals[count:]

@@ -28,8 +28,9 @@ def shear_modulus(material: Elastic) -> float:
 
 
 def coupling_constant(materials: Materials) -> float:
-    """Dundurs' beta in plane strain, by which pressure shears the faces of unlike materials apart;
-    0 where normal and shear tractions are uncoupled, in magnitude at most 1/2.
+    """Dundurs' constant beta of two materials in plane strain: 0 if pressure causes no relative
+    tangential displacement of the faces, at most 1/2 in magnitude. Positive: upper body softer in
+    (1 - 2 nu)/G.
 
         beta = [(1 - 2 nu1)/G1 - (1 - 2 nu2)/G2] / [2 (1 - nu1)/G1 + 2 (1 - nu2)/G2]
 
@@ -44,6 +45,6 @@ def coupling_constant(materials: Materials) -> float:
     nu_2 = materials.lower.poisson_ratio
     g_1 = shear_modulus(materials.upper)
     g_2 = shear_modulus(materials.lower)
-    difference = (1 - 2 * nu_1) / g_1 - (1 - 2 * nu_2) / g_2
-    sum_of_terms = (1 - nu_1) / g_1 + (1 - nu_2) / g_2
-    return difference / (2 * sum_of_terms)
+    coupling_difference = (1 - 2 * nu_1) / g_1 - (1 - 2 * nu_2) / g_2
+    compliance_sum = (1 - nu_1) / g_1 + (1 - nu_2) / g_2
+    return coupling_difference / (2 * compliance_sum)

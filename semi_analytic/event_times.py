@@ -72,10 +72,11 @@ class Event:
 
 def events(scene: Scene) -> tuple[Event, ...]:
     """Every event of a load path, in the order of time: begin and end of slip and stick, extreme
-    loads, and when the stick edge passes what an earlier stroke left.
+    loads, and when the stick edge passes a point at which slip ended before.
 
-    Initial loading and cycles up to the first steady one are covered. An ellipse with an area gets
-    the letters A to M of the paper's figure 2, mirrored for a clockwise one.
+    Initial loading and cycles up to the first steady one are covered. On an ellipse of loads with
+    an area, events get the letters A to M of figure 2 of Davies, Barber and Hills (2012). For a
+    clockwise one that figure is mirrored.
 
     Raises
     ------
@@ -92,7 +93,7 @@ def events(scene: Scene) -> tuple[Event, ...]:
     """
     scene = validated(scene, Scene)
     history = history_of(followed_path(scene), scene.friction.coefficient, scene.cycles)
-    times = _letter_times(history)
+    time_by_letter = _time_by_letter(history)
     merged_events: list[Event] = []
     for event in sorted(_unlettered_events(history), key=lambda event: event.time):
         event_before = merged_events[-1] if merged_events else None
@@ -101,12 +102,14 @@ def events(scene: Scene) -> tuple[Event, ...]:
             merged_events[-1] = _merged_event(event_before, event)
         else:
             merged_events.append(event)
-    lettered = []
+    lettered_events = []
     for event in merged_events:
         if not event.name.endswith(_GOES_ON):
-            letters = [letter for letter, time in times.items() if abs(time - event.time) <= 1e-7]
-            lettered.append(replace(event, letter="".join(letters)))
-    return tuple(lettered)
+            letters = [
+                letter for letter, time in time_by_letter.items() if abs(time - event.time) <= 1e-7
+            ]
+            lettered_events.append(replace(event, letter="".join(letters)))
+    return tuple(lettered_events)
 
 
 def _merged_event(first_event: Event, second_event: Event) -> Event:
@@ -146,16 +149,15 @@ def event(scene: Scene, letter: str) -> Event:
 
 
 def _unlettered_events(history: History) -> Iterator[Event]:
-    """Events of a friction history, not yet lettered A to M as in the paper's figure 2, in the
-    order of its spans; several may fall on one instant.
+    """Events of a load path, without letters: begins and ends of stick and slip, extreme loads, the
+    end of the path, and when the stick edge passes from one piece of the memory curve to the next.
 
-    Begins and ends of stick and slip, extremes of the loads, the end, and stick edges that pass a
-    piece of the memory curve. That curve is M(eta), the tangential force of the flat punches up to
-    the load eta; a new slip zone erases it piece by piece. A span is a time in full stick or with
-    slip in one direction, in which one piece is being erased.
+    That curve is M(eta), the tangential force of the flat punches up to the load eta; a growing
+    slip zone erases it from the edge of contact inwards. A span is a time in full stick, or with
+    slip in one direction, in which the stick edge stays on one piece of it.
 
-    Each change comes twice, as the begin of a span and as the end of the span before: `events`
-    takes both as one, and leaves out those whose name says that slip only goes on.
+    A change of state comes twice, as the begin of a span and as the end of the span before.
+    `events` merges the two, and drops those whose name ends in `_GOES_ON`.
     """
     state_names = {0: "full stick", 1: "forward slip", -1: "reverse slip"}
     spans_of_cycles = [(f"cycle {number}", cycle) for number, cycle in enumerate(history.cycles, 1)]
@@ -191,11 +193,11 @@ def _unlettered_events(history: History) -> Iterator[Event]:
 
 
 def _same_piece(first_piece: Curve, second_piece: Curve) -> bool:
-    """Whether two pieces of memory curves are parts of one: of one curved segment of the load path,
-    or of one line with equal anchor and slope.
+    """Whether two pieces of memory curves lie on one smooth curve: both come from growth in stick
+    along one curved segment of the load path, or they have equal anchor and slope.
 
-    A memory curve M(eta) is the tangential force of the flat punches up to the load eta. None
-    stands for a contact in which nothing sticks.
+    A memory curve M(eta) is the tangential force of the flat punches up to the load eta. Its anchor
+    is the instant of the load path through whose P and Q it passes. None: nothing sticks.
     """
     if first_piece is None or second_piece is None:
         return first_piece is second_piece
@@ -206,40 +208,40 @@ def _same_piece(first_piece: Curve, second_piece: Curve) -> bool:
     ):
         return True  # an arc that a cycle starts in comes in two pieces
     return (
+        # All of an instant but its segment of the load path.
         first_piece.anchor[1:] == second_piece.anchor[1:]
         and first_piece.slope == second_piece.slope
     )
 
 
 def _load_extremes(span: Span) -> Iterator[Event]:
-    """Events at which P or Q is largest or least, at the begin of a span of the load path or inside
-    it.
+    """Events at which P or Q has a maximum or minimum in time, at the begin of a span or inside it;
+    a span is a time in full stick or with slip in one direction.
 
-    A span is a time in full stick or with slip in one direction. An ellipse is looked at a little
-    beyond its ends too, since the loads turn smoothly there.
+    The turning points of an ellipse are sought a little beyond its ends too: the loads may turn
+    smoothly at an end.
     """
     segment = span.leg
     time_step = 1e-3 * (segment.end - segment.start)
-    wider_segment = segment
+    searched_segment = segment
     if is_plain_ellipse(segment):
-        wider_segment = replace(segment, start=segment.start - 0.1, end=segment.end + 0.1)
+        searched_segment = replace(segment, start=segment.start - 0.1, end=segment.end + 0.1)
     for combination, load_name in ((NORMAL_LOAD, "P"), (TANGENTIAL_LOAD, "Q")):
-        for time in wider_segment.turning_points(combination):
+        for time in searched_segment.turning_points(combination):
             if span.begin.time - _SAME <= time < span.end.time - _SAME:
-                change_after = float(segment.change_of(combination, time + time_step, time))
-                change_before = float(segment.change_of(combination, time - time_step, time))
-                change_of_slope = change_after + change_before
-                yield _event_at(
-                    span, time, f"{load_name} {'largest' if change_of_slope < 0 else 'least'}"
-                )
+                # From the turning point to just after it, and to just before it.
+                rise_after = float(segment.change_of(combination, time + time_step, time))
+                rise_before = float(segment.change_of(combination, time - time_step, time))
+                kind = "largest" if rise_after + rise_before < 0 else "least"
+                yield _event_at(span, time, f"{load_name} {kind}")
 
 
 def _event_at(span: Span, time: float, name: str) -> Event:
-    """The event `name` at the instant of a span of the load path nearest to a `time` of its
-    segment, with the loads there.
+    """An event with its loads, at a `time` of the segment of the load path in which a span lies;
+    times outside the span are moved to its nearer end.
 
-    A span is a time in full stick or with slip in one direction. P_c, the load at the stick edge,
-    is P minus the load of the slip zones.
+    A span is a time in full stick or with slip in one direction. `front_load` is P_c, the load that
+    the flat punches up to the stick edge carry; the slip zones carry P - P_c.
     """
     time_in_segment = min(max(time, span.begin.time), span.end.time)
     normal_load, tangential_load = (float(load) for load in span.leg.loads(time_in_segment))
@@ -253,32 +255,33 @@ def _event_at(span: Span, time: float, name: str) -> Event:
     )
 
 
-def _letter_times(history: History) -> dict[str, float]:
-    """Times of the letters A to M of the paper's figure 2 on the steady ellipse of loads, by
-    letter; empty where there is none.
+def _time_by_letter(history: History) -> dict[str, float]:
+    """Times of the events A to M of figure 2 of Davies, Barber and Hills (2012) on a steady ellipse
+    of loads; empty without such an ellipse.
 
-    Each letter is where u = Q - f P, v = Q + f P, P or Q is largest or least, mirrored for a
-    clockwise ellipse. Its time is the first such one after the letters before it. Loads on a line
-    have no letters: C and D would fall together, as would K and L.
+    At each of them u = Q - f P, v = Q + f P, P or Q is largest or least, for the first time after
+    the events before it; see the module. J is as long after I as I is after G. A clockwise ellipse
+    is mirrored, Q for -Q. Of loads on a line C and D would coincide, so that it has no letters.
     """
     if history.loop is None or history.steady_from is None:
         return {}
     friction = history.spans[0].friction
     ellipse = history.loop.ellipse
     assert ellipse is not None  # for the type checker: `loop` is one
+    # Over pi; positive for an anticlockwise ellipse.
     area = ellipse.amplitude[0] * ellipse.amplitude[1] * math.sin(ellipse.phase_radians)
     if abs(area) <= 1e-12 * ellipse.amplitude[0] * ellipse.amplitude[1]:
         return {}
-    sense_of_turning = 1 if area > 0 else -1
+    rotation_sign = 1 if area > 0 else -1
     revolution = 2 * math.pi
-    loads_by_name = {
-        "u": level(sense_of_turning, friction),
-        "-v": level(-sense_of_turning, friction),
+    load_combinations = {
+        "u": level(rotation_sign, friction),
+        "-v": level(-rotation_sign, friction),
         "P": NORMAL_LOAD,
-        "Q": Combination(0.0, float(sense_of_turning)),
+        "Q": Combination(0.0, float(rotation_sign)),
     }
-    # What is largest (+) or least (-) at each letter; v is least where -v is largest.
-    extremes = {
+    # Which of them is largest (+) or least (-) there; v is least where -v is largest.
+    extreme_by_letter = {
         "B": "u-",
         "C": "P+",
         "D": "Q+",
@@ -292,10 +295,10 @@ def _letter_times(history: History) -> dict[str, float]:
         "M": "u+",
     }
     times = {"A": history.loop.start}
-    for letter, sought_extreme in extremes.items():
-        time = ellipse.largest_at(loads_by_name[sought_extreme[:-1]])
-        if sought_extreme.endswith("-"):
-            time += math.pi
+    for letter, extreme in extreme_by_letter.items():
+        time = ellipse.largest_at(load_combinations[extreme[:-1]])
+        if extreme.endswith("-"):
+            time += math.pi  # half a revolution from the maximum to the minimum
         revolutions_needed = math.ceil((max(times.values()) - time) / revolution - 1e-12)
         times[letter] = time + revolution * revolutions_needed
     return times | {"J": 2 * times["I"] - times["G"]}
