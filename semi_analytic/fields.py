@@ -3,6 +3,9 @@ from memory curves.
 
 # notation: M'(eta) slope of the memory curve, A = 2/E*, P_x load at which a = |x|
 
+The memory curve M(eta) is the tangential force that the flat punches up to the load eta carry. It
+consists of pieces: straight lines, parabolas and arcs, each of which a part of the load path left.
+
 q(x) = int M' dp(x, eta),  s(x) = (A/pi) int M' arccosh(|x|/a) d eta,  U = (A/pi) int M' ln(2 L/a) d
 eta: one sum over the pieces of the curve with three kernels, for many instants and points at once.
 What instants have in common, the pieces under the uppermost, is summed once.
@@ -70,8 +73,8 @@ _NODES = 2_000_000
 # From coefficients of a series on [-1, 1] to those of its primitive from -1 on, over a panel of
 # length 1.
 _PRIMITIVE = chebyshev.chebint(np.eye(DEGREE + 1), lbnd=-1, axis=1) / 2
-# Steps of which the error is looked at, and how many times what halves of them change it is: of a
-# step that ends next to P_x, on a table, halves lose half as much themselves.
+# Ranges of time near P_x whose error is looked at, and how many times the change by their halves
+# it is: of a range that ends next to P_x, on a table, halves lose half as much themselves.
 _SAMPLE = 40
 _OF_HALVES = 2.5
 
@@ -90,67 +93,69 @@ class TurningPoint(NamedTuple):
 
 
 class _FarSeries(NamedTuple):
-    """Series of the integrand on panels that are far from P_x, (n, nodes) of (panel, point); which
-    panels are near it, (panels, k).
+    """Chebyshev series in time of the integrand, (n, nodes), of n pairs of a panel of time and a
+    point far from the edge of contact then; `is_near` (panels, k) tells which points are near it.
     """
 
     panel: Indices
     point: Indices
     coefficients: Array
-    near: NDArray[np.bool_]
+    is_near: NDArray[np.bool_]
 
 
 class _Panels(NamedTuple):
-    """Panels of an arc that are resolved: ends (n,), whether they are near P_x (n, k), series
-    (n, k, nodes) and what these leave out (n, k).
+    """Panels of time along an arc: begin and end (n,), whether the edge of contact passes near a
+    point (n, k), Chebyshev series of the integrand elsewhere (n, k, nodes) and their errors (n, k).
     """
 
-    low: Array
-    high: Array
-    near: NDArray[np.bool_]
+    begin: Array
+    end: Array
+    is_near: NDArray[np.bool_]
     series: Array
     error: Array
 
     def take(self, numbers: Indices | NDArray[np.bool_]) -> _Panels:
-        """The chosen ones."""
+        """The panels of these numbers, or of a mask."""
         return _Panels._make(column[numbers] for column in self)
 
 
 class Arc:
-    """The integrals of one kernel over the arc of a piece, at |x| = `x` (k,), up to any instant of
-    it.
+    """Integrals of one kernel times dQ along an arc, a curved piece of a memory curve, at |x| = `x`
+    (k,), up to any instant of it.
 
-    Pieces that are cut from one arc share it. Of a shift `x` plays no part: one column stands for
-    all.
+    An arc is a curved segment of the load path that was travelled in full stick while P grew.
+    Pieces that are cut from one arc share it. For the displacement ("shift") `x` plays no part: one
+    column stands for all points.
 
     Attributes
     ----------
     error
-        largest error of the integrals so far, estimated: what series left out, and what steps
-        differ from their halves by
+        largest error of the integrals so far, estimated: what series leave out, and what
+        integrals near the edge of contact change when their range is halved
     """
 
     error: float
     _error_of_panels: float
 
     def __init__(self, contact: Contact, kernel: Kernel, piece: Piece, x: Array) -> None:
-        """Integrals of one kernel times dQ at |x| = `x` (k,) along an arc, a curved piece of memory
-        curve that was loaded in full stick. The memory curve M(eta) is the tangential force of the
-        flat punches up to the load eta.
+        """Integrals of one kernel times dQ at |x| = `x` (k,) along the arc of a memory curve's
+        piece, up to the end of each panel of time.
 
-        The kernels give shear, slip or displacement ("shift") of a flat punch of unit load. The arc
-        is cut into panels of time, at corners of the profile too. On each the integral is a series
-        in time, or is taken in steps where the load P_x at which the edge of contact is at x is
-        near.
+        An arc is a curved segment of the load path that was travelled in full stick while P grew.
+        The kernel is the shear, slip or displacement ("shift") that a unit of load on a flat punch
+        makes. The arc is cut into panels, at the loads of the profile's corners too. P_x is the
+        load at which the edge of contact is at the point. On a panel far from P_x the integral is a
+        Chebyshev series in time; near P_x it is taken by Gauss' rule.
         """
         assert piece.arc is not None  # for the type checker: only called for arcs
         self._contact = contact
         self._kernel = kernel
         self._leg = piece.anchor.leg
         self._x = np.zeros(1) if kernel == "shift" else x
-        # A shift has all loads behind it, also where x = 0 is never in contact.
-        self._edge = np.zeros(1) if kernel == "shift" else contact.load(x)
-        self._factor = 1 / math.pi if kernel == "shear" else 1.0
+        # P_x of the points. The displacement takes all loads, whether x = 0 is in contact or not.
+        self._edge_loads = np.zeros(1) if kernel == "shift" else contact.load(x)
+        self._kernel_factor = 1 / math.pi if kernel == "shear" else 1.0
+        # The anchor is the instant at the end of the arc, before any of it was cut off.
         first_time = piece.arc[0]
         last_time = piece.anchor.time
         corner_loads = contact.break_loads
@@ -158,34 +163,35 @@ class Arc:
             (corner_loads > piece.bottom) & (corner_loads < piece.anchor.normal)
         ]
         corner_times = front_time(piece, corner_loads) if len(corner_loads) else corner_loads
-        self._turn_at_begin = _turn(self._leg, first_time, last_time)
-        self._turn_at_end = _turn(self._leg, last_time, first_time)
-        # Even between the corners: a panel that began just behind one would not be smooth.
+        self._turn_at_begin = _turning_point(self._leg, first_time, last_time)
+        self._turn_at_end = _turning_point(self._leg, last_time, first_time)
+        # A smooth part lies between two corners. Its panels have equal lengths: one that began just
+        # behind a corner would not be smooth.
         ends_of_smooth_parts = np.unique(
             np.clip([first_time, *corner_times, last_time], first_time, last_time)
         )
-        panels_of_parts = np.maximum(
+        panels_in_part = np.maximum(
             np.ceil(np.diff(ends_of_smooth_parts) / (last_time - first_time) * _PANELS), 1
         ).astype(int)
         begins_of_panels = [
             np.linspace(a, b, n, endpoint=False)
             for a, b, n in zip(
-                ends_of_smooth_parts[:-1], ends_of_smooth_parts[1:], panels_of_parts, strict=True
+                ends_of_smooth_parts[:-1], ends_of_smooth_parts[1:], panels_in_part, strict=True
             )
         ]
-        # a panel of a digit or two has no inner ends
+        # A smooth part that is hardly longer than round-off has no inner ends.
         panel_ends = np.unique([*np.concatenate(begins_of_panels), last_time])
+        # No panel crosses it: integrals near P_x take the turning point of P on their side of it.
         time_of_middle_load = float(front_time(piece, (piece.bottom + piece.anchor.normal) / 2))
-        self._middle = float(panel_ends[np.argmin(np.abs(panel_ends - time_of_middle_load))])
-        self._follow(panel_ends)
+        self._middle_time = float(panel_ends[np.argmin(np.abs(panel_ends - time_of_middle_load))])
+        self._integrate_panels(panel_ends)
 
     def up_to(self, time: Array) -> Array:
         """Integrals of the kernel times dQ from the begin of the arc to each time (n,), at the
         points of the arc (k,): shape (n, k).
 
-        An arc is a curved piece of the memory curve M(eta), the tangential force of the flat
-        punches up to the load eta. Its kernel is the shear, slip or displacement by a unit of load
-        on a flat punch.
+        An arc is a curved segment of the load path that was travelled in full stick while P grew.
+        The kernel is the shear, slip or displacement that a unit of load on a flat punch makes.
 
         >>> from scenes import ellipse_segment
         >>> from semi_analytic.hertz import HertzContact
@@ -206,117 +212,131 @@ class Arc:
         >>> arc.up_to(np.zeros(1)).round(12).tolist()  # (sqrt 4 - sqrt 2)/4
         [[0.146446609407]]
         """
-        panel_ends = self._marks
+        panel_ends = self._panel_ends
         time = np.clip(time, panel_ends[0], panel_ends[-1])
         different_times, number_in_times = np.unique(time, return_inverse=True)
-        panel = np.clip(
+        panel_of_time = np.clip(
             np.searchsorted(panel_ends, different_times, side="right") - 1, 0, len(panel_ends) - 2
         )
-        integrals = self._before[panel]
+        integrals = self._integrals_before_panel[panel_of_time]
         share_of_panel = np.clip(
-            (different_times - panel_ends[panel]) / (panel_ends[panel + 1] - panel_ends[panel]),
+            (different_times - panel_ends[panel_of_time])
+            / (panel_ends[panel_of_time + 1] - panel_ends[panel_of_time]),
             0.0,
             1.0,
         )
         polynomials = chebyshev.chebvander(2 * share_of_panel - 1, DEGREE + 1)
-        first_of_panel = np.flatnonzero(np.diff(panel, prepend=-1))
-        for number_at_begin, number_beyond in pairwise(
-            [*first_of_panel.tolist(), len(different_times)]
+        first_time_in_panel = np.flatnonzero(np.diff(panel_of_time, prepend=-1))
+        for first_number, end_number in pairwise(
+            [*first_time_in_panel.tolist(), len(different_times)]
         ):
-            in_panel = slice(number_at_begin, number_beyond)
-            integrals[in_panel] += polynomials[in_panel] @ self._primitive[panel[number_at_begin]].T
-        # Near P_x (the edge of contact passes the point) in steps from one time to the next, in
-        # each panel from its begin.
-        step_begins = np.append(panel_ends[0], different_times[:-1])
-        step_begins[first_of_panel] = panel_ends[panel[first_of_panel]]
-        step_number, point = np.nonzero(
-            self._near[panel] & (different_times > step_begins)[:, None]
+            in_panel = slice(first_number, end_number)
+            integrals[in_panel] += (
+                polynomials[in_panel] @ self._primitives[panel_of_time[first_number]].T
+            )
+        # Where the edge of contact passes the point nearby: over ranges from one time to the next,
+        # the first of a panel from the panel's begin.
+        range_begins = np.append(panel_ends[0], different_times[:-1])
+        range_begins[first_time_in_panel] = panel_ends[panel_of_time[first_time_in_panel]]
+        range_number, point = np.nonzero(
+            self._is_near[panel_of_time] & (different_times > range_begins)[:, None]
         )
-        step_integrals = np.zeros(integrals.shape)
-        step_integrals[step_number, point], error_of_steps = self._steps_and_error(
-            step_begins[step_number], different_times[step_number], point
+        near_integrals = np.zeros(integrals.shape)
+        near_integrals[range_number, point], error_of_near_integrals = (
+            self._near_integrals_and_error(
+                range_begins[range_number], different_times[range_number], point
+            )
         )
-        # Steps that end within a panel are other ones than those over all of it.
-        self.error = max(self.error, self._error_of_panels + self._factor * error_of_steps)
-        step_sums = np.cumsum(step_integrals, axis=0)
-        sums_before = (step_sums - step_integrals)[first_of_panel]
-        integrals += step_sums - np.repeat(
-            sums_before, np.diff(np.append(first_of_panel, len(different_times))), axis=0
+        # These ranges have errors of their own: they are not the panels.
+        self.error = max(
+            self.error, self._error_of_panels + self._kernel_factor * error_of_near_integrals
         )
-        return self._factor * integrals[number_in_times.ravel()]
+        sums = np.cumsum(near_integrals, axis=0)
+        sums_before_panel = (sums - near_integrals)[first_time_in_panel]
+        integrals += sums - np.repeat(
+            sums_before_panel, np.diff(np.append(first_time_in_panel, len(different_times))), axis=0
+        )
+        return self._kernel_factor * integrals[number_in_times.ravel()]
 
-    def _follow(self, panel_ends: Array) -> None:
-        """Integrate the kernel over the arc, panel of time by panel, and store the integrals up to
-        the begin of each panel and their error.
+    def _integrate_panels(self, panel_ends: Array) -> None:
+        """Integrate the kernel times dQ over the arc, panel of time by panel, and store the
+        integrals up to the begin of each panel, (n, k), and their error.
 
-        Far from P_x, the load at which the edge of contact is at the point, the integrand is a
-        Chebyshev series on each panel; panels between `panel_ends` are halved until it is resolved.
-        On a panel near P_x the integral is taken in one step, by a rule for singular ends.
+        P_x is the load at which the edge of contact is at the point. Far from P_x the integrand is
+        a Chebyshev series on each panel; panels between `panel_ends` are halved until it is
+        resolved. On a panel near P_x the integral is taken by Gauss' rule in a variable that makes
+        it smooth.
         """
-        panels = self._resolved(panel_ends[:-1], panel_ends[1:])
-        self._near = panels.near
-        self._marks = np.append(panels.low, panels.high[-1])
-        self._primitive = panels.series @ _PRIMITIVE
-        panel, point = np.nonzero(panels.near)
-        integrals_of_steps, error_of_steps = self._steps_and_error(
-            panels.low[panel], panels.high[panel], point
+        panels = self._resolved_panels(panel_ends[:-1], panel_ends[1:])
+        self._is_near = panels.is_near
+        self._panel_ends = np.append(panels.begin, panels.end[-1])
+        # Series of the integrals from the begin of each panel on; their sums at 1 are at its end.
+        self._primitives = panels.series @ _PRIMITIVE
+        near_panel, near_point = np.nonzero(panels.is_near)
+        near_integrals, error_of_near_integrals = self._near_integrals_and_error(
+            panels.begin[near_panel], panels.end[near_panel], near_point
         )
-        panel_integrals = np.sum(self._primitive, axis=2)
-        panel_integrals[panel, point] += integrals_of_steps
-        self._before = np.cumsum(panel_integrals, axis=0) - panel_integrals
+        panel_integrals = np.sum(self._primitives, axis=2)
+        panel_integrals[near_panel, near_point] += near_integrals
+        self._integrals_before_panel = np.cumsum(panel_integrals, axis=0) - panel_integrals
         error_of_series = float(np.max(np.sum(panels.error, axis=0), initial=0.0))
-        self._error_of_panels = self._factor * (error_of_steps + error_of_series)
+        self._error_of_panels = self._kernel_factor * (error_of_near_integrals + error_of_series)
         self.error = self._error_of_panels
 
-    def _steps_and_error(self, begins: Array, ends: Array, point: Indices) -> tuple[Array, float]:
-        """Integrals from begins[k] to ends[k] in time at x[point[k]], (m,), near the load at which
-        the edge of contact is there, and the error of the sum of them at one point.
+    def _near_integrals_and_error(
+        self, begins: Array, ends: Array, point: Indices
+    ) -> tuple[Array, float]:
+        """Integrals of the kernel times dQ over ranges of time in which the edge of contact passes
+        the point or nearly, (m,), and an estimate of the error of their sum at one point.
 
-        The error comes from a sample of steps, which are taken in halves too: a multiple of the
-        largest change, times the root of the number of steps at a point.
+        The k-th goes from begins[k] to ends[k], at x[point[k]]. The error comes from a sample of
+        ranges that are halved: a multiple of the largest change, times the root of the number of
+        ranges at a point.
         """
-        sampled_steps = np.empty(0, dtype=int)
+        sampled_ranges = np.empty(0, dtype=int)
         if len(point):
-            sampled_steps = np.unique(np.linspace(0, len(point) - 1, _SAMPLE).astype(int))
-        middles = (begins[sampled_steps] + ends[sampled_steps]) / 2
-        # In one call: whole steps, then lower and upper halves of the sample.
-        integrals = self._steps(
-            np.concatenate([begins, begins[sampled_steps], middles]),
-            np.concatenate([ends, middles, ends[sampled_steps]]),
-            np.concatenate([point, point[sampled_steps], point[sampled_steps]]),
+            sampled_ranges = np.unique(np.linspace(0, len(point) - 1, _SAMPLE).astype(int))
+        middles = (begins[sampled_ranges] + ends[sampled_ranges]) / 2
+        # In one call: all ranges, then lower and upper halves of the sample.
+        integrals = self._near_integrals(
+            np.concatenate([begins, begins[sampled_ranges], middles]),
+            np.concatenate([ends, middles, ends[sampled_ranges]]),
+            np.concatenate([point, point[sampled_ranges], point[sampled_ranges]]),
         )
-        integrals_of_steps, lower_halves, upper_halves = np.split(
-            integrals, [len(point), len(point) + len(sampled_steps)]
+        integrals_of_ranges, lower_halves, upper_halves = np.split(
+            integrals, [len(point), len(point) + len(sampled_ranges)]
         )
-        changes = integrals_of_steps[sampled_steps] - lower_halves - upper_halves
+        changes = integrals_of_ranges[sampled_ranges] - lower_halves - upper_halves
         largest_error = _OF_HALVES * float(np.max(np.abs(changes), initial=0.0))
-        most_steps_of_point = np.max(np.bincount(point), initial=0)
-        return integrals_of_steps, largest_error * math.sqrt(most_steps_of_point)
+        most_ranges_of_point = np.max(np.bincount(point), initial=0)
+        return integrals_of_ranges, largest_error * math.sqrt(most_ranges_of_point)
 
-    def _resolved(self, begins: Array, ends: Array) -> _Panels:
-        """Panels of time along the arc, (n,) ascending, each with a Chebyshev series of the
-        integrand at those points that the edge of contact does not pass nearby.
+    def _resolved_panels(self, begins: Array, ends: Array) -> _Panels:
+        """Panels of time along the arc, (n,) ascending, on which a Chebyshev series resolves the
+        integrand at all points that the edge of contact does not pass nearby, with these series.
 
-        Panels between `begins` and `ends` are halved until the last coefficients of the series no
-        longer count, or no number lies between their ends.
+        Panels between `begins` and `ends` (m,) are halved until the last coefficients of the series
+        no longer count, or no number lies between their ends.
         """
         resolved_panels: list[_Panels] = []
         largest_integral = 0.0
         n_points = len(self._x)
         for halvings in range(_HALVINGS + 1):
-            far_series = self._series(begins, ends)
+            far_series = self._far_series(begins, ends)
             largest_coefficient = float(np.max(np.abs(far_series.coefficients[:, 0]), initial=0.0))
             largest_integral = max(largest_integral, largest_coefficient * math.sqrt(len(begins)))
-            error = np.zeros((len(begins), n_points))
-            error[far_series.panel, far_series.point] = tail(far_series.coefficients)
+            series_errors = np.zeros((len(begins), n_points))
+            series_errors[far_series.panel, far_series.point] = tail(far_series.coefficients)
             coefficient_table = np.zeros((len(begins), n_points, DEGREE + 1))
             coefficient_table[far_series.panel, far_series.point] = far_series.coefficients
             middles = (begins + ends) / 2
-            is_resolved = np.max(error, axis=1, initial=0.0) <= _RESOLVED * largest_integral
+            is_resolved = np.max(series_errors, axis=1, initial=0.0) <= _RESOLVED * largest_integral
             is_resolved |= halvings == _HALVINGS
             is_resolved |= (middles == begins) | (middles == ends)  # no number lies between
             resolved_panels.append(
-                _Panels(begins, ends, far_series.near, coefficient_table, error).take(is_resolved)
+                _Panels(begins, ends, far_series.is_near, coefficient_table, series_errors).take(
+                    is_resolved
+                )
             )
             if np.all(is_resolved):
                 break
@@ -326,82 +346,85 @@ class Arc:
         panels = _Panels._make(
             np.concatenate(column) for column in zip(*resolved_panels, strict=True)
         )
-        return panels.take(np.argsort(panels.low))
+        return panels.take(np.argsort(panels.begin))
 
-    def _steps(self, begins: Array, ends: Array, point: Indices) -> Array:
-        """Integrals of the kernel times dQ from begins[k] to ends[k] in time, at x[point[k]], (m,),
-        where the edge of contact passes the point in that time or nearly.
+    def _near_integrals(self, begins: Array, ends: Array, point: Indices) -> Array:
+        """Integrals of the kernel times dQ over ranges of time in which the edge of contact passes
+        the point or nearly, (m,): the k-th from begins[k] to ends[k], at x[point[k]].
 
-        The variable of integration depends on the nearest turning point of P, before or behind the
-        arc; no step crosses the middle of the arc.
+        The variable of integration depends on the turning point of P, before or behind the arc. A
+        range lies before or behind the middle of the arc and takes the turning point on its side.
         """
         integrals = np.empty(len(begins))
-        is_upper = begins >= self._middle
-        for turning_point, in_half in (
-            (self._turn_at_begin, ~is_upper),
-            (self._turn_at_end, is_upper),
+        is_behind_middle = begins >= self._middle_time
+        for turning_point, is_on_side in (
+            (self._turn_at_begin, ~is_behind_middle),
+            (self._turn_at_end, is_behind_middle),
         ):
             near_integral = _NearIntegral(self._contact, self._kernel, self._leg, turning_point)
-            x_of_steps = self._x[point[in_half]]
-            edge_loads = self._edge[point[in_half]]
-            integrals[in_half] = near_integral.over(
-                begins[in_half], ends[in_half], x_of_steps, edge_loads
+            x_of_ranges = self._x[point[is_on_side]]
+            edge_loads_of_ranges = self._edge_loads[point[is_on_side]]
+            integrals[is_on_side] = near_integral.over(
+                begins[is_on_side], ends[is_on_side], x_of_ranges, edge_loads_of_ranges
             )
         return integrals
 
-    def _series(self, begins: Array, ends: Array) -> _FarSeries:
-        """Chebyshev series of the integrand, in time, on panels (n,), for those points that the
-        edge of contact does not pass nearby; and which points it does.
+    def _far_series(self, begins: Array, ends: Array) -> _FarSeries:
+        """Chebyshev series in time of the integrand dQ/dt K on panels of time (n,), for the points
+        that the edge of contact does not pass nearby, and which points it does.
 
-        P_x is the load at which the edge is at a point. It is far from a panel where it lies
-        outside the panel's range of loads by a multiple of that range.
+        P_x is the load at which the edge of contact is at a point. It is far from a panel where it
+        lies outside the panel's loads by twice their range, on the side where the kernel K is not
+        0. Where the kernel is 0 all over a panel the point is neither far nor near.
         """
         contact = self._contact
         x = self._x
-        edge_loads = self._edge
+        edge_loads = self._edge_loads
         time = begins[:, None] + (ends - begins)[:, None] * (1 + NODES) / 2
         load = np.maximum(self._leg.loads(time)[0], 0.0)
         least_load = np.maximum(self._leg.loads(begins)[0], 0.0)[:, None]
         largest_load = np.maximum(self._leg.loads(ends)[0], 0.0)[:, None]
         margin = _FAR * (largest_load - least_load)
+        # The slip kernel is not 0 where P < P_x, and has a logarithm at P = 0; the others are not 0
+        # where P > P_x.
         if self._kernel == "slip":
-            is_at_no_load = least_load < margin
+            begins_near_no_load = least_load < margin
             is_near = (edge_loads > least_load) & (
-                (edge_loads < largest_load + margin) | is_at_no_load
+                (edge_loads < largest_load + margin) | begins_near_no_load
             )
-            is_far = (edge_loads >= largest_load + margin) & ~is_at_no_load
+            is_far = (edge_loads >= largest_load + margin) & ~begins_near_no_load
         else:
             is_far = edge_loads <= least_load - margin
             is_near = (edge_loads < largest_load) & (edge_loads > least_load - margin)
-        panel, point = np.nonzero(is_far)
+        far_panel, far_point = np.nonzero(is_far)
         force_rate = self._leg.rate_of(TANGENTIAL_LOAD, time) * (ends - begins)[:, None]
         advance = contact.advance(load)
-        coefficients = np.empty((len(panel), DEGREE + 1))
+        coefficients = np.empty((len(far_panel), DEGREE + 1))
         pairs_at_once = _NODES // (DEGREE + 1)
-        for k in range(0, len(panel), pairs_at_once):
+        for k in range(0, len(far_panel), pairs_at_once):
             chunk = slice(k, k + pairs_at_once)
-            panel_chunk = panel[chunk]
-            point_chunk = point[chunk]
-            load_above = load[panel_chunk] - edge_loads[point_chunk, None]
-            values = _kernel(
+            panel_chunk = far_panel[chunk]
+            point_chunk = far_point[chunk]
+            load_above_edge = load[panel_chunk] - edge_loads[point_chunk, None]
+            values = _punch_kernel(
                 contact,
                 self._kernel,
                 x[point_chunk, None],
-                load_above,
+                load_above_edge,
                 load[panel_chunk],
                 advance[panel_chunk],
             )
             coefficients[chunk] = series(force_rate[panel_chunk] * values)
-        return _FarSeries(panel, point, coefficients, is_near)
+        return _FarSeries(far_panel, far_point, coefficients, is_near)
 
 
 @lru_cache(maxsize=16)  # kernels and points of one solution share its arcs
-def _turn(segment: LoadSegment, arc_end: float, other_end: float) -> TurningPoint:
-    """The turning point of the load P(t) at one end of an arc of a load segment, or beyond that end
-    by less than the arc's length; the end itself where there is none.
+def _turning_point(segment: LoadSegment, arc_end: float, other_end: float) -> TurningPoint:
+    """The turning point of the load P(t) at one end of an arc, or beyond that end by less than the
+    arc's length; the end itself where there is none.
 
-    An arc is a part of the segment between the times `arc_end` and `other_end`. Newton's method on
-    dP/dt; the formulas of the segment hold beyond its ends too.
+    An arc is the part of the load segment between the times `arc_end` and `other_end`, along which
+    P grows in time. Newton's method on dP/dt; the formulas of the segment hold beyond its ends too.
     """
     arc_length = other_end - arc_end
     time_step = 1e-3 * arc_length
@@ -432,44 +455,47 @@ def _turn(segment: LoadSegment, arc_end: float, other_end: float) -> TurningPoin
 
 
 def _force_over_root(leg: LoadSegment, turn: TurningPoint, z: Array) -> Array:
-    """|dQ/dz| with the sign of dQ/dt at z = sqrt(|P - P_t|), P_t the load at the turning point,
-    from dP = 2 z dz; shape of z.
+    """|dQ/dz| with the sign of dQ/dt, at z = sqrt(|P - P_t|) of any shape, from dP = 2 z dz; P_t is
+    the load at the turning point of P.
     """
     time = leg.time_of(NORMAL_LOAD, turn.sign * z * z, turn.time, turn.farthest)
-    slope = np.abs(leg.rate_of(NORMAL_LOAD, time))
+    load_rate = np.abs(leg.rate_of(NORMAL_LOAD, time))
     force_rate = leg.rate_of(TANGENTIAL_LOAD, time)
-    return np.asarray(force_rate * 2 * z / np.where(slope > 0, slope, np.inf))
+    return np.asarray(force_rate * 2 * z / np.where(load_rate > 0, load_rate, np.inf))
 
 
-def _kernel(
-    contact: Contact, kernel: Kernel, x: Array, load_above: Array, load: Array, advance: Array
+def _punch_kernel(
+    contact: Contact, kernel: Kernel, x: Array, load_above_edge: Array, load: Array, advance: Array
 ) -> Array:
-    """Shear, slip or displacement at points `x` that a unit of load on a flat punch makes, in full
-    stick; arrays of one shape.
+    """Kernel K(x, P) at points `x`: shear, slip or displacement there by a unit of load on a flat
+    punch of half-width a(P), over A/pi but for the shear; arrays of one shape.
 
         shear   1/sqrt(a^2 - x^2), pi times dp/dP
         slip    arccosh(|x|/a)
-        shift   ln(2 L/a)
+        shift   ln(2 L/a), the displacement
 
     Parameters
     ----------
-    load_above
+    load_above_edge
         P - P_x, P_x the load at which the edge of contact is at x
     load, advance
-        P and the advance a - a_0 of the edge
+        P, and a(P) - a(0) [length]
     """
     if kernel == "shear":
-        return contact.inverse_root(x, load_above, advance)
+        return contact.inverse_root(x, load_above_edge, advance)
     if kernel == "slip":
-        return contact.arccosh_ratio(x, -load_above, advance)
+        return contact.arccosh_ratio(x, -load_above_edge, advance)
     return contact.log_ratio(load)
 
 
 @dataclass(frozen=True, eq=False)
 class _NearIntegral:
-    """Integrals of one kernel K over time where the load P_x at which the edge of contact is at the
-    point is among the loads of the range or close to them, or where P is close to 0; `turn` is the
-    turning point of P beside them.
+    """Integrals of one kernel K times dQ over ranges of time in which the edge of contact passes
+    the point or nearly, or P is close to 0.
+
+    P_x is the load at which the edge of contact is at the point; it is among the loads of the range
+    or close to them. `turn` is the turning point of P next to the range, at or before its begin or
+    at or behind its end.
     """
 
     contact: Contact
@@ -478,11 +504,13 @@ class _NearIntegral:
     turn: TurningPoint
 
     @property
-    def beyond(self) -> bool:
-        """Whether the kernel is not 0 for z^2 > e^2; else for z^2 < e^2."""
+    def acts_beyond_e(self) -> bool:
+        """Whether the kernel is not 0 for z^2 > e^2; else for z^2 < e^2. z^2 is the distance of P
+        from its turning point, e^2 that of P_x.
+        """
         return (self.kernel != "slip") == (self.turn.sign > 0)
 
-    def over(self, begin_time: Array, end_time: Array, x: Array, load_at_x: Array) -> Array:
+    def over(self, begin_time: Array, end_time: Array, x: Array, edge_load: Array) -> Array:
         """Integrals of dQ/dt K(x, P(t)) over time, (m,), by Gauss' rule in a variable s in which
         the integrand is smooth, where the edge of contact passes the point or nearly.
 
@@ -496,7 +524,7 @@ class _NearIntegral:
         ----------
         begin_time, end_time
             (m,) limits of the integrals, P monotonic from the turning point to both
-        x, load_at_x
+        x, edge_load
             (m,) a point for each integral, and its P_x
         """
         if not len(begin_time):
@@ -506,31 +534,33 @@ class _NearIntegral:
         z_at_end = self._root_of_rise(end_time)
         least_z = np.minimum(z_at_begin, z_at_end)
         largest_z = np.maximum(z_at_begin, z_at_end)
-        squared_e = turn.sign * (load_at_x - turn.load)
+        squared_e = turn.sign * (edge_load - turn.load)
         # An e of 0 would stretch the variable for ever.
         least_square = 1e-36 * largest_z**2
         squared_e = np.where(np.abs(squared_e) < least_square, least_square, squared_e)
         # The part on the side of P_x where the kernel is not 0: z^2 > e^2 or z^2 < e^2.
-        limit_function = _limits_beyond if self.beyond else _limits_within
+        limit_function = _limits_beyond if self.acts_beyond_e else _limits_within
         begin_s, end_s = limit_function(least_z, largest_z, squared_e)
-        return self._over_variable(begin_s, end_s, x, squared_e)
+        return self._over_ranges_of_s(begin_s, end_s, x, squared_e)
 
-    def _over_variable(self, begin_s: Array, end_s: Array, x: Array, squared_e: Array) -> Array:
-        """Integrals of the kernel times dQ over ranges of the smooth variable s, (m,), from
-        `begin_s` to `end_s`, each at its own point `x` with its own e^2.
+    def _over_ranges_of_s(self, begin_s: Array, end_s: Array, x: Array, squared_e: Array) -> Array:
+        """Integrals of dQ/ds K(x, P) over ranges of the integration variable s, (m,), from
+        `begin_s` to `end_s`, each at its own point `x` and with its own e^2; 0 for a range without
+        length.
 
-        Gauss' rule with as many nodes as the range is long; the rule for singular ends where the
-        integrand is rough; 0 for a range without length. e^2 is the distance of the load P_x, at
-        which the edge of contact is at x, from the turning point of P.
+        The integrand is smooth in s. Gauss' rule takes the more nodes the longer a range is; a rule
+        for singular ends takes its place where `_is_rough`. e^2 is the distance, with its sign, of
+        P_x from the turning point of P; P_x is the load at which the edge of contact is at the
+        point.
         """
         is_rough = self._is_rough(begin_s, end_s - begin_s, squared_e)
         nodes = _nodes_of_ranges(begin_s, end_s, is_rough)
         integrals = np.zeros(len(begin_s))
         for k in range(0, len(nodes.s), _NODES):
             chunk = slice(k, k + _NODES)
-            numbers = nodes.number[chunk]
-            values = self._integrand(nodes.s[chunk], x[numbers], squared_e[numbers])
-            integrals += np.bincount(numbers, nodes.weight[chunk] * values, len(integrals))
+            range_number = nodes.range_number[chunk]
+            integrand = self._integrand(nodes.s[chunk], x[range_number], squared_e[range_number])
+            integrals += np.bincount(range_number, nodes.weight[chunk] * integrand, len(integrals))
         return integrals
 
     def _root_of_rise(self, time: Array) -> Array:
@@ -539,17 +569,18 @@ class _NearIntegral:
         return np.sqrt(np.maximum(self.turn.sign * rise, 0.0))
 
     def _is_rough(self, begin_s: Array, s_length: Array, squared_e: Array) -> NDArray[np.bool_]:
-        """Whether a range of the integration variable s (m,), from `begin_s` and `s_length` long,
-        needs the rule for singular ends.
+        """Whether the integral over a range of the integration variable s needs the rule for
+        singular ends, (m,); a range begins at `begin_s` and is `s_length` long.
 
         The slip kernel has a logarithm where P = 0, at s = +-i arsinh(sqrt(P_t)/e). Too close to it
         Gauss' rule fails: at four lengths 6 nodes leave 16^-12. P_t is the load at the turning
-        point of P, `squared_e` = e^2 its distance from the load of the point, with its sign. A
-        displacement ("shift") takes that rule always: it has one point, and is cheap.
+        point of P. `squared_e` = e^2 is the distance, with its sign, of P_x from P_t; P_x is the
+        load at which the edge of contact is at the point. A displacement ("shift") takes that rule
+        always: it has one point, and is cheap.
         """
         if self.kernel == "shift":
             return np.ones(len(begin_s), dtype=bool)
-        if self.kernel != "slip" or self.beyond:
+        if self.kernel != "slip" or self.acts_beyond_e:
             return np.zeros(len(begin_s), dtype=bool)
         load_at_turn = max(self.turn.load, 0.0)
         least_square = 1e-200 * load_at_turn + 1e-300
@@ -559,115 +590,121 @@ class _NearIntegral:
         return np.asarray(np.hypot(begin_s, distance_of_logarithm) < _AWAY * s_length)
 
     def _integrand(self, s: Array, x: Array, squared_e: Array) -> Array:
-        """dQ/ds K(x, P) at nodes s (n,), with the point x and e^2, the distance of P_x from the
-        turning point of P with its sign, of each, (n,).
+        """dQ/ds K(x, P) at nodes s (n,), each with its own point x and its own e^2, the distance,
+        with its sign, of P_x from the turning point of P; P_x is the load at which the edge of
+        contact is at x.
         """
-        z, root = _z_and_root(s, squared_e, self.beyond)
+        z, root = _z_and_root(s, squared_e, self.acts_beyond_e)
         load = np.maximum(self.turn.load + self.turn.sign * z * z, 0.0)
         advance = self.contact.advance(load)
         load_above_edge = root * root if self.kernel != "slip" else -root * root
-        kernel = _kernel(self.contact, self.kernel, x, load_above_edge, load, advance)
+        kernel = _punch_kernel(self.contact, self.kernel, x, load_above_edge, load, advance)
         return np.asarray(root * _force_over_root(self.leg, self.turn, z) * kernel)
 
 
 class _RangeNodes(NamedTuple):
-    """Nodes s of many ranges of a variable in one row, their weights, and the number of the range
-    that each is of, (n,) each.
+    """Quadrature nodes s and weights of many ranges of a variable in one array, and the number of
+    the range that each belongs to, (n,) each.
     """
 
-    number: Indices
+    range_number: Indices
     s: Array
     weight: Array
 
 
 def _nodes_of_ranges(begin_s: Array, end_s: Array, is_rough: NDArray[np.bool_]) -> _RangeNodes:
-    """Quadrature nodes and weights of integrals over many ranges of a variable s, from `begin_s` to
-    `end_s`, (m,) each, all in one row.
+    """Quadrature nodes and weights for integrals over many ranges of a variable s, from `begin_s`
+    to `end_s`, (m,) each, all in one array.
 
     Gauss' rule with as many nodes as the length of the range takes; the rule for singular ends
-    where `is_rough`, (m,), is set; none where a range has no length. One row for all, since a call
-    for each rule would take longer than its arithmetic.
+    where `is_rough`, (m,); none where a range has no length. One array for all, since a call for
+    each rule would take longer than its arithmetic.
     """
     s_length = end_s - begin_s
-    number_of_rule = np.searchsorted([longest for longest, _ in _SPANS], s_length)
+    rule_of_range = np.searchsorted([longest for longest, _ in _SPANS], s_length)
     rough_ranges = np.flatnonzero((s_length > 0) & is_rough)
-    ranges = [rough_ranges]
-    rules = [graded(begin_s[rough_ranges], end_s[rough_ranges])]
-    for rule, (_, n_nodes) in enumerate(_SPANS):
-        ranges_of_rule = np.flatnonzero((s_length > 0) & ~is_rough & (number_of_rule == rule))
-        nodes, weights = gauss(n_nodes)
+    ranges_by_rule = [rough_ranges]
+    nodes_by_rule = [graded(begin_s[rough_ranges], end_s[rough_ranges])]
+    for rule_number, (_, n_nodes) in enumerate(_SPANS):
+        ranges_of_rule = np.flatnonzero((s_length > 0) & ~is_rough & (rule_of_range == rule_number))
+        unit_nodes, weights = gauss(n_nodes)
         length = s_length[ranges_of_rule, None]
-        ranges.append(ranges_of_rule)
-        rules.append((begin_s[ranges_of_rule, None] + length * nodes, length * weights))
-    numbers_of_rules = [
-        np.repeat(numbers, s.shape[1]) for numbers, (s, _) in zip(ranges, rules, strict=True)
+        ranges_by_rule.append(ranges_of_rule)
+        nodes_by_rule.append(
+            (begin_s[ranges_of_rule, None] + length * unit_nodes, length * weights)
+        )
+    range_of_nodes = [
+        np.repeat(range_numbers, s.shape[1])
+        for range_numbers, (s, _) in zip(ranges_by_rule, nodes_by_rule, strict=True)
     ]
     return _RangeNodes(
-        np.concatenate(numbers_of_rules),
-        np.concatenate([s.ravel() for s, _ in rules]),
-        np.concatenate([weights.ravel() for _, weights in rules]),
+        np.concatenate(range_of_nodes),
+        np.concatenate([s.ravel() for s, _ in nodes_by_rule]),
+        np.concatenate([weights.ravel() for _, weights in nodes_by_rule]),
     )
 
 
 def _limits_beyond(least_z: Array, largest_z: Array, squared_e: Array) -> tuple[Array, Array]:
-    """The integration variable s at both ends of ranges from `least_z` to `largest_z`, (m,) each,
-    for kernels that act where z^2 > e^2: arcosh(z/e), 0 up to z = e; arsinh(z/|e|) for e^2 < 0.
+    """Integration variable s at both ends of ranges from `least_z` to `largest_z`, (m,) each, for
+    kernels that are not 0 where z^2 > e^2.
 
-    z is the root of P's distance from its turning point, e that of the load at which the edge of
+    s = arcosh(z/e), 0 up to z = e; for e^2 < 0 s = arsinh(z/|e|). z^2 is the distance of P from its
+    turning point, `squared_e` = e^2 that of P_x with its sign; P_x is the load at which the edge of
     contact is at the point.
     """
     e = np.sqrt(np.abs(squared_e))
 
-    def variable_at(z_limit: Array) -> Array:
+    def s_at(z_limit: Array) -> Array:
         z = np.where(squared_e > 0, np.maximum(z_limit, e), z_limit)
         # (z - e)(z + e), not z^2 - e^2: at z = e round-off would leave a root of 1e-8 in the
         # latter.
         root = np.sqrt(np.maximum((z - e) * (z + e), 0.0))
         return np.arcsinh(np.where(squared_e > 0, root, z) / np.maximum(e, 1e-300))
 
-    begin = variable_at(least_z)
-    return begin, np.maximum(begin, variable_at(largest_z))
+    begin = s_at(least_z)
+    return begin, np.maximum(begin, s_at(largest_z))
 
 
 def _limits_within(least_z: Array, largest_z: Array, squared_e: Array) -> tuple[Array, Array]:
-    """The integration variable s = arcsin(z/e) at both ends of ranges from `least_z` to
-    `largest_z`, (m,) each, for kernels that act where z^2 < e^2; equal where nothing of the range
-    is within.
+    """Integration variable s = arcsin(z/e) at both ends of ranges from `least_z` to `largest_z`,
+    (m,) each, for kernels that are not 0 where z^2 < e^2; equal where all of a range is outside.
 
-    z is the root of P's distance from its turning point, e that of the load at which the edge of
-    contact is at the point.
+    z^2 is the distance of P from its turning point, `squared_e` = e^2 that of P_x with its sign;
+    P_x is the load at which the edge of contact is at the point.
     """
     e = np.sqrt(np.maximum(squared_e, 0.0))
 
-    def variable_at(z_limit: Array) -> Array:
+    def s_at(z_limit: Array) -> Array:
         z = np.minimum(z_limit, e)
         return np.arctan2(z, np.sqrt((e - z) * (e + z)))
 
-    begin = variable_at(least_z)
-    return begin, np.maximum(begin, variable_at(largest_z))
+    begin = s_at(least_z)
+    return begin, np.maximum(begin, s_at(largest_z))
 
 
-def _z_and_root(s: Array, squared_e: Array, beyond: bool) -> tuple[Array, Array]:
-    """z and the root sqrt(|z^2 - e^2|) at s, (n,) each, with dz = root ds: z > e where
-    `beyond`, else z < e.
+def _z_and_root(s: Array, squared_e: Array, acts_beyond_e: bool) -> tuple[Array, Array]:
+    """z and sqrt(|z^2 - e^2|) at values s of the integration variable, (n,) each, with dz =
+    sqrt(...) ds: z > e where `acts_beyond_e`, else z < e.
     """
     e = np.sqrt(np.abs(squared_e))
-    if not beyond:
+    if not acts_beyond_e:
         return e * np.sin(s), e * np.cos(s)
     by_cosh = e * np.cosh(s)
     by_sinh = e * np.sinh(s)
     return np.where(squared_e > 0, by_cosh, by_sinh), np.where(squared_e > 0, by_sinh, by_cosh)
 
 
-# Share of a load up to which a line of the memory is short: differences of slips keep 1e-15 of the
-# whole, over its power 3/2.
+# Share of a load up to which a straight part of a memory curve is short: differences of slips keep
+# 1e-15 of the slip from 0 on, over the power 3/2 of the share.
 _SHORT = 0.01
 
 
 @dataclass(frozen=True, eq=False)
 class Integrals:
-    """int M'(eta) K(x, eta) d eta over memory curves at |x| = `x` (k,), with what is shared
-    remembered.
+    """Integrals of M'(eta) K(x, eta) d eta over memory curves at |x| = `x` (k,): shear, slip or
+    displacement. What curves have in common is integrated once, and stored.
+
+    The memory curve M(eta) is the tangential force that the flat punches up to the load eta carry.
 
     Attributes
     ----------
@@ -677,21 +714,22 @@ class Integrals:
         (k,) distances from the centre >= 0
     kernel
         "shear" (K = dp/d eta), "slip" (K = arccosh(|x|/a) outside, 0 inside) or "shift" (K =
-        ln(2 L/a); x plays no part)
+        ln(2 L/a), the displacement; x plays no part)
     """
 
     contact: Contact
     x: Array
     kernel: Kernel
-    _known: dict[int, tuple[CurvePart, Array]] = field(default_factory=dict)
+    _stored: dict[int, tuple[CurvePart, Array]] = field(default_factory=dict)
     _arcs: dict[tuple[int, float, float], tuple[Piece, Arc]] = field(default_factory=dict)
 
     def over(self, snapshot: Snapshot) -> Array:
-        """Shear, slip or displacement of a contact at each instant of a snapshot of the friction
-        memory, at each point, (n, k): the integral of M'(eta) K(x, eta) over the memory curve.
+        """Shear q, slip s pi/A or displacement U pi/A of a contact at n instants and k points, (n,
+        k): the integral of M'(eta) K(x, eta) over the memory curve of each instant; A = 2/E*.
 
-        M(eta) is the tangential force carried up to the load eta, K the kernel of a flat punch. At
-        constant P the shear is that of Cattaneo and Mindlin, q = f [p(x, P) - p(x, P - Q/f)].
+        The memory curve M(eta) is the tangential force that the flat punches up to the load eta
+        carry. K is the shear, slip or displacement by a unit of load on a flat punch. At constant P
+        the shear is that of Cattaneo and Mindlin, q = f [p(x, P) - p(x, P - Q/f)].
 
         >>> from scenes.segments import straight_segments
         >>> from semi_analytic.hertz import HertzContact
@@ -711,144 +749,164 @@ class Integrals:
         >>> shift.round(12).tolist()  # U pi/A = 0.5 [4 ln(pi/2) + 2 - ln(pi) - 1/2], L = 1
         [[1.080800...]]
         """
-        edge_load = snapshot.load - snapshot.slipped
-        slopes = np.zeros(len(snapshot.load))
-        bottoms = np.zeros(len(snapshot.load))
+        stick_edge_load = snapshot.load - snapshot.slipped
+        slope_of_piece = np.zeros(len(snapshot.load))
+        load_at_piece_bottom = np.zeros(len(snapshot.load))
+        # The piece of the curve that holds the stick edge, and the instants at which it does.
         for piece, instants in snapshot.groups:
-            slopes[instants] = piece.straight_slope
-            bottoms[instants] = piece.bottom
-        slope_of_slip = np.asarray(snapshot.direction * snapshot.friction, dtype=float)
-        # Line of slip above the stick edge, straight part of the piece below it; in one call, since
-        # both need the kernel's integral up to the stick edge.
-        integrals_of_lines = self._line(
-            np.concatenate([slope_of_slip, slopes]),
-            np.concatenate([edge_load, bottoms]),
-            np.concatenate([snapshot.load, edge_load]),
+            slope_of_piece[instants] = piece.straight_slope
+            load_at_piece_bottom[instants] = piece.bottom
+        slope_in_slip_zones = np.asarray(snapshot.direction * snapshot.friction, dtype=float)
+        # Slope +-f in the slip zones above the stick edge, the straight part of the piece below it.
+        # In one call, since both need the kernel's integral up to the stick edge.
+        straight_integrals = self._straight_integrals(
+            np.concatenate([slope_in_slip_zones, slope_of_piece]),
+            np.concatenate([stick_edge_load, load_at_piece_bottom]),
+            np.concatenate([snapshot.load, stick_edge_load]),
         )
-        integral_of_slip_line, integral_of_straight_part = np.split(integrals_of_lines, 2)
-        integrals = integral_of_slip_line + integral_of_straight_part
-        self._remember([piece.below for piece, _ in snapshot.groups])
-        integrals_of_arcs = self._curved(
-            [(piece, edge_load[instants]) for piece, instants in snapshot.groups]
+        integral_over_slip_zones, integral_over_piece = np.split(straight_integrals, 2)
+        integrals = integral_over_slip_zones + integral_over_piece
+        # The rest of the curve, below that piece, does not change while the piece stays.
+        self._store_integrals([piece.below for piece, _ in snapshot.groups])
+        curved_integrals = self._curved_integrals(
+            [(piece, stick_edge_load[instants]) for piece, instants in snapshot.groups]
         )
-        for (piece, instants), integral_of_arc in zip(
-            snapshot.groups, integrals_of_arcs, strict=True
+        for (piece, instants), curved_integral in zip(
+            snapshot.groups, curved_integrals, strict=True
         ):
-            integrals[instants] += self._up_to_top(piece.below) + integral_of_arc
+            integrals[instants] += self._stored_integral(piece.below) + curved_integral
         return integrals
 
-    def _up_to_top(self, curve: CurvePart | None) -> Array | float:
-        """The integral over a curve that is known, (k,)."""
-        return self._known[id(curve)][1] if curve is not None else 0.0
+    def _stored_integral(self, curve: CurvePart | None) -> Array | float:
+        """The stored integral of M' K over a memory curve up to the top of its uppermost piece,
+        (k,); 0 of None, no curve.
+        """
+        return self._stored[id(curve)][1] if curve is not None else 0.0
 
-    def _remember(self, curves: Sequence[CurvePart | None]) -> None:
-        """Integrate the kernel over those memory curves that are not stored yet, and store the
-        integral up to the top of each of their pieces.
+    def _store_integrals(self, curves: Sequence[CurvePart | None]) -> None:
+        """Integrate M' K over those memory curves that are not stored yet, and store the integral
+        from 0 up to the top of each of their pieces, (k,).
 
-        A memory curve M(eta) is the tangential force of the flat punches up to the load eta. Curves
-        share their lower pieces: each begins at the first stored piece. All straight parts are
-        integrated in one call.
+        The memory curve M(eta) is the tangential force that the flat punches up to the load eta
+        carry, K the kernel. A curve is given by its uppermost piece, which knows the piece below.
+        Curves share their lower pieces: each is integrated from its first stored piece on.
         """
         new_pieces: dict[int, CurvePart] = {}
 
-        def is_unknown(piece: CurvePart) -> bool:
-            return id(piece) not in self._known and id(piece) not in new_pieces
+        def is_not_stored(piece: CurvePart) -> bool:
+            return id(piece) not in self._stored and id(piece) not in new_pieces
 
         for curve in curves:
-            unknown_pieces = list(takewhile(is_unknown, pieces(curve)))
-            new_pieces.update({id(piece): piece for piece in reversed(unknown_pieces)})
+            pieces_to_store = list(takewhile(is_not_stored, pieces(curve)))
+            # From the bottom up: the integral of a piece adds to that of the piece below.
+            new_pieces.update({id(piece): piece for piece in reversed(pieces_to_store)})
         if not new_pieces:
             return
-        slopes = np.array([piece.straight_slope for piece in new_pieces.values()])
-        bottoms = np.array([piece.bottom for piece in new_pieces.values()])
-        tops = np.array([piece.top for piece in new_pieces.values()])
-        integrals_of_lines = self._line(slopes, bottoms, tops)
-        integrals_of_arcs = self._curved(
+        slope_of_pieces = np.array([piece.straight_slope for piece in new_pieces.values()])
+        loads_at_bottom = np.array([piece.bottom for piece in new_pieces.values()])
+        loads_at_top = np.array([piece.top for piece in new_pieces.values()])
+        straight_integrals = self._straight_integrals(
+            slope_of_pieces, loads_at_bottom, loads_at_top
+        )
+        curved_integrals = self._curved_integrals(
             [(piece, np.array([piece.top])) for piece in new_pieces.values()]
         )
-        for piece, integral_of_line, integral_of_arc in zip(
-            new_pieces.values(), integrals_of_lines, integrals_of_arcs, strict=True
+        for piece, straight_integral, curved_integral in zip(
+            new_pieces.values(), straight_integrals, curved_integrals, strict=True
         ):
-            self._known[id(piece)] = (
+            self._stored[id(piece)] = (
                 piece,
-                self._up_to_top(piece.below) + integral_of_line + np.ravel(integral_of_arc),
+                self._stored_integral(piece.below) + straight_integral + np.ravel(curved_integral),
             )
 
-    def _line(self, slope: Array, bottom: Array, top: Array) -> Array:
-        """Slope times int K d eta along straight parts of memory curves, from the loads `bottom` to
-        `top` (n,), at each point: (n, k); 0 for parts without slope or length.
+    def _straight_integrals(self, slope: Array, lower_load: Array, upper_load: Array) -> Array:
+        """Slope times the integral of K d eta over straight parts of memory curves, between two
+        loads (n,), at each point: (n, k); 0 for parts without slope or length.
 
-        A memory curve M(eta) is the tangential force of the flat punches up to the load eta. A
-        short part is integrated by itself: the difference of two long integrals would leave little
-        more than round-off.
+        The memory curve M(eta) is the tangential force that the flat punches up to the load eta
+        carry, K the kernel. The slip of a short part is integrated over that part alone: a
+        difference of two long integrals would leave little more than round-off.
         """
-        line_integrals = np.zeros((len(top), len(self.x)))
-        line_numbers = np.flatnonzero((slope != 0) & (top != bottom))
-        is_short = np.zeros(len(line_numbers), dtype=bool)
+        straight_integrals = np.zeros((len(upper_load), len(self.x)))
+        part_numbers = np.flatnonzero((slope != 0) & (upper_load != lower_load))
+        is_short = np.zeros(len(part_numbers), dtype=bool)
         if self.kernel == "slip" and isinstance(self.contact, PunchSuperposition):
-            length = top[line_numbers] - bottom[line_numbers]
+            load_length = upper_load[part_numbers] - lower_load[part_numbers]
             # Not across a corner of the profile, or close behind one: there a(P) is not smooth.
             corners = self.contact.break_loads
-            corners_below = np.searchsorted(corners, bottom[line_numbers] - length)
-            corners_above = np.searchsorted(corners, top[line_numbers])
-            is_short = (length < _SHORT * top[line_numbers]) & (corners_below == corners_above)
-        long_lines = line_numbers[~is_short]
-        short_lines = line_numbers[is_short]
-        if len(long_lines):
-            integrals = self._difference(bottom[long_lines], top[long_lines])
-            line_integrals[long_lines] = slope[long_lines, None] * integrals
-        if len(short_lines):
-            integrals = self._by_itself(bottom[short_lines], top[short_lines])
-            line_integrals[short_lines] = slope[short_lines, None] * integrals
-        return line_integrals
+            corners_below = np.searchsorted(corners, lower_load[part_numbers] - load_length)
+            corners_above = np.searchsorted(corners, upper_load[part_numbers])
+            is_short = (load_length < _SHORT * upper_load[part_numbers]) & (
+                corners_below == corners_above
+            )
+        long_parts = part_numbers[~is_short]
+        short_parts = part_numbers[is_short]
+        if len(long_parts):
+            integrals = self._difference_of_integrals(
+                lower_load[long_parts], upper_load[long_parts]
+            )
+            straight_integrals[long_parts] = slope[long_parts, None] * integrals
+        if len(short_parts):
+            integrals = self._short_slip_integrals(lower_load[short_parts], upper_load[short_parts])
+            straight_integrals[short_parts] = slope[short_parts, None] * integrals
+        return straight_integrals
 
-    def _difference(self, bottom: Array, top: Array) -> Array:
+    def _difference_of_integrals(self, lower_load: Array, upper_load: Array) -> Array:
+        """int K d eta between loads (n,), at each point: (n, k), as a difference of integrals from
+        0 on, one for each different load.
+        """
         different_loads, number_in_loads = np.unique(
-            np.concatenate([bottom, top]), return_inverse=True
+            np.concatenate([lower_load, upper_load]), return_inverse=True
         )
-        moments = self.moment(0, different_loads)
+        integrals_from_0 = self.moment(0, different_loads)
         return np.asarray(
-            moments[number_in_loads[len(bottom) :]] - moments[number_in_loads[: len(bottom)]]
+            integrals_from_0[number_in_loads[len(lower_load) :]]
+            - integrals_from_0[number_in_loads[: len(lower_load)]]
         )
 
-    def _by_itself(self, bottom: Array, top: Array) -> Array:
-        """The slip kernel's integral, of arccosh(|x|/a(eta)) from the loads `bottom` to `top` (n,),
-        at each point: (n, k), as one integral of positive terms.
+    def _short_slip_integrals(self, lower_load: Array, upper_load: Array) -> Array:
+        """Integral of the slip kernel arccosh(|x|/a(eta)) d eta over short ranges of load (n,), at
+        each point: (n, k), as one integral of positive terms; 0 for points inside the contact.
 
-        It ends at P_x, the load at which the edge of contact is at x. With eta = end - v^2, v = e
-        sinh(s), e^2 = P_x - end >= 0 the root of P_x - eta becomes smooth.
+        P_x is the load at which the edge of contact is at x; the integral ends there at the latest.
+        With end = min(upper load, P_x), eta = end - v^2 and v = e sinh(s), e^2 = P_x - end >= 0,
+        the root of P_x - eta becomes smooth.
         """
         contact = self.contact
         edge_loads = contact.load(self.x)
-        end_load = np.minimum(top[:, None], edge_loads)
-        v_at_bottom = np.sqrt(np.maximum(end_load - bottom[:, None], 0.0))
+        end_load = np.minimum(upper_load[:, None], edge_loads)
+        v_at_lower_load = np.sqrt(np.maximum(end_load - lower_load[:, None], 0.0))
         integrals = np.zeros(end_load.shape)
-        root_beyond = np.sqrt(np.maximum(edge_loads - end_load, 0.0))
-        is_near = root_beyond < 0.5 * v_at_bottom
-        for is_of_rule, n_nodes in ((~is_near, 12), (is_near, 32)):
-            line_number, point = np.nonzero((v_at_bottom > 0) & is_of_rule)
-            e = np.maximum(root_beyond[line_number, point], 1e-4 * v_at_bottom[line_number, point])
+        e_of_points = np.sqrt(np.maximum(edge_loads - end_load, 0.0))
+        is_near = e_of_points < 0.5 * v_at_lower_load
+        # The range of s is the longer the nearer P_x is: it takes more nodes then.
+        for takes_rule, n_nodes in ((~is_near, 12), (is_near, 32)):
+            range_number, point = np.nonzero((v_at_lower_load > 0) & takes_rule)
+            e = np.maximum(
+                e_of_points[range_number, point], 1e-4 * v_at_lower_load[range_number, point]
+            )
             nodes, weights = gauss(n_nodes)
-            s_length = np.arcsinh(v_at_bottom[line_number, point] / e)[:, None]
+            s_length = np.arcsinh(v_at_lower_load[range_number, point] / e)[:, None]
             v = e[:, None] * np.sinh(s_length * nodes)
-            v_rate = e[:, None] * np.cosh(s_length * nodes)
-            load_below_edge = np.square(v) + np.square(root_beyond[line_number, point])[:, None]
-            advance = contact.advance(end_load[line_number, point, None] - np.square(v))
+            dv_ds = e[:, None] * np.cosh(s_length * nodes)
+            load_below_edge = np.square(v) + np.square(e_of_points[range_number, point])[:, None]
+            advance = contact.advance(end_load[range_number, point, None] - np.square(v))
             arccosh_ratio = contact.arccosh_ratio(self.x[point, None], load_below_edge, advance)
-            integrals[line_number, point] = np.sum(
-                weights * s_length * 2 * v * v_rate * arccosh_ratio, axis=1
+            integrals[range_number, point] = np.sum(
+                weights * s_length * 2 * v * dv_ds * arccosh_ratio, axis=1
             )
         return integrals
 
-    def _curved(
+    def _curved_integrals(
         self, pieces_and_edge_loads: Sequence[tuple[CurvePart, Array]]
     ) -> list[Array | float]:
-        """What curved pieces of memory curves add to the integral of M' K, beyond their straight
-        parts: (n, k), or 0, for each pair of a piece and loads (n,).
+        """What the curvature of pieces of memory curves adds to the integral of M' K, beyond their
+        straight parts: (n, k), or 0, for each pair of a piece and loads (n,).
 
-        A memory curve M(eta) is the tangential force of the flat punches up to the load eta. The
-        integral goes from the lower end of the piece to the load at the stick edge. Pieces that are
-        cut from one arc are integrated together.
+        The memory curve M(eta) is the tangential force that the flat punches up to the load eta
+        carry. The integral goes from the lower end of the piece to the load at the stick edge. A
+        piece is a parabola, for which M'' is 2 `bend`, or an arc, a curved segment of the load
+        path. Pieces that are cut from one arc are integrated together.
 
         Parameters
         ----------
@@ -857,38 +915,42 @@ class Integrals:
         """
         integrals: list[Array | float] = [0.0] * len(pieces_and_edge_loads)
         pieces_of_arc: dict[tuple[int, float, float], list[tuple[int, Piece]]] = {}
-        for pair_number, (piece, edge_load) in enumerate(pieces_and_edge_loads):
+        for pair_number, (piece, stick_edge_load) in enumerate(pieces_and_edge_loads):
             if isinstance(piece, Piece) and piece.arc is not None:
-                key = (id(piece.anchor.leg), piece.arc[0], piece.anchor.time)
-                pieces_of_arc.setdefault(key, []).append((pair_number, piece))
+                arc_key = (id(piece.anchor.leg), piece.arc[0], piece.anchor.time)
+                pieces_of_arc.setdefault(arc_key, []).append((pair_number, piece))
             elif piece.bend:
-                moments = self.moment(1, edge_load) - self.moment(1, np.array([piece.bottom]))
-                integrals[pair_number] = 2 * piece.bend * moments
-        for key, numbered_pieces in pieces_of_arc.items():
+                moment_change = self.moment(1, stick_edge_load) - self.moment(
+                    1, np.array([piece.bottom])
+                )
+                integrals[pair_number] = 2 * piece.bend * moment_change
+        for arc_key, numbered_pieces in pieces_of_arc.items():
             _, piece = numbered_pieces[0]
-            if key not in self._arcs:
-                self._arcs[key] = piece, Arc(self.contact, self.kernel, piece, self.x)
-            edge_loads_of_pieces = [
+            if arc_key not in self._arcs:
+                self._arcs[arc_key] = piece, Arc(self.contact, self.kernel, piece, self.x)
+            stick_edge_loads = [
                 pieces_and_edge_loads[pair_number][1] for pair_number, _ in numbered_pieces
             ]
-            times = front_time(piece, np.concatenate(edge_loads_of_pieces))
-            bounds = np.cumsum(
-                [len(edge_loads_of_piece) for edge_loads_of_piece in edge_loads_of_pieces]
-            )[:-1]
-            integrals_of_pieces = np.split(self._arcs[key][1].up_to(times), bounds)
-            for (pair_number, _), integral in zip(
-                numbered_pieces, integrals_of_pieces, strict=True
-            ):
-                integrals[pair_number] = integral
+            times_at_stick_edge = front_time(piece, np.concatenate(stick_edge_loads))
+            first_numbers = np.cumsum([len(loads_of_piece) for loads_of_piece in stick_edge_loads])[
+                :-1
+            ]
+            arc_integrals = np.split(
+                self._arcs[arc_key][1].up_to(times_at_stick_edge), first_numbers
+            )
+            for (pair_number, _), arc_integral in zip(numbered_pieces, arc_integrals, strict=True):
+                integrals[pair_number] = arc_integral
         return integrals
 
     @property
     def arc_error(self) -> float:
-        """Largest estimated error of the arcs that were integrated."""
+        """Largest estimated error of the integrals along arcs so far."""
         return max((arc.error for _, arc in self._arcs.values()), default=0.0)
 
     def moment(self, order: int, load: Array) -> Array:
-        """int_0^load eta^order K d eta: shape (n, k) from (n,)."""
+        """Integral of eta^order K(x, eta) d eta from 0 to each load (n,), at each point: (n, k);
+        `order` 0 or 1.
+        """
         contact = self.contact
         column = load[:, None]
         if self.kernel == "shift":
