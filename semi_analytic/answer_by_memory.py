@@ -190,7 +190,7 @@ def by_memory(question: Question, family: OneCurve | None) -> Findings:
         *_notes_of_errors(errors),
     ]
     termination, message = _ending_of(path)
-    permanent_stick = _permanent_stick(request.contact, path_answer, path.largest)
+    permanent_stick = _permanent_stick(request.contact, path_answer, path.largest_load)
     seconds = {"history": history_done - started, "fields": fields_done - work_done}
     seconds["dissipation"] = work_done - history_done + clock.perf_counter() - fields_done
     # Work of each increment, where every instant is a row of the path.
@@ -275,7 +275,7 @@ def _request_of(
     x = question.x
     if x is None:
         needs_points = question.wants_pointwise or question.wants("dissipation_density")
-        x = _points_of(contact, path.largest) if needs_points or not path.long else np.zeros(1)
+        x = _points_of(contact, path.largest_load) if needs_points or not path.long else np.zeros(1)
     if family is None:
         different_points, number_of_point = folded(x)
     else:
@@ -597,7 +597,7 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
     is_steady = series.steady_from is not None and series.covered[-1] >= series.steady_from
     loop = None
     if request.wants("loop_work") and is_steady:
-        loop = Loop(contact, request.modulus, friction, series.parts[last_part].largest)
+        loop = Loop(contact, request.modulus, friction, series.parts[last_part].largest_load)
     states = States(friction, request.wants("shear", "slip", "tangential_displacement"))
     sums = _SeriesSums(
         works=np.zeros(len(series.parts)),
@@ -618,7 +618,9 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
         for first_row, block in blocks(part, friction, states.curves):
             first_step = series.starts[part_number] + first_row
             states.add(block, *located.within(first_step, len(block.rows) - 1))
-            sums.shares[part_number] = max(sums.shares[part_number], block.deepest / part.largest)
+            sums.shares[part_number] = max(
+                sums.shares[part_number], block.largest_slipped_load / part.largest_load
+            )
             sums.count(block, wanted.work + wanted.density, depth_before)
             depth_before = depth_of(block.curve)
             sums.add_block(block, part_number, first_step, wanted, request, friction)

@@ -75,7 +75,7 @@ from semi_analytic.corrected_memory import (
 )
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.hertz import HertzContact
-from semi_analytic.history import History, histories_kept, turns_of, within
+from semi_analytic.history import History, cycles_to_follow, histories_kept, time_in_followed_path
 from semi_analytic.inner_slip import InnerSlip, SlipAtPoints, inner_slip
 from semi_analytic.load_series import LoadSeries
 from semi_analytic.next_order import (
@@ -414,7 +414,7 @@ class _Route:
             last_cycle = last_cycle - (solved - 1) * self.period
             instants = np.concatenate([instants, last_cycle, last_cycle + self.period])
         if time is not None:
-            asked_for, _ = within(time, self.start, marks[-1], self.period)
+            asked_for, _ = time_in_followed_path(time, self.start, marks[-1], self.period)
             instants = np.append(instants, np.clip(asked_for, self.start, marks[-1]))
         return self.rows(instants)
 
@@ -1247,7 +1247,7 @@ def _covered(question: Question, route: _Route, steady_from: int | None) -> tupl
         return (0,)
     cycles = question.scene.cycles
     until_steady = 2 if steady_from is None else steady_from + 1
-    _, whole_cycles = turns_of(route.cycle_ends[0], route.period, cycles, question.time)
+    _, whole_cycles = cycles_to_follow(route.cycle_ends[0], route.period, cycles, question.time)
     n_cycles = whole_cycles or min(cycles, until_steady)
     followed_cycles = tuple(min(k, 1) for k in range(n_cycles))
     if question.wants_last_cycle_alone:
@@ -1265,7 +1265,9 @@ def instants_of(question: Question, rows: PathRows, last_cycle: slice) -> tuple[
         first_row = last_cycle.start if question.wants_last_cycle_alone else 0
         row_numbers = np.arange(first_row, last_cycle.stop)
         return rows.time[row_numbers], row_numbers
-    time_in_path, _ = within(question.time, float(rows.time[0]), float(rows.time[-1]), rows.period)
+    time_in_path, _ = time_in_followed_path(
+        question.time, float(rows.time[0]), float(rows.time[-1]), rows.period
+    )
     row_after = np.clip(np.searchsorted(rows.time, time_in_path), 1, len(rows.time) - 1)
     is_before = time_in_path - rows.time[row_after - 1] < rows.time[row_after] - time_in_path
     return question.time, row_after - is_before

@@ -1,7 +1,7 @@
-"""Curved paths: which part of a leg sticks, which slips, which piece of the memory is being erased,
-and when (Masing rule).
+"""Curved load paths: which part of a load segment sticks, which slips, which piece of the memory
+curve is being erased, and when (Masing rule).
 
-A history is a sequence of spans, in each of which the memory curve keeps its structure. An
+A history is a sequence of time spans, in each of which the memory curve keeps its structure. An
 uppermost piece, `sticking_piece`, goes up to a load that moves with time: the load itself while P
 follows the piece, the load P_c of the stick edge in slip. What lies below it is untouched. In slip
 a line of slope +-f goes from there to (P, Q). Everything that is asked of a history later is
@@ -58,10 +58,10 @@ from semi_analytic.profiles import Contact
 _ROUNDING = 1e-14
 # Share of a stretch of time, or of a level, within which two instants are one.
 _NEAR = 1e-14
-# Share of f P by which a front may miss the end of the piece that it meets, and of a time to which
-# a crossing is found.
+# Share of f P by which a stick edge may miss the end of the piece that it meets, and of a time to
+# which a crossing is found.
 _LAST_DIGITS = 2e-15
-# Instants at which a piece without a formula for its crossings is looked at.
+# Instants at which Q - M(P) is looked at along a curved piece, whose crossings have no formula.
 _SAMPLES = 33
 # Instants of a cycle and of the initial loading where none are asked for.
 _INSTANTS = 400
@@ -77,18 +77,20 @@ SLACK = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Span:
-    """A span of time in which the memory curve keeps its structure.
+    """A span of time, in full stick or with slip in one direction, in which the memory curve keeps
+    its structure.
 
     Attributes
     ----------
     begin, end
-        its ends on the load path, in the time of the leg
+        its ends on the load path, in the time of the load segment
     delay
-        what makes the leg's time the history's time
+        how much later the span is than the segment's own time: whole periods of the cycle
     direction
         +1 forward slip, -1 reverse slip, 0 no slip
     sticking_piece
-        the uppermost piece that is left below the line of slip; None if the front is at P_c = 0
+        the uppermost piece of the memory curve that still sticks, below the line of slip; None if
+        the whole contact slips, P_c = 0
     friction
         f
     """
@@ -102,16 +104,18 @@ class Span:
 
     @property
     def leg(self) -> LoadSegment:
-        """The leg of the load path that is being travelled."""
+        """The load segment that the span is on."""
         return self.begin.leg
 
     def slipped(self, time: ArrayLike) -> Array:
-        """P - P_c >= 0 at times of the leg; 0 where nothing slips."""
+        """P - P_c >= 0 [force per thickness] at times of the segment, P_c the load at the stick
+        edge; 0 where nothing slips.
+        """
         t = np.asarray(time, dtype=float)
         return self.slipped_at(t, self.leg.loads(t)[0])
 
     def slipped_at(self, t: Array, load: Array) -> Array:
-        """The same where P is known."""
+        """P - P_c at times t of the segment at which P is `load`."""
         if self.direction == 0:
             return np.zeros(t.shape)
         if self.sticking_piece is None:
@@ -123,14 +127,16 @@ class Span:
         return np.minimum(np.maximum(lag, least_lag), largest_lag)
 
     @cached_property
-    def deepest(self) -> float:
-        """Largest P - P_c at its ends and half-way; 0 where nothing slips."""
+    def largest_slipped_load(self) -> float:
+        """Largest P - P_c [force per thickness] at the ends of the span and half-way; 0 where
+        nothing slips.
+        """
         if not self.direction:
             return 0.0
         return float(np.max(self.slipped(np.linspace(self.begin.time, self.end.time, 3))))
 
     def curve(self, time: float) -> Curve:
-        """The memory curve at a time of the leg."""
+        """The memory curve at a time of the segment."""
         point = instant(self.leg, time)
         if self.direction == 0:
             return unload_to(self.sticking_piece, point.normal)
@@ -174,45 +180,48 @@ def _check_part(
     """Refuse a part of a load segment on which |Q| > f P or P < 0 somewhere: InadmissibleLoadError
     at the first such instant.
 
-    P, Q - f P and Q + f P are monotonic on the part, so that its end is beyond a limit if anything
-    is. P may be beyond its limit by `slack` [force per thickness]. The error also names the end of
-    the part.
+    P, Q - f P and Q + f P are monotonic between the times `begin` and `end` of the part, so that
+    its end is beyond a limit if anything is. P may be beyond its limit by `slack` [force per
+    thickness], Q by f times that. The error also names the end of the part.
     """
     end_instant = instant(segment, end)
-    excesses = [(NORMAL_LOAD, -end_instant.normal, "separation", slack)]
+    excesses_at_end = [(NORMAL_LOAD, -end_instant.normal, "separation", slack)]
     for direction in (1, -1):
-        excess = direction * end_instant.tangential - friction * end_instant.normal
-        excesses.append((level(direction, friction), excess, "gross sliding", slack * friction))
-    faults = []
-    for combination, excess, reason, tolerance in excesses:
-        if excess > tolerance:
-            sign_of_growth = -1.0 if combination is NORMAL_LOAD else 1.0
-            change_to_limit = sign_of_growth * float(segment.change_of(combination, end, begin))
-            time = float(
-                segment.time_of(
-                    combination, sign_of_growth * (change_to_limit - excess), begin, end
-                )
-            )
-            faults.append((time, reason))
-    if faults:
-        # Where P runs out both limits of friction are met at the same instant: that is separation.
-        end_of_first_time = min(time for time, _ in faults) + _NEAR * (end - begin)
-        time, reason = next(fault for fault in faults if fault[0] <= end_of_first_time)
-        fault_instant = instant(segment, time)
-        raise InadmissibleLoadError(
-            reason,
-            LoadedInstant(time, fault_instant.normal, fault_instant.tangential),
-            # P, u and v are monotonic up to there
-            LoadedInstant(end_instant.time, end_instant.normal, end_instant.tangential),
-            friction=friction,
+        excess_force = direction * end_instant.tangential - friction * end_instant.normal
+        excesses_at_end.append(
+            (level(direction, friction), excess_force, "gross sliding", slack * friction)
         )
+    faults = []
+    for combination, excess, reason, tolerance in excesses_at_end:
+        if excess > tolerance:
+            # -P grows to its limit 0, and so do Q - f P and -Q - f P.
+            sign_of_growth = -1.0 if combination is NORMAL_LOAD else 1.0
+            growth_in_part = sign_of_growth * float(segment.change_of(combination, end, begin))
+            growth_to_limit = growth_in_part - excess
+            fault_time = float(
+                segment.time_of(combination, sign_of_growth * growth_to_limit, begin, end)
+            )
+            faults.append((fault_time, reason))
+    if not faults:
+        return
+    # Where P runs out both limits of friction are met at the same instant: that is separation.
+    latest_of_first = min(fault_time for fault_time, _ in faults) + _NEAR * (end - begin)
+    first_time, reason = next(fault for fault in faults if fault[0] <= latest_of_first)
+    fault_instant = instant(segment, first_time)
+    raise InadmissibleLoadError(
+        reason,
+        LoadedInstant(first_time, fault_instant.normal, fault_instant.tangential),
+        # The excess grows up to the end of the part, where it is largest.
+        LoadedInstant(end_instant.time, end_instant.normal, end_instant.tangential),
+        friction=friction,
+    )
 
 
 def monotonic_parts(segment: LoadSegment, friction: float) -> list[tuple[float, float]]:
-    """Begin and end times of the parts of a load segment between turning points of P, of u = Q - f
-    P and of v = Q + f P.
+    """Parts of a load segment between turning points of P, of Q - f P and of Q + f P, f =
+    `friction`: begin and end time of each.
 
-    Where u rises the contact may slip forward, where v falls in reverse; f is `friction`.
+    The contact may slip forward where Q - f P rises, and in reverse where Q + f P falls.
 
     >>> from math import pi
     >>> from scenes import ellipse_segment
@@ -220,28 +229,28 @@ def monotonic_parts(segment: LoadSegment, friction: float) -> list[tuple[float, 
     >>> [round(begin / pi, 2) for begin, _ in monotonic_parts(circle, 1.0)]
     [0.0, 0.25, 0.75, 1.0, 1.25, 1.75]
     """
-    combinations = (NORMAL_LOAD, level(1, friction), level(-1, friction))
-    turns = sorted(
-        time for combination in combinations for time in segment.turning_points(combination)
+    load_combinations = (NORMAL_LOAD, level(1, friction), level(-1, friction))
+    turning_times = sorted(
+        time for combination in load_combinations for time in segment.turning_points(combination)
     )
     shortest_part = _ROUNDING * max(
         abs(segment.start), abs(segment.end), segment.end - segment.start
     )
-    ends_of_parts = [segment.start]
-    for time in turns:
-        if time - ends_of_parts[-1] > shortest_part and segment.end - time > shortest_part:
-            ends_of_parts.append(time)
-    return list(zip(ends_of_parts, [*ends_of_parts[1:], segment.end], strict=True))
+    begin_times = [segment.start]
+    for time in turning_times:
+        if time - begin_times[-1] > shortest_part and segment.end - time > shortest_part:
+            begin_times.append(time)
+    return list(zip(begin_times, [*begin_times[1:], segment.end], strict=True))
 
 
 def march(
     curve: Curve, legs: Sequence[LoadSegment], friction: float, delay: float
 ) -> tuple[tuple[Span, ...], Curve]:
-    """Follow segments of a load path through stick and slip: spans of time, each in full stick or
-    with slip in one direction, and the memory curve at the end.
+    """Time spans of full stick, or of slip in one direction, along the load segments `legs`, and
+    the memory curve at their end; `curve` is that at their begin.
 
     The memory curve is the tangential force carried up to each load; None stands for no contact.
-    `delay` is added to the time of the segments, whole periods of a cycle.
+    The spans are `delay` later than the time of the segments: whole periods of a cycle.
 
     >>> from scenes.segments import straight_segments
     >>> legs = straight_segments(
@@ -250,7 +259,7 @@ def march(
     >>> spans, curve = march(None, legs, 0.5, 0.0)
     >>> [
     ...     (span.direction, round(float(span.slipped(span.end.time)), 12)) for span in spans
-    ... ]  # dQ/f, after a reversal dQ/(2 f)
+    ... ]  # P - P_c is dQ/f, after a reversal dQ/(2 f)
     [(0, 0.0), (1, 0.6), (-1, 0.2)]
     """
     spans: list[Span] = []
@@ -263,40 +272,40 @@ def march(
 
 
 def _spans_of_part(
-    curve: Curve, leg: LoadSegment, begin: float, end: float, friction: float, delay: float
+    curve: Curve, segment: LoadSegment, begin: float, end: float, friction: float, delay: float
 ) -> Iterator[Span]:
-    """Spans of time, in full stick or with slip in one direction, of a part of a load segment.
+    """Time spans of full stick, or of slip in one direction, on a part of a load segment on which
+    P, Q - f P and Q + f P are monotonic.
 
-    On the part neither P, u = Q - f P nor v = Q + f P turns round. Rising u is forward slip,
-    falling v reverse slip; neither, with rising P, is loading in stick. The memory curve M(eta) is
-    the tangential force of the flat punches up to the load eta. Each piece of it that slip erases
-    makes a span of its own.
+    Rising Q - f P is forward slip, falling Q + f P reverse slip. Neither, with rising P, is loading
+    in stick. The memory curve M(eta) is the tangential force of the flat punches up to the load
+    eta. Each smooth piece of it that slip erases makes a span of its own.
 
     Parameters
     ----------
     curve
         the memory curve at the `begin`; None out of contact
-    leg
+    segment
         the load segment
     begin, end
         times of the part
     delay
         how much later than the segment itself the spans are: whole periods of the cycle
     """
-    middle = (begin + end) / 2
-    normal_rate, tangential_rate = (float(rate) for rate in leg.rates(middle))
-    noise = _ROUNDING * (abs(tangential_rate) + friction * abs(normal_rate))
-    slips_forward = float(leg.rate_of(level(1, friction), middle)) > noise
-    slips_in_reverse = float(leg.rate_of(level(-1, friction), middle)) > noise
-    begin_instant = instant(leg, begin)
-    end_instant = instant(leg, end)
+    middle_time = (begin + end) / 2
+    normal_rate, tangential_rate = (float(rate) for rate in segment.rates(middle_time))
+    rate_roundoff = _ROUNDING * (abs(tangential_rate) + friction * abs(normal_rate))
+    slips_forward = float(segment.rate_of(level(1, friction), middle_time)) > rate_roundoff
+    slips_in_reverse = float(segment.rate_of(level(-1, friction), middle_time)) > rate_roundoff
+    begin_instant = instant(segment, begin)
+    end_instant = instant(segment, end)
     if normal_rate > 0 and not (slips_forward or slips_in_reverse):
         yield Span(
             begin_instant,
             end_instant,
             delay,
             0,
-            load_in_stick(curve, leg, begin, end_instant),
+            load_in_stick(curve, segment, begin, end_instant),
             friction,
         )
     elif normal_rate < 0 and slips_forward == slips_in_reverse:
@@ -317,12 +326,12 @@ def _slip(
     friction: float,
     delay: float,
 ) -> Iterator[Span]:
-    """Spans of slip in one direction: the stick edge moves down through the pieces of the memory
-    curve, and each piece makes a span of time.
+    """Time spans of slip in one direction, on a part of a load segment: one span for each smooth
+    piece of the memory curve through which the stick edge moves.
 
-    The memory curve is the tangential force carried up to each load; P_c is the load at the stick
-    edge. A piece is passed when s Q - f P, s = `direction`, has grown to its value at the lower end
-    of the piece.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta; P_c is
+    the load at the stick edge. It goes down through a piece while s Q - f P, s = `direction`, grows
+    to s M(eta) - f eta of the piece's lower end.
 
     Parameters
     ----------
@@ -331,39 +340,41 @@ def _slip(
     direction
         1 of forward, -1 of reverse slip
     begin_instant, end_instant
-        ends of the part of a load segment that slips
+        ends of the part of a load segment
     delay
         how much later than the segment itself the spans are: whole periods of the cycle
     """
-    leg = begin_instant.leg
-    slip_level = level(direction, friction)
-    total_change = float(leg.change_of(slip_level, end_instant.time, begin_instant.time))
+    segment = begin_instant.leg
+    slip_level = level(direction, friction)  # the combination s Q - f P of the loads
+    level_growth = float(segment.change_of(slip_level, end_instant.time, begin_instant.time))
     force_roundoff = _LAST_DIGITS * friction * end_instant.normal
     span_begin = begin_instant
-    # What slips already is at the limit, and the stick edge is below it.
+    # A piece at the Coulomb limit slips already: the stick edge begins below it.
     if curve is not None and flat(curve, direction, friction):
         curve = curve.below
     while curve is not None:
         if flat(curve, direction, friction):
-            # Only round-off would take the stick edge through it: it stays at its upper end.
-            if total_change <= force_roundoff:
+            # A piece at the limit is passed at once. If only round-off would take the stick edge
+            # through it, the edge stays at its upper end.
+            if level_growth <= force_roundoff:
                 curve = Piece(curve, curve.top, begin_instant, -direction * friction)
                 break
             curve = curve.below
             continue
-        level_at_begin = float(change_from(curve.anchor, leg, slip_level, begin_instant.time))
+        # Both relative to the level at the instant from which the piece is measured.
+        level_at_begin = float(change_from(curve.anchor, segment, slip_level, begin_instant.time))
         level_at_bottom = float(level_on(curve, direction, friction, curve.bottom))
-        change_to_bottom = level_at_bottom - level_at_begin
+        growth_to_bottom = level_at_bottom - level_at_begin
         # A stick edge that meets the lower end of the piece at the very end of the step, to
         # round-off, has not passed it: what lies below may be at the limit already, and the edge
         # would jump through it.
         level_roundoff = _NEAR * (abs(level_at_bottom) + abs(level_at_begin)) + force_roundoff
-        if total_change <= change_to_bottom + level_roundoff:
+        if level_growth <= growth_to_bottom + level_roundoff:
             break
-        passing_time = leg.time_of(
-            slip_level, change_to_bottom, begin_instant.time, end_instant.time
+        passing_time = segment.time_of(
+            slip_level, growth_to_bottom, begin_instant.time, end_instant.time
         )
-        passing_instant = instant(leg, float(passing_time))
+        passing_instant = instant(segment, float(passing_time))
         if passing_instant.time > span_begin.time:
             yield Span(span_begin, passing_instant, delay, direction, curve, friction)
             span_begin = passing_instant
@@ -375,14 +386,14 @@ def _slip(
 def _unload(
     curve: Curve, begin_instant: Instant, end_instant: Instant, friction: float, delay: float
 ) -> Iterator[Span]:
-    """Spans of time, in full stick or with slip in one direction, of an unloading path with P
-    falling and |dQ/dP| <= f.
+    """Time spans of full stick, or of slip in one direction, on a part of a load segment on which P
+    falls and |dQ/dP| <= f.
 
-    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. The
-    contact slips forward where the path runs above the memory curve M(P) in the P-Q plane, in
-    reverse below it, and not along it. Each later point of the path lies inside the friction cones
-    of the earlier ones, so that the state is that of one step. `delay` is how much later than the
-    load segment itself the spans are: whole periods of the cycle.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta; `curve`
+    is that at the begin. The contact slips forward where the path runs above M(P) in the P-Q plane,
+    in reverse below it, and not along it. Each later point of the path lies inside the Coulomb
+    limits |dQ| <= f |dP| of the earlier ones, so that the state is that of one step. The spans are
+    `delay` later than the load segment itself: whole periods of the cycle.
     """
     for begin_time, end_time, direction in slip_directions(
         curve, begin_instant, end_instant, friction
@@ -401,11 +412,12 @@ def _unload(
 def _retrace(
     curve: Curve, begin_instant: Instant, end_instant: Instant, friction: float, delay: float
 ) -> Iterator[Span]:
-    """Spans of unloading back down the memory curve, Q = M(P), without slip: a span of time for
-    each of its pieces.
+    """Time spans of unloading without slip, Q = M(P): one span for each smooth piece of the memory
+    curve that P goes down.
 
-    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. `delay`
-    is how much later than the load segment itself the spans are: whole periods of the cycle.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta; `curve`
+    is that at the begin. The spans are `delay` later than the load segment itself: whole periods of
+    the cycle.
     """
     span_begin = begin_instant
     while curve is not None and curve.bottom > end_instant.normal:
@@ -425,90 +437,95 @@ def _retrace(
 def slip_directions(
     curve: Curve, begin_instant: Instant, end_instant: Instant, friction: float
 ) -> list[tuple[float, float, int]]:
-    """Begin time, end time and slip direction of the parts of an unloading path: +1 above the
-    memory curve M(P), -1 below it, 0 along it.
+    """Parts of an unloading path by direction of slip, +1 above the memory curve M(P), -1 below it,
+    0 along it: begin time, end time and direction of each.
 
     `curve` is the memory curve M(eta) at the begin, the tangential force of the flat punches up to
-    the load eta. The path goes from `begin_instant` to `end_instant` on one load segment.
-    Neighbouring parts of one direction are merged.
+    the load eta. The path goes from `begin_instant` to `end_instant` on one load segment, P
+    falling. It is cut where P leaves a smooth piece of the curve; neighbouring parts of one
+    direction are merged.
     """
+    segment = begin_instant.leg
+    end_time = end_instant.time
+    load_change = float(segment.change_of(NORMAL_LOAD, end_time, begin_instant.time))
     parts: list[tuple[float, float, int]] = []
     part_begin = begin_instant.time
     for piece in pieces(curve):
         change_to_bottom = piece.bottom - begin_instant.normal
-        total_change = float(
-            begin_instant.leg.change_of(NORMAL_LOAD, end_instant.time, begin_instant.time)
-        )
-        leaves_piece = total_change < change_to_bottom
-        part_end = end_instant.time
+        leaves_piece = load_change < change_to_bottom
+        part_end = end_time
         if leaves_piece:
             part_end = float(
-                begin_instant.leg.time_of(
-                    NORMAL_LOAD, change_to_bottom, begin_instant.time, end_instant.time
-                )
+                segment.time_of(NORMAL_LOAD, change_to_bottom, begin_instant.time, end_time)
             )
         if part_end > part_begin:
-            parts += _directions_on(piece, begin_instant.leg, part_begin, part_end, friction)
+            parts += _directions_on(piece, segment, part_begin, part_end, friction)
         part_begin = max(part_begin, part_end)
         if not leaves_piece:
             break
     merged_parts: list[tuple[float, float, int]] = []
-    for part in parts:
-        if merged_parts and merged_parts[-1][2] == part[2]:
-            merged_parts[-1] = (merged_parts[-1][0], part[1], part[2])
-        else:
-            merged_parts.append(part)
+    for begin_of_part, end_of_part, direction in parts:
+        merged_begin = begin_of_part
+        if merged_parts and merged_parts[-1][2] == direction:
+            merged_begin, _, _ = merged_parts.pop()
+        merged_parts.append((merged_begin, end_of_part, direction))
     return merged_parts
 
 
 def _directions_on(
-    piece: Piece, leg: LoadSegment, begin: float, end: float, friction: float
+    piece: Piece, segment: LoadSegment, begin: float, end: float, friction: float
 ) -> list[tuple[float, float, int]]:
-    """Begin time, end time and slip direction of the parts of an unloading path between two times
-    at which P is within one `piece` of the memory curve M(P).
+    """Parts by direction of slip of an unloading path between two times, while P is within one
+    `piece` of the memory curve M(P): begin time, end time and direction of each.
 
     M(eta) is the tangential force of the flat punches up to the load eta. The direction is the sign
-    of Q - M(P). It is sampled at some times and at its turning points, and changes at its roots.
+    of Q - M(P). It is sampled at some times and at turning points, and changes where Q - M(P) = 0.
     """
+    # A piece is a line, a parabola, or an arc: a stretch of a curved load path itself.
+    is_arc = piece.arc is not None
+    is_line = not is_arc and piece.bend == 0
+    along_line = Combination(-piece.slope, 1.0)  # Q - slope P
 
-    def excess(time: ArrayLike) -> Array:
-        if piece.arc is None and piece.bend == 0:
-            return change_from(piece.anchor, leg, Combination(-piece.slope, 1.0), time)
-        normal_load, tangential_load = leg.loads(time)
+    def force_above_curve(time: ArrayLike) -> Array:
+        if is_line:
+            return change_from(piece.anchor, segment, along_line, time)
+        normal_load, tangential_load = segment.loads(time)
         return tangential_load - value_on(
             piece, np.clip(normal_load, piece.bottom, piece.anchor.normal)
         )
 
-    turns = leg.turning_points(Combination(-piece.slope, 1.0)) if piece.arc is None else []
-    turns_inside = [time for time in turns if begin < time < end]
-    sample_count = 3 if piece.arc is None and piece.bend == 0 else _SAMPLES
-    sample_times = np.unique([*np.linspace(begin, end, sample_count), *turns_inside])
-    noise = _ROUNDING * (friction * piece.anchor.normal + abs(piece.anchor.tangential))
-    excesses = excess(sample_times)
-    signs = np.where(np.abs(excesses) <= noise, 0, np.sign(excesses)).astype(int)
+    turning_times = [] if is_arc else segment.turning_points(along_line)
+    turning_times_inside = [time for time in turning_times if begin < time < end]
+    sample_count = 3 if is_line else _SAMPLES
+    sample_times = np.unique([*np.linspace(begin, end, sample_count), *turning_times_inside])
+    force_roundoff = _ROUNDING * (friction * piece.anchor.normal + abs(piece.anchor.tangential))
+    forces_above = force_above_curve(sample_times)
+    signs = np.where(np.abs(forces_above) <= force_roundoff, 0, np.sign(forces_above)).astype(int)
     if not np.any(signs):
         return [(begin, end, 0)]
-    numbers_with_sign = np.flatnonzero(signs)
-    begins_of_parts = [begin]
-    directions = [int(signs[numbers_with_sign[0]])]
+    samples_off_curve = np.flatnonzero(signs)
+    begin_times = [begin]
+    directions = [int(signs[samples_off_curve[0]])]
     time_tolerance = _LAST_DIGITS * (end - begin)
-    for number_before, number_after in pairwise(numbers_with_sign):
-        if signs[number_before] != signs[number_after]:
-            crossing = scipy.optimize.brentq(
-                excess,
-                sample_times[number_before],
-                sample_times[number_after],
+    for sample, next_sample in pairwise(samples_off_curve):
+        if signs[sample] != signs[next_sample]:
+            crossing_time = scipy.optimize.brentq(
+                force_above_curve,
+                sample_times[sample],
+                sample_times[next_sample],
                 xtol=time_tolerance,
                 rtol=_LAST_DIGITS,
             )
-            begins_of_parts.append(float(crossing))
-            directions.append(int(signs[number_after]))
-    return list(zip(begins_of_parts, [*begins_of_parts[1:], end], directions, strict=True))
+            begin_times.append(float(crossing_time))
+            directions.append(int(signs[next_sample]))
+    return list(zip(begin_times, [*begin_times[1:], end], directions, strict=True))
 
 
 @dataclass(frozen=True)
-class Turn:
-    """One revolution: its legs, and what makes their time the history's time."""
+class CycleOfPath:
+    """One cycle of a load path: its load segments, and how much later than their own time it is,
+    whole periods.
+    """
 
     legs: tuple[LoadSegment, ...]
     delay: float = 0.0
@@ -516,7 +533,8 @@ class Turn:
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """The spans of an initial loading and of the cycles after it.
+    """Friction history of a load path: time spans of full stick, or of slip in one direction, of
+    its initial loading and of the cycles after it.
 
     Attributes
     ----------
@@ -551,8 +569,8 @@ class History:
         return (*self.loading, *(span for cycle in self.cycles for span in cycle))
 
     @property
-    def largest(self) -> float:
-        """The largest P at the ends of spans."""
+    def largest_load(self) -> float:
+        """The largest P at the ends of spans [force per thickness]."""
         return max(max(span.begin.normal, span.end.normal) for span in self.spans)
 
     @property
@@ -566,10 +584,11 @@ class History:
         return False
 
     def default_times(self, last_cycle_only: bool, _thinned: bool = False) -> tuple[Array, int]:
-        """Instants of the answer where none are asked for: evenly spread over each span of one
-        state of stick or slip, both ends of each, about 400 a cycle.
+        """Instants of the answer where the user gives none, ascending: about 400 a cycle and 100 of
+        the initial loading, evenly spread over each time span of stick or slip, with its ends.
 
-        With them 0, the number of rows left out: a curved path has no rows.
+        With them 0, the number of rows of a measured record that are left out: a curved path has no
+        rows.
         """
         spans_of_cycles = list(self.cycles[-1:])
         if not last_cycle_only:
@@ -579,15 +598,17 @@ class History:
         times = []
         for spans in spans_of_cycles:
             ends_of_spans = np.array([spans[0].begin.time, *(span.end.time for span in spans)])
-            times.append(evenly(ends_of_spans, initial=spans is self.loading) + spans[0].delay)
+            times.append(
+                evenly_spaced_times(ends_of_spans, initial=spans is self.loading) + spans[0].delay
+            )
         return np.unique(np.concatenate(times)), 0
 
     def snapshot(self, time: Array) -> Snapshot:
-        """The memory of friction at instants (n,) of the followed path: loads, slip, and the memory
-        curve at each.
+        """Friction state at instants (n,) of the followed path: P, Q, load beyond the stick edge,
+        direction of slip, and the memory curve.
 
         The memory curve M(eta) is the tangential force of the flat punches up to the load eta. An
-        instant between two spans of stick or slip belongs to the one that ends there. Instants
+        instant between two time spans of stick or slip belongs to the one that ends there. Instants
         beyond the followed cycles are brought back by whole periods.
 
         Raises
@@ -600,23 +621,21 @@ class History:
         span_ends = np.array([span.end.time for span in spans])
         span_delays = np.array([span.delay for span in spans])
         path_ends = span_ends + span_delays
-        path_time, slack = within(
+        path_time, slack = time_in_followed_path(
             time, float(span_begins[0] + span_delays[0]), float(path_ends[-1]), self.period
         )
         # Minus the slack: a turning point that is right to round-off still belongs to the span
         # that it ends.
-        number_of_span = np.minimum(
+        span_number = np.minimum(
             np.searchsorted(path_ends, path_time - slack, side="left"), len(spans) - 1
         )
         times_in_segments = np.clip(
-            path_time - span_delays[number_of_span],
-            span_begins[number_of_span],
-            span_ends[number_of_span],
+            path_time - span_delays[span_number],
+            span_begins[span_number],
+            span_ends[span_number],
         )
-        order_by_span = np.argsort(number_of_span, kind="stable")
-        numbers_with_times, first_of_span = np.unique(
-            number_of_span[order_by_span], return_index=True
-        )
+        order_by_span = np.argsort(span_number, kind="stable")
+        numbers_with_times, first_of_span = np.unique(span_number[order_by_span], return_index=True)
         times_of_spans = np.split(times_in_segments[order_by_span], first_of_span[1:])
         snapshot = snapshot_of(
             (spans[k], times) for k, times in zip(numbers_with_times, times_of_spans, strict=True)
@@ -628,30 +647,34 @@ class History:
         )
 
 
-def follow(loading: Sequence[LoadSegment], turns: Iterable[Turn], friction: float) -> History:
-    """Friction history of an initial loading and of the `turns`, whole cycles, up to the first
-    cycle that ends as it began; f is `friction`.
+def follow(
+    loading: Sequence[LoadSegment], cycles_of_path: Iterable[CycleOfPath], friction: float
+) -> History:
+    """Friction history of an initial loading and of the cycles after it, up to the first cycle that
+    ends in the state in which it began; `friction` is f.
 
-    A cycle is steady where its memory curves at begin and end agree. A memory curve M(eta) is the
-    tangential force of the flat punches up to the load eta.
+    States agree where the memory curves do. A memory curve M(eta) is the tangential force of the
+    flat punches up to the load eta. The less slips in a cycle, the closer they must agree.
 
     Raises
     ------
     InadmissibleLoadError
         Gross sliding or separation, with the instant and the loads.
     """
-    spans, curve = march(None, loading, friction, 0.0)
+    loading_spans, curve = march(None, loading, friction, 0.0)
     curves_between_cycles = [curve]
-    cycles = []
+    spans_of_cycles = []
     steady_from = None
-    for cycle_number, turn in enumerate(turns):
-        cycle, curve = march(curve, turn.legs, friction, turn.delay)
-        cycles.append(cycle)
+    for cycle_number, cycle in enumerate(cycles_of_path):
+        curve_at_begin = curve
+        spans, curve = march(curve_at_begin, cycle.legs, friction, cycle.delay)
+        spans_of_cycles.append(spans)
         curves_between_cycles.append(curve)
-        if same(curves_between_cycles[-2], curve, friction, repeats_within(slipped_share(cycle))):
+        tolerance = repeats_within(slipped_share(spans))
+        if same(curve_at_begin, curve, friction, tolerance):
             steady_from = cycle_number
             break
-    return History(spans, tuple(cycles), tuple(curves_between_cycles), steady_from)
+    return History(loading_spans, tuple(spans_of_cycles), tuple(curves_between_cycles), steady_from)
 
 
 def is_plain_ellipse(segment: LoadSegment) -> bool:
@@ -662,34 +685,39 @@ def is_plain_ellipse(segment: LoadSegment) -> bool:
 
 
 def history_of(path: LoadPath, friction: float, cycles: int, time: Array | None = None) -> History:
-    """States of stick and slip along a load path: as many cycles as the instants `time` need;
-    without them, until the memory of friction repeats, `cycles` at most.
+    """Friction history of a load path, followed for as many cycles as the instants `time` (n,)
+    need; without them until a cycle ends as it began, `cycles` at most.
 
-    A history that is stored is taken instead of followed again, also a longer one that became
-    steady within as many cycles.
+    A cached history of the same path is taken instead of following the path again; so is one of
+    more cycles that became steady within as many. `History.covered` lists the whole cycles that
+    the answer covers.
     """
     most_cycles = 0
-    cycles_covered = 0
+    whole_cycles_in_time = 0
     if path.period is not None:
-        most_cycles, cycles_covered = turns_of(path.cycle_start, path.period, cycles, time)
+        most_cycles, whole_cycles_in_time = cycles_to_follow(
+            path.cycle_start, path.period, cycles, time
+        )
     kept_histories = _kept_histories.get()
     if kept_histories is None:
         kept_histories = {}
     histories_of_path = kept_histories.setdefault((path, friction), {})
     history = histories_of_path.get(most_cycles)
-    for cycles_followed, longer_history in histories_of_path.items():
+    for most_cycles_of_other, other_history in histories_of_path.items():
         # What is steady within these cycles has no others.
-        if len(longer_history.cycles) <= most_cycles < cycles_followed:
-            history = longer_history
+        if len(other_history.cycles) <= most_cycles < most_cycles_of_other:
+            history = other_history
     if history is None:
         history = histories_of_path[most_cycles] = _followed_path(path, friction, most_cycles)
     if path.period is None:
         return history
     cycles_solved = len(history.cycles)
-    covered_cycles = tuple(
-        min(number, cycles_solved - 1) for number in range(cycles_covered or cycles_solved)
+    cycles_covered = whole_cycles_in_time or cycles_solved
+    # Cycles after the last one that was solved are copies of it.
+    solved_cycle_of_covered = tuple(
+        min(number, cycles_solved - 1) for number in range(cycles_covered)
     )
-    return replace(history, covered=covered_cycles)
+    return replace(history, covered=solved_cycle_of_covered)
 
 
 @contextmanager
@@ -702,11 +730,12 @@ def histories_kept() -> Iterator[None]:
         _kept_histories.reset(token)
 
 
-def _followed_path(path: LoadPath, friction: float, turn_count: int) -> History:
-    """Friction history of a load path, its initial loading and `turn_count` cycles at most;
-    InputError for bulk stress or tilt.
+def _followed_path(path: LoadPath, friction: float, most_cycles: int) -> History:
+    """Friction history of a load path, of its initial loading and `most_cycles` cycles at most; f
+    is `friction`. A path without a period counts as one cycle.
 
-    A path without a period counts as one cycle. f is `friction`.
+    InputError for a path with bulk stress or tilt, after which one memory curve (tangential force
+    carried up to each load) is not the whole friction history.
     """
     if path.has_bulk_or_tilt:
         raise InputError(
@@ -714,36 +743,41 @@ def _followed_path(path: LoadPath, friction: float, turn_count: int) -> History:
         )
     check([*path.initial_loading, *path.cycle], friction)
     if path.period is None:
-        return follow((), [Turn(path.initial_loading)], friction)
-    turns = (Turn(path.cycle, k * path.period) for k in range(turn_count))
-    history = follow(path.initial_loading, turns, friction)
-    ellipse_of_cycle = (
-        path.cycle[0] if len(path.cycle) == 1 and is_plain_ellipse(path.cycle[0]) else None
-    )
+        return follow((), [CycleOfPath(path.initial_loading)], friction)
+    cycles = (CycleOfPath(path.cycle, k * path.period) for k in range(most_cycles))
+    history = follow(path.initial_loading, cycles, friction)
+    is_ellipse = len(path.cycle) == 1 and is_plain_ellipse(path.cycle[0])
+    ellipse_of_cycle = path.cycle[0] if is_ellipse else None
     return replace(history, period=path.period, loop=ellipse_of_cycle)
 
 
-def turns_of(start: float, period: float, cycles: int, time: Array | None) -> tuple[int, int]:
-    """How many cycles must be followed at most for the instants `time`, and how many whole cycles
-    these cover, 0 where they end within the first.
+def cycles_to_follow(
+    start: float, period: float, cycles: int, time: Array | None
+) -> tuple[int, int]:
+    """Number of cycles that must be followed at most for the instants `time` (n,), and number of
+    whole cycles up to the last of these, 0 where it is within the first.
 
-    Without instants they are `cycles` and 0. The first cycle begins at time `start`.
+    If they end within the first cycle, at least `cycles` are followed. Without instants the numbers
+    are `cycles` and 0. The first cycle begins at time `start`.
     """
     if time is None:
         return cycles, 0
     cycles_to_last_instant = (float(np.max(time)) - start) / period
-    covered_count = max(math.floor(cycles_to_last_instant + SLACK), 0)
-    begun_count = math.ceil(cycles_to_last_instant - SLACK)
-    if covered_count:
-        return max(begun_count, 0), covered_count
-    return max(cycles, begun_count), 0
+    whole_cycles = max(math.floor(cycles_to_last_instant + SLACK), 0)
+    cycles_begun = math.ceil(cycles_to_last_instant - SLACK)
+    if whole_cycles:
+        return max(cycles_begun, 0), whole_cycles
+    return max(cycles, cycles_begun), 0
 
 
-def within(time: Array, start: float, end: float, period: float | None) -> tuple[Array, float]:
-    """Instants (n,) moved by whole periods into the part of a load path that was followed, and by
-    how much they may lie outside of it.
+def time_in_followed_path(
+    time: Array, start: float, end: float, period: float | None
+) -> tuple[Array, float]:
+    """Instants (n,) brought back by whole periods into the followed part of a load path, and the
+    time by which they may still lie outside of it, from round-off.
 
-    The part runs from `start` to `end`; later instants of a path without a `period` are refused.
+    The followed part runs from time `start` to `end`. Later instants of a path without a `period`
+    are refused.
 
     Raises
     ------
@@ -759,33 +793,36 @@ def within(time: Array, start: float, end: float, period: float | None) -> tuple
     return path_time, slack
 
 
-def evenly(marks: Array, *, initial: bool) -> Array:
-    """Instants between marks of time, ascending, and at them: about 400 of a cycle, 100 of an
-    `initial` loading.
+def evenly_spaced_times(span_ends: Array, *, initial: bool) -> Array:
+    """Times evenly spaced within each of some spans between `span_ends` (n + 1,), ascending, with
+    both ends of each: about 400 in all for a cycle, 100 for an `initial` loading.
     """
-    instants = _INSTANTS_OF_LOADING if initial else _INSTANTS
-    steps = np.maximum(np.ceil(instants * np.diff(marks) / (marks[-1] - marks[0])), 2)
+    count = _INSTANTS_OF_LOADING if initial else _INSTANTS
+    durations = np.diff(span_ends)
+    intervals = np.maximum(np.ceil(count * durations / (span_ends[-1] - span_ends[0])), 2)
     times = [
-        np.linspace(begin, end, int(count) + 1)
-        for begin, end, count in zip(marks[:-1], marks[1:], steps, strict=True)
+        np.linspace(begin, end, int(interval_count) + 1)
+        for begin, end, interval_count in zip(span_ends[:-1], span_ends[1:], intervals, strict=True)
     ]
     return np.concatenate(times)
 
 
 def slipped_share(spans: Sequence[Span]) -> float:
-    """Largest (P - P_c)/P of some spans, seen at their ends and half-way; 0 where nothing slips."""
-    largest_slip = max((span.deepest for span in spans), default=0.0)
+    """Largest P - P_c over largest P of some time spans, P_c the load at the stick edge; 0 where
+    nothing slips. Both are taken at the ends of the spans, P - P_c half-way too.
+    """
+    largest_slip = max((span.largest_slipped_load for span in spans), default=0.0)
     largest_load = max((max(span.begin.normal, span.end.normal) for span in spans), default=0.0)
     return largest_slip / largest_load if largest_load > 0 else 0.0
 
 
 def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
-    """Friction states at instants of some spans of a load path, one span after the other; each
-    comes with times (k,) of its load segment.
+    """Friction states at instants of some time spans of a load path, one span after the other; each
+    span comes with times (k,) of its load segment.
 
     A span is a time in full stick or with slip in one direction. A state is P, Q, the load P - P_c
-    beyond the stick edge, the direction of slip, and the piece of the memory curve below the slip.
-    The memory curve M(eta) is the tangential force of the flat punches up to the load eta.
+    beyond the stick edge, the direction of slip, and the sticking part of the memory curve. The
+    memory curve M(eta) is the tangential force of the flat punches up to the load eta.
     """
     times = []
     normal_loads = []
@@ -793,20 +830,19 @@ def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
     slipped_loads = []
     directions = []
     counts_of_times = []
-    pieces_below_slip: list[Curve] = []
+    sticking_pieces: list[Curve] = []
     friction = 0.0
     for span, times_in_segment in parts:
         normal_load, tangential_load = span.leg.loads(times_in_segment)
-        normal_load = np.maximum(
-            normal_load, 0.0
-        )  # a path that unloads fully may end below 0 by rounding
+        # A path that unloads fully may end below 0 by rounding.
+        normal_load = np.maximum(normal_load, 0.0)
         times.append(times_in_segment)
         normal_loads.append(normal_load)
         tangential_loads.append(tangential_load)
         slipped_loads.append(span.slipped_at(times_in_segment, normal_load))
         directions.append(span.direction)
         counts_of_times.append(len(times_in_segment))
-        pieces_below_slip.append(span.sticking_piece)
+        sticking_pieces.append(span.sticking_piece)
         friction = span.friction
     return Snapshot(
         time=np.concatenate(times),
@@ -814,51 +850,43 @@ def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
         force=np.concatenate(tangential_loads),
         slipped=np.concatenate(slipped_loads),
         direction=np.repeat(np.array(directions), counts_of_times),
-        piece_number=np.repeat(np.arange(len(pieces_below_slip)), counts_of_times),
-        uppermost_pieces=tuple(pieces_below_slip),
+        piece_number=np.repeat(np.arange(len(sticking_pieces)), counts_of_times),
+        uppermost_pieces=tuple(sticking_pieces),
         friction=friction,
     )
 
 
 def corner_times(contact: Contact, span: Span) -> Array:
-    """Times within a span at which an edge of contact or of stick passes a corner of the profile,
-    (n,) ascending and apart: integrands over time have a kink there.
+    """Times within a time span at which an edge of contact or of stick passes a corner of the
+    profile, (n,) ascending, no two the same but for round-off.
 
-    A span is a time in full stick or with slip in one direction. At a corner P, or the load P_c at
-    the stick edge, equals one of the contact's `break_loads`.
+    Integrands over time have a kink there. A span is a time in full stick or with slip in one
+    direction. At a corner P, or the load P_c at the stick edge, is one of `contact.break_loads`.
     """
-    loads = contact.break_loads
-    leg = span.leg
-    begin_instant = span.begin
-    end_instant = span.end
-    if not len(loads):
-        return loads
-    least_load = min(begin_instant.normal, end_instant.normal)
-    largest_load = max(begin_instant.normal, end_instant.normal)
-    passed_loads = loads[(loads > least_load) & (loads < largest_load)]
-    times = [
-        leg.time_of(
-            NORMAL_LOAD, passed_loads - begin_instant.normal, begin_instant.time, end_instant.time
-        )
-    ]
-    if span.direction and span.sticking_piece is not None:
-        loads_on_piece = loads[
-            (loads > span.sticking_piece.bottom) & (loads < span.sticking_piece.top)
-        ]
+    corner_loads = contact.break_loads
+    if not len(corner_loads):
+        return corner_loads
+    segment = span.leg
+    begin = span.begin
+    end = span.end
+    least_load = min(begin.normal, end.normal)
+    largest_load = max(begin.normal, end.normal)
+    passed_loads = corner_loads[(corner_loads > least_load) & (corner_loads < largest_load)]
+    times = [segment.time_of(NORMAL_LOAD, passed_loads - begin.normal, begin.time, end.time)]
+    piece = span.sticking_piece
+    if span.direction and piece is not None:
+        # The stick edge is at a load of the piece when s Q - f P has grown to s M - f eta there.
+        loads_on_piece = corner_loads[(corner_loads > piece.bottom) & (corner_loads < piece.top)]
         slip_level = level(span.direction, span.friction)
-        level_at_begin = float(
-            change_from(span.sticking_piece.anchor, leg, slip_level, begin_instant.time)
-        )
-        levels = level_on(span.sticking_piece, span.direction, span.friction, loads_on_piece)
+        level_at_begin = float(change_from(piece.anchor, segment, slip_level, begin.time))
+        levels_at_corners = level_on(piece, span.direction, span.friction, loads_on_piece)
         times.append(
-            leg.time_of(slip_level, levels - level_at_begin, begin_instant.time, end_instant.time)
+            segment.time_of(slip_level, levels_at_corners - level_at_begin, begin.time, end.time)
         )
-    shortest_time = 1e-12 * max(
-        abs(begin_instant.time), abs(end_instant.time), end_instant.time - begin_instant.time
-    )
+    shortest_time = 1e-12 * max(abs(begin.time), abs(end.time), end.time - begin.time)
     sorted_times = np.sort(np.concatenate(times))
-    sorted_times = sorted_times[
-        (sorted_times - begin_instant.time > shortest_time)
-        & (end_instant.time - sorted_times > shortest_time)
-    ]
-    return sorted_times[np.diff(sorted_times, prepend=-np.inf) > shortest_time]
+    is_inside = (sorted_times - begin.time > shortest_time) & (
+        end.time - sorted_times > shortest_time
+    )
+    inner_times = sorted_times[is_inside]
+    return inner_times[np.diff(inner_times, prepend=-np.inf) > shortest_time]

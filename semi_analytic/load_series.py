@@ -38,7 +38,13 @@ from scenes import (
     TimeSeriesLoad,
 )
 from scenes.array_types import Array
-from semi_analytic.history import SLACK, check, evenly, turns_of, within
+from semi_analytic.history import (
+    SLACK,
+    check,
+    cycles_to_follow,
+    evenly_spaced_times,
+    time_in_followed_path,
+)
 from semi_analytic.memory import Snapshot, repeats_within
 
 Indices = NDArray[np.int64]
@@ -607,7 +613,7 @@ class StepBlock(NamedTuple):
     alive: int
 
     @property
-    def deepest(self) -> float:
+    def largest_slipped_load(self) -> float:
         """The largest P - P_c."""
         at_ends = np.maximum(self.records.slipped, self.records.slipped_after)
         return float(np.max(at_ends, initial=0.0))
@@ -708,7 +714,7 @@ class PathPart(NamedTuple):
     curve: Knot | None = None
 
     @property
-    def largest(self) -> float:
+    def largest_load(self) -> float:
         """The largest P."""
         return float(np.max(self.rows[:, 1]))
 
@@ -759,9 +765,9 @@ class LoadSeries:
         return [number + self.first for number in self.covered]
 
     @property
-    def largest(self) -> float:
+    def largest_load(self) -> float:
         """The largest P."""
-        return max(part.largest for part in self.parts)
+        return max(part.largest_load for part in self.parts)
 
     @cached_property
     def times(self) -> Array:
@@ -796,7 +802,7 @@ class LoadSeries:
             inside_step = step_begin + records.until * (step_end - step_begin)
             record_ends = np.where(records.until == 1, step_end, inside_step)
             ends_of_records = np.unique(np.append(times_from_part[0], record_ends))
-            times_of_parts.append(evenly(ends_of_records, initial=number < self.first))
+            times_of_parts.append(evenly_spaced_times(ends_of_records, initial=number < self.first))
         return np.unique(np.concatenate(times_of_parts)), 0
 
     def locate(self, time: Array) -> tuple[Indices, Array, Array]:
@@ -807,7 +813,9 @@ class LoadSeries:
         path.
         """
         times = self.times
-        path_time, slack_of_time = within(time, float(times[0]), float(times[-1]), self.period)
+        path_time, slack_of_time = time_in_followed_path(
+            time, float(times[0]), float(times[-1]), self.period
+        )
         row_at_or_after = np.clip(np.searchsorted(times, path_time, side="left"), 1, len(times) - 1)
         steps = np.diff(times)
         rounding_of_step = _SPACINGS * np.spacing(np.max(np.abs(times))) / steps
@@ -834,7 +842,9 @@ class LoadSeries:
         """
         if self.period is None:
             return np.zeros(len(time), dtype=int)
-        path_time, _ = within(time, float(self.times[0]), float(self.times[-1]), self.period)
+        path_time, _ = time_in_followed_path(
+            time, float(self.times[0]), float(self.times[-1]), self.period
+        )
         return np.rint((time - path_time) / self.period).astype(int)
 
 
@@ -867,7 +877,9 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
         return replace(_single(friction, loading), long=is_long)
     check_rows(cycle, friction)
     period = float(cycle[-1, 0] - cycle[0, 0])
-    cycles_at_most, cycles_covered = turns_of(float(cycle[0, 0]), period, scene.cycles, time)
+    cycles_at_most, cycles_covered = cycles_to_follow(
+        float(cycle[0, 0]), period, scene.cycles, time
+    )
     cycle_parts = (PathPart(cycle, k * period) for k in range(cycles_at_most))
     series = _followed(friction, PathPart(loading, 0.0), cycle_parts, period, cycles_covered)
     return replace(series, long=is_long)
@@ -911,7 +923,7 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
     slack = SLACK * (path.period or 0.0)
     if path.period is None or times_with_start[-1] <= path.cycle_start + slack:
         return _single(friction, rows_of_times)
-    _, whole_cycles = turns_of(path.cycle_start, path.period, 1, time)
+    _, whole_cycles = cycles_to_follow(path.cycle_start, path.period, 1, time)
     cycle_starts = path.cycle_start + path.period * np.arange(whole_cycles + 1)
     is_given_time = np.abs(times_with_start[:, None] - cycle_starts) <= slack
     # A cycle that starts between two of the times starts on the straight line between them.
@@ -1003,8 +1015,8 @@ def _followed(
         deepest_slip = 0.0
         for _, block in blocks(followed_cycle, friction):
             curve = block.curve
-            deepest_slip = max(deepest_slip, block.deepest)
-        tolerance = repeats_within(deepest_slip / part.largest)
+            deepest_slip = max(deepest_slip, block.largest_slipped_load)
+        tolerance = repeats_within(deepest_slip / part.largest_load)
         if steady_from is None and _agree(curve_at_start, curve, friction, tolerance):
             steady_from = len(followed_cycles) - 1
             if repeats:

@@ -45,7 +45,7 @@ from numpy.typing import ArrayLike
 from scenes import NORMAL_LOAD, TANGENTIAL_LOAD, BodyEffects, Estimate, Hertz, Scene
 from scenes.array_types import Array
 from semi_analytic.elasticity import composite_modulus
-from semi_analytic.history import History, Span, history_of, within
+from semi_analytic.history import History, Span, history_of, time_in_followed_path
 from semi_analytic.memory import (
     Piece,
     change_from,
@@ -176,7 +176,9 @@ class OddAnswer:
         spans = self.history.spans
         ends_of_spans = np.array([span.end.time + span.delay for span in spans])
         start = spans[0].begin.time + spans[0].delay
-        path_time, slack = within(time, float(start), float(ends_of_spans[-1]), self.history.period)
+        path_time, slack = time_in_followed_path(
+            time, float(start), float(ends_of_spans[-1]), self.history.period
+        )
         number_of_span = np.minimum(
             np.searchsorted(ends_of_spans, path_time - slack, side="left"), len(spans) - 1
         )

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from scenes import InputError, LoadPath, StraightSegment, TimeSeriesLoad, load_scene
 from semi_analytic import FIELDS, answer_by_memory, event, events, solve
-from semi_analytic.history import Turn, follow, history_of
+from semi_analytic.history import CycleOfPath, follow, history_of
 from semi_analytic.memory import (
     pieces,
     same,
@@ -101,7 +101,9 @@ def test_initial_loading_does_not_matter_above_the_permanent_stick_load(
     ):
         path = ellipse(1.0, ratio, q0, q1, sense * phase, initial_loading).path()
         history = follow(
-            path.initial_loading, [Turn(path.cycle, 2 * np.pi * k) for k in range(4)], FRICTION
+            path.initial_loading,
+            [CycleOfPath(path.cycle, 2 * np.pi * k) for k in range(4)],
+            FRICTION,
         )
         assert history.steady_from in (0, 1)
         fronts = [
