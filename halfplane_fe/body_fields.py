@@ -135,7 +135,7 @@ class BodyFields:
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """Both bodies at one instant."""
+    """Loads, and the fields of both bodies, at one instant."""
 
     time: float
     normal_load: float
@@ -340,8 +340,8 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
 
 
 def _has_bodies(solution: ContactSolution) -> bool:
-    """Whether it is known what the size of the bodies adds to the stress of their faces: of arcs by
-    meshes alone.
+    """Whether the stress that the size of the bodies adds on their faces can be computed from a
+    solution: on curved faces this needs meshes.
     """
     bodies = solution.scene.bodies
     if isinstance(solution, KernelSolution):
@@ -396,7 +396,7 @@ def _tension_change_by_new_contact(solution: ContactSolution, step: int) -> Arra
 
 
 def _sticks_in_full(solution: ContactSolution, step: int) -> bool:
-    """Whether the stick edges are those of contact."""
+    """Whether all of the contact sticks at a stored step: stick edges equal contact edges."""
     return bool(np.array_equal(solution.stick_edges[step], solution.contact_edges[step]))
 
 
@@ -877,7 +877,7 @@ def _interpolated_added_tension(
 
 
 def _bulk_stress(solution: ContactSolution, steps: Sequence[int], body_number: int) -> Array:
-    """(n_steps,) bulk stress of the lower (0) or the upper (1) body [stress]."""
+    """Bulk stress (n_steps,) of the lower (0) or the upper (1) body [stress]."""
     bulk_stress = (solution.bulk_stress_lower, solution.bulk_stress_upper)[body_number]
     if bulk_stress is None:
         return np.zeros(len(steps))
@@ -1087,14 +1087,16 @@ def _near_contact(
 
 
 def _on_body(tractions_on_lower: Tractions, body_number: int) -> Tractions:
-    """Tractions on the lower body as the body with this number has them in its own frame."""
+    """Tractions on the lower (0) or upper (1) body in its own frame, from those on the lower."""
     return replace(tractions_on_lower, shear=_sign_of_y(body_number) * tractions_on_lower.shear)
 
 
 def _stress_of_tractions(
     tractions_at_steps: Sequence[Tractions | None], x: Array, y: Array
 ) -> Array:
-    """(n, 3, k) s_xx, s_yy, s_xy of a half-plane y <= 0 at (n,) places; 0 out of contact."""
+    """Stress s_xx, s_yy, s_xy (n, 3, k) of a half-plane y <= 0 at n places under the tractions of k
+    steps [stress]; 0 out of contact.
+    """
     no_stress = np.zeros((len(x), 3))
     return np.stack(
         [
@@ -1226,7 +1228,7 @@ def _extrapolation_to_nodes(basis: skfem.Basis, order: int) -> Array:
     n_terms = 1 if order == 1 else refdom.nnodes
 
     def polynomial(points: Array) -> Array:
-        """(n_points, n_terms) of 1, x, y, x y."""
+        """Monomials 1, x, y, x y at points, (n_points, n_terms)."""
         monomials = [np.ones(points.shape[1]), *points, points[0] * points[1]]
         return np.column_stack(monomials[:n_terms])
 
@@ -1236,5 +1238,6 @@ def _extrapolation_to_nodes(basis: skfem.Basis, order: int) -> Array:
 
 
 def _von_mises(stress: Array) -> Array:
+    """Von Mises stress (n,) of stress xx, yy, xy, zz (n, 4) [stress]."""
     xx, yy, xy, zz = stress.T
     return np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * xy**2)

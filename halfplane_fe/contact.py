@@ -126,18 +126,18 @@ class InterfaceState:
 
     @property
     def closed(self) -> Mask:
-        """Nodes in contact."""
+        """Whether each node is in contact, (n,)."""
         return self.state != OPEN
 
     @property
     def imposed(self) -> Array:
-        """(3,) the bulk stresses and the tilt: e of `interface`."""
+        """Bulk stresses of the lower and upper body, and the tilt, (3,): e of `interface`."""
         if len(self.loads) == 2:
             return np.zeros(3)
         return np.array([*self.loads[_BULK_STRESSES], self.tilt])
 
     def changed(self, *, state: ArrayLike | None = None, **parts: ArrayLike) -> InterfaceState:
-        """The same but for some of its values, by name, or its states."""
+        """Copy with other values, by name (`tilt`, `slip`, ...), or other node states."""
         values = self.values.copy()
         for name, part in parts.items():
             if name in _RIGID_NAMES:
@@ -190,7 +190,8 @@ class _Solved(NamedTuple):
 
 @dataclass(eq=False)
 class ContactProblem:
-    """What does not change along a load path. Factorisations are cached; states are not.
+    """Contact problem of two bodies: all that does not change along a load path. Factorisations
+    are cached, states of the contact are not.
 
     Attributes
     ----------
@@ -247,12 +248,14 @@ class ContactProblem:
         self._shear_scale = 1.0 if coupled else min(1.0, self.friction)
         self._last_digit = _LAST_DIGIT * np.repeat([1.0, self._shear_scale], len(self.height))
         all_states = np.array([OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE], dtype=np.int8)
-        self._traction_of_state = np.asarray(self.friction * slip_sign(all_states), dtype=float)
+        self._shear_over_pressure_of_state = np.asarray(
+            self.friction * slip_sign(all_states), dtype=float
+        )
 
     @cached_property
     def _systems(self) -> Systems:
-        """Made when it is first used: of faces that are solved on one half, that half has its
-        own.
+        """Linear systems for given node states, made when first used: faces that are solved on one
+        half have a problem, and so systems, of their own.
         """
         return Systems(
             self.interface, self.layer, self.friction, self.work, self.tangential, self.actuators
@@ -324,7 +327,7 @@ class ContactProblem:
     def _state(
         self, time: float, loads: tuple[float, ...], values: Array, states: States
     ) -> InterfaceState:
-        """A state, with the loads that it carries where they are not given."""
+        """State of the interface, with P and Q by its nodal forces where actuators move it."""
         carried_loads = None
         if self.actuators.are_there:
             _, pressure, shear, _ = nodal(values)
@@ -400,7 +403,7 @@ class ContactProblem:
         return state, iterations
 
     def _loads_in_words(self, loads: tuple[float, ...]) -> str:
-        """The first two of them."""
+        """The two loads, normal and tangential, with their names, for a message."""
         names = [
             "normal load" if self.actuators.normal is None else "approach",
             "tangential load" if self.actuators.tangential is None else "tangential displacement",
@@ -463,14 +466,14 @@ class ContactProblem:
         np.copyto(slip, start.slip, where=sticks)
         np.copyto(pressure, 0.0, where=is_open)
         np.copyto(gap, 0.0, where=~is_open)
-        np.copyto(shear, self._tractions(states) * pressure, where=~sticks)
+        np.copyto(shear, self._shear_over_pressure(states) * pressure, where=~sticks)
         values.flags.writeable = False
         return self._state(time, loads, values, states)
 
-    def _tractions(self, states: States) -> Array:
-        """(n,) q over p of the nodes that slide, else 0."""
-        tractions: Array = self._traction_of_state.take(states)
-        return tractions
+    def _shear_over_pressure(self, states: States) -> Array:
+        """Shear over pressure q/p = +-f (n,) of the nodes that slip; 0 of the others."""
+        shear_over_pressure: Array = self._shear_over_pressure_of_state.take(states)
+        return shear_over_pressure
 
     def values_following(
         self, start: InterfaceState, loads: tuple[float, ...], states: States
@@ -559,7 +562,7 @@ class ContactProblem:
         ):
             return latest_changes.values
         _, pressure, shear, gap = nodal(start.values)
-        shear_beyond_limit = shear - self._tractions(states) * pressure
+        shear_beyond_limit = shear - self._shear_over_pressure(states) * pressure
         residual = np.concatenate(
             [
                 np.where(states == OPEN, pressure, gap),
@@ -824,13 +827,13 @@ class ContactProblem:
         return -float(chord_slopes.flat[np.argmin(gaps_of_chords)])
 
     def offsets(self, imposed: Array) -> tuple[Array, Array]:
-        """What bulk stresses and tilt (..., 3) add to gap and slip, each (..., n)."""
+        """Gap and slip, each (..., n), that bulk stresses and tilt (..., 3) add at the n nodes."""
         if self.interface.imposed is None or not imposed.any():
             return np.zeros_like(self.height), np.zeros_like(self.height)
         gap, slip = np.moveaxis(np.tensordot(imposed, self.interface.imposed, (-1, -1)), -2, 0)
         return gap, slip
 
     def _moments(self, values: Array) -> Array:
-        """(...) of the forces in values (..., 3 + 4 n)."""
+        """Moment (...) of the nodal forces in values (..., 3 + 4 n) of interface states, scaled."""
         _, pressure, shear, _ = nodal(values)
         return np.asarray(-self.interface.work_of_imposed(pressure, shear)[..., 2])

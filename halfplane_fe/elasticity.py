@@ -40,7 +40,7 @@ _LARGEST_NU_LINEAR = 0.45
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """A body's degrees of freedom, which of them are what, and its stiffness.
+    """Finite-element system of one body: its degrees of freedom by what they do, and its stiffness.
 
     Those of u along x and y at node k are 2 k and 2 k + 1, as scikit-fem numbers them; after all of
     them come those of r/G at the corners, if there is a pressure r.
@@ -58,8 +58,8 @@ class System:
     half_plane_arcs
         boundaries to the half-plane around the body; none for a body of finite size
     arc_dofs
-        (2, m) the degrees of freedom there; (1, m) along x of the ends, where these hold a body
-        on rollers against Q
+        (2, m) degrees of freedom along x and y of the nodes there; of a body on rollers that its
+        ends hold against Q, (1, m) those along x of the ends
     held_dofs
         those that supports keep at zero
     tension_forces
@@ -79,7 +79,7 @@ class System:
 
     @cached_property
     def node_of_dof(self) -> Indices:
-        """(n_dofs,) of each degree of freedom its node."""
+        """Node of each degree of freedom, (n_dofs,)."""
         of_displacement = np.repeat(np.arange(self.mesh.p.shape[1]), 2)
         if not split_lame(self.material, self.order).of_pressure:
             return of_displacement
@@ -87,7 +87,7 @@ class System:
 
     @cached_property
     def basis(self) -> skfem.Basis:
-        """Of u."""
+        """Finite-element basis of the displacement u."""
         return skfem.Basis(
             self.mesh,
             skfem.ElementVector(scalar_element(self.mesh, self.order)),
@@ -96,12 +96,12 @@ class System:
 
     @cached_property
     def stiffness(self) -> sparse.csr_matrix:
-        """(n_dofs, n_dofs) assembled when it is first used [stress]."""
+        """Stiffness matrix (n_dofs, n_dofs), assembled when it is first used [stress]."""
         return _stiffness(self, np.arange(len(self.cells)))
 
 
 def order_of(mesh: skfem.Mesh) -> int:
-    """Order of its elements, 1 or 2."""
+    """Order of the elements of a mesh, 1 or 2."""
     return 2 if isinstance(mesh, (skfem.MeshTri2, skfem.MeshQuad2)) else 1
 
 
@@ -113,7 +113,7 @@ def scalar_element(mesh: skfem.Mesh, order: int) -> skfem.Element:
 
 
 def cells_of(mesh: skfem.Mesh, order: int) -> Indices:
-    """(n_elements, n) nodes of each element: corners, mid-side points, middle."""
+    """Node numbers of each element of a mesh, (n_elements, n): corners, mid-side nodes, middle."""
     # scikit-fem numbers the facets 01, 12, 02 of a triangle and 01, 12, 23, 03 of a quadrilateral,
     # as VTK does its mid-side nodes.
     n_corners = mesh.refdom.nfacets
@@ -126,7 +126,7 @@ def cells_of(mesh: skfem.Mesh, order: int) -> Indices:
 
 
 def _boundary_dofs(mesh: skfem.Mesh, order: int, name: str) -> Indices:
-    """(2, n) degrees of freedom (x, y) of a named boundary, by ascending x, then y."""
+    """Degrees of freedom (2, n) along x and y of a named boundary, by ascending x, then y."""
     facets = mesh.boundaries[name]
     of_facets = [mesh.facets[:, facets].ravel()]
     if order == 2:
@@ -215,7 +215,7 @@ class SplitLame(NamedTuple):
 
 
 def split_lame(material: Elastic, order: int) -> SplitLame:
-    """How elements of this order have Lame's lambda."""
+    """Lame's constants of a material, lambda split between displacement and mixed pressure r."""
     lam, shear_modulus = lame_parameters(material.young_modulus, material.poisson_ratio)
     rest_of_lambda = lam - PLAIN_LAMBDA * shear_modulus
     if order == 2 and rest_of_lambda > 1e-6 * shear_modulus:
@@ -235,26 +235,14 @@ def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
     quasi-definite. `elements` are the numbers of the elements.
 
     # notation: phi_i shape functions; a, b, c directions x, y; lambda, G Lame's constants, lambda_1
-    # the part of lambda that enters through r; B divergence, M mass matrix of r; in subscripts of
-    # einsum e elements, n their nodes, q quadrature points; xx, xy, yx, yy entries of the Jacobian
+    # the part of lambda that enters through r; B divergence, M mass matrix of r
     """
     lam, lambda_1, G = split_lame(system.material, system.order)
     mesh = system.mesh
     cells = system.cells[elements]
     n_nodes = cells.shape[1]
-    element = scalar_element(mesh, system.order)
     points, weights = get_quadrature(mesh.refdom, 2 * system.order)
-    reference_gradients = np.stack(  # (n, 2, q)
-        [element.lbasis(points, i)[1] for i in range(n_nodes)]
-    )
-    jacobian = np.einsum("aen,nbq->abeq", mesh.p[:, cells], reference_gradients, optimize=True)
-    (xx, xy), (yx, yy) = jacobian
-    determinant = xx * yy - xy * yx
-    inverse_jacobian = np.array([[yy, -xy], [-yx, xx]]) / determinant
-    gradients = np.einsum("nbq,baeq->enaq", reference_gradients, inverse_jacobian).reshape(
-        len(cells), -1, len(weights)
-    )
-    point_areas = (np.abs(determinant) * weights)[:, None]
+    gradients, point_areas = _gradients_and_areas(mesh, cells, system.order, points, weights)
     D = gradients * point_areas @ gradients.transpose(0, 2, 1)
     D = D.reshape(len(cells), n_nodes, 2, n_nodes, 2)
     element_matrices = lam * D + G * D.swapaxes(2, 4)
@@ -279,6 +267,37 @@ def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
     return sparse.csr_matrix(entries, shape=(len(system.node_of_dof),) * 2)
 
 
+def _gradients_and_areas(
+    mesh: skfem.Mesh, cells: Indices, order: int, points: Array, weights: Array
+) -> tuple[Array, Array]:
+    """Gradients (n_elements, 2 n, q) of the n shape functions of elements along x and y at q
+    quadrature points [1/length], and the area (n_elements, 1, q) of each point.
+
+    Parameters
+    ----------
+    cells
+        (n_elements, n) nodes of the elements
+    order
+        of the elements, 1 or 2
+    points, weights
+        (2, q) and (q,) quadrature rule on the reference element
+
+    # notation: in subscripts of einsum e elements, n their nodes, q quadrature points, a and b
+    # directions; xx, xy, yx, yy entries of the Jacobian
+    """
+    element = scalar_element(mesh, order)
+    reference_gradients = np.stack(  # (n, 2, q)
+        [element.lbasis(points, i)[1] for i in range(cells.shape[1])]
+    )
+    jacobian = np.einsum("aen,nbq->abeq", mesh.p[:, cells], reference_gradients, optimize=True)
+    (xx, xy), (yx, yy) = jacobian
+    determinant = xx * yy - xy * yx
+    inverse_jacobian = np.array([[yy, -xy], [-yx, xx]]) / determinant
+    gradients = np.einsum("nbq,baeq->enaq", reference_gradients, inverse_jacobian)
+    point_areas = (np.abs(determinant) * weights)[:, None]
+    return gradients.reshape(len(cells), -1, len(weights)), point_areas
+
+
 # How far a compliance may be from the solution of its mesh under a random load. Rounding leaves
 # 1e-13; of a guided block 1e4 times as high as wide 4e-8. With 1e-7 (free sides, 1e2 times as high)
 # the contact iterations end nowhere.
@@ -287,7 +306,7 @@ _LARGEST_ERROR = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class CondensedBody:
-    """A body seen from its contact nodes: what unit nodal forces on them do.
+    """Compliance of a body at its contact nodes, all others eliminated (static condensation).
 
     Attributes
     ----------
@@ -519,12 +538,12 @@ class _Elimination(NamedTuple):
 
     @property
     def inverse_of_schur(self) -> Array:
-        """(t, t) displacement of the degrees of freedom that remain by unit forces on them."""
+        """Displacement (t, t) of the degrees of freedom that remain by unit forces on them."""
         lower_triangle = np.tril(dpotri(self.schur_cholesky, lower=1)[0])
         return lower_triangle + np.tril(lower_triangle, -1).T
 
     def displacements(self, loads: Array) -> Array:
-        """(n, k) displacement of all degrees of freedom under k loads, (n, k)."""
+        """Displacement (n, k) of all degrees of freedom under k load cases, (n, k)."""
         n_inner = self.n_inner
         remaining = slice(n_inner, None)
         # Of the degrees of freedom that remain this gives the load that is left to them.
@@ -565,25 +584,28 @@ def _condensed_subspace(
     half_plane_loads
         tractions of the half-plane around a half-disc on its arc, by unit forces on the contact
     """
-    contact_dofs = np.flatnonzero(np.isin(subspace.leading_dofs, system.contact_dofs))
-    arc_dofs = np.flatnonzero(np.isin(subspace.leading_dofs, system.arc_dofs))
-    held_dofs = np.flatnonzero(np.isin(subspace.leading_dofs, system.held_dofs))
+    # Numbers of the subspace's motions that move the contact, the arc, what is held, and the rest.
+    contact_numbers = np.flatnonzero(np.isin(subspace.leading_dofs, system.contact_dofs))
+    arc_numbers = np.flatnonzero(np.isin(subspace.leading_dofs, system.arc_dofs))
+    held_numbers = np.flatnonzero(np.isin(subspace.leading_dofs, system.held_dofs))
     if system.half_plane_arcs:
         # The loads balance, so that holding a half-disc at as few of its nodes as it has rigid
         # motions changes nothing.
-        held_dofs, arc_dofs = _held_on_arc(system, subspace, arc_dofs)
-    inner_dofs = np.delete(
-        np.arange(len(subspace.leading_dofs)), np.concatenate([held_dofs, arc_dofs, contact_dofs])
+        held_numbers, arc_numbers = _held_on_arc(system, subspace, arc_numbers)
+    inner_numbers = np.delete(
+        np.arange(len(subspace.leading_dofs)),
+        np.concatenate([held_numbers, arc_numbers, contact_numbers]),
     )
-    inner_dofs = inner_dofs[np.argsort(ranks[subspace.leading_dofs[inner_dofs]], kind="stable")]
-    elimination_order = np.concatenate([inner_dofs, arc_dofs, contact_dofs])
-    n_arc = len(arc_dofs)
+    inner_ranks = ranks[subspace.leading_dofs[inner_numbers]]
+    inner_numbers = inner_numbers[np.argsort(inner_ranks, kind="stable")]
+    elimination_order = np.concatenate([inner_numbers, arc_numbers, contact_numbers])
+    n_arc = len(arc_numbers)
     ordered_motions = subspace.motions(np.arange(len(subspace.column_of_dof)), elimination_order)
     ordered_stiffness = (ordered_motions.T @ stiffness @ ordered_motions).tocsc()
-    elimination = _Elimination.of(ordered_stiffness, len(inner_dofs))
-    contact_motions = subspace.motions(system.contact_dofs.ravel(), contact_dofs)
+    elimination = _Elimination.of(ordered_stiffness, len(inner_numbers))
+    contact_motions = subspace.motions(system.contact_dofs.ravel(), contact_numbers)
     loads = _SubspaceLoads(
-        arc_loads=subspace.motions(system.arc_dofs.ravel(), arc_dofs).T
+        arc_loads=subspace.motions(system.arc_dofs.ravel(), arc_numbers).T
         @ (half_plane_loads.nodal_forces @ contact_motions),
         tractions_on_arc=(half_plane_loads.tractions @ contact_motions).T,
         displacements_on_arc=half_plane_loads.displacements @ contact_motions,
@@ -668,22 +690,24 @@ def _tension_response_and_error(
     return displacement_by_stress, float(np.max(errors))
 
 
-def _held_on_arc(system: System, subspace: _Subspace, arc_dofs: Indices) -> tuple[Indices, Indices]:
+def _held_on_arc(
+    system: System, subspace: _Subspace, arc_numbers: Indices
+) -> tuple[Indices, Indices]:
     """Split the degrees of freedom on the arc of a half-disc into a few that are held against rigid
     motion, one for each rigid motion in the subspace, and the others, ascending.
 
-    Pivoted QR of the rigid motions picks those that hold best. `arc_dofs` are numbers of motions in
-    the subspace (symmetric or antisymmetric displacements).
+    Pivoted QR of the rigid motions picks those that hold best. `arc_numbers` are numbers of motions
+    in the subspace (symmetric or antisymmetric displacements).
     """
     all_arc_dofs = system.arc_dofs.ravel()
     rigid_in_subspace = (
-        subspace.motions(all_arc_dofs, arc_dofs).T @ rigid_motions(system.mesh)[all_arc_dofs]
+        subspace.motions(all_arc_dofs, arc_numbers).T @ rigid_motions(system.mesh)[all_arc_dofs]
     )
     _, triangular_factor, pivots = qr(rigid_in_subspace.T, mode="economic", pivoting=True)
     n_rigid = np.count_nonzero(
         np.abs(triangular_factor.diagonal()) > 1e-6 * np.abs(triangular_factor[0, 0])
     )
-    return arc_dofs[pivots[:n_rigid]], np.sort(arc_dofs[pivots[n_rigid:]])
+    return arc_numbers[pivots[:n_rigid]], np.sort(arc_numbers[pivots[n_rigid:]])
 
 
 # Share of the rows from which on a column of L_ti counts as a dense one: of the times measured the
@@ -917,11 +941,9 @@ def displacement_fields(
     held_dofs = system.held_dofs
     if system.half_plane_arcs:
         # The ends of the arc hold a half-disc without a force, since the loads balance.
-        ends_of_arc = [
-            system.arc_dofs[0, 0],
-            system.arc_dofs[1, 0],
-            system.arc_dofs[1, -1],
-        ]  # u_x, u_y; u_y
+        left_x, left_y = system.arc_dofs[:, 0]
+        right_y = system.arc_dofs[1, -1]
+        ends_of_arc = [left_x, left_y, right_y]
         held_dofs = np.concatenate([held_dofs, ends_of_arc])
     free_dofs = np.setdiff1d(np.arange(len(nodal_loads)), held_dofs)
     displacements = np.zeros_like(nodal_loads)
@@ -930,17 +952,15 @@ def displacement_fields(
     )
     n_displacements = system.basis.N
     if system.arc_dofs.size:
-        # By Betti's theorem the contact nodes move further, by the work of the arc's loads minus
-        # that in the half-plane: a rigid motion, which the held nodes took away.
-        motions = rigid_motions(system.mesh)
+        # Holding nodes took a rigid motion away. By Betti's theorem it moves each contact node by
+        # the work of the arc's loads under a unit force there, minus that in the half-plane.
+        work_on_arc = arc.nodal_forces.T @ displacements[system.arc_dofs.ravel()]
         work_in_half_plane = arc.tractions.T @ (arc.displacements @ loads_on_contact)
-        missing_displacement = (
-            arc.nodal_forces.T @ displacements[system.arc_dofs.ravel()] - work_in_half_plane
-        )
+        missing_displacement = work_on_arc - work_in_half_plane
+        motions = rigid_motions(system.mesh)
         motions_of_contact = motions[system.contact_dofs.ravel()]
-        displacements[:n_displacements] += (
-            motions @ np.linalg.lstsq(motions_of_contact, missing_displacement, rcond=None)[0]
-        )
+        amplitudes = np.linalg.lstsq(motions_of_contact, missing_displacement, rcond=None)[0]
+        displacements[:n_displacements] += motions @ amplitudes
     mean_stress = np.zeros((system.mesh.nvertices, forces.shape[-1]))
     if len(displacements) > n_displacements:
         shear_modulus = split_lame(condensed.material, condensed.order).shear_modulus
