@@ -184,8 +184,8 @@ def fields(solution: FiniteElementSolution, instants: Iterable[float]) -> tuple[
 def _fields_of_bodies(
     solution: FiniteElementSolution, steps: Sequence[int]
 ) -> list[list[BodyFields]]:
-    """Nodal stress and displacement of the lower and of the upper body of a solution: two lists of
-    fields, (n_steps,) each, in the common frame (y out of the lower body).
+    """Nodal stress and displacement of the lower and of the upper body of a solution, in the common
+    frame (y out of the lower body). Each body has a list of fields, one for each step.
 
     `steps` are indices of stored instants.
     """
@@ -236,7 +236,7 @@ def _displacement_and_stress(
     body_number: int,
 ) -> tuple[Array, Array]:
     """Displacement (n_steps, n, 2) [length] and stress xx, yy, xy, zz (n_steps, n, 4) at the n
-    nodes of one body, in the common frame (y out of the lower body).
+    nodes of one body. The frame is the common one (y out of the lower body).
 
     Far from the contact the stress is that of the elements, next to it that of the tractions on a
     half-plane. The rigid motion of the upper body is left out.
@@ -351,7 +351,7 @@ def _has_bodies(solution: ContactSolution) -> bool:
 
 def _tension_change_by_new_contact(solution: ContactSolution, step: int) -> Array:
     """Possible error of s_xx at the left and right edge of contact, (2,) [stress], by growth of the
-    contact: the latest strip may be so narrow that no node shows the shear in it.
+    contact. The latest strip of it may be so narrow that no node shows the shear there.
 
     While P grows in full stick, q/p in the new strip is dQ/dP; behind it q/p is what earlier slip
     has left. With p = K sqrt(d) near the edge, a jump c of q/p at the distance w changes s_xx by
@@ -402,7 +402,9 @@ def _sticks_in_full(solution: ContactSolution, step: int) -> bool:
 
 class _EdgeTension(NamedTuple):
     """Stress s_xx along the faces at the edges of contact, its uncertainty, and its possible change
-    by slip in a zone too narrow for the nodes: each (n_steps, 2, 2) by body and edge [stress].
+    by slip in a zone too narrow for the nodes.
+
+    Each is (n_steps, 2, 2) by body and edge [stress].
     """
 
     values: Array
@@ -414,8 +416,8 @@ def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTensi
     """Stress s_xx along each face just outside each edge of contact, with its uncertainty and its
     possible change by slip in a zone too narrow for the nodes.
 
-    It is the tension that the tractions cause in a half-plane, opposite in the two bodies, plus
-    what bulk stress and the finite size of each body add. Arrays are (n_steps, 2, 2) by body and
+    The tractions cause opposite tensions in two half-planes; bulk stress and the finite size of
+    each body add to them. Arrays are (n_steps, 2, 2) by body and
     edge: NaN where too few nodes touch to fit sine series to the tractions, 0 where P = 0.
 
     Parameters
@@ -860,7 +862,7 @@ def _interpolated_added_tension(
     solution: ContactSolution, nodal_tractions: Mapping[int, Nodal]
 ) -> dict[int, Array]:
     """Estimate of the tension s_xx that bulk stress and the size of the bodies add at the edges of
-    contact, by index of the stored step: (2, 2) by body and edge [stress].
+    contact. For the index of each stored step it is (2, 2) by body and edge [stress].
 
     It is computed at six steps and interpolated in time by a cubic spline; 0 where it is not known.
     `nodal_tractions` maps the index of a stored step to the tractions at its nodes.
@@ -886,10 +888,10 @@ def _bulk_stress(solution: ContactSolution, steps: Sequence[int], body_number: i
 
 def _nodal_tractions(solution: ContactSolution, step: int) -> Nodal:
     """Pressure and shear at the touching nodes of a solution at a stored step, with what a fit of
-    sine series to them needs: edges of stick and contact, friction, Q, kinks of the profile.
+    sine series needs: edges of stick and contact, friction, Q, kinks of the profile.
 
-    `growing` says that P rises by |dQ|/f at least, so that nothing slips; `coupled` that p and q
-    act on each other, by unlike shapes or materials; `unlike` that the materials are unlike.
+    `growing` means that P rises by |dQ|/f at least, so that nothing slips. `coupled` means that p
+    and q act on each other, by unlike shapes or materials; `unlike` means unlike materials.
     """
     pressure = solution.pressure[step]
     shear = solution.shear[step]
@@ -1030,8 +1032,8 @@ def _near_contact(
     nodal_fields: _NodalFields,
     tractions_at_steps: Sequence[Tractions | None],
 ) -> _NearContact | None:
-    """The nodes of a body within three half-widths of the middle of the contact, the tractions on
-    the body, and a fit of the stress that its finite size adds at these nodes.
+    """Nodes of a body within three half-widths of the middle of the contact, with the tractions on
+    the body and a fit of the stress that its finite size adds there.
 
     There stress follows from the tractions more accurately than from the elements. The fit uses
     nodes deep enough, or far enough beside the contact, for the elements to be accurate. None where
@@ -1110,12 +1112,12 @@ def _stress_of_tractions(
 def _joined_stress(
     nodal_fields: _NodalFields, near_contact: _NearContact, material: Elastic
 ) -> Array:
-    """Stress xx, yy, xy, zz at the n nodes of a body at k steps, (n, 4, k): that of the elements
-    far from the contact, that of the tractions close to it, blended in between.
+    """Stress xx, yy, xy, zz at the n nodes of a body at k steps, (n, 4, k). Far from the contact it
+    is that of the elements, close to it that of the tractions, blended in between.
 
     The blending zone is an annulus inside the largest distance of the nodes close to the contact.
-    With s the distance from its outer circle over its width, clipped to 0 <= s <= 1, the weight of
-    the tractions' stress is s^2 (3 - 2 s).
+    With s the distance from its outer circle over its width, 0 <= s <= 1, the weight of the
+    tractions' stress is s^2 (3 - 2 s).
 
     Parameters
     ----------
@@ -1164,8 +1166,8 @@ def _counter_clockwise_cells(points: Array, cells: Indices) -> Indices:
 def _nodal_stress(
     basis: skfem.Basis, displacement: Array, mean_stress: Array, condensed: CondensedBody
 ) -> tuple[Array, Array]:
-    """Stress xx, yy, xy, zz at the nodes of a body, (n_nodes, 4), by averaging over the elements
-    around each node, and the sum of the areas of these elements, (n_nodes,).
+    """Stress xx, yy, xy, zz at the nodes of a body, (n_nodes, 4), averaged over the elements around
+    each node. The sum of the areas of these elements, (n_nodes,), is returned too.
 
     Stress at quadrature points is extrapolated to the nodes of each element, then averaged there
     with the areas as weights.

@@ -263,8 +263,9 @@ class ContactProblem:
 
     @cached_property
     def _return_mapping(self) -> ReturnMapping:
-        """Solver by return mapping of trial tractions, made when it is first used: with a penalty
-        on gap and slip for the augmented Lagrangian, without one for the penalty method, whose
+        """Solver by return mapping of trial tractions, made when it is first used.
+
+        For the augmented Lagrangian it has a penalty on gap and slip; in the penalty method the
         layer of springs between the faces is the penalty.
         """
         from halfplane_fe.return_mapping import ReturnMapping  # noqa: PLC0415 - not by default
@@ -502,7 +503,7 @@ class ContactProblem:
 
     def rates(self, states: States, n_loads: int) -> Array:
         """Derivatives (n_loads, 3 + 4 n) of the contact's values by its loads while the n nodes
-        keep their `states` (open, stick or slip); taken from a cache where they are known.
+        keep their `states` (open, stick or slip). They are cached.
 
         The values are approach, shift and tilt, then slip, p, q and gap of the nodes.
         """
@@ -546,9 +547,10 @@ class ContactProblem:
         return self._rates.setdefault(states.tobytes(), rates_by_load)
 
     def _change_by_states(self, start: InterfaceState, states: States) -> Array | float:
-        """Change (3 + 4 n,) of approach, shift and tilt, then slip, p, q and gap of the n nodes, at
-        constant loads, as the nodes go from their states in `start` to new `states` (n,).
+        """Change of the contact's values at constant loads, as the n nodes go from their states in
+        `start` to new `states` (n,).
 
+        The values (3 + 4 n,) are approach, shift and tilt, then slip, p, q and gap of the nodes.
         A node that opens loses its pressure; one that closes loses its gap; one that slips gets
         q = +-f p. The change is 0 where every node meets its new equations already. All is scaled.
         """
@@ -585,10 +587,10 @@ class ContactProblem:
         self, start: InterfaceState, time: float, loads: tuple[float, ...], states: States
     ) -> _Solved:
         """One increment by the active-set method (semismooth Newton): solve for the values with
-        given node states, let the law of contact choose new states, until these agree.
+        given node states, let the laws choose new states, until these agree.
 
-        It ends without a solution if a set of states comes back (a cycle), if the bodies are free
-        to move, or at the largest number of iterations.
+        It ends without a solution if the states of all nodes come back (a cycle), if the bodies are
+        free to move, or at the largest number of iterations.
 
         Parameters
         ----------
@@ -740,8 +742,9 @@ class ContactProblem:
         stresses_and_tilt: Array,
         loads: tuple[float, ...],
     ) -> float:
-        """Tilt of the upper body at which pressure and known shear together have the given moment,
-        by bracketing and Brent's method: the larger the tilt, the smaller the moment.
+        """Tilt of the upper body at which pressure and known shear have the given moment, scaled.
+
+        The larger the tilt, the smaller the moment: found by bracketing and Brent's method.
 
         Parameters
         ----------
@@ -798,8 +801,8 @@ class ContactProblem:
         )
 
     def _resting_tilt(self, x_of_load: float) -> float:
-        """Tilt at which the upper body rests on the lower one, without load, if it is pressed at
-        `x_of_load`, scaled: the faces touch on both sides of that place.
+        """Tilt at which the upper body, pressed at `x_of_load`, rests on the lower one without
+        load: the faces touch on both sides of that place. All is scaled.
 
         It is minus the slope of the lower convex hull of the gap there. Of all chords between a
         node before that place and one beyond it, the hull follows the one that is lowest there.

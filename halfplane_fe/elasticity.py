@@ -137,8 +137,10 @@ def _boundary_dofs(mesh: skfem.Mesh, order: int, name: str) -> Indices:
 
 
 def assemble(body: BodyMesh, material: Elastic) -> System:
-    """Finite-element system of a meshed body on its supports: which degrees of freedom lie on the
-    contact and on a half-disc's arc, which are held, and the forces of tension on its ends.
+    """Finite-element system of a meshed body on its supports.
+
+    It states which degrees of freedom lie on the contact and on a half-disc's arc, which are held,
+    and the forces of a unit of tension on the body's ends.
 
     Raises
     ------
@@ -270,8 +272,8 @@ def _stiffness(system: System, elements: Indices) -> sparse.csr_matrix:
 def _gradients_and_areas(
     mesh: skfem.Mesh, cells: Indices, order: int, points: Array, weights: Array
 ) -> tuple[Array, Array]:
-    """Gradients (n_elements, 2 n, q) of the n shape functions of elements along x and y at q
-    quadrature points [1/length], and the area (n_elements, 1, q) of each point.
+    """Gradients along x and y of the n shape functions of elements at q quadrature points,
+    (n_elements, 2 n, q) [1/length], and the area of each point, (n_elements, 1, q).
 
     Parameters
     ----------
@@ -356,7 +358,7 @@ def factorise(stiffness: sparse.csc_matrix, ordering: str = "MMD_AT_PLUS_A") -> 
 
 class _Subspace(NamedTuple):
     """Displacements of a body that are condensed by themselves, spanned by k orthonormal motions:
-    all of them, or the symmetric or antisymmetric ones of a body that is its own mirror image.
+    symmetric or antisymmetric ones of a body that is its own mirror image, else all.
 
     With amplitudes a (k,) the displacement is u[dof] = factor_of_dof[dof] a[column_of_dof[dof]].
 
@@ -419,8 +421,9 @@ def _symmetry_subspaces(system: System) -> tuple[Indices, tuple[_Subspace, ...]]
 
 
 def _mirror_images(system: System) -> Indices | None:
-    """For each degree of freedom at (x, y) the number of the one at (-x, y), (n_dofs,); None where
-    nodes, elements or supports of the mesh are not mirror images to the last bit.
+    """Number of the degree of freedom at (-x, y) for each one at (x, y), (n_dofs,).
+
+    None where nodes, elements or supports of the mesh are not mirror images to the last bit.
     """
     places = system.mesh.p
     nodes_from_left = np.lexsort((places[1], places[0]))
@@ -450,10 +453,10 @@ def _mirror_images(system: System) -> Indices | None:
 
 def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
     """Rank (n_dofs,) of each degree of freedom in an order of elimination that leaves the factors
-    of a stiffness sparse; those of one node have one rank.
+    of a stiffness sparse. Those of one node have one rank.
 
-    The order is the minimum-degree one of the stiffness of the inner nodes along x alone, which is
-    a quarter of the work of ordering all degrees of freedom.
+    It is the minimum-degree order of the inner nodes by their stiffness along x alone. This takes a
+    quarter of the work of ordering all degrees of freedom.
     """
     n_nodes = system.mesh.p.shape[1]
     # Half of a mirror-symmetric body has no stiffness at the nodes of the other half.
@@ -567,8 +570,8 @@ def _condensed_subspace(
 
     The nodes of the arc of a half-disc stay with those of the contact, since the half-plane around
     it loads them. With B the forces on the arc by unit forces on the contact, and S the Schur
-    complement of both, the compliance is [B; 1]^T S^-1 [B; 1]; the work of the tractions on the arc
-    in the half-plane's own displacement is subtracted.
+    complement of both, the compliance is [B; 1]^T S^-1 [B; 1]. From it the work of the tractions on
+    the arc in the half-plane's own displacement is subtracted.
 
     Parameters
     ----------
@@ -648,13 +651,12 @@ class _SubspaceLoads(NamedTuple):
 def _tension_response_and_error(
     elimination: _Elimination, loads: _SubspaceLoads, compliance: Array
 ) -> tuple[Array, float]:
-    """Displacement (k,) of the contact by a unit of tension on the ends of a body, and the largest
-    relative error of the `compliance` (k, k) in four tests by a random load on the contact.
+    """Displacement (k,) of the contact by a unit of tension on the ends of a body, and the relative
+    error of the `compliance` (k, k): the largest of four tests.
 
-    They are residuals of the mesh's equations under the random load and under tension, displacement
-    by the compliance against that of the mesh, and reciprocity of the two loads (Betti). The mesh's
-    displacement has the work of the half-plane's tractions on the arc subtracted, as the compliance
-    has.
+    Residuals of the mesh's equations under a random load on the contact, and under tension;
+    displacement by the compliance against that of the mesh; reciprocity of both loads (Betti). As
+    in the compliance, the work of the half-plane's tractions on the arc is subtracted.
     """
     n_inner = elimination.n_inner
     n_arc, n_contact = loads.arc_loads.shape
@@ -694,7 +696,7 @@ def _held_on_arc(
     system: System, subspace: _Subspace, arc_numbers: Indices
 ) -> tuple[Indices, Indices]:
     """Split the degrees of freedom on the arc of a half-disc into a few that are held against rigid
-    motion, one for each rigid motion in the subspace, and the others, ascending.
+    motion and the others, ascending. One is held for each rigid motion in the subspace.
 
     Pivoted QR of the rigid motions picks those that hold best. `arc_numbers` are numbers of motions
     in the subspace (symmetric or antisymmetric displacements).
@@ -760,7 +762,7 @@ def arc_loads(system: System, datum_length: float) -> ArcLoads:
     tractions of the half-plane around it.
 
     On a body that rolls on its base and is held at its ends, each end takes its part of a force
-    along x; `arc_dofs` are then those of the ends. For other bodies all arrays are empty.
+    along x. `arc_dofs` are then those of the ends. For other bodies all arrays are empty.
     `datum_length` is the distance from a force at which the half-plane's surface has no
     displacement [length].
     """
@@ -905,7 +907,7 @@ def displacement_fields(
     """Displacement of all nodes of a body under given forces on its contact nodes, by a solution of
     its full finite-element system.
 
-    Mixed elements of nearly incompressible materials have a further unknown, which is returned too:
+    Mixed elements of nearly incompressible materials have a further unknown, returned too. It is
     r = lambda_1 div u, the part of the mean stress that they do not take from u.
 
     Parameters
