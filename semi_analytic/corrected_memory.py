@@ -64,24 +64,25 @@ from semi_analytic.profiles import SymmetricContact
 
 Indices = NDArray[np.int64]
 
-# Cells of the table between two corners: cubics leave 1e-12 of a load at 512, 4e-9 at 64.
+# Cells of the table between two kinks of the profile: cubics leave 1e-12 of a load at 512, 4e-9
+# at 64.
 _CELLS, _FEWEST_CELLS = 512, 64
 _MOST_CELLS = 4096
 _BISECTIONS = 60
-# Of many edges of contact at once: an eighth of a cell, and then Newton's rule, which halves the
-# error four times at worst before it squares it.
+# Of many edges of contact at once: bisection to an eighth of a cell, then Newton's method, which
+# halves the error four times at worst before it squares it.
 _FIRST_BISECTIONS, _STEPS_AFTER = 12, 6
-# Of edges that are known to a share of 1e-3.
+# Newton's method from edges of contact that are known to 1e-3.
 _STEPS_NEAR = 2
 _STEPS_OF_NEWTON = 60
-# Share of f P below which a difference of forces is round-off. A steady cycle slips along the line
-# of the cycle before: differences of the two are sums over all pieces of the curve, and reach a few
-# 1e-13. Taken for slip they move the edge of stick to an older piece.
+# Fraction of f P below which a difference of forces is round-off. A steady cycle slips along the
+# line of the cycle before: differences of the two are sums over all pieces of the curve, and reach
+# a few 1e-13. Taken for slip they move the edge of stick to an older piece.
 _ROUNDING = 1e-11
-# Share of the largest half-width that stands for 0 in a logarithm.
+# Fraction of the largest half-width that stands for 0 in a logarithm.
 _LEAST = 1e-9
-# How often p_2 and the edge of contact follow from each other, at most and until the load of what
-# they change is this share of P: p_2 moves by a per cent of itself.
+# Iterations of p_2 and the edge of contact: at most, and until the load that they still move is
+# this fraction of P. p_2 changes by a per cent in all.
 _ROUNDS_OF_MOMENT = 8
 _LEFT_OF_MOMENT = 1e-12
 _GAUSS = np.polynomial.legendre.leggauss(3)
@@ -90,18 +91,22 @@ _GAUSS_OF_WORK = np.polynomial.legendre.leggauss(8)
 
 
 def area_of_loop(load: Array, movement: Array) -> float:
-    """Integral of a load over its movement, (n,) each, by straight steps; of a cycle its loop."""
-    means = (load[1:] + load[:-1]) / 2
-    return float(np.sum(means * np.diff(movement)))
+    """Work of a load over its displacement `movement`, (n,) each, by the trapezoidal rule [energy
+    per thickness]; of a closed cycle the area of the loop.
+    """
+    mean_load = (load[1:] + load[:-1]) / 2
+    return float(np.sum(mean_load * np.diff(movement)))
 
 
 # ---------------------------------------------------------------------------------- flat punches
-# Of the punches of the profile, of a parabola and of x^4/24.
+# Three numbers: of the flat punches of the profile, of x^2/2 and of x^4/24.
 OfPunches = tuple[float, float, float]
 
 
 class PunchLoads(NamedTuple):
-    """eta, G and G_4 of one punch, and their rates per s."""
+    """Loads eta, G and G_4 that flat punches up to one of coordinate s carry, and their derivatives
+    with respect to s; eta of the profile, G of x^2/2, G_4 of x^4/24.
+    """
 
     load: float
     parabola: float
@@ -117,7 +122,9 @@ class PunchLoads(NamedTuple):
 
 
 class PunchSums(NamedTuple):
-    """Up to one punch: int ln(2 L/c) and c^2/2 over d eta, and over dG."""
+    """Integrals over the flat punches of half-width up to c: int ln(2 L/c) d eta and int ln(2 L/c)
+    dG; int (c^2/2) d eta and int (c^2/2) dG.
+    """
 
     logarithm: float
     parabola_logarithm: float
@@ -126,7 +133,9 @@ class PunchSums(NamedTuple):
 
 
 class PunchMoments(NamedTuple):
-    """Up to punches (k,): a moment over d eta, over dG and over dG_4, (k,) each."""
+    """An integral int w d eta, int w dG and int w dG_4 over the flat punches up to each of k, (k,)
+    each; w(c) is that of a punch of half-width c under unit load, such as a moment.
+    """
 
     profile: Array
     parabola: Array
@@ -256,6 +265,7 @@ class PunchTable:
         )
 
     def _value(self, cubics: Array, s: ArrayLike) -> Array:
+        """Values at s, of the shape of s, of `cubics` (cells, 4)."""
         s_in_cells = np.asarray(s, dtype=float) * self._cells_per_interval
         cell = np.minimum(s_in_cells.astype(int), len(cubics) - 1)
         fraction_of_cell = s_in_cells - cell
@@ -265,7 +275,7 @@ class PunchTable:
         )
 
     def half_width(self, s: ArrayLike) -> Array:
-        """c [length]."""
+        """Half-width c of the flat punches at s [length]."""
         s_of_punches = np.asarray(s, dtype=float)
         interval = np.minimum(s_of_punches.astype(int), int(self.largest_s) - 1)
         length = np.diff(self._interval_ends)[interval]
@@ -287,12 +297,12 @@ class PunchTable:
         return self.parabola_stiffness * np.square(self.half_width(s))
 
     def fourth(self, s: ArrayLike) -> Array:
-        """G_4(c) = G(c) c^2/8: load of the punches of x^4/24 up to c."""
-        square = np.square(self.half_width(s))
-        return np.asarray(self.parabola_stiffness * square**2 / 8)
+        """G_4(c) = G(c) c^2/8: load of the punches of x^4/24 up to c per unit of its factor."""
+        squared_width = np.square(self.half_width(s))
+        return np.asarray(self.parabola_stiffness * squared_width**2 / 8)
 
     def s_of_parabola_load(self, parabola: float) -> float:
-        """s of the punch up to which a parabola carries G."""
+        """Coordinate s of the half-width c at which G(c) = `parabola`."""
         half_width = math.sqrt(max(parabola, 0.0) / self.parabola_stiffness)
         interval = max(bisect_left(self._interval_begins, half_width) - 1, 0)
         return interval + math.sqrt(
@@ -403,7 +413,7 @@ class PunchTable:
         return self._integral_cubics(power=2)
 
     def second_moments(self, s: ArrayLike) -> PunchMoments:
-        """Integrals of c^2/2, the second moment of a punch of unit load, up to s (k,)."""
+        """Second moments int x^2 p dx of the punches up to s (k,); w = c^2/2 under unit load."""
         square = np.square(self.half_width(s))
         of_profile = (
             square * self.load(s) / 2 - self.load_parabola_integral(s) / self.parabola_stiffness
@@ -411,7 +421,7 @@ class PunchTable:
         return PunchMoments(of_profile, square * self.parabola(s) / 4, square * self.fourth(s) / 3)
 
     def fourth_moments(self, s: ArrayLike) -> PunchMoments:
-        """Integrals of 3 c^4/8, the fourth moment of a punch of unit load, up to s (k,)."""
+        """Fourth moments int x^4 p dx of the punches up to s (k,); w = 3 c^4/8 under unit load."""
         square = np.square(self.half_width(s))
         of_profile = square**2 * self.load(s)
         of_profile -= (
@@ -421,7 +431,7 @@ class PunchTable:
         return PunchMoments(3 / 8 * of_profile, of_parabola, 3 / 16 * square**2 * self.fourth(s))
 
     def logarithm(self, s: ArrayLike) -> Array:
-        """ln c; of the least punch that counts for c = 0."""
+        """ln c; for c near 0 that of a least half-width, so that it is finite."""
         return np.log(np.maximum(self.half_width(s), _LEAST * self._interval_ends[-1]))
 
     def edges_of_contact(
@@ -490,8 +500,10 @@ class PunchTable:
 
 # ------------------------------------------------------------------------------------- the memory
 class Curvatures(NamedTuple):
-    """What bodies add per load: N, N_Q, T, T_P [1 / (stress length^2)], and the next order, N_4,
-    T_4, N_22, T_22 [1 / (stress length^4)].
+    """Curvatures that finite bodies add to half-planes per unit of load, in the gap (N) and in the
+    tangential displacement of the faces (T): N, N_Q, T, T_P [1 / (stress length^2)].
+
+    And those of the next order: N_4, T_4, N_22, T_22 [1 / (stress length^4)].
     """
 
     normal: float = 0.0
@@ -518,10 +530,11 @@ class Curvatures(NamedTuple):
 
 
 class Piece(NamedTuple):
-    """A piece of a memory curve above another one, its parent, whose number it has.
+    """A piece of a memory curve F(s), the locked-in tangential force of the flat punches up to s.
 
-    From the top of its parent to its own, F rises by `slope` d eta + `parabola_slope` dG +
-    `fourth_slope` dG_4. At its top are eta, G, G_4 and F.
+    It continues another piece outwards, number `parent`, from that one's `top` to its own, an s.
+    On it dF = `slope` d eta + `parabola_slope` dG + `fourth_slope` dG_4. `load`, `parabola`,
+    `fourth` and `force` are eta, G, G_4 and F at its top.
     """
 
     parent: int
@@ -581,12 +594,12 @@ class Pieces(list[Piece]):
         )
 
     def append_numbered(self, piece: Piece) -> int:
-        """Number of a piece that is added."""
+        """Store a piece: its number."""
         self.append(piece)
         return len(self) - 1
 
     def add(self, parent: int, top: float, loads: OfPunches, slopes: OfPunches) -> int:
-        """Number of a new piece, as `piece_above`."""
+        """Store a new piece, as `piece_above` makes it: its number."""
         return self.append_numbered(self.piece_above(parent, top, loads, slopes))
 
     def forget_beyond(self, count: int) -> None:
@@ -595,7 +608,9 @@ class Pieces(list[Piece]):
 
 
 class _Bound(NamedTuple):
-    """B_s: F of slip in one direction, `direction` times which F may not be below."""
+    """Coulomb bound B_s of the locked-in tangential force F: what F is during slip in `direction`,
+    linear in eta, G and G_4. Where a punch sticks, `direction` F >= `direction` B_s.
+    """
 
     direction: int
     constant: float
@@ -617,7 +632,7 @@ class _Bound(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """A path that was followed with the curvatures of the bodies.
+    """Memory of friction and slip zones along a load path, with the curvatures of finite bodies.
 
     Attributes
     ----------
@@ -1255,7 +1270,9 @@ _TANGENTIAL_CURVATURE = Row._fields.index("tangential_curvature")
 
 
 class Step(NamedTuple):
-    """What is found at the end of a step: the state, and the slip zones as in `Followed`."""
+    """Memory at the end of a step, and the slip zones as in `Followed`: s of the stick edge and of
+    both ends of the inner zone, directions of slip.
+    """
 
     state: State
     stick_edge: float
@@ -1266,7 +1283,8 @@ class Step(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MemoryCurve:
-    """The memory of a contact, straight step by straight step; a step leaves no trace in a state.
+    """Memory of friction of a contact, which straight steps of the loads change; a step returns a
+    new state and leaves the old one as it is.
 
     Attributes
     ----------
@@ -1395,7 +1413,9 @@ class MemoryCurve:
 
 
 def _bound(direction: int, friction: float, row: Row) -> _Bound:
-    """B_s at the end of a step."""
+    """Coulomb bound of the locked-in tangential force in one direction of slip, at the end of a
+    step.
+    """
     limit = direction * friction
     return _Bound(
         direction,
