@@ -1,5 +1,5 @@
-"""From a scene with bulk stress and tilt to the family of its contact intervals: which load paths
-have one memory curve.
+"""Bulk stress and tilt: which load paths have nested contact intervals and one memory curve, so
+that the superposition of Ciavarella and Jaeger holds.
 
 # notation: alpha tilt, eps = sigma_lower/E'_lower - sigma_upper/E'_upper with E' = E/(1 - nu^2),
 kappa as in `tilted_profile`
@@ -38,8 +38,9 @@ from semi_analytic.tilted_profile import ConvexProfile, NestedIntervals, TiltedP
 # Share of the largest value, or of what would make a whole edge slip, within which two affine
 # functions are one.
 _ROUNDING = 1e-11
-# Instants of a curved leg that are compared, besides two for each turn that it may take.
-_SAMPLES = 40
+# Instants of a curved segment of the load path that are compared, besides two for each turning
+# point that it may have.
+_INSTANTS_OF_CURVED_SEGMENT = 40
 
 NO_ONE_CURVE = (
     "load: events are turns of the one memory curve, and these loads have none: that takes bulk"
@@ -51,12 +52,13 @@ NO_ONE_CURVE = (
 
 @dataclass(frozen=True, eq=False)
 class OneCurve:
-    """A load path with bulk stress and tilt whose memory is one curve.
+    """A load path with bulk stress and tilt whose frictional state is one memory curve: the
+    tangential force, or the bulk strain, locked in up to each normal load.
 
     Attributes
     ----------
     contact
-        the nested intervals of its family
+        the nested intervals of contact, or of stick, on which the curve stands
     path
         P and Q alone; where Q = 0 and bulk strain alone changes, P and the load in whose terms
         the memory curve is
@@ -65,8 +67,8 @@ class OneCurve:
     moment_given
         whether `turning` states the moment
     neglected
-        the loads that are below rounding and were left out, each with its size over the load
-        that makes its edge slip
+        loads below round-off that were left out, each over the load that makes an edge of
+        contact slip or lift
     """
 
     contact: TiltedProfile
@@ -77,8 +79,8 @@ class OneCurve:
     neglected: Mapping[str, float] = field(default_factory=dict)
 
     def series(self, time: Array, load: Array) -> dict[str, Array]:
-        """Values of a contact with bulk stress and tilt at instants (n,), by name: both bulk
-        stresses, tilt, moment of the pressure, contact edges and normal approach.
+        """Bulk stress of both bodies, tilt [rad], moment of the pressure, contact edges (n, 2) and
+        normal approach [length] at instants (n,), by name.
 
         `load` (n,) is P there. Either the tilt or the moment is prescribed; the other follows.
 
@@ -127,17 +129,17 @@ def strain_of(materials: Materials) -> tuple[float, float]:
 
 
 def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
-    """Contact and loads of a path with bulk strain eps and tilt alpha on which one memory curve
-    holds what friction remembers; None where no single curve does. A memory curve is the tangential
-    force, or the bulk strain, locked in up to each load.
+    """Contact and loads of a path with bulk strain eps and tilt alpha whose frictional state is one
+    memory curve: the tangential force, or the bulk strain, locked in up to each normal load. None
+    where no single curve holds it.
 
     One curve is enough where alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q with one kappa,
-    and contacts are nested. `path` is that of the scene by default. At constant P large bulk strain
-    has one curve as well, and so has bulk strain alone, as long as the stick zones recede at both
-    ends.
+    and contact intervals are nested. `path` is that of the scene by default. At constant P large
+    bulk strain has one curve as well, and so has bulk strain alone, as long as the stick zones
+    recede at both ends.
 
     While P is applied at first, with no Q and no change of bulk strain, the tilt may vary freely:
-    nothing is sheared, and nothing is remembered.
+    nothing is sheared, and nothing is locked in.
 
     # notation: p, q, eps, alpha samples (n,) of P, Q, bulk strain and tilt along the path
 
@@ -154,16 +156,18 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     datum_length = scene.profile.datum_length
     friction = scene.friction.coefficient
     strain_per_stress = strain_of(scene.material)
-    upright_profile = TiltedProfile(
-        NestedIntervals(convex_shape, compliance, 0.0, 0.0, math.inf), datum_length
-    )
+    contact_under_moment = None
+    if path.moment_given:
+        contact_under_moment = _contact_of_any_load(convex_shape, compliance, datum_length)
     samples_of_segments = [
-        _sampled(segment, upright_profile if path.moment_given else None, strain_per_stress)
-        for segment in segments
+        _loads_along(segment, contact_under_moment, strain_per_stress) for segment in segments
     ]
     load_sizes = LoadSizes.of(
         np.concatenate(samples_of_segments, axis=1), convex_shape, compliance, friction
     )
+
+    # Loads that only press leave nothing locked in: the relations need to hold from the first
+    # segment on that shears.
     first_shearing_segment = _first_shearing_segment(
         samples_of_segments[:loading_count], load_sizes
     )
@@ -175,18 +179,22 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
     neglected: dict[str, float] = {}
     # At constant P the stick zones of a parabola are nested where contacts are not.
     is_parabola = convex_shape.radius is not None
-    may_slip_apart = is_parabola and friction > 0 and np.ptp(p) <= _ROUNDING * largest_load
-    first_strain = float(eps[0])
+    may_slip_opposite_ways = bool(
+        is_parabola and friction > 0 and np.ptp(p) <= _ROUNDING * largest_load
+    )
     strain_changes = np.ptp(eps) > load_sizes.strain_rounding
     has_shear_force = np.max(np.abs(q)) > load_sizes.shear_rounding
-    is_strain_alone = bool(may_slip_apart and strain_changes and not has_shear_force)
+    is_strain_alone = bool(may_slip_opposite_ways and strain_changes and not has_shear_force)
+    first_strain = float(eps[0])
+    equivalent_shear = q
     if is_strain_alone:
         # A load in proportion to the bulk strain, of half f P at most, takes the place of Q.
         if np.any(q):
             neglected["tangential load"] = float(np.max(np.abs(q))) / (friction * largest_load)
         largest_change = float(np.max(np.abs(eps - first_strain)))
-        q = (eps - first_strain) * (friction * largest_load / 2 / largest_change)
-    relation = _AffineRelation.fitted(p, q, eps, alpha, load_sizes)
+        equivalent_shear = (eps - first_strain) * (friction * largest_load / 2 / largest_change)
+
+    relation = _AffineRelation.fitted(p, equivalent_shear, eps, alpha, load_sizes)
     if not relation.holds:
         return None
     neglected |= relation.neglected
@@ -197,31 +205,47 @@ def one_curve(scene: Scene, path: LoadPath | None = None) -> OneCurve | None:
         intervals,
         datum_length,
         friction,
-        largest_shear=float(np.max(np.abs(q))),
+        largest_shear=float(np.max(np.abs(equivalent_shear))),
         is_strain_alone=is_strain_alone,
-        may_slip_apart=bool(may_slip_apart),
+        may_slip_opposite_ways=may_slip_opposite_ways,
     )
     if contact is None:
         return None
-    first_segment_by_strain = first_shearing_segment if is_strain_alone else len(segments)
-    segments_of_curve: list[LoadSegment | None] = [
-        replace(segment, bulk=None, turning=None) for segment in segments[:first_segment_by_strain]
+
+    n_segments_with_q = first_shearing_segment if is_strain_alone else len(segments)
+    segments_of_curve: list[LoadSegment] = [
+        replace(segment, bulk=None, turning=None) for segment in segments[:n_segments_with_q]
     ]
-    segments_of_curve += [
-        _leg_by_strain(segment, strain_per_stress, first_strain, relation.slope)
-        for segment in segments[first_segment_by_strain:]
-    ]
-    known_segments = [segment for segment in segments_of_curve if segment is not None]
-    if len(known_segments) < len(segments):
-        return None
+    for segment in segments[n_segments_with_q:]:
+        segment_of_curve = _segment_with_strain_for_shear(
+            segment, strain_per_stress, first_strain, relation.slope
+        )
+        if segment_of_curve is None:
+            return None
+        segments_of_curve.append(segment_of_curve)
+    path_of_curve = LoadPath(
+        tuple(segments_of_curve[:loading_count]), tuple(segments_of_curve[loading_count:])
+    )
     return OneCurve(
         contact=contact,
-        path=LoadPath(tuple(known_segments[:loading_count]), tuple(known_segments[loading_count:])),
+        path=path_of_curve,
         bulk=path.companion("bulk"),
         turning=path.companion("turning"),
         moment_given=path.moment_given,
         neglected=neglected,
     )
+
+
+def _contact_of_any_load(
+    shape: ConvexProfile, compliance: float, datum_length: float
+) -> TiltedProfile:
+    """The contact of a convex profile without a prescribed tilt under any load, which gives the
+    tilt under a load and a moment; `compliance` is A = 2/E*.
+    """
+    intervals = NestedIntervals(
+        shape, compliance, tilt_without_load=0.0, tilt_per_load=0.0, largest_load=math.inf
+    )
+    return TiltedProfile(intervals, datum_length)
 
 
 def _contact_with_one_curve(
@@ -230,10 +254,12 @@ def _contact_with_one_curve(
     friction: float,
     largest_shear: float,
     is_strain_alone: bool,
-    may_slip_apart: bool,
+    may_slip_opposite_ways: bool,
 ) -> TiltedProfile | None:
-    """The contact whose memory of friction is one curve: that of nested contact intervals, or the
-    one of a parabola whose ends slip opposite ways; None where neither exists.
+    """The contact whose frictional state is one memory curve: that of nested contact intervals, or
+    a parabola whose two ends slip in opposite senses; None where neither exists.
+
+    Intervals are nested where each lies within those of all larger loads.
 
     Parameters
     ----------
@@ -241,20 +267,21 @@ def _contact_with_one_curve(
         contact intervals under the loads of the path
     datum_length
         distance at which displacements count as 0 [length]
+    friction
+        f, coefficient of friction
     largest_shear
         the largest |Q|, or of the load in its place [force per thickness]
     is_strain_alone
         whether bulk strain alone shears the contact
-    may_slip_apart
+    may_slip_opposite_ways
         whether the profile is a parabola, and P constant
     """
     contact = TiltedProfile(intervals, datum_length)
     if not is_strain_alone and contact.is_nested(intervals.largest_load):
         return contact
-    if not may_slip_apart:
+    if not may_slip_opposite_ways:
         return None
-    share_of_shear = 0.0 if is_strain_alone else 1.0
-    return _slipping_apart(intervals, datum_length, friction, largest_shear, share_of_shear)
+    return _opposite_slip_contact(intervals, datum_length, friction, largest_shear, is_strain_alone)
 
 
 def _first_shearing_segment(samples_of_loading: list[Array], load_sizes: LoadSizes) -> int:
@@ -278,10 +305,10 @@ class _AffineRelation(NamedTuple):
     slope, tilt_without_load
         kappa [1/load], alpha_0 [rad]
     holds
-        whether strain and tilt of all samples are on the lines to rounding
+        whether strain and tilt of all samples are on the lines to round-off
     neglected
         "bulk stress" and "tilt": deviations from the lines that are more than round-off of strain
-        or tilt themselves, each over the size that makes an edge slip or lift
+        or tilt themselves, each over the size that makes an edge of contact slip or lift
     """
 
     slope: float
@@ -293,32 +320,33 @@ class _AffineRelation(NamedTuple):
     def fitted(
         cls, p: Array, q: Array, eps: Array, alpha: Array, load_sizes: LoadSizes
     ) -> _AffineRelation:
-        """The slope kappa of alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q, fitted to samples
-        (n,) of a load path, and whether both hold to round-off.
+        """The slope kappa of alpha = alpha_0 + kappa P and eps = eps_0 + kappa Q [1/(force per
+        thickness)], fitted to samples (n,) of a load path, and whether both hold to round-off.
 
-        kappa is that of eps over Q where Q changes, else of alpha over P. A tilt that is not known
-        is NaN.
+        kappa is that of eps over Q where Q changes, else of alpha over P. A deviation from the
+        lines that no edge of contact would feel, but above the last digits of the load itself, is
+        stated as neglected.
 
         Parameters
         ----------
         p, q
             P and Q [force per thickness]
         eps
-            bulk strain, of both bodies together
+            bulk strain of the lower surface relative to the upper one
         alpha
-            tilt [rad]
+            tilt [rad]; NaN where it is not known
         load_sizes
-            below which size a change of each is round-off
+            below which size a change of each is round-off, and what slips or lifts an edge
         """
-        has_tilt_value = np.isfinite(alpha)
-        p_with_tilt = p[has_tilt_value]
-        known_tilt = alpha[has_tilt_value]
+        is_tilt_known = np.isfinite(alpha)
+        p_with_tilt = p[is_tilt_known]
+        known_tilt = alpha[is_tilt_known]
         if np.ptp(q) > load_sizes.shear_rounding:
             slope = _slope_of(q, eps, load_sizes.strain_rounding)
         else:
             slope = _slope_of(p_with_tilt, known_tilt, load_sizes.tilt_rounding)
         tilt_without_load = 0.0
-        if np.any(has_tilt_value):
+        if np.any(is_tilt_known):
             tilt_without_load = float(np.mean(known_tilt - slope * p_with_tilt))
         strain_deviation = float(np.ptp(eps - slope * q))
         tilt_deviations = np.abs(known_tilt - tilt_without_load - slope * p_with_tilt)
@@ -330,39 +358,44 @@ class _AffineRelation(NamedTuple):
         if holds:
             # What is the last digits of a load itself is no load that was left out.
             if strain_deviation > _ROUNDING * np.max(np.abs(eps)):
-                neglected["bulk stress"] = strain_deviation / load_sizes.strain
+                neglected["bulk stress"] = strain_deviation / load_sizes.slipping_strain
             if tilt_deviation > _ROUNDING * np.max(np.abs(known_tilt)):
-                neglected["tilt"] = tilt_deviation / load_sizes.tilt
+                neglected["tilt"] = tilt_deviation / load_sizes.lifting_tilt
         return cls(slope, tilt_without_load, holds, neglected)
 
 
-def _slipping_apart(
+def _opposite_slip_contact(
     intervals: NestedIntervals,
     datum_length: float,
     friction: float,
     largest_shear: float,
-    share_of_shear: float,
+    is_strain_alone: bool,
 ) -> OppositeSlip | None:
-    """The contact of a parabola at constant P whose ends slip opposite ways under bulk strain; None
-    where its stick zones are not nested, or cannot be resolved.
+    """The contact of a parabola at constant P whose two ends slip in opposite senses under large
+    bulk strain (Nowell and Hills 1987), or None.
 
-    They must be nested up to the largest shear force of the path.
+    Its stick zones must be nested, each within those of all smaller |Q|, up to the largest |Q| of
+    the path. None where they are not, or where they cannot be resolved numerically.
 
     Parameters
     ----------
     intervals
-        nested intervals of contact of the parabola
+        contact intervals of the parabola
     datum_length
         distance at which displacements count as 0 [length]
     friction
         f, coefficient of friction
     largest_shear
-        the largest |Q| [force per thickness]
-    share_of_shear
-        0 where bulk strain alone changes and a load in proportion stands for Q, else 1
+        the largest |Q|, or of the load in its place [force per thickness]
+    is_strain_alone
+        whether Q = 0, and a load in proportion to the bulk strain stands for it
     """
     contact = OppositeSlip(
-        intervals, datum_length, friction=friction, reach=largest_shear, share=share_of_shear
+        intervals,
+        datum_length,
+        friction=friction,
+        reach=largest_shear,
+        share=0.0 if is_strain_alone else 1.0,  # of that load, how much is Q
     )
     try:
         return contact if contact.is_nested(intervals.largest_load) else None
@@ -372,27 +405,27 @@ def _slipping_apart(
 
 @dataclass(frozen=True)
 class LoadSizes:
-    """What bulk strain, tilt and Q are measured by along a path, a the half-width at its largest
-    load P.
+    """Sizes of bulk strain, tilt and Q along a load path that count, and those that are round-off;
+    a is the half-width at its largest load P, A = 2/E*.
 
     Attributes
     ----------
-    strain, tilt
+    slipping_strain, lifting_tilt
         A f P/(pi a) and A P/(pi a): of the order of what makes a whole edge of contact slip, or
         lift
     strain_rounding, tilt_rounding, shear_rounding
         below it a change of bulk strain, tilt and Q changes no digit
     """
 
-    strain: float
-    tilt: float
+    slipping_strain: float
+    lifting_tilt: float
     strain_rounding: float
     tilt_rounding: float
     shear_rounding: float
 
     @property
     def rounding(self) -> Array:
-        """Of P, Q, eps and alpha, (4,)."""
+        """Round-off of P, Q, eps and alpha, (4,)."""
         return np.array(
             [self.shear_rounding, self.shear_rounding, self.strain_rounding, self.tilt_rounding]
         )
@@ -401,29 +434,29 @@ class LoadSizes:
     def of(
         cls, samples: Array, shape: ConvexProfile, compliance: float, friction: float
     ) -> LoadSizes:
-        """Sizes by which bulk strain, tilt and Q of a load path are judged, from samples of P, Q,
-        bulk strain and tilt along it, (4, n).
+        """The bulk strain that makes an edge of contact slip and the tilt that lifts one, at the
+        largest P of a load path, and the round-off of bulk strain, tilt and Q along it.
 
-        They are the tilt that lifts an edge and the strain that makes one slip, at the largest P,
-        and the round-off of each. An unknown tilt is NaN. `shape` is the profile, `compliance` A =
-        2/E*, `friction` f.
+        `samples` (4, n) are P, Q, bulk strain and tilt along the path, NaN where the tilt is not
+        known. `shape` is the profile, `compliance` A = 2/E*, `friction` f.
 
         # notation: p, q, eps, alpha samples (n,) of P, Q, bulk strain and tilt
         """
         p, q, eps, alpha = samples
-        has_tilt = np.isfinite(alpha)
-        number_of_largest = int(np.argmax(p))
-        largest_load = float(p[number_of_largest])
-        tilt_there = alpha[number_of_largest] if has_tilt[number_of_largest] else 0.0
-        half_width = float(shape.contact(compliance * largest_load, tilt_there)[1])
+        is_tilt_known = np.isfinite(alpha)
+        at_largest_load = int(np.argmax(p))
+        largest_load = float(p[at_largest_load])
+        tilt = alpha[at_largest_load] if is_tilt_known[at_largest_load] else 0.0
+        _, contact_half_width = shape.contact(compliance * largest_load, tilt)
+        half_width = float(contact_half_width)
         lifting_tilt = 0.0
         if half_width > 0:
             lifting_tilt = compliance * largest_load / (math.pi * half_width)
         slipping_strain = friction * lifting_tilt
-        largest_tilt = float(np.max(np.abs(alpha), where=has_tilt, initial=0.0))
+        largest_tilt = float(np.max(np.abs(alpha), where=is_tilt_known, initial=0.0))
         return cls(
-            strain=slipping_strain,
-            tilt=lifting_tilt,
+            slipping_strain=slipping_strain,
+            lifting_tilt=lifting_tilt,
             strain_rounding=_ROUNDING * max(float(np.max(np.abs(eps))), slipping_strain),
             tilt_rounding=_ROUNDING * max(largest_tilt, lifting_tilt),
             shear_rounding=_ROUNDING * max(float(np.max(np.abs(q))), friction * largest_load),
@@ -431,40 +464,43 @@ class LoadSizes:
 
 
 def cycle_samples(scene: Scene) -> Array:
-    """Loads at instants of a scene's cycle in order, all turning points among them, as rows (4, n):
-    P, Q, bulk strain and tilt.
+    """P, Q [force per thickness], bulk strain and tilt [rad] at instants of a scene's cycle, rows
+    of (4, n), in order of time; all turning points are among the instants.
 
     A tilt that is not prescribed follows from the moment.
     """
     path = scene.load.path()
-    upright_profile = None
+    contact_under_moment = None
     if path.moment_given:
-        shape = convex_profile(scene.profile)
-        unit_compliance = 2 / composite_modulus(scene.material)
-        upright_profile = TiltedProfile(
-            NestedIntervals(shape, unit_compliance, 0.0, 0.0, math.inf), scene.profile.datum_length
+        contact_under_moment = _contact_of_any_load(
+            convex_profile(scene.profile),
+            2 / composite_modulus(scene.material),
+            scene.profile.datum_length,
         )
+    strain_per_stress = strain_of(scene.material)
     return np.concatenate(
-        [_sampled(leg, upright_profile, strain_of(scene.material)) for leg in path.cycle], axis=1
+        [_loads_along(segment, contact_under_moment, strain_per_stress) for segment in path.cycle],
+        axis=1,
     )
 
 
 def steady_curve(scene: Scene) -> OneCurve | None:
-    """Contact and loads of a scene's cycle where one memory curve holds what friction remembers of
-    the cycle alone, after an initial loading that presses first and shears then; None else. A
-    memory curve is the tangential force, or the bulk strain, locked in up to each load.
+    """Contact and loads of a scene's cycle, reached by another initial loading, where its
+    frictional state is one memory curve; None where it is not, or without a cycle.
 
-    What changes in a steady cycle of like bodies does not depend on how it was reached, and so
-    neither W nor W(x) does (Andersson, Barber and Ponter, 2014); the traction that stays locked in
-    the permanent stick zone does.
+    A memory curve is the tangential force, or the bulk strain, locked in up to each normal load.
+    The other initial loading presses to the first P of the cycle, then shears to its first Q. What
+    changes in a steady cycle of like bodies does not depend on how it was reached, and so neither W
+    nor W(x) does (Andersson, Barber and Ponter, 2014). The traction locked in the permanent stick
+    zone does.
     """
     path = scene.load.path()
     strain_per_stress = strain_of(scene.material)
     if not path.cycle:
         return None
-    _, forces, strains, _ = np.concatenate(
+    _, tangential_loads, bulk_strains, _ = np.concatenate(
         [
-            _sampled(replace(segment, turning=None), None, strain_per_stress)
+            _loads_along(replace(segment, turning=None), None, strain_per_stress)
             for segment in path.cycle
         ],
         axis=1,
@@ -473,57 +509,63 @@ def steady_curve(scene: Scene) -> OneCurve | None:
     cycle_start = path.cycle_start
     middle_time = (path_start + cycle_start) / 2
     first_segment = path.cycle[0]
-    load_at_cycle_start, force_at_cycle_start = map(float, first_segment.loads(cycle_start))
-    pressing = StraightSegment(path_start, middle_time, (0.0, 0.0), (load_at_cycle_start, 0.0))
-    shearing = StraightSegment(
+    normal_load, tangential_load = map(float, first_segment.loads(cycle_start))
+    pressing_segment = StraightSegment(path_start, middle_time, (0.0, 0.0), (normal_load, 0.0))
+    shearing_segment = StraightSegment(
         middle_time,
         cycle_start,
-        (load_at_cycle_start, 0.0),
-        (load_at_cycle_start, force_at_cycle_start),
+        (normal_load, 0.0),
+        (normal_load, tangential_load),
     )
     if first_segment.bulk is not None:
         stress_of_lower, stress_of_upper = map(float, first_segment.bulk.loads(cycle_start))
-        stress_before = (
+        # While P alone grows, bulk strain has the value of Q = 0 on its line over Q in the cycle.
+        # The bulk stress of the lower body is set for that; that of the upper body is constant.
+        lower_stress_before = (
             stress_of_lower
-            - _slope_of(forces, strains) * force_at_cycle_start / strain_per_stress[0]
+            - _slope_of(tangential_loads, bulk_strains) * tangential_load / strain_per_stress[0]
         )
-        stresses_before = (stress_before, stress_of_upper)
-        pressing = replace(
-            pressing,
+        stresses_before = (lower_stress_before, stress_of_upper)
+        pressing_segment = replace(
+            pressing_segment,
             bulk=StraightSegment(path_start, middle_time, stresses_before, stresses_before),
         )
-        shearing = replace(
-            shearing,
+        shearing_segment = replace(
+            shearing_segment,
             bulk=StraightSegment(
                 middle_time, cycle_start, stresses_before, (stress_of_lower, stress_of_upper)
             ),
         )
     if first_segment.turning is not None:
+        # Tilt or moment grows with P, and is constant while Q grows.
         tilt, moment = map(float, first_segment.turning.loads(cycle_start))
-        pressing = replace(
-            pressing, turning=StraightSegment(path_start, middle_time, (0.0, 0.0), (tilt, moment))
+        pressing_segment = replace(
+            pressing_segment,
+            turning=StraightSegment(path_start, middle_time, (0.0, 0.0), (tilt, moment)),
         )
-        shearing = replace(
-            shearing,
+        shearing_segment = replace(
+            shearing_segment,
             turning=StraightSegment(middle_time, cycle_start, (tilt, moment), (tilt, moment)),
         )
-    return one_curve(scene, LoadPath((pressing, shearing), path.cycle, path.moment_given))
+    return one_curve(
+        scene, LoadPath((pressing_segment, shearing_segment), path.cycle, path.moment_given)
+    )
 
 
-def _leg_by_strain(
-    leg: LoadSegment,
+def _segment_with_strain_for_shear(
+    segment: LoadSegment,
     strain_per_stress: tuple[float, float],
     strain_without_load: float,
     slope: float,
 ) -> LoadSegment | None:
-    """A segment of a load path at constant P in which a load in proportion to the bulk strain eps,
-    (eps - strain_without_load)/slope, takes the place of Q.
+    """A segment of a load path at constant P in which Q is replaced by a load in proportion to the
+    bulk strain eps, (eps - strain_without_load)/slope [force per thickness].
 
-    None where bulk stress is neither a line nor a sum of waves over time.
+    None where bulk stress is neither linear nor a sum of harmonics in time.
 
     Parameters
     ----------
-    leg
+    segment
         the segment of the path, with its bulk stresses
     strain_per_stress
         bulk strain eps by a unit bulk stress of the lower and of the upper body [1/stress]
@@ -536,31 +578,33 @@ def _leg_by_strain(
     def load_of(stresses: Sequence[float]) -> float:
         return (float(np.dot(strain_per_stress, stresses)) - strain_without_load) / slope
 
-    normal_load = float(leg.loads(leg.start)[0])
-    bulk = leg.bulk
+    normal_load = float(segment.loads(segment.start)[0])
+    bulk = segment.bulk
     if bulk is None:
         constant_load = load_of((0.0, 0.0))
         return StraightSegment(
-            leg.start, leg.end, (normal_load, constant_load), (normal_load, constant_load)
+            segment.start, segment.end, (normal_load, constant_load), (normal_load, constant_load)
         )
     if bulk.is_straight:
-        first_load = load_of([float(stress) for stress in bulk.loads(leg.start)])
-        last_load = load_of([float(stress) for stress in bulk.loads(leg.end)])
+        first_load = load_of([float(stress) for stress in bulk.loads(segment.start)])
+        last_load = load_of([float(stress) for stress in bulk.loads(segment.end)])
         return StraightSegment(
-            leg.start, leg.end, (normal_load, first_load), (normal_load, last_load)
+            segment.start, segment.end, (normal_load, first_load), (normal_load, last_load)
         )
     if not isinstance(bulk, HarmonicSegment):
         return None
     # A segment of bulk stresses stores that of the lower body where others have P, that of the
     # upper body where they have Q.
-    waves_of_bodies = (bulk.normal, bulk.tangential)
-    phasors = np.zeros((2, max(map(len, waves_of_bodies))), dtype=complex)
-    for phasors_of_body, waves in zip(phasors, waves_of_bodies, strict=True):
-        phasors_of_body[: len(waves)] = [size * cmath.exp(-1j * phase) for size, phase in waves]
+    harmonics_of_bodies = (bulk.normal, bulk.tangential)
+    phasors = np.zeros((2, max(map(len, harmonics_of_bodies))), dtype=complex)
+    for phasors_of_body, harmonics in zip(phasors, harmonics_of_bodies, strict=True):
+        phasors_of_body[: len(harmonics)] = [
+            size * cmath.exp(-1j * phase) for size, phase in harmonics
+        ]
     load_phasors = (np.array(strain_per_stress) @ phasors / slope).tolist()
     return HarmonicSegment(
-        leg.start,
-        leg.end,
+        segment.start,
+        segment.end,
         (normal_load, load_of(bulk.mean)),
         (),
         tuple((abs(phasor), -cmath.phase(phasor)) for phasor in load_phasors),
@@ -588,12 +632,12 @@ class Eccentricity(NamedTuple):
 
 
 def eccentricity(scene: Scene) -> Eccentricity | None:
-    """How far bulk stress moves the stick zone out of the middle in a cycle, or along a path
-    without a cycle; None without bulk stress.
+    """Eccentricity e of the stick zone under bulk stress, over the half-width a of contact, the bulk
+    strain that causes it, and the largest that is moderate; None without bulk stress.
 
-    Like bodies with bulk in one: e = sigma/(4 f p0) (Nowell and Hills 1987). It is a measure, and
-    no bound: with P, Q or bulk out of phase the ends may slip opposite ways although bulk is
-    moderate.
+    e = eps R/(f a), eps half the range of bulk strain in the cycle, or along a path without one. With bulk stress sigma in one of two like bodies, e = sigma/(4 f p0) (Nowell and
+    Hills 1987). It is a measure, and no bound: with P, Q or bulk out of phase the ends may slip
+    opposite ways although bulk is moderate.
 
     # notation: p, q, eps samples (n,) of P, Q and bulk strain
 
@@ -608,30 +652,35 @@ def eccentricity(scene: Scene) -> Eccentricity | None:
     segments = path.cycle or path.initial_loading
     if not path.has_bulk_or_tilt or all(segment.bulk is None for segment in segments):
         return None
-    strains = strain_of(scene.material)
+    strain_per_stress = strain_of(scene.material)
     p, q, eps, _ = np.concatenate(
-        [_sampled(replace(segment, turning=None), None, strains) for segment in segments], axis=1
+        [
+            _loads_along(replace(segment, turning=None), None, strain_per_stress)
+            for segment in segments
+        ],
+        axis=1,
     )
     modulus = composite_modulus(scene.material)
     largest_load = float(np.max(p))
     if profile.symmetric:
         half_width = float(contact_of(profile, scene.material).half_width(largest_load))
     else:
-        half_width = float(convex_profile(profile).contact(2 / modulus * largest_load, 0.0)[1])
+        _, contact_half_width = convex_profile(profile).contact(2 / modulus * largest_load, 0.0)
+        half_width = float(contact_half_width)
     strain_amplitude = float(np.ptp(eps)) / 2
-    force_amplitude = float(np.ptp(q)) / 2
+    shear_amplitude = float(np.ptp(q)) / 2
     stick_eccentricity = math.nan
     if isinstance(profile, Hertz) and friction > 0:
         stick_eccentricity = strain_amplitude * profile.radius / (friction * half_width)
-    return Eccentricity(
-        stick_eccentricity, strain_amplitude, 2 * force_amplitude / (math.pi * modulus * half_width)
-    )
+    largest_moderate_strain = 2 * shear_amplitude / (math.pi * modulus * half_width)
+    return Eccentricity(stick_eccentricity, strain_amplitude, largest_moderate_strain)
 
 
 def followed_path(scene: Scene) -> LoadPath:
-    """P and Q of a scene on which one memory curve holds what friction remembers: the scene's own
-    path, or, with bulk stress and tilt, that of the contact that has one curve. A memory curve is
-    the tangential force, or the bulk strain, locked in up to each load.
+    """The load path, P and Q, of a scene whose frictional state is one memory curve, the tangential
+    force locked in up to each normal load.
+
+    It is the scene's own path, without bulk stress and tilt; these are part of the contact then.
 
     Raises
     ------
@@ -642,134 +691,147 @@ def followed_path(scene: Scene) -> LoadPath:
     path = scene.load.path()
     if not path.has_bulk_or_tilt:
         return path
-    contact_and_path = one_curve(scene)
-    if contact_and_path is None or not contact_and_path.contact.share:
+    curve = one_curve(scene)
+    # Where bulk strain alone shears, the curve is not one of Q: `share`, the part of Q in it, is 0.
+    if curve is None or not curve.contact.share:
         raise InputError(NO_ONE_CURVE)
-    return contact_and_path.path
+    return curve.path
 
 
 @dataclass(frozen=True, eq=False)
 class PathLoads:
-    """P, Q, eps and alpha of a load path; of several times at once only within one leg, which is
-    that of their mean.
+    """P, Q, bulk strain eps and tilt alpha of a load path over time, the first cycle and its
+    repetitions.
 
     Attributes
     ----------
     path
         the load path
-    strain
-        what the bulk stress of the lower and of the upper body adds to eps
+    strain_per_stress
+        eps by a unit bulk stress of the lower and of the upper body [1/stress]
     contact
         the profile, for the tilt under a given moment
     """
 
     path: LoadPath
-    strain: tuple[float, float]
+    strain_per_stress: tuple[float, float]
     contact: TiltedProfile
 
-    def _place(self, time: float) -> tuple[LoadSegment, float]:
-        """The leg at a time, and by how much it is late."""
+    def _segment_at(self, time: float) -> tuple[LoadSegment, float]:
+        """The segment of the load path at a time, and the duration of all cycles completed before,
+        by which the time is later than in the segment.
+        """
         path = self.path
-        delay = 0.0
+        completed_cycles = 0.0
         if path.period is not None and time > path.cycle_start:
-            delay = math.floor((time - path.cycle_start) / path.period) * path.period
-        legs = (*path.initial_loading, *path.cycle)
-        return next((leg for leg in legs if time - delay <= leg.end), legs[-1]), delay
+            completed_cycles = math.floor((time - path.cycle_start) / path.period) * path.period
+        segments = (*path.initial_loading, *path.cycle)
+        time_in_path = time - completed_cycles
+        segment = next((each for each in segments if time_in_path <= each.end), segments[-1])
+        return segment, completed_cycles
 
     def values(self, time: Array) -> Array:
-        """P, Q, bulk strain eps and tilt alpha at times (n,) within one segment of the load path,
-        as rows of (4, n).
+        """P, Q [force per thickness], bulk strain eps and tilt alpha [rad] at times (n,) within one
+        segment of the load path, as rows of (4, n).
 
         eps is by how much the bulk stresses stretch the lower surface more than the upper one. A
         tilt that is not prescribed follows from the moment.
         """
-        segment, delay = self._place(float(np.mean(time)))
-        time_in_segment = time - delay
-        normal_load, tangential_load = segment.loads(time_in_segment)
-        stress_of_lower, stress_of_upper = _companion_loads(segment.bulk, time_in_segment)
-        tilt, moment = _companion_loads(segment.turning, time_in_segment)
-        strain = self.strain[0] * stress_of_lower + self.strain[1] * stress_of_upper
-        normal_load, tangential_load, strain, tilt, moment, _ = np.broadcast_arrays(
-            normal_load, tangential_load, strain, tilt, moment, time
-        )
+        segment, completed_cycles = self._segment_at(float(np.mean(time)))
+        time_in_path = time - completed_cycles
+        p, q = segment.loads(time_in_path)
+        stress_of_lower, stress_of_upper = _companion_loads(segment.bulk, time_in_path)
+        tilt, moment = _companion_loads(segment.turning, time_in_path)
+        lower_compliance, upper_compliance = self.strain_per_stress
+        eps = lower_compliance * stress_of_lower + upper_compliance * stress_of_upper
+        p, q, eps, tilt, moment, _ = np.broadcast_arrays(p, q, eps, tilt, moment, time)
         if self.path.moment_given:
-            tilt = self.contact.tilt_under(normal_load, moment)
-        return np.stack([normal_load, tangential_load, strain, tilt])
+            tilt = self.contact.tilt_under(p, moment)
+        return np.stack([p, q, eps, tilt])
 
     def stresses(self, time: Array) -> Array:
-        """Bulk stress of the lower and of the upper body, (2, n), for any times."""
+        """Bulk stress of the lower and of the upper body [stress], (2, n), for any times (n,)."""
         stresses = np.zeros((2, len(time)))
-        for k, instant in enumerate(time.tolist()):
-            leg, delay = self._place(instant)
-            if leg.bulk is not None:
-                stresses[:, k] = leg.bulk.loads(instant - delay)
+        for number, instant in enumerate(time.tolist()):
+            segment, completed_cycles = self._segment_at(instant)
+            if segment.bulk is not None:
+                stresses[:, number] = segment.bulk.loads(instant - completed_cycles)
         return stresses
 
     def turns(self, leg: LoadSegment) -> list[float]:
-        """The end of a segment of the load path and the turning points of P, Q, bulk strain, tilt
-        and moment in it; one time for all that turn together.
+        """Times at which a segment of the load path ends, and at which P, Q, bulk strain, tilt or
+        moment turn in it; one time for all that turn together.
         """
-        turning_points = leg.turning_points(NORMAL_LOAD)
-        turning_points += leg.turning_points(TANGENTIAL_LOAD)
+        turning_times = leg.turning_points(NORMAL_LOAD)
+        turning_times += leg.turning_points(TANGENTIAL_LOAD)
         if leg.bulk is not None:
-            turning_points += leg.bulk.turning_points(Combination(*self.strain))
-        if leg.turning is not None:
-            turning_points += leg.turning.turning_points(NORMAL_LOAD)
-            turning_points += leg.turning.turning_points(TANGENTIAL_LOAD)
+            turning_times += leg.bulk.turning_points(Combination(*self.strain_per_stress))
+        tilt_and_moment = leg.turning  # tilt where others have P, moment where they have Q
+        if tilt_and_moment is not None:
+            turning_times += tilt_and_moment.turning_points(NORMAL_LOAD)
+            turning_times += tilt_and_moment.turning_points(TANGENTIAL_LOAD)
         different_times = [leg.end]
-        for time in turning_points:
-            distance = min(abs(time - turn) for turn in different_times)
+        for time in turning_times:
+            distance = min(abs(time - known_time) for known_time in different_times)
             if distance > 1e-6 * (leg.end - leg.start):
                 different_times.append(time)
         return different_times
 
 
 def _presses_only(samples: Array, sizes: LoadSizes) -> bool:
-    """Whether a leg has no Q and no change of bulk strain, to rounding."""
+    """Whether samples (4, n) of a segment have no Q and no change of bulk strain, to round-off."""
     _, q, eps, _ = samples
     return bool(np.max(np.abs(q)) <= sizes.shear_rounding and np.ptp(eps) <= sizes.strain_rounding)
 
 
-def _sampled(
-    leg: LoadSegment, upright_profile: TiltedProfile | None, strain_per_stress: tuple[float, float]
+def _loads_along(
+    segment: LoadSegment,
+    contact_under_moment: TiltedProfile | None,
+    strain_per_stress: tuple[float, float],
 ) -> Array:
-    """P, Q, bulk strain eps and tilt alpha at instants of a segment of the load path, (4, n):
-    enough to distinguish two segments, turning points included.
+    """P, Q [force per thickness], bulk strain eps and tilt alpha [rad] at ascending instants of a
+    segment of the load path, (4, n): enough to tell two segments apart, turning points included.
 
-    `upright_profile` is the contact where the moment is prescribed, from which the tilt follows;
-    alpha is NaN where a moment has no load. `strain_per_stress` is eps by a unit bulk stress of the
-    lower and of the upper body [1/stress].
+    Parameters
+    ----------
+    contact_under_moment
+        gives the tilt where the moment is prescribed: NaN under a moment at P = 0; None where the
+        tilt is prescribed
+    strain_per_stress
+        eps by a unit bulk stress of the lower and of the upper body [1/stress]
 
     # notation: p, q values of P and Q
     """
-    courses_of_loads = [course for course in (leg, leg.bulk, leg.turning) if course is not None]
-    most_turns = max(course.most_turns for course in courses_of_loads)
-    n_instants = (
-        3 if all(course.is_straight for course in courses_of_loads) else _SAMPLES + 2 * most_turns
-    )
-    spread_times = leg.start + (leg.end - leg.start) * np.linspace(0, 1, n_instants)
+    histories = [
+        history for history in (segment, segment.bulk, segment.turning) if history is not None
+    ]
+    n_instants = 3
+    if not all(history.is_straight for history in histories):
+        most_turning_points = max(history.most_turns for history in histories)
+        n_instants = _INSTANTS_OF_CURVED_SEGMENT + 2 * most_turning_points
+    even_times = segment.start + (segment.end - segment.start) * np.linspace(0, 1, n_instants)
     # The turning points too: the extreme loads and strains are among them.
-    turning_times = leg.turning_points(NORMAL_LOAD) + leg.turning_points(TANGENTIAL_LOAD)
-    if leg.bulk is not None:
-        turning_times += leg.bulk.turning_points(Combination(*strain_per_stress))
-    time = np.unique(np.append(spread_times, turning_times))
-    p, q = leg.loads(time)
-    stress_of_lower, stress_of_upper = _companion_loads(leg.bulk, time)
-    tilt, moment = _companion_loads(leg.turning, time)
-    if upright_profile is not None and np.any(moment):
-        tilt = np.where(p > 0, upright_profile.tilt_under(*np.broadcast_arrays(p, moment)), np.nan)
-    return np.stack(
-        [
-            p,
-            q,
-            strain_per_stress[0] * stress_of_lower + strain_per_stress[1] * stress_of_upper,
-            tilt,
-        ]
-    )
+    turning_times = segment.turning_points(NORMAL_LOAD) + segment.turning_points(TANGENTIAL_LOAD)
+    if segment.bulk is not None:
+        turning_times += segment.bulk.turning_points(Combination(*strain_per_stress))
+    time = np.unique(np.append(even_times, turning_times))
+    p, q = segment.loads(time)
+    stress_of_lower, stress_of_upper = _companion_loads(segment.bulk, time)
+    tilt, moment = _companion_loads(segment.turning, time)
+    if contact_under_moment is not None and np.any(moment):
+        tilt_under_moment = contact_under_moment.tilt_under(*np.broadcast_arrays(p, moment))
+        tilt = np.where(p > 0, tilt_under_moment, np.nan)
+    lower_compliance, upper_compliance = strain_per_stress
+    eps = lower_compliance * stress_of_lower + upper_compliance * stress_of_upper
+    return np.stack([p, q, eps, tilt])
 
 
 def _companion_loads(companion: LoadSegment | None, time: Array) -> tuple[Array, Array]:
-    """Both values of a leg's `bulk` or `turning` at times, shape of `time`; 0 where it has none."""
+    """Both loads that a segment has besides P and Q, in the shape of `time`; 0 where it has none.
+
+    They are the bulk stresses of the lower and the upper body, or tilt and moment: `bulk` and
+    `turning` of the segment, the `companion`.
+    """
     if companion is None:
         return np.zeros(np.shape(time)), np.zeros(np.shape(time))
     first_load, second_load = companion.loads(time)
@@ -779,7 +841,7 @@ def _companion_loads(companion: LoadSegment | None, time: Array) -> tuple[Array,
 
 def _slope_of(load: Array, values: Array, rounding: float = 0.0) -> float:
     """Least-squares slope of values over a load, (n,) each; 0 where the load is constant to
-    rounding, or the values are to their `rounding`.
+    round-off, or the values are to their `rounding`.
     """
     if not len(load) or np.ptp(values) <= rounding:
         return 0.0
@@ -791,19 +853,19 @@ def _slope_of(load: Array, values: Array, rounding: float = 0.0) -> float:
 
 
 def leaning_profile(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
-    """Loads of a scene over time, with bulk strain and tilt, and its profile as a contact that can
-    be tilted.
-
-    The contact is set up to the largest normal load of the path.
+    """Loads of a scene over time, P, Q, bulk strain and tilt, and its profile as a contact under
+    any tilt, up to the largest P of the path.
     """
     shape = convex_profile(scene.profile)
     path = scene.load.path()
     largest_load = -math.inf
-    for leg in (*path.initial_loading, *path.cycle):
-        for time in (leg.end, *leg.turning_points(NORMAL_LOAD)):
-            load, _ = leg.loads(time)
-            largest_load = max(largest_load, float(load))
+    for segment in (*path.initial_loading, *path.cycle):
+        for time in (segment.end, *segment.turning_points(NORMAL_LOAD)):
+            normal_load, _ = segment.loads(time)
+            largest_load = max(largest_load, float(normal_load))
     compliance = 2 / composite_modulus(scene.material)
-    intervals = NestedIntervals(shape, compliance, 0.0, 0.0, largest_load)
-    profile = TiltedProfile(intervals, scene.profile.datum_length)
-    return PathLoads(path, strain_of(scene.material), profile), profile
+    intervals = NestedIntervals(
+        shape, compliance, tilt_without_load=0.0, tilt_per_load=0.0, largest_load=largest_load
+    )
+    contact = TiltedProfile(intervals, scene.profile.datum_length)
+    return PathLoads(path, strain_of(scene.material), contact), contact
