@@ -123,7 +123,7 @@ def _instants_of_cycle(loads: PathLoads) -> tuple[Array, Array]:
     times = []
     for leg in legs:
         spread_times = np.linspace(leg.start, leg.end, _INSTANTS // len(legs) + 2)[1:]
-        times.append(np.unique(np.append(spread_times, loads.turns(leg))))
+        times.append(np.unique(np.append(spread_times, loads.turning_times(leg))))
     return np.concatenate(times), np.concatenate([loads.values(time) for time in times], axis=1)
 
 

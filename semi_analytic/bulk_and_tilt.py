@@ -632,12 +632,13 @@ class Eccentricity(NamedTuple):
 
 
 def eccentricity(scene: Scene) -> Eccentricity | None:
-    """Eccentricity e of the stick zone under bulk stress, over the half-width a of contact, the bulk
-    strain that causes it, and the largest that is moderate; None without bulk stress.
+    """Eccentricity e of the stick zone under bulk stress, over the half-width a of contact; the
+    bulk strain that causes it, and the largest moderate one. None without bulk stress.
 
-    e = eps R/(f a), eps half the range of bulk strain in the cycle, or along a path without one. With bulk stress sigma in one of two like bodies, e = sigma/(4 f p0) (Nowell and
-    Hills 1987). It is a measure, and no bound: with P, Q or bulk out of phase the ends may slip
-    opposite ways although bulk is moderate.
+    e = eps R/(f a), eps half the range of bulk strain in the cycle, or along a path without one.
+    With bulk stress sigma in one of two like bodies, e = sigma/(4 f p0) (Nowell and Hills 1987). It
+    is a measure, and no bound: with P, Q or bulk out of phase the ends may slip opposite ways
+    although bulk is moderate.
 
     # notation: p, q, eps samples (n,) of P, Q and bulk strain
 
@@ -758,22 +759,22 @@ class PathLoads:
                 stresses[:, number] = segment.bulk.loads(instant - completed_cycles)
         return stresses
 
-    def turns(self, leg: LoadSegment) -> list[float]:
+    def turning_times(self, segment: LoadSegment) -> list[float]:
         """Times at which a segment of the load path ends, and at which P, Q, bulk strain, tilt or
         moment turn in it; one time for all that turn together.
         """
-        turning_times = leg.turning_points(NORMAL_LOAD)
-        turning_times += leg.turning_points(TANGENTIAL_LOAD)
-        if leg.bulk is not None:
-            turning_times += leg.bulk.turning_points(Combination(*self.strain_per_stress))
-        tilt_and_moment = leg.turning  # tilt where others have P, moment where they have Q
+        times = segment.turning_points(NORMAL_LOAD)
+        times += segment.turning_points(TANGENTIAL_LOAD)
+        if segment.bulk is not None:
+            times += segment.bulk.turning_points(Combination(*self.strain_per_stress))
+        tilt_and_moment = segment.turning  # tilt where others have P, moment where they have Q
         if tilt_and_moment is not None:
-            turning_times += tilt_and_moment.turning_points(NORMAL_LOAD)
-            turning_times += tilt_and_moment.turning_points(TANGENTIAL_LOAD)
-        different_times = [leg.end]
-        for time in turning_times:
+            times += tilt_and_moment.turning_points(NORMAL_LOAD)
+            times += tilt_and_moment.turning_points(TANGENTIAL_LOAD)
+        different_times = [segment.end]
+        for time in times:
             distance = min(abs(time - known_time) for known_time in different_times)
-            if distance > 1e-6 * (leg.end - leg.start):
+            if distance > 1e-6 * (segment.end - segment.start):
                 different_times.append(time)
         return different_times
 

@@ -844,7 +844,7 @@ class _Path:
         # From first touch in equal steps of the contact's size.
         shares_of_leg = np.linspace(0, 1, n_increments + 1)[1:] ** (2 if is_first_touch else 1)
         spread_times = leg.start + duration * shares_of_leg
-        turning_times = self.loads.turns(leg)
+        turning_times = self.loads.turning_times(leg)
         asked_times = time_in_cycle[(time_in_cycle > leg.start) & (time_in_cycle <= leg.end)]
         if is_first_touch and np.any(time_in_cycle <= path.start):
             asked_times = np.append(asked_times, path.start)

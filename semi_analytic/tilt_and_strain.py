@@ -64,13 +64,13 @@ class FollowingLoads(PathLoads):
         tilt = tilt + effects.tilt_under_shear.value * tangential_load
         return np.stack([normal_load, tangential_load, strain, tilt])
 
-    def turns(self, leg: LoadSegment) -> list[float]:
+    def turning_times(self, segment: LoadSegment) -> list[float]:
         """End of a segment of the load path and turning points of P, Q, bulk strain and tilt in it,
         one time for all that turn together.
 
         Strain and tilt are sums of what P and Q add, so that they may turn where neither load does.
         """
-        different_times = super().turns(leg)
+        different_times = super().turning_times(segment)
         effects = self.effects
         # what P and what Q add: to the bulk strain, to the tilt
         for effect_of_normal_load, effect_of_shear_load in (
@@ -79,11 +79,11 @@ class FollowingLoads(PathLoads):
         ):
             if not (effect_of_normal_load.value and effect_of_shear_load.value):
                 continue  # turns where P or Q does
-            for time in leg.turning_points(
+            for time in segment.turning_points(
                 Combination(effect_of_normal_load.value, effect_of_shear_load.value)
             ):
                 distance = min(abs(time - known_time) for known_time in different_times)
-                if distance > 1e-6 * (leg.end - leg.start):
+                if distance > 1e-6 * (segment.end - segment.start):
                     different_times.append(time)
         return different_times
 
