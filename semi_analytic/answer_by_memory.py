@@ -275,7 +275,11 @@ def _request_of(
     x = question.x
     if x is None:
         needs_points = question.wants_pointwise or question.wants("dissipation_density")
-        x = _points_of(contact, path.largest_load) if needs_points or not path.long else np.zeros(1)
+        x = (
+            _points_of(contact, path.largest_load)
+            if needs_points or not path.is_long_record
+            else np.zeros(1)
+        )
     if family is None:
         different_points, number_of_point = folded(x)
     else:
@@ -503,7 +507,7 @@ class _SeriesSums:
         self.counts["slip_quadratures"] += integrals_per_span * n_slips
         self.full_stick += integrals_per_span * (n_spans - n_slips)
         self.counts["pieces_dropped"] += n_steps + pieces_before - pieces_after
-        self.counts["pieces_alive"] = max(self.counts["pieces_alive"], block.alive)
+        self.counts["pieces_alive"] = max(self.counts["pieces_alive"], block.most_lines)
 
     def add_block(
         self,
@@ -603,7 +607,7 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
         works=np.zeros(len(series.parts)),
         errors=np.zeros(len(series.parts)),
         shares=np.zeros(len(series.parts)),
-        step_works=np.zeros(1 + (series.starts[-1] if wants_increments else 0)),
+        step_works=np.zeros(1 + (series.first_steps[-1] if wants_increments else 0)),
         density=np.zeros(len(request.distance)),
     )
     for part_number in _parts_needed(series, located.step):
@@ -616,7 +620,7 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
         )
         depth_before = depth_of(part.curve)
         for first_row, block in blocks(part, friction, states.curves):
-            first_step = series.starts[part_number] + first_row
+            first_step = series.first_steps[part_number] + first_row
             states.add(block, *located.within(first_step, len(block.rows) - 1))
             sums.shares[part_number] = max(
                 sums.shares[part_number], block.largest_slipped_load / part.largest_load
@@ -677,7 +681,7 @@ def _increments_of_work(sums: _SeriesSums, located: _Located, work_beyond: Array
 
 def _parts_needed(series: LoadSeries, step: Indices) -> list[int]:
     """Numbers of the parts that hold some steps (n,), ascending, or that the answer covers."""
-    first_part, last_part = np.searchsorted(series.starts, step[[0, -1]], side="right") - 1
+    first_part, last_part = np.searchsorted(series.first_steps, step[[0, -1]], side="right") - 1
     return sorted({*series.covered_parts, *range(int(first_part), int(last_part) + 1)})
 
 

@@ -579,7 +579,7 @@ class History:
         return self.period is not None
 
     @property
-    def long(self) -> bool:
+    def is_long_record(self) -> bool:
         """Whether the path is answered at its rows: it has none."""
         return False
 

@@ -59,14 +59,15 @@ _ALONG = 8e-15
 _STRAIGHT_ON = 1e-15
 # Steps that are followed at a time.
 _BLOCK = 10_000
-# Rows beyond which a path is answered at its rows, with pointwise fields at about so many of them.
-_MANY = 1000
-_FEW = 400
-# Share of a step within which somebody else's instant is a row, so that its loads are the row's,
-# which are to be those of the instant to the 1e-9 of the admissibility check. Spacings of the
-# numbers around an instant, where they are more.
-_SLACK_OF_STEP = 1e-10
-_SPACINGS = 8
+# Rows of a measured record beyond which it is answered at its own rows, with pointwise fields at
+# about so many of them.
+_ROWS_OF_SHORT_RECORD = 1000
+_ROWS_ANSWERED = 400
+# Share of a step within which an instant of the user is a row, and has the row's loads. These must
+# be those of the instant to the 1e-9 of the admissibility check. Or, where that is more, so
+# many times the distance between neighbouring floating-point numbers there.
+_SHARE_AT_ROW = 1e-10
+_SPACINGS_AT_ROW = 8
 
 
 # --------------------------------------------------------------------------- the curve and one step
@@ -113,16 +114,30 @@ class Knot(NamedTuple):
 _knot = tuple.__new__  # half the time of the class, a million times
 _OPEN = Knot(None, 0.0, 0.0, 1.0, 0.0, 0)  # in place of a line where nothing touches
 Station = tuple[float, float, float]
-"""P, Q and the share of the step that is over."""
+"""A point of a load step: P, Q and the share of the step that is over."""
 
+# Kind of a step that unloads within the Coulomb limit; the other kinds are directions of slip.
 _UNLOADS = 2
 
 
 class Records(NamedTuple):
-    """Parts of steps of a load path, (m,) each: direction of slip (1 forward, -1 in reverse, 0
-    none); normal load P `load` and P - P_c, `slipped`, at the begin and, `_after`, at the end, P_c
-    the load at the stick edge; `rise` of the level s Q - f P; `until`, share of the step that is
-    over at the end; `row`, the number of the step.
+    """Parts of the steps of a load path, in each of which the stick edge moves along one line of
+    the memory curve. Arrays (m,) of all parts.
+
+    Attributes
+    ----------
+    direction
+        of slip: 1 forward, -1 in reverse, 0 none
+    load, load_after
+        P at the begin and at the end of the part [force per thickness]
+    slipped, slipped_after
+        P - P_c, P_c the load at the stick edge, at the begin and at the end
+    rise
+        growth in the part of s Q - f P, s the direction
+    until
+        share of the step that is over at the end of the part
+    row
+        number of the step, which is that of the row at its begin
     """
 
     direction: Array
@@ -191,69 +206,70 @@ class Recorder:
         begin: Station,
         end: Station,
         slipped: tuple[float, float] = (0.0, 0.0),
-        rise: float = 0.0,
+        level_rise: float = 0.0,
     ) -> None:
-        """Store one record: a part of a load step, between two stations, in which the stick edge
-        moves along one line of the memory curve.
-
-        A station is P, Q and the share of the step that is over there. A line is a straight piece
-        of the memory curve, the tangential force carried up to each load.
+        """Store the numbers of one part of a load step, in which the stick edge moves along one
+        line of the memory curve: those of `Records`, but for the step's, and of `LineTable`.
 
         Parameters
         ----------
         line
-            the line, None for bodies out of contact
+            the uppermost straight line of the memory curve (tangential force carried up to each
+            load) that still sticks at the begin; None for bodies out of contact
         direction
-            of slip, 1 forward, -1 in reverse, 0 for none
+            of slip: s = 1 forward, -1 in reverse, 0 for none
+        begin, end
+            P, Q and the share of the step that is over, at both ends of the part
         slipped
-            P - P_c at both stations, P_c the load at the stick edge
-        rise
-            growth of direction Q - f P between the stations; slip makes it grow
+            P - P_c at both ends, P_c the load at the stick edge
+        level_rise
+            growth of s Q - f P in the part, >= 0; 0 without slip
         """
         if self._add_line is not None:
             self._add_line(line)
-        _, top, force, length, rise_of_line, _ = line or _OPEN
+        _, top, force_at_top, length, line_rise, _ = line or _OPEN
         load, _, _ = begin
-        load_after, _, until = end
+        load_after, _, share_at_end = end
         self._add_numbers(
             (
                 direction,
                 load,
                 load_after,
                 *slipped,
-                rise,
-                until,
+                level_rise,
+                share_at_end,
                 top,
-                force,
+                force_at_top,
                 length,
-                rise_of_line,
+                line_rise,
             )
         )
 
 
-def sides_of(rows: Array, friction: float) -> NDArray[np.int8]:
-    """How friction takes each straight step between rows (n + 1, 2) of P and Q, as a number, (n,):
+def kinds_of_steps(rows: Array, friction: float) -> NDArray[np.int8]:
+    """Kind of each straight load step between rows (n + 1, 2) of P and Q, by Coulomb's law with f =
+    `friction`, (n,).
 
-    1 slip forward, -1 slip in reverse, 0 full stick, 2 unloading with |dQ| <= f |dP|. A step slips
-    where |dQ| grows by more than f dP.
+    1 is slip forward, -1 slip in reverse, 0 full stick, 2 unloading with |dQ| <= f |dP|. A step
+    slips where |dQ| grows by more than f dP; in a step of the last kind the memory curve decides.
     """
     load_growth, force_rise = np.diff(rows, axis=0).T
     limit = friction * load_growth
     round_off = _NOISE * (np.abs(force_rise) + np.abs(limit))
     slips_forward = force_rise - limit > round_off
     slips_in_reverse = -force_rise - limit > round_off
-    sides = np.zeros(len(load_growth), dtype=np.int8)
-    sides[slips_in_reverse] = -1
-    sides[slips_forward] = 1
-    sides[(load_growth < 0) & (slips_forward == slips_in_reverse)] = _UNLOADS
-    return sides
+    kinds = np.zeros(len(load_growth), dtype=np.int8)
+    kinds[slips_in_reverse] = -1
+    kinds[slips_forward] = 1
+    kinds[(load_growth < 0) & (slips_forward == slips_in_reverse)] = _UNLOADS
+    return kinds
 
 
-def _shortened(curve: Knot, cut_share: float) -> Knot:
+def _without_upper_share(curve: Knot, cut_share: float) -> Knot:
     """The memory curve without the upper share `cut_share` < 1 of its uppermost line.
 
-    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. A line
-    knows its own length in P and rise in Q; both shrink. The lowest line begins at P = 0.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. The
+    line's length in eta and its rise in M both shrink. The lowest line begins at eta = 0.
     """
     below, top, force, length, rise, depth = curve
     remaining_length = (1 - cut_share) * length
@@ -277,23 +293,24 @@ def _shortened(curve: Knot, cut_share: float) -> Knot:
 
 def _step(
     curve: Knot | None,
-    side: int,
+    kind: int,
     begin_station: Station,
     end_station: Station,
     friction: float,
     recorder: Recorder,
 ) -> Knot | None:
-    """Memory curve after a straight load step; what slips in the step is handed to `recorder`.
+    """The memory curve after a straight load step (tangential force carried up to each load, a
+    chain of straight lines); None for bodies out of contact.
 
-    The memory curve is the tangential force carried up to each load, a chain of straight lines. A
-    record is made for each line that the step goes through.
+    The friction state along the step goes to `recorder`: one record for each line that the step
+    goes through.
 
     Parameters
     ----------
     curve
         the uppermost line of the memory curve before the step; None for bodies out of contact
-    side
-        slip forward, 1, or in reverse, -1; full stick, 0; or 2, unloading with |dQ| <= f |dP|
+    kind
+        1 slip forward, -1 slip in reverse, 0 full stick, 2 unloading with |dQ| <= f |dP|
     begin_station, end_station
         P, Q and the share of the step that is over, at both ends
     friction
@@ -301,10 +318,10 @@ def _step(
     recorder
         takes a record for each line that the step goes through
     """
-    if side == _UNLOADS:
+    if kind == _UNLOADS:
         return _unload(curve, begin_station, end_station, friction, recorder)
-    if side:
-        return _slip(curve, side, begin_station, end_station, friction, recorder)
+    if kind:
+        return _slip(curve, kind, begin_station, end_station, friction, recorder)
     if end_station[0] > begin_station[0]:
         curve = _load_in_stick(curve, begin_station, end_station)
     recorder.add(curve, 0, begin_station, end_station)
@@ -312,8 +329,8 @@ def _step(
 
 
 def _load_in_stick(curve: Knot | None, begin_station: Station, end_station: Station) -> Knot:
-    """The memory curve after a step of growing load in full stick: the step itself is put on top, a
-    line of length dP and rise dQ.
+    """The memory curve after a step of growing P in full stick: a line of length dP in eta and of
+    rise dQ is put on top.
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. Where
     the line below has the slope of the step, both become one line. Stations are P, Q and the share
@@ -323,23 +340,22 @@ def _load_in_stick(curve: Knot | None, begin_station: Station, end_station: Stat
     load_at_end, force_at_end, _ = end_station
     length = load_at_end - load
     rise = force_at_end - force
-    knot_below = curve
+    curve_below = curve
     if curve is not None:
-        # The slopes of the step and of the line below it, both times both lengths.
-        line_rise_times_step_length = curve.rise * length
-        step_rise_times_line_length = rise * curve.length
-        sum_of_products = abs(line_rise_times_step_length) + abs(step_rise_times_line_length)
-        if (
-            abs(line_rise_times_step_length - step_rise_times_line_length)
-            <= _STRAIGHT_ON * sum_of_products
-        ):
-            knot_below = curve.below
+        # The slopes of the line below and of the step, both times both lengths.
+        line_slope_scaled = curve.rise * length
+        step_slope_scaled = rise * curve.length
+        tolerance = _STRAIGHT_ON * (abs(line_slope_scaled) + abs(step_slope_scaled))
+        if abs(line_slope_scaled - step_slope_scaled) <= tolerance:
+            curve_below = curve.below
             length += curve.length
             rise += curve.rise
     # The lowest line begins at P = 0: its length is the load, without the round-off of a sum.
-    if knot_below is None:
+    if curve_below is None:
         return _knot(Knot, (None, load_at_end, force_at_end, load_at_end, rise, 1))
-    return _knot(Knot, (knot_below, load_at_end, force_at_end, length, rise, knot_below.depth + 1))
+    return _knot(
+        Knot, (curve_below, load_at_end, force_at_end, length, rise, curve_below.depth + 1)
+    )
 
 
 def _slip(
@@ -350,16 +366,16 @@ def _slip(
     friction: float,
     recorder: Recorder,
 ) -> Knot | None:
-    """The memory curve after a straight load step with slip in one direction: its upper part is
-    replaced by a line at the Coulomb limit.
+    """The memory curve after a straight load step with slip in one direction: its part above the
+    stick edge is replaced by a line at the Coulomb limit, of slope s f up to (P, Q).
 
     # notation: P, Q normal and tangential load; f coefficient of friction; P_c load at the stick
-    #           edge; level s Q - f P, s the direction of slip, which grows in slip
+    #           edge; s direction of slip; level s Q - f P, which grows in slip
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. The
-    stick edge goes down through the lines of the curve while the level grows. A line that is l long
-    in P and rises by r in Q is passed when the level has grown by f l - s r. P - P_c is the growth
-    of P in the step plus the lengths of all lines passed.
+    stick edge goes down through the straight lines of the curve while the level grows. A line of
+    length l in eta and rise r in M is passed when the level has grown by f l - s r. P - P_c is the
+    growth of P in the step plus the lengths of all lines passed.
 
     Parameters
     ----------
@@ -381,10 +397,10 @@ def _slip(
     level_growth = direction * (force_at_end - force) - friction * load_growth
     level_left = level_growth
     level_roundoff = _LAST_DIGITS * friction * (load if load > load_at_end else load_at_end)
-    length_passed = 0.0
-    slipped = 0.0  # P - P_c at the end of the last record
+    length_passed = 0.0  # of lines
+    slipped = 0.0  # P - P_c at `station`, where the next record begins
     station = begin_station
-    # A line at the limit slips already, and the stick edge is below it.
+    # A line at the limit slips already: the stick edge begins below it.
     if (
         curve is not None
         and curve.below is not None
@@ -394,17 +410,17 @@ def _slip(
         slipped = curve.length
         curve = curve.below
 
-    level_of_line = 0.0
+    line_level = 0.0  # growth of the level by which a line is passed
     while curve is not None:
         line_below, _, _, length, rise, _ = curve
-        level_of_line = friction * length - direction * rise
+        line_level = friction * length - direction * rise
         # A stick edge that meets a knot at the very end of the step, to round-off, has not passed
         # it: what lies below may be at the limit already, and the edge would jump through it.
-        if level_left <= level_of_line + level_roundoff or line_below is None:
+        if level_left <= line_level + level_roundoff or line_below is None:
             break
         length_passed += length
-        if level_of_line > 0:
-            level_left -= level_of_line
+        if line_level > 0:
+            level_left -= line_level
             share_of_step = 1 - level_left / level_growth
             slipped_at_knot = length_passed + share_of_step * load_growth
             # Q of a station inside a step plays no part in its record.
@@ -419,7 +435,7 @@ def _slip(
                 station,
                 station_at_knot,
                 (slipped, slipped_at_knot),
-                level_of_line,
+                line_level,
             )
             station = station_at_knot
             slipped = slipped_at_knot
@@ -429,11 +445,13 @@ def _slip(
 
     # The stick edge ends within the line `curve`, whose upper part slips too.
     sticking_curve = curve
-    if curve is not None and level_of_line > 0 and level_left > 0:
+    if curve is not None and line_level > 0 and level_left > 0:
         # |Q| <= f P was checked: what the lowest line has not room for is round-off.
-        share_of_line = level_left / level_of_line if level_left < level_of_line else 1.0
+        share_of_line = level_left / line_level if level_left < line_level else 1.0
         length_passed += share_of_line * curve.length
-        sticking_curve = _shortened(curve, share_of_line) if share_of_line < 1 else curve.below
+        sticking_curve = (
+            _without_upper_share(curve, share_of_line) if share_of_line < 1 else curve.below
+        )
     slipped_at_end = length_passed + load_growth
     recorder.add(
         curve,
@@ -453,11 +471,12 @@ def _slip(
 def _with_line_at_limit(
     sticking_curve: Knot | None, load: float, force: float, slipped: float, slope: float
 ) -> Knot:
-    """The memory curve after slip: its part that still sticks, and on it a line up to P = `load`
-    and Q = `force` at the Coulomb limit, of length `slipped` in P and `slope` +f or -f.
+    """The memory curve after slip: the part that still sticks, and on top of it a line at the
+    Coulomb limit that ends at P = `load`, Q = `force`.
 
-    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. Where
-    nothing sticks, the line goes from P = 0 on.
+    The line's length in eta is `slipped` = P - P_c, P_c the load at the stick edge; its `slope` is
+    +f or -f. The memory curve M(eta) is the tangential force of the flat punches up to the load
+    eta. Where nothing sticks, the line begins at eta = 0.
     """
     if sticking_curve is None:
         return _knot(Knot, (None, load, force, load, slope * load, 1))
@@ -472,12 +491,13 @@ def _unload(
     friction: float,
     recorder: Recorder,
 ) -> Knot | None:
-    """The memory curve after a step in which P falls and |dQ| <= f |dP|.
+    """The memory curve after a step in which P falls and |dQ| <= f |dP|; None where the step ends
+    out of contact.
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. The step
     slips forward where the path runs above the memory curve M(P) in the P-Q plane, and in reverse
     below it. Where the path crosses the curve the step is cut. Each later point lies inside the
-    friction cones of the earlier ones, so that the state is that of one step.
+    Coulomb limits |dQ| <= f |dP| of the earlier ones, so that the state is that of one step.
 
     Stations are P, Q and the share of the step that is over; `recorder` takes a record for each
     line of the curve that the step goes through.
@@ -486,43 +506,47 @@ def _unload(
     load_at_end, force_at_end, end_share = end_station
     load_drop = load - load_at_end
     path_slope = (force_at_end - force) / (load_at_end - load)
-    *earlier_parts, last_part = _sides_of_unloading(
+    *earlier_parts, last_part = _parts_of_unloading(
         curve, load_drop, path_slope, _ALONG * friction * load
     )
     station = begin_station
     for part in earlier_parts:
-        share_of_step = begin_share + part.fall / load_drop * (end_share - begin_share)
-        next_station = (load - part.fall, force - path_slope * part.fall, share_of_step)
-        curve = _unload_part(curve, part.side, station, next_station, friction, recorder)
+        share_of_step = begin_share + part.load_fallen / load_drop * (end_share - begin_share)
+        next_station = (
+            load - part.load_fallen,
+            force - path_slope * part.load_fallen,
+            share_of_step,
+        )
+        curve = _unload_part(curve, part.direction, station, next_station, friction, recorder)
         station = next_station
-    curve = _unload_part(curve, last_part.side, station, end_station, friction, recorder)
+    curve = _unload_part(curve, last_part.direction, station, end_station, friction, recorder)
     return curve if load_at_end > 0 else None
 
 
-class _Run(NamedTuple):
-    """A part of an unloading step: by how much P has fallen at its end, and the side of the curve
-    on which the path runs (0: along it).
+class _UnloadingPart(NamedTuple):
+    """A part of an unloading step: fall of P from the begin of the step to the end of the part, and
+    direction of slip, 1, -1 or 0 for none.
     """
 
-    fall: float
-    side: int
+    load_fallen: float
+    direction: int
 
 
-def _sides_of_unloading(
+def _parts_of_unloading(
     curve: Knot | None, load_drop: float, path_slope: float, tolerance: float
-) -> list[_Run]:
-    """The parts of an unloading step, one at least, each with the side of the memory curve M(P) on
-    which the path runs: 1 where Q > M(P), -1 below it, 0 within `tolerance` of it.
+) -> list[_UnloadingPart]:
+    """The parts of an unloading step, one at least, by the side of the memory curve M(P) on which
+    the path runs: slip forward where Q > M(P), in reverse below it, none within `tolerance` of it.
 
     The memory curve M(eta) is the tangential force of the flat punches up to the load eta. Along
-    the step P falls by `load_drop` and Q by `path_slope` times that. The excess Q - M(P) is
-    followed line by line of the curve.
+    the step P falls by `load_drop`, and dQ/dP = `path_slope`. The excess Q - M(P) is followed line
+    by line of the curve.
     """
-    parts: list[_Run] = []
+    parts: list[_UnloadingPart] = []
     line = curve
-    load_fallen = 0.0  # of P so far
-    excess = 0.0  # Q - M(P)
-    side_before = 0
+    load_fallen = 0.0  # fall of P up to the upper end of the line
+    excess = 0.0  # Q - M(P) there
+    side_before = 0  # its sign: 1, -1 or 0
     side_of_open_part = 0
     while line is not None and load_fallen < load_drop:
         fall_on_line = (
@@ -533,51 +557,52 @@ def _sides_of_unloading(
         if abs(excess_after) <= tolerance:
             side = 0
         if side * side_before < 0:
-            crossing = load_fallen + fall_on_line * excess / (excess - excess_after)
-            parts.append(_Run(crossing, side_before))
+            fall_at_crossing = load_fallen + fall_on_line * excess / (excess - excess_after)
+            parts.append(_UnloadingPart(fall_at_crossing, side_before))
         elif load_fallen > 0 and (side or side_before) != side_of_open_part:
-            parts.append(_Run(load_fallen, side_of_open_part))
+            parts.append(_UnloadingPart(load_fallen, side_of_open_part))
         side_of_open_part = side or side_before
         load_fallen += fall_on_line
         excess = excess_after
         side_before = side
         line = line.below
-    return [*parts, _Run(load_drop, side_of_open_part)]
+    return [*parts, _UnloadingPart(load_drop, side_of_open_part)]
 
 
 def _unload_part(
     curve: Knot | None,
-    side: int,
+    direction: int,
     begin_station: Station,
     end_station: Station,
     friction: float,
     recorder: Recorder,
 ) -> Knot | None:
-    """Memory curve after a part of an unloading step that runs on one side of it: slip where `side`
-    is 1 or -1, a way back along the curve where it is 0.
+    """The memory curve after a part of an unloading step with slip in one direction, 1 or -1, or
+    without slip, 0, down along the curve.
 
-    `begin_station` and `end_station` are P, Q and the share of the step that is over, at both ends
-    of the part; `recorder` takes a record for each line of the curve that it goes through.
+    The memory curve is the tangential force carried up to each load. `begin_station` and
+    `end_station` are P, Q and the share of the step that is over, at both ends of the part.
+    `recorder` takes a record for each straight line of the curve that the part goes through.
     """
-    if side:
-        return _slip(curve, side, begin_station, end_station, friction, recorder)
+    if direction:
+        return _slip(curve, direction, begin_station, end_station, friction, recorder)
     return _retrace(curve, begin_station, end_station, recorder)
 
 
 def _retrace(
     curve: Knot | None, begin_station: Station, end_station: Station, recorder: Recorder
 ) -> Knot | None:
-    """The memory curve after unloading along itself, Q = M(P): nothing slips, and the lines above
-    the new P are taken off.
+    """The memory curve after unloading along it, Q = M(P), without slip: what lies above the new P
+    is taken off.
 
-    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. Stations
-    are P, Q and the share of the step that is over; `recorder` takes a record for each line that P
-    passes.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta; `curve`
+    is its uppermost straight line, which holds those below. Stations are P, Q and the share of the
+    step that is over. `recorder` takes a record for each line that P passes.
     """
     load, force, begin_share = begin_station
     load_at_end, _, end_share = end_station
     load_drop = load - load_at_end
-    fall_left = load_drop
+    fall_left = load_drop  # of P, below the upper end of the line `curve`
     station = begin_station
     while curve is not None and fall_left > 0 and station is not end_station:
         share_of_line = fall_left / curve.length
@@ -594,15 +619,18 @@ def _retrace(
             )
         recorder.add(curve, 0, station, next_station)
         station = next_station
-        curve = _shortened(curve, share_of_line) if share_of_line < 1 else curve.below
+        curve = _without_upper_share(curve, share_of_line) if share_of_line < 1 else curve.below
     if station is not end_station:
         recorder.add(curve, 0, station, end_station)
     return curve
 
 
 class StepBlock(NamedTuple):
-    """What steps from row to row (n + 1, 2) leave: records (m,), the line that each goes through,
-    as numbers and, where curves are wanted, as values; the curve at the end, most lines alive.
+    """What load steps between rows of P and Q (n + 1, 2) leave: records of their parts (m,), and
+    the line of the memory curve that each goes through, as numbers and, where wanted, as `lines`.
+
+    `curve` is the memory curve at the last row, `most_lines` the largest number of lines that it
+    had.
     """
 
     rows: Array
@@ -610,11 +638,11 @@ class StepBlock(NamedTuple):
     line_table: LineTable
     lines: list[Knot | None]
     curve: Knot | None
-    alive: int
+    most_lines: int
 
     @property
     def largest_slipped_load(self) -> float:
-        """The largest P - P_c."""
+        """The largest P - P_c [force per thickness], P_c the load at the stick edge."""
         at_ends = np.maximum(self.records.slipped, self.records.slipped_after)
         return float(np.max(at_ends, initial=0.0))
 
@@ -625,35 +653,33 @@ def depth_of(curve: Knot | None) -> int:
 
 
 def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = False) -> StepBlock:
-    """Follow straight load steps between rows of P and Q (n + 1, 2), from a given memory curve: a
-    record of slip for each part of a step, and the memory curve at the end.
+    """Friction history of straight load steps between `rows` of P and Q, (n + 1, 2), from a given
+    memory curve on: slip in each part of a step, and the memory curve at the last row.
 
-    The memory curve is the tangential force carried up to each load; `curve` is its uppermost line
-    at the first row, None for bodies out of contact. With `curves` the curve of each record is
-    stored too.
+    The memory curve is the tangential force carried up to each load, a chain of straight lines.
+    `curve` is its uppermost line at the first row, None for bodies out of contact. With `curves`
+    the memory curve of each part of a step is stored too.
 
     >>> block = follow(None, np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 0.5], [2.0, -0.5]]), 0.5)
-    >>> block.records.slipped_after.tolist(), block.alive  # Q/f, then (Q - Q')/(2 f)
+    >>> block.records.slipped_after.tolist(), block.most_lines  # P - P_c = Q/f, then dQ/(2 f)
     ([0.0, 1.0, 1.0], 2)
     """
     recorder = Recorder(curves)
-    counts_of_numbers = [0]  # that the recorder holds after each step
+    counts_of_numbers = [0]  # how many numbers the recorder holds after each step
     most_lines = 0
     # A path that unloads fully may end below 0 by rounding.
     rows = np.stack([np.maximum(rows[:, 0], 0.0), rows[:, 1]], axis=1)
     load, force = rows[0].tolist()
-    # Nothing here can hold itself: the garbage collector would look at all other objects again and
+    # No object here refers to itself: the garbage collector would look at all others again and
     # again, for half of the time.
-    collects = gc.isenabled()
+    was_collecting = gc.isenabled()
     gc.disable()
     try:
-        kinds_of_steps = sides_of(rows, friction).tolist()
-        for (next_load, next_force), kind_of_step in zip(
-            rows[1:].tolist(), kinds_of_steps, strict=True
-        ):
+        kinds = kinds_of_steps(rows, friction).tolist()
+        for (next_load, next_force), kind in zip(rows[1:].tolist(), kinds, strict=True):
             station = (load, force, 0.0)
             next_station = (next_load, next_force, 1.0)
-            curve = _step(curve, kind_of_step, station, next_station, friction, recorder)
+            curve = _step(curve, kind, station, next_station, friction, recorder)
             if next_load == 0:
                 curve = None  # unloaded: a line that rounding left has no length
             load = next_load
@@ -662,13 +688,14 @@ def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = Fals
             if curve is not None and curve.depth > most_lines:
                 most_lines = curve.depth
     finally:
-        if collects:
+        if was_collecting:
             gc.enable()
-    table = np.frombuffer(recorder.numbers).reshape(-1, _NUMBERS).T
-    step_of_record = np.repeat(np.arange(len(rows) - 1), np.diff(counts_of_numbers) // _NUMBERS)
-    columns = [*table[:_RECORD_NUMBERS], step_of_record]
+    number_columns = np.frombuffer(recorder.numbers).reshape(-1, _NUMBERS).T
+    records_of_steps = np.diff(counts_of_numbers) // _NUMBERS
+    step_of_record = np.repeat(np.arange(len(rows) - 1), records_of_steps)
+    columns = [*number_columns[:_RECORD_NUMBERS], step_of_record]
     records = Records._make(columns).with_stick_edge_in_contact()
-    line_table = LineTable(*table[_RECORD_NUMBERS:])
+    line_table = LineTable(*number_columns[_RECORD_NUMBERS:])
     return StepBlock(rows, records, line_table, recorder.lines, curve, most_lines)
 
 
@@ -682,13 +709,14 @@ def knots_of(curve: Knot | None) -> Array:
     return np.array(points[::-1]).T
 
 
-def _agree(
+def _same_memory(
     first_curve: Knot | None, second_curve: Knot | None, friction: float, tolerance: float
 ) -> bool:
-    """Whether two memory curves M(eta), tangential force over load, are the same state of friction.
+    """Whether two memory curves M(eta), tangential force of the flat punches up to the load eta,
+    agree, so that a cycle between them is steady.
 
-    Their ends in eta must agree within `tolerance` times the largest eta. M at the knots of both
-    must agree within `tolerance` times f eta, f = `friction`.
+    Their largest eta must agree within `tolerance` times the larger, and M at the knots of both
+    within `tolerance` times f times that, f = `friction`.
     """
     first_loads, first_forces = knots_of(first_curve)
     second_loads, second_forces = knots_of(second_curve)
@@ -705,8 +733,8 @@ def _agree(
 
 # ----------------------------------------------------------------------------------- the whole path
 class PathPart(NamedTuple):
-    """A part of a path: rows (m + 1, 3) of time, P and Q, what makes their time the path's, the
-    memory at the first row.
+    """A part of a load path, its initial loading or one cycle: rows (m + 1, 3) of time, P and Q,
+    how much later than the time of the rows it is, and the memory curve at its first row.
     """
 
     rows: Array
@@ -715,7 +743,7 @@ class PathPart(NamedTuple):
 
     @property
     def largest_load(self) -> float:
-        """The largest P."""
+        """The largest P [force per thickness]."""
         return float(np.max(self.rows[:, 1]))
 
 
@@ -730,7 +758,7 @@ class LoadSeries:
     parts
         initial loading, where the path has a period, and each solved cycle; the whole path
         where it has none
-    first
+    first_cycle_part
         number of the first cycle among the parts
     steady_from
         index of the first cycle that ends in the state it started from, None if none did
@@ -741,32 +769,32 @@ class LoadSeries:
         is a copy of
     repeats
         whether cycles after the steady one are copies
-    long
+    is_long_record
         whether it is a measured series of more than 1,000 rows, which is answered at its rows
     """
 
     friction: float
     parts: tuple[PathPart, ...]
-    first: int
+    first_cycle_part: int
     steady_from: int | None
     period: float | None = None
     covered: tuple[int, ...] = (0,)
     repeats: bool = False
-    long: bool = False
+    is_long_record: bool = False
 
     @property
     def cycles(self) -> tuple[PathPart, ...]:
         """The solved cycles."""
-        return self.parts[self.first :]
+        return self.parts[self.first_cycle_part :]
 
     @property
     def covered_parts(self) -> list[int]:
         """For each whole cycle that the answer covers, its number among the parts."""
-        return [number + self.first for number in self.covered]
+        return [number + self.first_cycle_part for number in self.covered]
 
     @property
     def largest_load(self) -> float:
-        """The largest P."""
+        """The largest P [force per thickness]."""
         return max(part.largest_load for part in self.parts)
 
     @cached_property
@@ -776,65 +804,66 @@ class LoadSeries:
         return np.concatenate([first_row, *(part.rows[1:, 0] + part.delay for part in self.parts)])
 
     @cached_property
-    def starts(self) -> Indices:
+    def first_steps(self) -> Indices:
         """Number of the first step of each part, and of steps in all."""
         return np.cumsum([0, *(len(part.rows) - 1 for part in self.parts)])
 
     def default_times(self, last_cycle_only: bool, thinned: bool) -> tuple[Array, int]:
-        """Instants of the answer where the user gives none, and the number of rows left out of them
-        (0 unless a long path is `thinned`).
+        """Instants of the answer where the user gives none, ascending, and the number of rows that
+        are left out of them.
 
-        About 400 a cycle, evenly spread over each part of a step with its own slip; both its ends
-        are among them. Of a path of more than 1,000 rows all rows, or about 400 of them.
+        About 400 a cycle and 100 of the initial loading, evenly spread over each part of a load
+        step with its own slip, with both its ends. Of a measured record of more than 1,000 rows
+        they are all rows, or about 400 of them if `thinned`.
         """
         first_part = len(self.parts) - 1 if last_cycle_only else 0
-        if self.long:
-            row_times = self.times[self.starts[first_part] :]
-            stride = max(len(row_times) // _FEW, 1) if thinned else 1
-            times_of_rows = np.unique(np.append(row_times[::stride], row_times[-1]))
-            return times_of_rows, len(row_times) - len(times_of_rows)
+        if self.is_long_record:
+            row_times = self.times[self.first_steps[first_part] :]
+            stride = max(len(row_times) // _ROWS_ANSWERED, 1) if thinned else 1
+            times_of_answer = np.unique(np.append(row_times[::stride], row_times[-1]))
+            return times_of_answer, len(row_times) - len(times_of_answer)
         times_of_parts = []
         for number, part in enumerate(self.parts[first_part:], first_part):
             records = follow(part.curve, part.rows[:, 1:], self.friction).records
-            times_from_part = self.times[self.starts[number] :]
-            step_begin = times_from_part[records.row]
-            step_end = times_from_part[records.row + 1]
-            inside_step = step_begin + records.until * (step_end - step_begin)
-            record_ends = np.where(records.until == 1, step_end, inside_step)
-            ends_of_records = np.unique(np.append(times_from_part[0], record_ends))
-            times_of_parts.append(evenly_spaced_times(ends_of_records, initial=number < self.first))
+            row_times = self.times[self.first_steps[number] :]
+            step_begin = row_times[records.row]
+            step_end = row_times[records.row + 1]
+            # A record is a part of a step, up to the share `until` of the step.
+            time_inside_step = step_begin + records.until * (step_end - step_begin)
+            record_ends = np.where(records.until == 1, step_end, time_inside_step)
+            ends_of_records = np.unique(np.append(row_times[0], record_ends))
+            is_initial = number < self.first_cycle_part
+            times_of_parts.append(evenly_spaced_times(ends_of_records, initial=is_initial))
         return np.unique(np.concatenate(times_of_parts)), 0
 
     def locate(self, time: Array) -> tuple[Indices, Array, Array]:
-        """Where instants (n,) lie in the load path: number of the step between two rows, share of
-        it that is over, and share within which two instants count as one, (n,) each.
+        """Position of instants (n,) in the load path: number of the load step, share of that step
+        that is over, and share of it within which two instants count as one, (n,) each.
 
-        An instant on a row belongs to the step that ends there. InputError for a time outside the
-        path.
+        Step k goes from row k of the path to row k + 1. An instant at a row belongs to the step
+        that ends there. InputError for a time outside the path.
         """
         times = self.times
-        path_time, slack_of_time = time_in_followed_path(
+        durations = np.diff(times)
+        path_time, time_slack = time_in_followed_path(
             time, float(times[0]), float(times[-1]), self.period
         )
-        row_at_or_after = np.clip(np.searchsorted(times, path_time, side="left"), 1, len(times) - 1)
-        steps = np.diff(times)
-        rounding_of_step = _SPACINGS * np.spacing(np.max(np.abs(times))) / steps
-        slack_of_steps = np.minimum(
-            slack_of_time / steps, np.maximum(_SLACK_OF_STEP, rounding_of_step)
-        )
+        rounding_share = _SPACINGS_AT_ROW * np.spacing(np.max(np.abs(times))) / durations
+        # Never more than the time by which an instant may miss the whole path.
+        slack_shares = np.minimum(time_slack / durations, np.maximum(_SHARE_AT_ROW, rounding_share))
+        next_row = np.clip(np.searchsorted(times, path_time, side="left"), 1, len(times) - 1)
         # An instant that misses a row by round-off is still at the row.
-        since_row_before = path_time - times[row_at_or_after - 1]
-        step_length = times[row_at_or_after] - times[row_at_or_after - 1]
-        is_at_row_before = (row_at_or_after > 1) & (
-            since_row_before <= slack_of_steps[row_at_or_after - 1] * step_length
+        last_row = next_row - 1
+        is_at_last_row = (next_row > 1) & (
+            path_time - times[last_row] <= slack_shares[last_row] * durations[last_row]
         )
-        step = row_at_or_after - 1 - is_at_row_before
-        share_of_step = (path_time - times[step]) / (times[step + 1] - times[step])
-        slack_of_share = slack_of_steps[step]
+        step = last_row - is_at_last_row
+        share_of_step = (path_time - times[step]) / durations[step]
+        step_slack = slack_shares[step]
         share_of_step = np.where(
-            share_of_step > 1 - slack_of_share, 1.0, np.maximum(share_of_step, 0.0)
+            share_of_step > 1 - step_slack, 1.0, np.maximum(share_of_step, 0.0)
         )
-        return step, share_of_step, slack_of_share
+        return step, share_of_step, step_slack
 
     def revolutions_beyond(self, time: Array) -> Indices:
         """(n,) whole revolutions by which instants lie beyond the path that was followed: as steady
@@ -849,11 +878,11 @@ class LoadSeries:
 
 
 def series_of(scene: Scene, time: Array | None) -> LoadSeries:
-    """The load path of a scene, of straight segments, followed as rows of P and Q with their
-    friction history.
+    """Friction history of a scene whose load path is straight from each row of time, P and Q to the
+    next.
 
-    As many cycles are followed as the instants `time` need; without them, until the memory of
-    friction repeats.
+    As many cycles are followed as the instants `time` (n,) need; without them, until a cycle ends
+    in the state of friction in which it began.
 
     Raises
     ------
@@ -862,10 +891,12 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
     """
     friction = scene.friction.coefficient
     load = scene.load
-    is_long = False
-    if isinstance(load, TimeSeriesLoad):  # a leg for each of a million rows would take a gigabyte
+    is_long_record = False
+    if isinstance(load, TimeSeriesLoad):
+        # Its rows are taken: a load segment for each of a million would take a gigabyte.
         rows = load.series()
-        is_long = len(load.kept_rows()) > _MANY
+        is_long_record = len(load.kept_rows()) > _ROWS_OF_SHORT_RECORD
+        # A series that repeats is loaded from the first row to the second, where the cycle begins.
         loading = rows[:2] if load.repeats else rows
         cycle = rows[1:] if load.repeats else rows[:0]
     else:
@@ -874,33 +905,34 @@ def series_of(scene: Scene, time: Array | None) -> LoadSeries:
         cycle = _rows_of(path.cycle)
     check_rows(loading, friction)
     if not len(cycle):
-        return replace(_single(friction, loading), long=is_long)
+        return replace(_one_way_series(friction, loading), is_long_record=is_long_record)
     check_rows(cycle, friction)
     period = float(cycle[-1, 0] - cycle[0, 0])
     cycles_at_most, cycles_covered = cycles_to_follow(
         float(cycle[0, 0]), period, scene.cycles, time
     )
     cycle_parts = (PathPart(cycle, k * period) for k in range(cycles_at_most))
-    series = _followed(friction, PathPart(loading, 0.0), cycle_parts, period, cycles_covered)
-    return replace(series, long=is_long)
+    series = _follow_cycles(friction, PathPart(loading, 0.0), cycle_parts, period, cycles_covered)
+    return replace(series, is_long_record=is_long_record)
 
 
 def _rows_of(legs: Sequence[LoadSegment]) -> Array:
-    """Time, P and Q at the ends of legs: (m + 1, 3), or (0, 3)."""
-    stations = [(leg.start, leg) for leg in legs[:1]]
-    stations += [(leg.end, leg) for leg in legs]
+    """Time, P and Q at the ends of m load segments: (m + 1, 3), or (0, 3)."""
+    instants = [(segment.start, segment) for segment in legs[:1]]
+    instants += [(segment.end, segment) for segment in legs]
     rows = []
-    for time, leg in stations:
-        normal_load, tangential_load = leg.loads(time)
+    for time, segment in instants:
+        normal_load, tangential_load = segment.loads(time)
         rows.append([time, float(normal_load), float(tangential_load)])
     return np.array(rows).reshape(-1, 3)
 
 
 def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
-    """The load path replaced by straight steps between its loads at `time`, (n,) ascending,
-    followed cycle by cycle with its friction history; `friction` is f.
+    """Friction history of straight load steps between the loads of a path at `time`, (n,)
+    ascending, in place of the path itself; `friction` is f.
 
-    A step from (P, Q) at the start of the path to the first of the times is part of it.
+    The first step begins at the start of the path. A cycle that begins between two of the times
+    begins on the straight line between their loads.
 
     Raises
     ------
@@ -922,14 +954,11 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
     check_rows(rows_of_times, friction)
     slack = SLACK * (path.period or 0.0)
     if path.period is None or times_with_start[-1] <= path.cycle_start + slack:
-        return _single(friction, rows_of_times)
+        return _one_way_series(friction, rows_of_times)
     _, whole_cycles = cycles_to_follow(path.cycle_start, path.period, 1, time)
     cycle_starts = path.cycle_start + path.period * np.arange(whole_cycles + 1)
-    is_given_time = np.abs(times_with_start[:, None] - cycle_starts) <= slack
-    # A cycle that starts between two of the times starts on the straight line between them.
-    missing_cycle_starts = cycle_starts[
-        ~is_given_time.any(axis=0) & (cycle_starts < times_with_start[-1])
-    ]
+    is_given = (np.abs(times_with_start[:, None] - cycle_starts) <= slack).any(axis=0)
+    missing_cycle_starts = cycle_starts[~is_given & (cycle_starts < times_with_start[-1])]
     row_times = np.sort(np.concatenate([times_with_start, missing_cycle_starts]))
     rows = np.stack(
         [
@@ -941,19 +970,20 @@ def straight_series(path: LoadPath, friction: float, time: Array) -> LoadSeries:
     )
     cycle_number = np.searchsorted(cycle_starts - slack, row_times[:-1], side="right")
     first_rows_of_cycles = np.flatnonzero(np.diff(cycle_number, prepend=0)).tolist()
-    bounds = [0, *first_rows_of_cycles, len(row_times) - 1]
+    rows_at_ends = [0, *first_rows_of_cycles, len(row_times) - 1]
     loading, *cycles = (
-        PathPart(rows[first_row : last_row + 1], 0.0) for first_row, last_row in pairwise(bounds)
+        PathPart(rows[first_row : last_row + 1], 0.0)
+        for first_row, last_row in pairwise(rows_at_ends)
     )
-    return _followed(friction, loading, cycles, path.period, whole_cycles, repeats=False)
+    return _follow_cycles(friction, loading, cycles, path.period, whole_cycles, repeats=False)
 
 
 def check_rows(rows: Array, friction: float) -> None:
-    """Refuse a load path that slides as a whole or separates: InadmissibleLoadError at the first
-    such row, with its instant and loads.
+    """Refuse a load path on which the contact slides as a whole, |Q| > f P, or separates, P < 0:
+    InadmissibleLoadError at the first such instant, with its loads.
 
-    `rows` (n, 3) are time, P and Q. Lines between admissible points are admissible, so that rows
-    are enough.
+    `rows` (n, 3) are time, P and Q; f is `friction`. The admissible loads are a convex set, so that
+    loads on a straight line between two admissible rows are admissible.
     """
     normal_load = rows[:, 1]
     tangential_load = rows[:, 2]
@@ -963,22 +993,25 @@ def check_rows(rows: Array, friction: float) -> None:
     bad_rows = np.flatnonzero(separates | slides)
     if not len(bad_rows):
         return
-    time_before, *loads_before = rows[max(int(bad_rows[0]) - 1, 0)].tolist()
-    time_after, *loads_after = rows[bad_rows[0]].tolist()
-    step = StraightSegment(time_before, time_after, tuple(loads_before), tuple(loads_after))
-    check([step], friction)
-    reason = "separation" if separates[bad_rows[0]] else "gross sliding"
-    raise InadmissibleLoadError(reason, LoadedInstant(time_after, *loads_after), friction=friction)
+    bad_row = bad_rows[0]
+    time_before, *loads_before = rows[max(int(bad_row) - 1, 0)].tolist()
+    bad_time, *bad_loads = rows[bad_row].tolist()
+    step = StraightSegment(time_before, bad_time, tuple(loads_before), tuple(bad_loads))
+    check([step], friction)  # raises, with the instant between the rows, but for round-off
+    reason = "separation" if separates[bad_row] else "gross sliding"
+    raise InadmissibleLoadError(reason, LoadedInstant(bad_time, *bad_loads), friction=friction)
 
 
-def _single(friction: float, rows: Array) -> LoadSeries:
-    """A path that does not repeat; it ends as it began where it ends unloaded."""
+def _one_way_series(friction: float, rows: Array) -> LoadSeries:
+    """The series of a path that does not repeat, rows (n, 3) of time, P and Q. It ends in the state
+    in which it began where it ends unloaded.
+    """
     last_load = rows[-1, 1]
     steady_from = 0 if last_load <= 0 else None
-    return LoadSeries(friction, (PathPart(rows, 0.0),), first=0, steady_from=steady_from)
+    return LoadSeries(friction, (PathPart(rows, 0.0),), first_cycle_part=0, steady_from=steady_from)
 
 
-def _followed(
+def _follow_cycles(
     friction: float,
     loading: PathPart,
     cycle_parts: Iterable[PathPart],
@@ -987,55 +1020,63 @@ def _followed(
     *,
     repeats: bool = True,
 ) -> LoadSeries:
-    """Follow an initial loading and cycles of straight steps, each from the memory of friction that
-    the one before leaves, and find the first cycle that ends as it began.
-
-    Where the path `repeats`, cycles after that one are copies and are not followed.
+    """Friction history of an initial loading and of cycles of straight steps, up to the first cycle
+    that ends in the state in which it began; f is `friction`.
 
     Parameters
     ----------
-    friction
-        f
     loading, cycle_parts
-        rows of the initial loading and of the cycles
+        rows of the initial loading and of the cycles that are followed at most
     period
         of the cycle
     whole_cycles
-        number of cycles that the answer covers, 0 for all
+        number of whole cycles that the answer covers; 0 for all that are followed
+    repeats
+        whether all cycles have the same loads. Those after a steady one are then copies and are
+        not followed.
     """
     followed_cycles: list[PathPart] = []
     steady_from = None
     curve = None
     for _, block in blocks(loading, friction):
         curve = block.curve
-    for part in cycle_parts:
-        curve_at_start = curve
-        followed_cycle = part._replace(curve=curve_at_start)
+    for cycle in cycle_parts:
+        curve_at_begin = curve
+        followed_cycle = cycle._replace(curve=curve_at_begin)
         followed_cycles.append(followed_cycle)
-        deepest_slip = 0.0
+        largest_slipped_load = 0.0
         for _, block in blocks(followed_cycle, friction):
             curve = block.curve
-            deepest_slip = max(deepest_slip, block.largest_slipped_load)
-        tolerance = repeats_within(deepest_slip / part.largest_load)
-        if steady_from is None and _agree(curve_at_start, curve, friction, tolerance):
+            largest_slipped_load = max(largest_slipped_load, block.largest_slipped_load)
+        # The less slips in a cycle, the closer its memory curves must agree.
+        tolerance = repeats_within(largest_slipped_load / cycle.largest_load)
+        if steady_from is None and _same_memory(curve_at_begin, curve, friction, tolerance):
             steady_from = len(followed_cycles) - 1
             if repeats:
                 break
     cycles_covered = whole_cycles
     if not whole_cycles:
         cycles_covered = len(followed_cycles) if repeats else 1
-    covered_cycles = tuple(
+    solved_cycle_of_covered = tuple(
         min(number, len(followed_cycles) - 1) for number in range(cycles_covered)
     )
     return LoadSeries(
-        friction, (loading, *followed_cycles), 1, steady_from, period, covered_cycles, repeats
+        friction,
+        (loading, *followed_cycles),
+        first_cycle_part=1,
+        steady_from=steady_from,
+        period=period,
+        covered=solved_cycle_of_covered,
+        repeats=repeats,
     )
 
 
 def blocks(
     part: PathPart, friction: float, curves: bool = False
 ) -> Iterator[tuple[int, StepBlock]]:
-    """The steps of a part, a block at a time, and the number of the first."""
+    """Number of the first step, and friction history, of each block of at most 10,000 load steps of
+    a part of the path.
+    """
     curve = part.curve
     for first_row in range(0, len(part.rows) - 1, _BLOCK):
         block = follow(curve, part.rows[first_row : first_row + _BLOCK + 1, 1:], friction, curves)
@@ -1044,18 +1085,22 @@ def blocks(
 
 
 class _StateColumns(NamedTuple):
-    """States at some instants, (n,) each; `active_number` is that of the uppermost line."""
+    """Friction states at instants, (n,) each: P, Q, P - P_c, direction of slip, number of the
+    memory curve's sticking line, and error of the tangential force, M(P) - Q.
+    """
 
     load: Array
     force: Array
     slipped: Array
     direction: Array
     piece_number: Indices
-    balance: Array
+    force_error: Array
 
 
 class States:
-    """The memory curves of instants, collected block by block."""
+    """Friction states at the instants of a request, collected block by block of load steps; with
+    `curves` also their memory curves.
+    """
 
     def __init__(self, friction: float, curves: bool) -> None:
         self.friction = friction
@@ -1067,24 +1112,26 @@ class States:
         """Add the friction state at instants (n,) within a block of load steps: P, Q, P - P_c,
         direction of slip, and the line of the memory curve at the stick edge.
 
-        An instant whose share of its step is at most `slack` beyond the end of a record counts as
-        that end. `step` and `share_of_step` say where each instant lies. The memory curve M(eta) is
-        the tangential force of the flat punches up to the load eta. M(P) - Q, zero but for
-        round-off, is stored as a check.
+        `step` is the number of the load step in which each instant lies, `share_of_step` the share
+        of it that is over. A step has a record for each line of the memory curve that it goes
+        through. An instant that is beyond the end of a record by at most `slack`, as a share of the
+        step, counts as that end. The memory curve M(eta) is the tangential force of the flat
+        punches up to the load eta. M(P) - Q, zero but for round-off, is stored as a check.
         """
         if not len(step):
             return
         records = block.records
         record_number = _record_at(records, step, share_of_step - slack)
-        # an instant that counts as the end of a record has the loads of that end
+        # An instant that counts as the end of a record has the loads of that end.
         share_of_step = np.minimum(share_of_step, records.until[record_number])
         load, force = _loads_at(block.rows, step, share_of_step)
         line = LineTable(*(column[record_number] for column in block.line_table))
         direction = records.direction[record_number]
-        slipped = records.slipped[record_number]
+        slipped_at_begin = records.slipped[record_number]
         slipped_growth = (records.slipped_after - records.slipped)[record_number]
-        slipped = slipped + _share_of_record(records, record_number, share_of_step) * slipped_growth
-        # the stick edge is on the line
+        share_of_record = _share_of_record(records, record_number, share_of_step)
+        slipped = slipped_at_begin + share_of_record * slipped_growth
+        # The stick edge P_c is on the record's line.
         least_slipped = np.maximum(load - line.top, 0.0)
         largest_slipped = np.maximum(load - (line.top - line.length), 0.0)
         slipped = np.where(direction != 0, np.clip(slipped, least_slipped, largest_slipped), 0.0)
@@ -1100,11 +1147,11 @@ class States:
         )
 
     def snapshot(self, time: Array, order: Indices) -> tuple[Snapshot, Array]:
-        """Friction state at all instants that were added, in the order of `time`, and M(P) - Q of
-        each, which is 0 but for round-off.
+        """Friction states at all instants that were added, in the order of `time` (n,), and M(P) -
+        Q of each, which is 0 but for round-off [force per thickness].
 
-        M(P) is the tangential force that the memory curve carries; `order` brings the instants from
-        the order of the path into that of `time`.
+        M(P) is the tangential force that the memory curve carries. `order` (n,) is, for each of the
+        times, the number of its instant in the order of the load path.
         """
         columns_of_blocks = zip(*self._columns, strict=True)
         states = _StateColumns._make(np.concatenate(column)[order] for column in columns_of_blocks)
@@ -1118,18 +1165,20 @@ class States:
             uppermost_pieces=tuple(self._lines) or (None,),
             friction=self.friction,
         )
-        return snapshot, states.balance
+        return snapshot, states.force_error
 
 
 def _record_at(records: Records, step: Indices, share_of_step: Array) -> Indices:
-    """Number of the record of each step (n,) that holds a share of it: (n,)."""
+    """Number of the record that holds each instant, (n,), given by the number of its step and the
+    share of the step that is over.
+    """
     record_number = np.searchsorted(records.row + records.until, step + share_of_step, side="left")
     record_number = np.minimum(record_number, len(records.row) - 1)
     return record_number + (records.row[record_number] < step)
 
 
 def _share_of_record(records: Records, record_number: Indices, share_of_step: Array) -> Array:
-    """The share of a record that is over at a share of its step, (n,)."""
+    """The share of each record (n,) that is over when `share_of_step` of its step is: (n,)."""
     is_first = np.diff(records.row, prepend=-1) > 0
     begin = np.where(is_first, 0.0, np.append(0.0, records.until[:-1]))[record_number]
     length = np.maximum(records.until[record_number] - begin, np.finfo(float).tiny)
