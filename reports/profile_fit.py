@@ -24,7 +24,6 @@ from scenes import (
     Scene,
     TimeSeriesLoad,
 )
-from scenes.fitting import fitted_again, fitted_by_spline
 from scenes.profiles import Fitted
 
 # Other measurements that the noise could have given. Twice their standard deviation is known to 7
@@ -104,6 +103,8 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
         raise InputError(
             f"{scene.name}: its profile is not fitted to rows, so that there is no noise to follow"
         )
+    from scenes.fitting import fitted_again, fitted_by_spline
+
     method_for_work = _way_to_work(scene)
     count = min(resamples, _MARCHES) if method_for_work is _Work.MARCHED else resamples
     pattern = _pattern(scene)
@@ -201,6 +202,8 @@ def _values_with_other_noise(
     seed
         of the random numbers
     """
+    from scenes.fitting import fitted_again
+
     random = np.random.default_rng(seed)
     values_of_resamples = []
     for _ in range(count):

@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Generic, Literal, Self, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, Literal, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,8 +50,10 @@ from scenes.segments import (
     parabola_segment,
     straight_segments,
 )
-from scenes.text_tables import MissingColumnError, TextTable
 from scenes.unit_words import Kind
+
+if TYPE_CHECKING:
+    from scenes.text_tables import MissingColumnError, TextTable
 
 # Of the loads: difference within which two are one.
 _ROUNDING = 1e-12
@@ -930,6 +932,8 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return {name: value for name, value in stated.items() if value is not None}
 
     def _table_of(self, path: Path, columns: tuple[str, ...], stated: Frozen | None) -> TextTable:
+        from scenes.text_tables import MissingColumnError  # only a load from a file needs it
+
         if self.approach and self.constant_normal_load is not None:
             raise InputError(
                 "approach stands in the place of P: leave out constant_normal_load, or approach"

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, ClassVar, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,8 +25,10 @@ from scenes.array_types import Array
 from scenes.arrays import LARGEST, real_numbers
 from scenes.errors import InputError, RowError, shown
 from scenes.frozen import Frozen
-from scenes.text_tables import TextTable, text_table
 from scenes.unit_words import Kind, short_unit_in, unit_factor, unit_in
+
+if TYPE_CHECKING:
+    from scenes.text_tables import TextTable
 
 
 @dataclass(frozen=True, eq=False)
@@ -319,6 +321,8 @@ class FromFile(Frozen):
         InputError
             As the reader of tables.
         """
+        from scenes.text_tables import text_table  # only a scene that names a file needs it
+
         return text_table(path, columns, stated=_stated_columns(stated))
 
     def _of_no_column(self) -> list[tuple[str, str]]:
@@ -460,6 +464,8 @@ class FromFile(Frozen):
             path = _folder(validation) / (self.file or "")
             place = f"{self.table}, row {fault.row + 1}"
             if self.file is not None and path.is_file():  # where the rows came from
+                from scenes.text_tables import text_table
+
                 columns = _stated_columns(getattr(self, "columns", None))
                 table = text_table(path, tuple(self.column_kinds), stated=columns)
                 place = f"{path}, line {table.lines[fault.row]}"

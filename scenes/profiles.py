@@ -8,13 +8,24 @@ from __future__ import annotations
 
 import abc
 from collections.abc import Callable
-from typing import Annotated, Any, ClassVar, Generic, Literal, NamedTuple, Self, TypeVar
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    ClassVar,
+    Generic,
+    Literal,
+    NamedTuple,
+    Self,
+    TypeVar,
+)
 
 import numpy as np
 from numpy.polynomial import chebyshev, polynomial
 from numpy.typing import ArrayLike, NDArray
 from pydantic import (
     AfterValidator,
+    ConfigDict,
     Field,
     PrivateAttr,
     TypeAdapter,
@@ -25,11 +36,12 @@ from pydantic import (
 from scenes.array_types import Array
 from scenes.chebyshev import Pieces, Unresolved, fit, values_of
 from scenes.errors import InputError, RowError
-from scenes.fitting import FitRequest, fitted_keys
 from scenes.frozen import Frozen, Positive, PositiveNumber, PythonFunction, refusal
-from scenes.height_slopes import Rounding, slope_of_height
 from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, ReadAs, Table
 from scenes.unit_words import Kind
+
+if TYPE_CHECKING:
+    from scenes.height_slopes import Rounding
 
 _ALIKE_SLOPES = 1e-12
 # Of a slope: what two neighbouring secants of rows on a line may differ by. Their rounding is less,
@@ -517,6 +529,8 @@ class CallableProfile(Gap):
             For a function that can't be evaluated, is not symmetric, too rough for a
             derivative, falls, or has a slope that jumps.
         """
+        from scenes.height_slopes import Rounding, slope_of_height  # no other profile needs it
+
         if (self.height_function is None) == (self.slope_function is None):
             raise ValueError("either height_function or slope_function is needed, and not both")
         values_at = values_of(self.height_function or self.slope_function)
@@ -688,6 +702,8 @@ class Tabulated(FromFile):
         if self.fit is None:
             self._sides()
         else:
+            from scenes.fitting import FitRequest, fitted_keys
+
             x, h = self.points.values.T
             self._keys = fitted_keys(x, h, FitRequest(**dict(self.fit)))
 
@@ -937,7 +953,8 @@ Curve = Annotated[
     | CallableProfile,
     Field(discriminator="kind"),
 ]
-_ANY_PROFILE: TypeAdapter[Curve] = TypeAdapter(Curve)
+# Built where it is first used: by fits.
+_ANY_PROFILE: TypeAdapter[Curve] = TypeAdapter(Curve, config=ConfigDict(defer_build=True))
 
 
 def _curve_of_rows(profile: Curve) -> Curve:

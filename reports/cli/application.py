@@ -805,6 +805,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if arguments is not None:
         return Context().run(_run, list(arguments))
     gc.set_threshold(_NEW_OBJECTS, *gc.get_threshold()[1:])
+    # No plugin of pydantic has a use here: to look for them reads the files of all packages.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             # of signs that the terminal's encoding lacks
