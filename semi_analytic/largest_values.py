@@ -45,11 +45,12 @@ _PLACES_IN_ROUND = 11
 # Candidates: local maxima of at least this share of the largest.
 _MOST_CANDIDATES = 3
 _SHARE_OF_CANDIDATE = 0.97
-# Rounds at most, each six times closer, and the change of the largest value at which two rounds in
-# a row end the search. A smooth maximum is met by the vertex of a parabola, with an error of the
-# fourth power of the spacing, any other by the places themselves: two rounds that change it by less
-# than 1e-12 leave less than 1e-10.
+# Rounds at most, each six times closer, and the changes of the largest value in two rounds in a row
+# at which the search ends, the former and the latter. A smooth maximum is met by the vertex of a
+# parabola, with an error of the fourth power of the spacing, any other by the places themselves,
+# which leave a fifth of the former change: less than 1e-10.
 _ROUNDS = 16
+_NEARLY_SETTLED = 1e-10
 _SETTLED = 1e-12
 # The same on hundreds of straight steps: with a kink at each there is no square of the spacing.
 _SETTLED_ON_STEPS = 1e-9
@@ -453,8 +454,8 @@ def _largest_value(
     (n,), ascending, between which the function is smooth.
 
     `values` takes places (m,) and returns (m,). `first_count` places are tried at first, then ever
-    closer ones around the largest local maxima. Two rounds in a row that raise the largest value by
-    less than `settled_share` of itself end the search.
+    closer ones around the largest local maxima. A round that raises the largest value by less than
+    `settled_share` of itself ends the search, if the round before raised it by less than 1e-10.
 
     >>> top, place = _largest_value(lambda x: 1 - (x - 0.3) ** 2, np.array([0.0, 1.0]))
     >>> round(top, 12), round(place, 5)
@@ -468,9 +469,10 @@ def _largest_value(
     largest_value = float(first_values[number_of_largest])
     place = float(first_places[number_of_largest])
     maxima = _local_maxima(first_places, first_values)
-    quiet_rounds = 0
+    nearly_settled_share = max(settled_share, _NEARLY_SETTLED)
+    is_nearly_settled = False
     for _ in range(_ROUNDS):
-        if not np.isfinite(largest_value) or quiet_rounds == 2:
+        if not np.isfinite(largest_value):
             break
         places_by_maximum = [maximum.places_around() for maximum in maxima]
         all_places = np.unique(np.concatenate(places_by_maximum))
@@ -480,7 +482,9 @@ def _largest_value(
         if value_change > 0:
             largest_value = float(new_values[number_of_largest])
             place = float(all_places[number_of_largest])
-        quiet_rounds = quiet_rounds + 1 if value_change <= settled_share * abs(largest_value) else 0
+        if is_nearly_settled and value_change <= settled_share * abs(largest_value):
+            break
+        is_nearly_settled = value_change <= nearly_settled_share * abs(largest_value)
         maxima = [
             maximum.closer(places, new_values[np.searchsorted(all_places, places)])
             for maximum, places in zip(maxima, places_by_maximum, strict=True)
