@@ -756,7 +756,8 @@ def _png(
         picture.putpalette(b"".join(bytes.fromhex(colour.removeprefix("#")) for colour in colours))
     elif not all_colours:
         picture = picture.quantize(255)
-    picture.save(stream, "PNG", optimize=not all_colours)
+    # A few colours are as good as compressed by themselves; more take the time of a closer look.
+    picture.save(stream, "PNG", optimize=not colours and not all_colours)
     return stream.getvalue()
 
 

@@ -71,6 +71,8 @@ if TYPE_CHECKING:
 
 # Files of the solutions in a folder of a report: of the reference, of the result.
 SOLUTIONS = ("reference.nc", "result.nc")
+# Level of compression of the tables on the page: half the time of the usual one, 5 % more letters.
+_COMPRESSION = 4
 # Work of P over W below which it is round-off error.
 _ROUND_OFF = 1e-12
 
@@ -472,7 +474,7 @@ def _tables(texts: Mapping[str, str]) -> dict[str, str]:
     """
     short_texts = {name: text for name, text in texts.items() if len(text) <= _LETTERS}
     return {
-        name: base64.b64encode(zlib.compress(text.encode())).decode()
+        name: base64.b64encode(zlib.compress(text.encode(), _COMPRESSION)).decode()
         for name, text in short_texts.items()
     }
 
