@@ -627,6 +627,8 @@ def _nodes_of_ranges(begin_s: Array, end_s: Array, is_rough: NDArray[np.bool_]) 
     nodes_by_rule = [graded(begin_s[rough_ranges], end_s[rough_ranges])]
     for rule_number, (_, n_nodes) in enumerate(_SPANS):
         ranges_of_rule = np.flatnonzero((s_length > 0) & ~is_rough & (rule_of_range == rule_number))
+        if not len(ranges_of_rule):
+            continue
         unit_nodes, weights = gauss(n_nodes)
         length = s_length[ranges_of_rule, None]
         ranges_by_rule.append(ranges_of_rule)
