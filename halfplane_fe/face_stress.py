@@ -415,6 +415,7 @@ def sampled_tractions(
     n_angles = _ANGLES_PER_NODE * len(x)
     n_angles = int(np.clip(n_angles, _FEWEST_ANGLES, _MOST_ANGLES))
     theta = math.pi * (np.arange(n_angles) + 0.5) / n_angles
+    sine = np.sin(theta)
     places = middle - half_width * np.cos(theta)
     behind_rims = slice(None) if rough else slice(fit.rim, -fit.rim)
     inner_x = x[behind_rims]
@@ -423,7 +424,7 @@ def sampled_tractions(
     angle = np.arccos((middle - inner_x[is_in_contact]) / half_width)
     # p/sin(theta) is finite at the edges of a smooth profile.
     p_over_sine = np.interp(theta, angle, inner_p[is_in_contact] / np.sin(angle))
-    smooth_pressure = p_over_sine * np.sin(theta)
+    smooth_pressure = p_over_sine * sine
     if fit_at_left is not None and fit_at_right is not None:
         # Beyond the outermost nodes that count, p is the root of the fitted p^2.
         for side, fit_at_edge in ((1.0, fit_at_left), (-1.0, fit_at_right)):
@@ -434,7 +435,7 @@ def sampled_tractions(
             smooth_pressure[is_beyond_start] = np.sqrt(np.maximum(squared_p, 0.0))
     smooth_pressure = smooth_pressure * form(places)
     shear = _shear(places, smooth_pressure, nodal, 0 if rough else fit.rim, level)
-    lengths = np.sin(theta) * half_width * math.pi / n_angles  # of the face, for each angle
+    lengths = sine * half_width * math.pi / n_angles  # of the face, for each angle
     missing_load = nodal.tangential_load - float(lengths @ shear)
     missing_shear = _unit_missing_shear(places, smooth_pressure, lengths, nodal) * missing_load
     return SampledTractions(edges, theta, smooth_pressure, shear, missing_shear, rough)
