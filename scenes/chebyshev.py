@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -48,17 +48,27 @@ def series(values: ArrayLike) -> Array:
 # the time of a recurrence.
 _PARTS_OF_PIECE = 8
 _MIDDLES_OF_PARTS = (2 * np.arange(_PARTS_OF_PIECE) + 1) / _PARTS_OF_PIECE - 1
-# From the coefficients of a series on [-1, 1] to those of the series on each part, and from these
-# to powers of s on [-1/2, 1/2].
-_TO_PARTS = _TO_SERIES.T @ chebyshev.chebvander(
-    _MIDDLES_OF_PARTS[:, None] + NODES / _PARTS_OF_PIECE, DEGREE
-)
-_TO_POWERS = 2.0 ** np.arange(_N_TERMS)[:, None] * np.transpose(
-    [
+
+
+@cache
+def _to_parts() -> Array:
+    """(_PARTS_OF_PIECE, _N_TERMS, _N_TERMS) from the coefficients of a series on [-1, 1] to those
+    of the series on each part of it.
+    """
+    places_of_nodes = _MIDDLES_OF_PARTS[:, None] + NODES / _PARTS_OF_PIECE
+    return np.asarray(_TO_SERIES.T @ chebyshev.chebvander(places_of_nodes, DEGREE))
+
+
+@cache
+def _to_powers() -> Array:
+    """(_N_TERMS, _N_TERMS) from the coefficients of a series on a part to those of powers of s on
+    [-1/2, 1/2].
+    """
+    powers_of_polynomials = [
         np.pad(chebyshev.cheb2poly(row[: k + 1]), (0, DEGREE - k))
         for k, row in enumerate(np.eye(_N_TERMS))
     ]
-)
+    return np.asarray(2.0 ** np.arange(_N_TERMS)[:, None] * np.transpose(powers_of_polynomials))
 
 
 class Powers:
@@ -75,7 +85,7 @@ class Powers:
         """Convert Chebyshev series (k, n) of n pieces to sums of powers on eight parts of each
         piece; powers that are round-off on every part are dropped.
         """
-        coefficients_on_parts = _TO_PARTS[..., : len(coefficients)] @ coefficients
+        coefficients_on_parts = _to_parts()[..., : len(coefficients)] @ coefficients
         is_needed = np.any(
             np.abs(coefficients_on_parts)
             > 5e-16 * np.max(np.abs(coefficients_on_parts), axis=(0, 1)),
@@ -83,7 +93,7 @@ class Powers:
         )
         n_powers = int(np.max(np.flatnonzero(is_needed), initial=0)) + 1
         self._rows = np.moveaxis(
-            _TO_POWERS[:n_powers, :n_powers] @ coefficients_on_parts[:, :n_powers], 0, 2
+            _to_powers()[:n_powers, :n_powers] @ coefficients_on_parts[:, :n_powers], 0, 2
         ).reshape(n_powers, -1)
 
     def __call__(self, number: NDArray[np.intp], t: Array) -> Array:
