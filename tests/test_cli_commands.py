@@ -238,6 +238,7 @@ NOT_FOR_BOTH_ENGINES = {f"scipy.{part}" for part in ("optimize", "interpolate", 
 NOT_FOR_BOTH_ENGINES |= {"xarray", "pandas", "h5py", "meshio", "rich", "matplotlib", "jinja2"}
 OF_OTHER_SCENES = {"semi_analytic.grid", "semi_analytic.odd_memory", "halfplane_fe.mortar"}
 OF_OTHER_SCENES |= {"halfplane_fe.kernel_bodies", "halfplane_fe.return_mapping"}
+OF_OTHER_SCENES |= {"scenes.text_tables", "scenes.fitting", "scenes.height_slopes"}
 # What importing theory, importing both engines, and then solving, saving and reading load of what
 # they do not need: to import xarray takes longer than a solve and its file.
 ENGINES = f"""

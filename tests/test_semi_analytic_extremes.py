@@ -43,6 +43,32 @@ THIN_LAYERS = {
 }
 
 
+# Functions on [0, 1] that are largest at 0.31234, or at the rim, their largest value, and how often
+# a search may evaluate them: a smooth one takes the first places and three rounds, of which the
+# last changes nothing.
+SEARCHED_FUNCTIONS = {
+    "smooth": (lambda x: np.cos(3 * (x - 0.31234)), 1.0, 4),
+    "kink": (lambda x: 1 - np.abs(x - 0.31234), 1.0, 12),
+    "skew kink": (lambda x: 1 - np.where(x < 0.31234, 1e-3, 5.0) * np.abs(x - 0.31234), 1.0, 12),
+    "root": (lambda x: 1 - np.sqrt(np.abs(x - 0.31234)), 1.0, 17),
+    "rim": (lambda x: x, 1.0, 3),
+}
+
+
+@pytest.mark.parametrize("name", SEARCHED_FUNCTIONS)
+def test_search_for_a_largest_value_ends_once_it_is_found(name: str) -> None:
+    function, largest, most_calls = SEARCHED_FUNCTIONS[name]
+    calls = []
+
+    def counted(x: np.ndarray) -> np.ndarray:
+        calls.append(x)
+        return function(x)
+
+    found, _ = largest_values._largest_value(counted, np.array([0.0, 1.0]))
+    assert found == pytest.approx(largest, rel=1e-10, abs=0)
+    assert len(calls) <= most_calls
+
+
 def on_points(scene: Scene, x: np.ndarray, steps: int) -> ContactSolution:
     """What stands in for a finite-element answer: theory on the points and instants of some
     mesh.
