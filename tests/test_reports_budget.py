@@ -38,7 +38,7 @@ from reports.comparison.budget_words import budget_table, negligible_terms, shar
 from reports.comparison.words import lead, verdict
 from reports.console import show
 from reports.page.content import as_json
-from reports.page.writing import render
+from reports.page.writing import _dissipations, render
 from reports.report import Report, with_budget
 from scenes import InputError, load_scene
 
@@ -364,6 +364,24 @@ def test_where_theory_has_no_polygon_the_step_is_measured_by_halving_it(paper, m
         budgets.theory_on_steps(solution)
     pulled = replace(solution, scene=solution.scene.vary(load={"bulk_stress_lower": 1.0}))
     assert budgets.theory_on_steps(pulled) is None
+
+
+def test_without_a_budget_theory_on_the_steps_is_shown_with_the_same_values(paper):
+    """The page and comparison.json show it; what is left out is stated."""
+    comparison = paper[0]
+    few_fields = budgets.theory_on_steps(comparison.result, budgets.SHOWN_ON_STEPS)
+    whole, short = (
+        compare(comparison.reference, comparison.result, polygon_reference=on_steps)
+        for on_steps in (budgets.theory_on_steps(comparison.result), few_fields)
+    )
+    assert np.isnan(few_fields.shear).all()
+    assert "shear" in few_fields.work.skipped
+    contents = [json.loads(as_json(Report(one)))["polygon_reference"] for one in (whole, short)]
+    for content in contents:
+        for of_the_work in ("counts", "skipped", "seconds", "settings"):
+            del content[of_the_work]
+    assert contents[0] == contents[1]
+    assert list(_dissipations(short)) == list(_dissipations(whole))
 
 
 def test_rungs_need_no_coarse_run_of_their_own_and_keep_the_penalty_layer(paper):

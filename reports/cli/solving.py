@@ -343,7 +343,7 @@ def _compare_engines(job: Job, tolerances: dict[str, float]) -> Report:
     fe = solve_finite_elements(job)
     with _kept_if_interrupted(fe):
         with _saved_if_it_fails(fe, job.folder):
-            comparison = _comparison_with_theory(job, fe, tolerances)
+            comparison = _comparison_with_theory(job, fe, tolerances, measures_budget)
             if reason_for_no_budget:
                 note = f"{reason_for_no_budget[:1].upper()}{reason_for_no_budget[1:]}."
                 comparison = replace(comparison, notes=(*comparison.notes, note))
@@ -359,20 +359,21 @@ def _compare_engines(job: Job, tolerances: dict[str, float]) -> Report:
 
 
 def _comparison_with_theory(
-    job: Job, fe: ContactSolution, tolerances: dict[str, float]
+    job: Job, fe: ContactSolution, tolerances: dict[str, float], measures_budget: bool
 ) -> Comparison:
     """Compare the finite elements' solution `fe` with half-plane theory, solved at its points and
     instants. Theory on the straight lines between these instants is solved too, which shows the
-    error of the load steps.
+    error of the load steps: all fields of it where a budget of the errors will be measured.
     """
-    from reports.comparison.budget import theory_on_steps
+    from reports.comparison.budget import SHOWN_ON_STEPS, theory_on_steps
 
     reference = _solve_half_plane(job, x=fe.x, time=fe.time)
     # Of a thinned answer the steps are those of the path itself.
     theory_on_polygon: ContactSolution | None = reference
     if not fe.thinned:
         with job.stages.stage("half-plane theory, on the polygon of the steps"):
-            theory_on_polygon = theory_on_steps(fe)
+            fields = None if measures_budget else SHOWN_ON_STEPS
+            theory_on_polygon = theory_on_steps(fe, fields)
     with job.stages.stage("comparison"):
         from reports.comparison import compare
         from reports.comparison.datum import effects_between

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from itertools import chain
@@ -103,21 +103,34 @@ class Refinements(PythonNumbers):
     step: tuple[Run, ...] | None = None
 
 
-def theory_on_steps(result: ContactSolution) -> ContactSolution | None:
+# Fields of theory on the straight lines between the instants that the page and comparison.json show
+# without a budget.
+SHOWN_ON_STEPS = ("pressure", "dissipation", "loop_work")
+
+
+def theory_on_steps(
+    result: ContactSolution, fields: Sequence[str] | None = None
+) -> ContactSolution | None:
     """Half-plane theory for a result's scene with loads that run straight from one instant of the
     result to the next, at the result's surface points.
 
     The result minus this answer holds no error of the load increments. None where bulk stress or
-    tilt leave theory without an answer on such a path.
+    tilt leave theory without an answer on such a path. `fields` are those of theory that are
+    wanted: all of them by default, which a budget of the errors needs.
     """
     import semi_analytic
 
     scene = result.scene
+    wanted_fields = semi_analytic.FIELDS if fields is None else fields
     try:
         # A thinned result, of a long path of straight lines, holds some of its instants only:
         # theory follows that path itself.
         return semi_analytic.solve(
-            scene, x=result.x, time=result.time, straight_steps=not result.thinned
+            scene,
+            x=result.x,
+            time=result.time,
+            fields=wanted_fields,
+            straight_steps=not result.thinned,
         )
     except InputError:
         if scene.unsymmetric:
