@@ -37,9 +37,9 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
     json_values.py  as JSON: `strict` `solution_content` `metric_content`
     budget.py       where the error of each metric comes from: mesh, steps, penalty, far field,
                     idealisation: `ErrorBudget` `Budget` `error_budget` `climb` `coarser`
-                    `finer_steps` `mesh_ratio` `theory_on_steps` `ROUNDING`; the mesh-refinement
-                    study of one value, its order and value at size zero: `Refinement`
-                    `Extrapolation` `extrapolate`
+                    `finer_steps` `mesh_ratio` `theory_on_steps` `SHOWN_ON_STEPS` `ROUNDING`; the
+                    mesh-refinement study of one value, its order and value at size zero:
+                    `Refinement` `Extrapolation` `extrapolate`
     budget_words.py a budget in sentences, cells and JSON: `budget_table` `negligible_terms` `cost`
                     `share` `honest` `honesty` `budget_content`
     findings.py     what two runs, or a run and a baseline, differ by: `Findings` `read_findings`
