@@ -199,13 +199,13 @@ def blind() -> Iterator[None]:
 
 def half_far_field() -> Planted:
     """The work of the arc's tractions in the half-plane's own displacement left out."""
-    work = elasticity.arc_work
+    forces_on_arc = elasticity.arc_forces
 
     def planted(*given: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        by_nodes, tractions, displacements = work(*given)
-        return by_nodes, tractions, 0.0 * displacements
+        nodal_forces, tractions, displacements = forces_on_arc(*given)
+        return nodal_forces, tractions, 0.0 * displacements
 
-    return mock.patch.object(elasticity, "arc_work", planted)
+    return mock.patch.object(elasticity, "arc_forces", planted)
 
 
 SOFT = {"method": "penalty", "normal_stiffness": 1.0, "tangential_stiffness": 1.0}

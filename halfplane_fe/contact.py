@@ -96,15 +96,15 @@ class InterfaceState:
         run has dropped (`run.PathRun`) ends after the slip
     state
         (n,) SurfaceState of each node
-    carried
-        P and Q where they are not `loads`
+    resultants
+        P and Q of the nodal forces where `loads` are movements; else None
     """
 
     time: float
     loads: tuple[float, ...]
     values: Array
     state: States
-    carried: tuple[float, float] | None = None
+    resultants: tuple[float, float] | None = None
 
     approach, shift, tilt = (_rigid(number) for number in range(3))
     slip, pressure, shear, gap = (_of_nodes(number) for number in range(4))
@@ -112,12 +112,12 @@ class InterfaceState:
     @property
     def normal_load(self) -> float:
         """P."""
-        return self.loads[0] if self.carried is None else self.carried[0]
+        return self.loads[0] if self.resultants is None else self.resultants[0]
 
     @property
     def tangential_load(self) -> float:
         """Q."""
-        return self.loads[1] if self.carried is None else self.carried[1]
+        return self.loads[1] if self.resultants is None else self.resultants[1]
 
     @property
     def is_complete(self) -> bool:
@@ -329,12 +329,12 @@ class ContactProblem:
         self, time: float, loads: tuple[float, ...], values: Array, states: States
     ) -> InterfaceState:
         """State of the interface, with P and Q by its nodal forces where actuators move it."""
-        carried_loads = None
+        resultants = None
         if self.actuators.are_there:
             _, pressure, shear, _ = nodal(values)
             normal_load, tangential_load = self.interface.carried(pressure, shear)
-            carried_loads = (float(normal_load), float(tangential_load))
-        return InterfaceState(time, loads, values, freeze(states, np.int8), carried_loads)
+            resultants = (float(normal_load), float(tangential_load))
+        return InterfaceState(time, loads, values, freeze(states, np.int8), resultants)
 
     def equilibrium(
         self,
@@ -444,7 +444,7 @@ class ContactProblem:
         state = self._state(time, loads, freeze(solution.values), solution.states)
         return state, solution.newton_steps
 
-    def following(
+    def state_following(
         self, start: InterfaceState, time: float, loads: tuple[float, ...], states: States
     ) -> InterfaceState:
         """State of the contact one increment after `start`, for given states (n,) of its nodes:
@@ -605,7 +605,7 @@ class ContactProblem:
         n_changing = 0
         try:
             for iteration in range(self.max_iterations + 1):
-                state = self.following(start, time, loads, states)
+                state = self.state_following(start, time, loads, states)
                 next_states = self._states_by_law(state, start)
                 n_changing = int(np.count_nonzero(next_states != states))
                 self.work["slip iterations"] += iteration > 0 and not np.array_equal(
@@ -641,7 +641,7 @@ class ContactProblem:
         shift = start.shift
         is_closed = start.closed
         stresses_and_tilt = replace(start, loads=loads).imposed
-        resultants = start.carried or loads[:2]  # P and Q
+        resultants = start.resultants or loads[:2]  # P and Q
         if len(loads) > 2 and not self.moment_given:
             stresses_and_tilt[2] = loads[_TILT_OR_MOMENT]
         n_changing = 0
@@ -665,7 +665,9 @@ class ContactProblem:
                     start.slip - slip_by_imposed - coupling @ pressure - normals_x * approach
                 )
                 tangential_load = (
-                    None if self.interface.guided else resultants[1] + float(normals_x @ pressure)
+                    None
+                    if self.interface.has_odd_shear
+                    else resultants[1] + float(normals_x @ pressure)
                 )
                 shear, shift, states = shear_at_known_pressure(
                     systems, np.maximum(pressure, 0.0), known_slip, tangential_load, ROUNDING
@@ -673,8 +675,8 @@ class ContactProblem:
             # Without a sticking node the full system is singular, unless an actuator holds it.
             if not np.any(states == STICK) and self.actuators.tangential is None:
                 continue
-            state = self.following(start, time, loads, states)
-            resultants = state.carried or resultants
+            state = self.state_following(start, time, loads, states)
+            resultants = state.resultants or resultants
             n_changing = int(np.count_nonzero(self._states_by_law(state, start) != states))
             if not n_changing:
                 return _Solved(state, turn_number, 0)
@@ -698,7 +700,7 @@ class ContactProblem:
             the state before the increment
         """
         states = answer.state
-        # What the equations of these states set to zero is zero (`following`): weighted, its
+        # What the equations of these states set to zero is zero (`state_following`): weighted, its
         # rounding would look like a force.
         slip, pressure, shear, gap = nodal(answer.values)
         slip_increment = slip - start.slip

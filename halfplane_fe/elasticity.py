@@ -25,7 +25,7 @@ from scipy.sparse.linalg import SuperLU, splu
 from skfem.models.elasticity import lame_parameters
 from skfem.quadrature import get_quadrature
 
-from halfplane_fe.far_field import arc_work, line_elements
+from halfplane_fe.far_field import arc_forces, line_elements
 from meshes import BodyMesh
 from scenes import ConvergenceError, Elastic, InputError, freeze
 from scenes.array_types import Array, Indices
@@ -57,9 +57,10 @@ class System:
         (2, n) degrees of freedom (x, y) of the contact nodes, by ascending x
     half_plane_arcs
         boundaries to the half-plane around the body; none for a body of finite size
-    arc_dofs
-        (2, m) degrees of freedom along x and y of the nodes there; of a body on rollers that its
-        ends hold against Q, (1, m) those along x of the ends
+    reaction_dofs
+        degrees of freedom on which the known reactions to forces on the contact act: (2, m) along
+        x and y of the nodes on those arcs; of a body on rollers, which its ends hold against Q,
+        (1, m) along x of the nodes on its ends
     held_dofs
         those that supports keep at zero
     tension_forces
@@ -73,7 +74,7 @@ class System:
     cells: Indices
     contact_dofs: Indices
     half_plane_arcs: tuple[str, ...]
-    arc_dofs: Indices
+    reaction_dofs: Indices
     held_dofs: Indices
     tension_forces: Array
 
@@ -158,12 +159,12 @@ def assemble(body: BodyMesh, material: Elastic) -> System:
     boundary_dofs = {name: _boundary_dofs(mesh, order, name) for name in ("contact", *supports)}
     half_plane_arcs = tuple(name for name, support in supports.items() if support == "half_plane")
     pulled_ends = tuple(name for name, support in supports.items() if support == "pulled")
-    arc_dofs = np.hstack(
+    reaction_dofs = np.hstack(
         [np.empty((2, 0), dtype=np.int64), *(boundary_dofs[name] for name in half_plane_arcs)]
     )
     if pulled_ends and supports["base"] == "rollers":
-        # In place of an arc, which such a body lacks: the ends, which hold it against Q.
-        arc_dofs = np.hstack([boundary_dofs[name][:1] for name in pulled_ends])
+        # Such a body has no arc: its ends hold it against Q.
+        reaction_dofs = np.hstack([boundary_dofs[name][:1] for name in pulled_ends])
     components_held = {
         "fixed": (0, 1),
         "rollers": (1,),
@@ -187,7 +188,7 @@ def assemble(body: BodyMesh, material: Elastic) -> System:
         cells=cells_of(mesh, order),
         contact_dofs=boundary_dofs["contact"],
         half_plane_arcs=half_plane_arcs,
-        arc_dofs=arc_dofs,
+        reaction_dofs=reaction_dofs,
         held_dofs=np.unique(np.concatenate(held_dofs)),
         tension_forces=np.empty(0),
     )
@@ -321,7 +322,7 @@ class CondensedBody:
     compliance
         (2, n, 2, n) displacement (along x, outward) of node i by a unit force (along x,
         outward) on node j, symmetric [length per force per thickness]
-    by_stress
+    displacement_by_stress
         (2, n) displacement (along x, outward) of the contact nodes by a unit of bulk stress
         [length per stress]: of a half-plane (x, -nu/(1 - nu) y) (1 - nu^2)/E, exactly; of a
         body with ends that of the mesh under tension on both; zeros for any other
@@ -337,7 +338,7 @@ class CondensedBody:
     y: Array
     weights: Array
     compliance: Array
-    by_stress: Array
+    displacement_by_stress: Array
     diagnostics: Mapping[str, float]
 
     @property
@@ -445,7 +446,12 @@ def _mirror_images(system: System) -> Indices | None:
         rows = np.sort(numbers, axis=0)
         return rows[:, np.lexsort(rows)]
 
-    for dofs in (2 * system.cells.T, system.contact_dofs, system.arc_dofs, system.held_dofs[None]):
+    for dofs in (
+        2 * system.cells.T,
+        system.contact_dofs,
+        system.reaction_dofs,
+        system.held_dofs[None],
+    ):
         if not np.array_equal(sorted_columns(dofs), sorted_columns(images[dofs])):
             return None
     return images
@@ -461,7 +467,7 @@ def _elimination_ranks(system: System, stiffness: sparse.csr_matrix) -> Indices:
     n_nodes = system.mesh.p.shape[1]
     # Half of a mirror-symmetric body has no stiffness at the nodes of the other half.
     stiff_nodes = np.flatnonzero(stiffness.diagonal()[: 2 * n_nodes : 2])
-    remaining_dofs = np.concatenate([system.contact_dofs[0], system.arc_dofs[0]])
+    remaining_dofs = np.concatenate([system.contact_dofs[0], system.reaction_dofs[0]])
     inner_nodes = stiff_nodes[~np.isin(2 * stiff_nodes, remaining_dofs)]
     # The pressure r of contact nodes comes last: first of all, it would fill the factors.
     ranks = np.full(n_nodes, n_nodes)
@@ -587,28 +593,29 @@ def _condensed_subspace(
     half_plane_loads
         tractions of the half-plane around a half-disc on its arc, by unit forces on the contact
     """
-    # Numbers of the subspace's motions that move the contact, the arc, what is held, and the rest.
+    # Numbers of the subspace's motions: those that move the contact, the nodes with reactions, the
+    # nodes held, and the inner nodes.
     contact_numbers = np.flatnonzero(np.isin(subspace.leading_dofs, system.contact_dofs))
-    arc_numbers = np.flatnonzero(np.isin(subspace.leading_dofs, system.arc_dofs))
+    reaction_numbers = np.flatnonzero(np.isin(subspace.leading_dofs, system.reaction_dofs))
     held_numbers = np.flatnonzero(np.isin(subspace.leading_dofs, system.held_dofs))
     if system.half_plane_arcs:
         # The loads balance, so that holding a half-disc at as few of its nodes as it has rigid
         # motions changes nothing.
-        held_numbers, arc_numbers = _held_on_arc(system, subspace, arc_numbers)
+        held_numbers, reaction_numbers = _held_on_arc(system, subspace, reaction_numbers)
     inner_numbers = np.delete(
         np.arange(len(subspace.leading_dofs)),
-        np.concatenate([held_numbers, arc_numbers, contact_numbers]),
+        np.concatenate([held_numbers, reaction_numbers, contact_numbers]),
     )
     inner_ranks = ranks[subspace.leading_dofs[inner_numbers]]
     inner_numbers = inner_numbers[np.argsort(inner_ranks, kind="stable")]
-    elimination_order = np.concatenate([inner_numbers, arc_numbers, contact_numbers])
-    n_arc = len(arc_numbers)
+    elimination_order = np.concatenate([inner_numbers, reaction_numbers, contact_numbers])
+    n_reactions = len(reaction_numbers)
     ordered_motions = subspace.motions(np.arange(len(subspace.column_of_dof)), elimination_order)
     ordered_stiffness = (ordered_motions.T @ stiffness @ ordered_motions).tocsc()
     elimination = _Elimination.of(ordered_stiffness, len(inner_numbers))
     contact_motions = subspace.motions(system.contact_dofs.ravel(), contact_numbers)
     loads = _SubspaceLoads(
-        arc_loads=subspace.motions(system.arc_dofs.ravel(), arc_numbers).T
+        arc_loads=subspace.motions(system.reaction_dofs.ravel(), reaction_numbers).T
         @ (half_plane_loads.nodal_forces @ contact_motions),
         tractions_on_arc=(half_plane_loads.tractions @ contact_motions).T,
         displacements_on_arc=half_plane_loads.displacements @ contact_motions,
@@ -616,11 +623,11 @@ def _condensed_subspace(
     )
     inverse_of_schur = elimination.inverse_of_schur
     displacement_by_forces = (
-        inverse_of_schur[:, :n_arc] @ loads.arc_loads + inverse_of_schur[:, n_arc:]
+        inverse_of_schur[:, :n_reactions] @ loads.arc_loads + inverse_of_schur[:, n_reactions:]
     )
     compliance = (
-        loads.arc_loads.T @ displacement_by_forces[:n_arc]
-        + displacement_by_forces[n_arc:]
+        loads.arc_loads.T @ displacement_by_forces[:n_reactions]
+        + displacement_by_forces[n_reactions:]
         - loads.tractions_on_arc @ loads.displacements_on_arc
     )
     displacement_by_stress, error = _tension_response_and_error(elimination, loads, compliance)
@@ -701,7 +708,7 @@ def _held_on_arc(
     Pivoted QR of the rigid motions picks those that hold best. `arc_numbers` are numbers of motions
     in the subspace (symmetric or antisymmetric displacements).
     """
-    all_arc_dofs = system.arc_dofs.ravel()
+    all_arc_dofs = system.reaction_dofs.ravel()
     rigid_in_subspace = (
         subspace.motions(all_arc_dofs, arc_numbers).T @ rigid_motions(system.mesh)[all_arc_dofs]
     )
@@ -741,7 +748,7 @@ def _outer_product(columns: sparse.csc_matrix, factor: Array) -> Array:
 
 class ArcLoads(NamedTuple):
     """The half-plane's tractions on the arc by unit forces on the n contact nodes, see
-    `far_field.arc_work`; for a body without an arc see `arc_loads`.
+    `far_field.arc_forces`; for a body without an arc see `arc_loads`.
 
     Attributes
     ----------
@@ -762,19 +769,20 @@ def arc_loads(system: System, datum_length: float) -> ArcLoads:
     tractions of the half-plane around it.
 
     On a body that rolls on its base and is held at its ends, each end takes its part of a force
-    along x. `arc_dofs` are then those of the ends. For other bodies all arrays are empty.
+    along x. `reaction_dofs` are then those of the ends. For other bodies all arrays are empty.
     `datum_length` is the distance from a force at which the half-plane's surface has no
     displacement [length].
     """
     contact_places = system.mesh.p[0, system.node_of_dof[system.contact_dofs[0]]]
-    arc_places = system.mesh.p[:, system.node_of_dof[system.arc_dofs[0]]]
+    arc_places = system.mesh.p[:, system.node_of_dof[system.reaction_dofs[0]]]
     if system.half_plane_arcs:
         return ArcLoads(
-            *arc_work(arc_places, system.order, contact_places, system.material, datum_length)
+            *arc_forces(arc_places, system.order, contact_places, system.material, datum_length)
         )
-    nodal_forces = np.zeros((system.arc_dofs.size, system.contact_dofs.size))
-    if system.arc_dofs.size:  # in proportion to the nodal forces of tension: half on either end
-        end_shares = np.abs(system.tension_forces[system.arc_dofs.ravel()])
+    nodal_forces = np.zeros((system.reaction_dofs.size, system.contact_dofs.size))
+    if system.reaction_dofs.size:
+        # In proportion to the nodal forces of tension: half on either end.
+        end_shares = np.abs(system.tension_forces[system.reaction_dofs.ravel()])
         nodal_forces[:, : len(contact_places)] = -(end_shares / end_shares.sum())[:, None]
     no_points = np.zeros((0, system.contact_dofs.size))  # of an arc
     return ArcLoads(nodal_forces, tractions=no_points, displacements=no_points)
@@ -882,7 +890,7 @@ def condense(body: BodyMesh, material: Elastic, datum_length: float) -> Condense
         y=freeze(places[1]),
         weights=freeze(weights),
         compliance=freeze(compliance.reshape(*dof_shape, *dof_shape)),
-        by_stress=freeze(displacement_by_stress),
+        displacement_by_stress=freeze(displacement_by_stress),
         diagnostics={
             "asymmetry": asymmetry,
             "residual": float(residual),
@@ -937,14 +945,14 @@ def displacement_fields(
     nodal_loads = np.zeros((system.stiffness.shape[0], forces.shape[-1]))
     nodal_loads[system.contact_dofs.ravel()] = loads_on_contact
     arc = arc_loads(system, datum_length)  # or loads on the ends
-    nodal_loads[system.arc_dofs.ravel()] += arc.nodal_forces @ loads_on_contact
+    nodal_loads[system.reaction_dofs.ravel()] += arc.nodal_forces @ loads_on_contact
     if stresses is not None:
         nodal_loads += system.tension_forces[:, None] * stresses
     held_dofs = system.held_dofs
     if system.half_plane_arcs:
         # The ends of the arc hold a half-disc without a force, since the loads balance.
-        left_x, left_y = system.arc_dofs[:, 0]
-        right_y = system.arc_dofs[1, -1]
+        left_x, left_y = system.reaction_dofs[:, 0]
+        right_y = system.reaction_dofs[1, -1]
         ends_of_arc = [left_x, left_y, right_y]
         held_dofs = np.concatenate([held_dofs, ends_of_arc])
     free_dofs = np.setdiff1d(np.arange(len(nodal_loads)), held_dofs)
@@ -953,10 +961,10 @@ def displacement_fields(
         nodal_loads[free_dofs]
     )
     n_displacements = system.basis.N
-    if system.arc_dofs.size:
+    if system.reaction_dofs.size:
         # Holding nodes took a rigid motion away. By Betti's theorem it moves each contact node by
         # the work of the arc's loads under a unit force there, minus that in the half-plane.
-        work_on_arc = arc.nodal_forces.T @ displacements[system.arc_dofs.ravel()]
+        work_on_arc = arc.nodal_forces.T @ displacements[system.reaction_dofs.ravel()]
         work_in_half_plane = arc.tractions.T @ (arc.displacements @ loads_on_contact)
         missing_displacement = work_on_arc - work_in_half_plane
         motions = rigid_motions(system.mesh)

@@ -109,7 +109,8 @@ def surface_force_traction(x: Array, y: Array, normal: Array, force_at: Array) -
     x, y
         (n,) points of the cut, none at a force [length]
     normal
-        (2, n) unit normal out of the part that the tractions act on
+        (2, n) unit normal out of the part that the tractions act on. If it is multiplied by a
+        length, the result is a force
     force_at
         (m,) places of the forces on the surface [length]
 
@@ -135,18 +136,18 @@ def surface_force_traction(x: Array, y: Array, normal: Array, force_at: Array) -
 
 
 class LineElements(NamedTuple):
-    """Elements on a line, e of them with k nodes and g Gauss points each.
+    """Line elements with their Gauss quadrature: e elements with k nodes and g Gauss points each.
 
     Attributes
     ----------
     nodes
-        (e, k)
+        (e, k) numbers of the nodes
     shapes
-        (k, g) shape functions at the points
+        (k, g) shape functions at the Gauss points
     places
-        (2, e, g) of the points [length]
+        (2, e, g) x and y of the Gauss points [length]
     tangents
-        (2, e, g) times the points' share of the length [length]
+        (2, e, g) unit tangent times the length of line that a Gauss point stands for [length]
     """
 
     nodes: Indices
@@ -155,17 +156,17 @@ class LineElements(NamedTuple):
     tangents: Array
 
 
-def line_elements(line: Array, order: int, count: int) -> LineElements:
-    """Elements of order 1 or 2 on a line (2, n) through nodes that follow each other, with `count`
-    Gauss points on each.
+def line_elements(line: Array, order: int, n_gauss_points: int) -> LineElements:
+    """Line elements of order 1 or 2 through the nodes of a line (2, n) in their order, with
+    `n_gauss_points` on each.
     """
     nodes = np.arange(0, line.shape[1] - order, order)[:, None] + np.arange(order + 1)
-    return curve_elements(line, nodes, count)
+    return curve_elements(line, nodes, n_gauss_points)
 
 
-def curve_elements(points: Array, nodes: Indices, count: int) -> LineElements:
-    """Line elements of order 1 or 2 along a curve: shape functions, places, and tangents times
-    weight, at Gauss points.
+def curve_elements(points: Array, nodes: Indices, n_gauss_points: int) -> LineElements:
+    """Line elements of order 1 or 2 along a curve: shape functions, places, and tangents times the
+    quadrature weight, at Gauss points.
 
     Parameters
     ----------
@@ -173,10 +174,10 @@ def curve_elements(points: Array, nodes: Indices, count: int) -> LineElements:
         (2, n) x and y of all nodes [length]
     nodes
         (e, k) numbers of the nodes of each of e elements, k = 2 or 3, in order along the curve
-    count
+    n_gauss_points
         number of Gauss points on each element
     """
-    gauss_points, weights = np.polynomial.legendre.leggauss(count)
+    gauss_points, weights = np.polynomial.legendre.leggauss(n_gauss_points)
     if nodes.shape[1] == 2:
         half_slopes = np.full_like(gauss_points, 0.5)
         shapes = np.array([(1 - gauss_points) / 2, (1 + gauss_points) / 2])
@@ -198,11 +199,12 @@ def curve_elements(points: Array, nodes: Indices, count: int) -> LineElements:
     )
 
 
-def arc_work(
+def arc_forces(
     arc: Array, order: int, force_at: Array, material: Elastic, datum_length: float
 ) -> tuple[Array, Array, Array]:
-    """Nodal forces on the arc of a half-disc by the half-plane around it, under unit forces on the
-    contact nodes: the work of the tractions there in the shape functions of the arc.
+    """Consistent nodal forces on the arc of a half-disc by the half-plane around it, under unit
+    forces on the contact nodes: Flamant's tractions times the shape functions, integrated along
+    the arc.
 
     Parameters
     ----------
@@ -213,34 +215,34 @@ def arc_work(
     force_at
         (m,) x of the contact nodes [length]
     material, datum_length
-        of the half-plane; distance from a force at which its surface counts as unmoved [length]
+        of the half-plane; distance from a force at which its surface has no displacement [length]
 
     Returns
     -------
-    by_nodes
+    nodal_forces
         (2 k, 2 m) forces on the nodes of the arc, along x, then along y, by forces on the contact
         nodes along x, then along y
-    tractions, displacements
-        (l, 2 m) of the half-plane along x and y at Gauss points of the arc, tractions times their
-        part of its length; the former, transposed, times the latter is the work in the
-        half-plane's own displacement
+    traction_forces, displacements
+        (2 g, 2 m) of the half-plane at the g Gauss points of the arc, along x, then along y, by
+        the same forces. Tractions are multiplied by the length of arc of their Gauss point:
+        traction_forces^T displacements is their work in the half-plane's own displacement
     """
     elements = line_elements(arc, order, _N_GAUSS_POINTS)
     x, y = elements.places.reshape(2, -1)
     tangent_x, tangent_y = elements.tangents
-    scaled_normal = np.stack([tangent_y.ravel(), -tangent_x.ravel()])  # outward, times the length
+    scaled_normal = np.stack([tangent_y.ravel(), -tangent_x.ravel()])  # outward, times arc length
     traction_forces = surface_force_traction(x, y, scaled_normal, force_at).reshape(
         2, *tangent_x.shape, -1
     )
-    by_nodes = np.zeros((2, arc.shape[1], traction_forces.shape[-1]))
+    nodal_forces = np.zeros((2, arc.shape[1], traction_forces.shape[-1]))
     for nodes, shape_values in zip(elements.nodes.T, elements.shapes, strict=True):
-        by_nodes[:, nodes] += np.einsum("g,degm->dem", shape_values, traction_forces)
+        nodal_forces[:, nodes] += np.einsum("g,degm->dem", shape_values, traction_forces)
     displacement = surface_force_displacement(
         x, y, force_at, material.young_modulus, material.poisson_ratio, datum_length
     )
-    n_points = 2 * len(x)
+    n_components = 2 * len(x)
     return (
-        by_nodes.reshape(2 * arc.shape[1], -1),
-        traction_forces.reshape(n_points, -1),
-        displacement.reshape(n_points, -1),
+        nodal_forces.reshape(2 * arc.shape[1], -1),
+        traction_forces.reshape(n_components, -1),
+        displacement.reshape(n_components, -1),
     )

@@ -48,29 +48,29 @@ _REFLECTION = np.array([1.0, -1.0])
 
 @dataclass(frozen=True, eq=False)
 class Interface:
-    """Compliance of a pair of bodies facing each other.
+    """Contact compliance of a pair of bodies: gap and slip by nodal forces at n contact nodes.
 
     Attributes
     ----------
     x, weights
-        (n,) contact points of the lower body and their share of the surface [length]
+        (n,) contact nodes of the lower body and the length of face that each stands for [length]
     normals
-        (2, n) n_x and n_y
+        (2, n) n_x and n_y of the unit normal out of the lower body
     gap
-        (n,) initial distance of the faces, as they are made [length]
+        (n,) initial distance of the faces as they are meshed, unloaded [length]
     normal, tangential
-        (n, n) N and T [length per force per thickness]
+        (n, n) N, gap by p, and T, minus slip by q [length per force per thickness]
     coupling
-        (n, n) K, or None where it is exactly zero
+        (n, n) K, slip by p, or None where it is exactly zero
     nearest
         x and initial distance where the faces are nearest to each other [length]
     imposed
         (2, n, 3) G and S: gap and slip by a unit of bulk stress in the lower body, in the upper
-        one [length per stress], and by a unit of tilt [length]; nothing by stress in pads and
+        one [length per stress], and by a unit of tilt [length]; zero by stress in pads and
         cylinders
-    guided
-        whether this is one half of faces that p and q leave as mirror images (`mirror`): U is
-        zero by symmetry, and so is Q
+    has_odd_shear
+        whether these are the nodes at x >= 0 of a contact whose shear is odd in x (`mirror`): U
+        and Q are zero by symmetry
     """
 
     x: Array
@@ -81,7 +81,7 @@ class Interface:
     tangential: Array
     coupling: Array | None
     nearest: tuple[float, float] = (0.0, 0.0)
-    guided: bool = False
+    has_odd_shear: bool = False
     imposed: Array | None = None
 
     @property
@@ -90,8 +90,8 @@ class Interface:
         return not self.normals[0].any()
 
     def scaled(self, length: float, compliance: float) -> Interface:
-        """The same pair of bodies in other units: places and gap over `length`, compliances over
-        `compliance`, gap and slip by bulk stress over both, by tilt over `length`.
+        """This contact compliance in other units: x, weights and gap over `length`; N, T and K over
+        `compliance`; gap and slip by bulk stress over both, by tilt over `length`.
         """
         coupling = self.coupling
         if coupling is not None:
@@ -114,22 +114,23 @@ class Interface:
         )
 
     def moved(self, approach: ArrayLike, shift: ArrayLike) -> tuple[Array, Array]:
-        """What normal approach and shift of the upper body, (..., 1) of many instants, add to gap
-        and slip, each (..., n).
+        """Gap and slip of the n nodes, (..., n) each, by a rigid motion of the upper body: normal
+        approach and tangential displacement, (..., 1) each at one or many instants [length].
         """
         n_x, n_y = self.normals
         return n_x * shift - n_y * approach, n_y * shift + n_x * approach
 
     def carried(self, pressure: Array, shear: Array) -> tuple[Array, Array]:
-        """P and Q (...) that nodal forces p and q (n, ...) carry."""
+        """Resultants P and Q (...) of nodal forces p and q (n, ...), along y and x."""
         n_x, n_y = self.normals
         normal_force = n_y @ pressure + n_x @ shear
         tangential_force = n_y @ shear - n_x @ pressure
-        return normal_force, 0 * tangential_force if self.guided else tangential_force
+        return normal_force, 0 * tangential_force if self.has_odd_shear else tangential_force
 
     def work_of_imposed(self, pressure: Array, shear: Array) -> Array:
-        """(..., 3) F = S q - G p of forces (..., n), work of the loads per unit of e: -m_q/E' of
-        half-planes below, -M of tilt.
+        """Work of nodal forces p and q (..., n) per unit of each imposed load, F = S q - G p,
+        (..., 3): by the bulk stress in the lower and in the upper body, and by tilt, where it is
+        minus the moment M. For the bulk stress of a lower half-plane it is -(1/E') sum x q.
         """
         if self.imposed is None:
             return np.zeros(3)
@@ -137,33 +138,33 @@ class Interface:
 
 
 def couple(lower: CondensedBody, upper: CondensedBody) -> Interface:
-    """Compliance of a pair of bodies facing each other, from the condensed compliance of each: what
-    contact forces do to gap and slip.
+    """Contact compliance of two bodies, gap and slip by nodal contact forces, from the condensed
+    compliance of each.
 
-    Bodies are coupled node by node where flat faces have nodes opposite each other, by mortar on
-    their middle line elsewhere. The upper body is condensed in its own frame, as if it were a lower
-    one; here it is reflected in y = 0.
+    Where flat faces have nodes opposite each other, compliances add node by node; elsewhere the
+    faces are joined by mortar on their middle line. The upper body is condensed in its own frame,
+    as if it were a lower one; here it is reflected in y = 0.
     """
-    if _opposite(lower, upper):
-        return _coupled_node_by_node(lower, upper)
-    return _coupled_by_mortar(lower, upper)
+    if _have_opposite_nodes(lower, upper):
+        return _compliance_node_by_node(lower, upper)
+    return _compliance_by_mortar(lower, upper)
 
 
-def _coupled_node_by_node(lower: CondensedBody, upper: CondensedBody) -> Interface:
-    """Compliance of two bodies whose flat faces have nodes opposite each other: normal and
+def _compliance_node_by_node(lower: CondensedBody, upper: CondensedBody) -> Interface:
+    """Contact compliance of two bodies whose flat faces have nodes opposite each other: normal and
     tangential compliances add, since equal and opposite forces act on both.
 
-    The coupling of pressure and slip is the difference of both bodies', zero for like ones.
+    The coupling K, slip by pressure, is that of the lower body minus that of the upper one, each
+    in its own frame: zero for like bodies.
     """
     # compliance[i, :, j, :]: displacement i (0 along x, 1 outward) by force j; the upper body feels
     # -q along x and -p outward.
     lower_compliance = lower.compliance
     upper_compliance = upper.compliance
     stretch_of_lower, stretch_of_upper, tilt_of_upper = _imposed_displacements(lower, upper)
-    # Reversed, as the gap comes first: it changes by displacement outward, slip by that along x.
-    imposed_displacement = np.stack([-stretch_of_lower, stretch_of_upper, tilt_of_upper], axis=-1)[
-        ::-1
-    ]
+    # Upper minus lower body: component, node, load. On flat faces x is slip and y is gap.
+    slip_and_gap = np.stack([-stretch_of_lower, stretch_of_upper, tilt_of_upper], axis=-1)
+    gap_and_slip = slip_and_gap[::-1]
     coupling = lower_compliance[0, :, 1, :] - upper_compliance[0, :, 1, :]
     return Interface(
         x=freeze(lower.x),
@@ -173,17 +174,17 @@ def _coupled_node_by_node(lower: CondensedBody, upper: CondensedBody) -> Interfa
         normal=freeze(lower_compliance[1, :, 1, :] + upper_compliance[1, :, 1, :]),
         tangential=freeze(lower_compliance[0, :, 0, :] + upper_compliance[0, :, 0, :]),
         coupling=freeze(coupling) if coupling.any() else None,
-        imposed=freeze(imposed_displacement),
+        imposed=freeze(gap_and_slip),
     )
 
 
-def _coupled_by_mortar(lower: CondensedBody, upper: CondensedBody) -> Interface:
-    """Compliance of two bodies with curved faces, or with nodes that are not opposite each other,
-    at the nodes of the lower face.
+def _compliance_by_mortar(lower: CondensedBody, upper: CondensedBody) -> Interface:
+    """Contact compliance, at the nodes of the lower face, of two bodies with curved faces or with
+    nodes that are not opposite each other.
 
-    With mortar operators B, which average displacement over the shape functions of these nodes, the
-    compliance is the sum of B C B^T over both bodies, C being that of each. Its blocks are those of
-    gap by p, of slip by q, and of slip by p.
+    With C the compliance of one body and B its mortar operator, the compliance is the sum of
+    B C B^T over both bodies. B turns nodal displacements into weighted means along the normal and
+    the tangent. Its blocks are gap by p (N), slip by q (T), and slip by p (K).
     """
     mortar_sides = _mortar(lower, upper)
     # Sparse: these operators hold little but zeros.
@@ -194,7 +195,7 @@ def _coupled_by_mortar(lower: CondensedBody, upper: CondensedBody) -> Interface:
         + operator_of_upper @ _square(_turned(upper.compliance)) @ operator_of_upper.T
     )
     stretch_of_lower, stretch_of_upper, tilt_of_upper = _imposed_displacements(lower, upper)
-    imposed_displacement = [
+    gap_and_slip_by_load = [
         np.einsum("dnim,im->dn", operator, displacement)
         for operator, displacement in (
             (-mortar_sides.lower, stretch_of_lower),
@@ -213,118 +214,118 @@ def _coupled_by_mortar(lower: CondensedBody, upper: CondensedBody) -> Interface:
         tangential=freeze(compliance_of_both[n_nodes:, n_nodes:]),
         coupling=freeze(coupling) if coupling.any() else None,
         nearest=mortar_sides.nearest,
-        imposed=freeze(np.stack(imposed_displacement, axis=-1)),
+        imposed=freeze(np.stack(gap_and_slip_by_load, axis=-1)),
     )
 
 
 def _imposed_displacements(
     lower: CondensedBody, upper: CondensedBody
 ) -> tuple[Array, Array, Array]:
-    """(2, n) of the contact nodes in the common frame: of each body by a unit of its bulk stress,
-    and of the upper one by a unit of tilt.
+    """Displacement (2, n) along x and y of the contact nodes in the common frame: of the lower and
+    of the upper body by a unit of its bulk stress [length/stress], and of the upper one by a unit
+    of tilt [length].
     """
-    stretch_of_lower = np.broadcast_to(lower.by_stress, (2, len(lower.x)))
-    stretch_of_upper = np.broadcast_to(upper.by_stress, (2, len(upper.x))) * _REFLECTION[:, None]
+    stretch_of_lower = np.broadcast_to(lower.displacement_by_stress, (2, len(lower.x)))
+    stretch_of_upper = (
+        np.broadcast_to(upper.displacement_by_stress, (2, len(upper.x))) * _REFLECTION[:, None]
+    )
     tilt_of_upper = np.stack([upper.y, upper.x])  # (-y, x) of the common frame
     return stretch_of_lower, stretch_of_upper, tilt_of_upper
 
 
-# Element sizes (distances of nodes) within which what only the mesh makes of N - T and K dies out,
-_SIZES_IN_BAND = 8.5
-# and up to which what is left behind that is read.
-_SIZES_TO_PLATEAU_END = 10.5
-# Digits behind the point of a distance over the element size: far more than matter, and less than
-# what round-off changes.
-_DIGITS_OF_SIZES = 9
-# Largest degree of the polynomial that stands for what is smooth of bodies, in both places
-# together,
+# Distance of two nodes over the element size within which the mesh error of N - T and K dies out,
+_ELEMENTS_WITH_MESH_ERROR = 8.5
+# and up to which the smooth part is read off beyond that.
+_ELEMENTS_TO_MEAN_END = 10.5
+# Digits behind the point of a distance over the element size: far more than matter, and fewer than
+# round-off changes.
+_DIGITS_OF_DISTANCES = 9
+# Polynomial in x_i and x_j for the smooth part of a compliance: largest degree in both together,
 _LARGEST_DEGREE = 8
 # nodes that one more degree needs,
 _NODES_PER_DEGREE = 25
-# and samples that it goes through.
+# and places along the face at which it is fitted.
 _N_SAMPLES = 48
-# Nodes of the contact side below which there is no such plateau.
+# Contact nodes below which no pairs are far enough apart for such a fit.
 _FEWEST_NODES = 21
 
 
-def without_local_difference(faces: Interface, scene: Scene) -> Interface | None:
-    """Contact compliance without what only the mesh adds to N - T and to K over nearby nodes; None
-    where that cannot be told from what a near base or end of a face adds.
+def without_local_difference(interface: Interface, scene: Scene) -> Interface | None:
+    """Contact compliance with the mesh errors of N - T and K between nearby nodes taken out; None
+    where a base or the end of a face is too near to tell its effect from these errors.
 
     On a smooth isotropic body a unit force displaces its surroundings by -(2/pi E') ln|x - x'|
     along itself, whether it presses or shears. So N - T is smooth, and K smooth on either side of
-    its jump at x = x'. A mesh of quadratic elements adds parts over the next ten nodes, whatever
-    the element size. They make the zone that touches (by N) longer or shorter than the zone that
-    sticks (by T) by a part of an element. Wherever edges move, W then has an error of first order.
+    its jump at x = x'. A mesh of quadratic elements adds errors over the next ten nodes, whatever
+    the element size. They make the contact (by N) longer or shorter, against the stick zone
+    (by T), by a part of an element. Wherever edges move, W then has an error of first order.
 
-    Here N - T is replaced by a smooth fit near the diagonal, T being what changes; K likewise on
-    each side. That the singular parts of N and T are equal is imposed thereby, not tested.
+    Here N - T is replaced by a smooth fit near the diagonal: N stays, and T changes. So is K, on
+    each side of the diagonal. That the singular parts of N and T are equal is thereby imposed.
 
     # notation: N normal, T tangential compliance, K coupling, E' = E/(1 - nu^2)
     """
-    if not _has_room_for_plateau(faces, scene):
+    if not _has_room_beyond_mesh_error(interface, scene):
         return None
-    sizes_ahead = _sizes_ahead(faces.x)
-    is_in_band = np.abs(sizes_ahead) <= _SIZES_IN_BAND
-    tangential_compliance = _tangential_without_mesh_part(faces, sizes_ahead)
-    coupling = faces.coupling
+    distances_in_elements = _distances_in_elements(interface.x)
+    is_in_band = np.abs(distances_in_elements) <= _ELEMENTS_WITH_MESH_ERROR
+    tangential_compliance = _tangential_with_normal_mesh_error(interface, distances_in_elements)
+    coupling = interface.coupling
     if coupling is not None:
-        smooth_on_left = _smooth(coupling, faces.x, sizes_ahead)
-        smooth_on_right = _smooth(coupling, faces.x, -sizes_ahead)
-        smooth_part = np.where(sizes_ahead > 0, smooth_on_left, smooth_on_right)
+        smooth_on_left = _smooth_compliance(coupling, interface.x, distances_in_elements)
+        smooth_on_right = _smooth_compliance(coupling, interface.x, -distances_in_elements)
+        smooth_part = np.where(distances_in_elements > 0, smooth_on_left, smooth_on_right)
         mean_of_sides = (smooth_on_left + smooth_on_right) / 2
-        smooth_part = np.where(sizes_ahead == 0, mean_of_sides, smooth_part)
+        smooth_part = np.where(distances_in_elements == 0, mean_of_sides, smooth_part)
         coupling = freeze(np.where(is_in_band, smooth_part, coupling))
-    return replace(faces, tangential=freeze(tangential_compliance), coupling=coupling)
+    return replace(interface, tangential=freeze(tangential_compliance), coupling=coupling)
 
 
-def _has_room_for_plateau(faces: Interface, scene: Scene) -> bool:
-    """Whether the ends of the faces and the bases of the bodies are further away than the ten nodes
-    over which the mesh distorts a compliance, and the contact has enough nodes to fit its rest.
+def _has_room_beyond_mesh_error(interface: Interface, scene: Scene) -> bool:
+    """Whether the mesh error of a compliance, over ten nodes, ends before the effect of a base or
+    of the end of a face begins, and the contact has enough nodes to fit the smooth part.
     """
-    spacing = np.diff(faces.x)
-    n_nodes = int(_SIZES_TO_PLATEAU_END)
-    room_beside = face_room(scene) - float(np.abs(faces.x).max())
+    spacing = np.diff(interface.x)
+    n_nodes_needed = int(_ELEMENTS_TO_MEAN_END)
+    room_beside = face_room(scene) - float(np.abs(interface.x).max())
     return (
-        len(faces.x) >= _FEWEST_NODES
-        and room_beside >= n_nodes * max(spacing[0], spacing[-1])
-        and least_depth(scene) >= 2 * n_nodes * float(spacing.max())
+        len(interface.x) >= _FEWEST_NODES
+        and room_beside >= n_nodes_needed * max(spacing[0], spacing[-1])
+        and least_depth(scene) >= 2 * n_nodes_needed * float(spacing.max())
     )
 
 
-def _tangential_without_mesh_part(faces: Interface, sizes_ahead: Array) -> Array:
-    """Tangential compliance T (n, n) with the discretisation error that the normal one, N, has
-    between nearby nodes, in the place of its own: their difference N - T is smooth then.
+def _tangential_with_normal_mesh_error(interface: Interface, distances_in_elements: Array) -> Array:
+    """Tangential compliance T (n, n) whose mesh error between nearby nodes is replaced by that of
+    the normal compliance N, so that N - T is smooth.
 
     Within 8.5 element sizes of the diagonal N - T is replaced by a smooth fit of its values further
-    away; there T stays. Elements are exact for a uniform traction, and so the error of a row of T
-    has the sum 0. Its tail beyond 8.5 sizes, which stays in T, has not: the opposite of the tail's
-    sum is spread over 17 sizes. Without this, W of Cattaneo-Mindlin's cycle stays 6e-5 too small on
-    any mesh.
+    away; beyond, T stays. Elements are exact for a uniform traction, so that each row of the change
+    of T has to have the sum 0, weighted by the length of face. The part within 8.5 sizes alone has
+    not: what it lacks is subtracted, spread over 17 sizes. Without this, W of Cattaneo-Mindlin's
+    cycle stays 6e-5 too small on any mesh.
 
     Parameters
     ----------
-    faces
+    interface
         condensed compliances N and T, and the length of face of each node, (n,) `weights`
-    sizes_ahead
-        (n, n) distance of two nodes over the size of the elements there, with its sign
+    distances_in_elements
+        (n, n) signed distance of two nodes over the size of the elements there
     """
-    is_in_band = np.abs(sizes_ahead) <= _SIZES_IN_BAND
-    smooth_difference = _smooth(faces.normal - faces.tangential, faces.x, np.abs(sizes_ahead))
+    is_in_band = np.abs(distances_in_elements) <= _ELEMENTS_WITH_MESH_ERROR
+    smooth_difference = _smooth_compliance(
+        interface.normal - interface.tangential, interface.x, np.abs(distances_in_elements)
+    )
     symmetric_difference = (smooth_difference + smooth_difference.T) / 2
     tangential_compliance = np.where(
-        is_in_band, faces.normal - symmetric_difference, faces.tangential
+        is_in_band, interface.normal - symmetric_difference, interface.tangential
     )
-    is_in_double_band = np.abs(sizes_ahead) <= 2 * _SIZES_IN_BAND
-    weights = faces.weights
-    sums_of_rows = (tangential_compliance - faces.tangential) @ weights
-    # A symmetric matrix v_i + v_j on the double band has these sums.
-    spread_of_sums = solve(
-        np.diag(is_in_double_band @ weights) + is_in_double_band * weights, sums_of_rows
-    )
-    tangential_compliance -= np.where(
-        is_in_double_band, np.add.outer(spread_of_sums, spread_of_sums), 0.0
-    )
+    is_in_wide_band = np.abs(distances_in_elements) <= 2 * _ELEMENTS_WITH_MESH_ERROR
+    weights = interface.weights
+    row_sums = (tangential_compliance - interface.tangential) @ weights
+    # The symmetric matrix v_i + v_j on the wide band has these row sums.
+    v = solve(np.diag(is_in_wide_band @ weights) + is_in_wide_band * weights, row_sums)
+    tangential_compliance -= np.where(is_in_wide_band, np.add.outer(v, v), 0.0)
     return np.asarray(tangential_compliance)
 
 
@@ -333,48 +334,49 @@ def least_depth(scene: Scene) -> float:
     return min(scene.bodies.lower.least_depth, scene.bodies.upper.least_depth)
 
 
-def _sizes_ahead(x: Array) -> Array:
-    """Distance x_i - x_j of the contact nodes over the larger element size at i and at j, (n, n):
-    between equal elements, a number of nodes with a sign.
+def _distances_in_elements(x: Array) -> Array:
+    """Signed distance x_i - x_j of the contact nodes over the larger element size at i and at j,
+    (n, n): between equal elements it counts nodes.
 
-    Large elements disturb the compliance as far as 8.5 of their sizes away, so that small elements
-    beside them count as larger. Distances are rounded to nine digits behind the point: they are
-    compared with a number of nodes, and round-off of x must not decide on which side they lie.
+    The mesh error of large elements reaches 8.5 of their sizes, so that small elements beside them
+    count as larger. Distances are rounded to nine digits behind the point: they are compared with a
+    number of nodes, and round-off of x must not decide on which side they lie.
     """
     spacing = np.diff(x)
     size_on_right = np.append(spacing, spacing[-1])
     size_on_left = np.insert(spacing, 0, spacing[0])
     distance = np.subtract.outer(x, x)
+    largest_size_beside = np.maximum(size_on_right, size_on_left)
+    # The size that counts at a node falls linearly with the distance from a large element.
     size_at_node = np.max(
-        np.maximum(size_on_right, size_on_left) - np.abs(distance) / _SIZES_IN_BAND, axis=1
+        largest_size_beside - np.abs(distance) / _ELEMENTS_WITH_MESH_ERROR, axis=1
     )
-    return np.round(distance / np.maximum.outer(size_at_node, size_at_node), _DIGITS_OF_SIZES)
+    return np.round(distance / np.maximum.outer(size_at_node, size_at_node), _DIGITS_OF_DISTANCES)
 
 
-def _smooth(matrix: Array, x: Array, sizes_ahead: Array) -> Array:
-    """Smooth part of a compliance over pairs of nodes, (n, n), which elements distort between nodes
-    that are near each other.
+def _smooth_compliance(matrix: Array, x: Array, distances_in_elements: Array) -> Array:
+    """Smooth part (n, n) of a compliance matrix that has a mesh error between nearby nodes.
 
-    A polynomial in both places is fitted to pairs further apart than 8.5 element sizes. The mean of
-    what it leaves at 8.5 to 10.5 sizes is added.
+    A polynomial in x_i and x_j is fitted to the pairs of nodes further apart than 8.5 element
+    sizes. The mean residual at 8.5 to 10.5 sizes is added to it.
 
     Parameters
     ----------
     matrix
-        (n, n) compliance between the nodes
+        (n, n) compliance: displacement at node i by a unit force at node j
     x
-        (n,) their places
-    sizes_ahead
-        (n, n) distance of two nodes over the element size; with a sign, if only pairs on one side
-        are to count
+        (n,) places of the nodes [length]
+    distances_in_elements
+        (n, n) distance of two nodes over the element size. If it is signed, only pairs on the
+        positive side of the diagonal are fitted
     """
     unit_x = 2 * (x - x[0]) / (x[-1] - x[0]) - 1
     chebyshev_places = np.cos(np.pi * (np.arange(_N_SAMPLES) + 0.5) / _N_SAMPLES)
     sample_nodes = np.searchsorted(unit_x, chebyshev_places).clip(0, len(x) - 1)
-    # Together with their mirror images, so that a symmetric compliance stays symmetric.
+    # With their mirror images, so that a symmetric compliance stays symmetric.
     sample_nodes = np.union1d(sample_nodes, len(x) - 1 - sample_nodes)
-    row_samples, column_samples = np.nonzero(
-        sizes_ahead[np.ix_(sample_nodes, sample_nodes)] > _SIZES_IN_BAND
+    row_samples, column_samples = np.nonzero(  # positions among the sample nodes
+        distances_in_elements[np.ix_(sample_nodes, sample_nodes)] > _ELEMENTS_WITH_MESH_ERROR
     )
     row_nodes = sample_nodes[row_samples]
     column_nodes = sample_nodes[column_samples]
@@ -388,24 +390,26 @@ def _smooth(matrix: Array, x: Array, sizes_ahead: Array) -> Array:
     fitted_coefficients = np.linalg.lstsq(products, matrix[row_nodes, column_nodes], rcond=1e-10)[0]
     coefficients[tuple(np.transpose(exponents))] = fitted_coefficients
     polynomial = legendre @ coefficients @ legendre.T
-    return polynomial + _plateau(matrix - polynomial, sizes_ahead)
+    return polynomial + _mean_beyond_mesh_error(matrix - polynomial, distances_in_elements)
 
 
-def _plateau(matrix: Array, sizes_ahead: Array) -> Array:
-    """Mean, for each pair of nodes, of a matrix (n, n) over entries 8.5 to 10.5 element sizes from
-    its diagonal: half from the row of the pair, half from its column.
+def _mean_beyond_mesh_error(matrix: Array, distances_in_elements: Array) -> Array:
+    """Mean of a matrix (n, n) over its entries 8.5 to 10.5 element sizes from the diagonal, (n, n):
+    for the entry i, j half from row i and half from column j.
 
-    Where the row or the column has no such entries, the other counts alone. `sizes_ahead` (n, n) is
-    the distance of two nodes over the size of the elements.
+    Where the row or the column has no such entries, the other counts alone. `distances_in_elements`
+    (n, n) is the distance of two nodes over the size of the elements.
     """
-    is_on_plateau = (sizes_ahead > _SIZES_IN_BAND) & (sizes_ahead <= _SIZES_TO_PLATEAU_END)
+    is_counted = (distances_in_elements > _ELEMENTS_WITH_MESH_ERROR) & (
+        distances_in_elements <= _ELEMENTS_TO_MEAN_END
+    )
     row_means, column_means = (
-        (matrix * is_on_plateau).sum(axis=axis) / np.maximum(is_on_plateau.sum(axis=axis), 1)
+        (matrix * is_counted).sum(axis=axis) / np.maximum(is_counted.sum(axis=axis), 1)
         for axis in (1, 0)
     )
     # A row or column without such entries has the mean 0 here, which is not counted.
     n_means = np.add.outer(
-        np.any(is_on_plateau, axis=1).astype(float), np.any(is_on_plateau, axis=0).astype(float)
+        np.any(is_counted, axis=1).astype(float), np.any(is_counted, axis=0).astype(float)
     )
     return np.asarray(np.add.outer(row_means, column_means) / np.maximum(n_means, 1.0))
 
@@ -413,8 +417,8 @@ def _plateau(matrix: Array, sizes_ahead: Array) -> Array:
 def body_forces(
     lower: CondensedBody, upper: CondensedBody, pressure: Array, shear: Array
 ) -> dict[str, Array]:
-    """Forces on the contact nodes of each body, in its own frame, by the nodal forces of pressure
-    and shear of the contact. In the frame of either body y points out of its face.
+    """Forces on the contact nodes of each body by the nodal contact forces p and q. They stand in
+    the body's own frame, whose y points out of its face.
 
     Parameters
     ----------
@@ -429,18 +433,19 @@ def body_forces(
     dict
         "lower" and "upper" -> (2, n) or (2, n, k) forces along x and outward.
     """
-    if _opposite(lower, upper):
+    if _have_opposite_nodes(lower, upper):
         return {"lower": np.stack([shear, -pressure]), "upper": np.stack([-shear, -pressure])}
-    # from displacements of either body to those that the forces work on: rows normal, then along x
-    mortar_matrices = _mortar(lower, upper)
-    forces = np.concatenate([-pressure, shear])
-    cases = pressure.shape[1:]
-    on_lower = (_flattened(mortar_matrices.lower).T @ forces).reshape(2, -1, *cases)
-    along_x, along_y = (_flattened(mortar_matrices.upper).T @ forces).reshape(2, -1, *cases)
-    return {"lower": on_lower, "upper": np.stack([-along_x, along_y])}
+    # Transposed, the mortar operators take forces along the normal and the tangent to nodal forces.
+    operators = _mortar(lower, upper)
+    contact_forces = np.concatenate([-pressure, shear])
+    case_shape = pressure.shape[1:]
+    force_on_lower = (_flattened(operators.lower).T @ contact_forces).reshape(2, -1, *case_shape)
+    force_x, force_y = (_flattened(operators.upper).T @ contact_forces).reshape(2, -1, *case_shape)
+    # The upper body takes the opposite forces, and its y is reflected.
+    return {"lower": force_on_lower, "upper": np.stack([-force_x, force_y])}
 
 
-def _opposite(lower: CondensedBody, upper: CondensedBody) -> bool:
+def _have_opposite_nodes(lower: CondensedBody, upper: CondensedBody) -> bool:
     """Whether both faces are flat and have their nodes opposite each other."""
     flat = not (lower.y.any() or upper.y.any())
     return (
@@ -451,24 +456,24 @@ def _opposite(lower: CondensedBody, upper: CondensedBody) -> bool:
 
 
 def _mortar(lower: CondensedBody, upper: CondensedBody) -> Mortar:
-    """The two faces coupled in the common frame."""
+    """Mortar operators of the two faces in the common frame, see `mortar.mortar`."""
     from halfplane_fe.mortar import Side, mortar  # noqa: PLC0415 - for faces that do not match
 
     return mortar(Side(lower.x, lower.y, lower.order), Side(upper.x, -upper.y, upper.order))
 
 
 def _flattened(operator: Array) -> Array:
-    """(2, n, 2, m) as a matrix (2 n, 2 m)."""
+    """A mortar operator (2, n, 2, m) as a matrix (2 n, 2 m)."""
     return operator.reshape(2 * operator.shape[1], -1)
 
 
 def _square(compliance: Array) -> Array:
-    """(2, n, 2, n) as a matrix (2 n, 2 n)."""
+    """A compliance (2, n, 2, n) as a matrix (2 n, 2 n)."""
     return compliance.reshape(2 * compliance.shape[1], -1)
 
 
 def _turned(compliance: Array) -> Array:
-    """A compliance of the upper body in the common frame."""
+    """Compliance (2, n, 2, n) of the upper body, turned from its own frame into the common one."""
     return compliance * _REFLECTION[:, None, None, None] * _REFLECTION[:, None]
 
 
@@ -482,8 +487,8 @@ _ROUNDING = 1e-9
 def meshed_pair(
     scene: Scene, mesh: MeshSettings, grading: Callable[[float], SurfaceGrading]
 ) -> tuple[BodyMesh, BodyMesh]:
-    """Mesh the lower and the upper body of a scene by gmsh; where they have one shape and one
-    element size, one mesh serves for both.
+    """Meshes of the lower and the upper body of a scene, by gmsh. Where they have one shape and one
+    element size, both are one mesh.
 
     Parameters
     ----------
@@ -492,8 +497,8 @@ def meshed_pair(
     mesh
         settings of the meshes
     grading
-        function from a factor on the element sizes (that of the upper over the lower body) to the
-        sizes of the elements along the face
+        function of a factor on the element sizes, 1 for the lower body and `mesh.upper_ratio` for
+        the upper one, that returns the element sizes along the face
     """
     shapes = scene.bodies
     lower = build("lower", shapes.lower, scene.profile, grading(1.0), mesh)
@@ -505,8 +510,8 @@ def meshed_pair(
 
 
 def _with_ends(body: BodyMesh, shape: Shape, scene: Scene) -> BodyMesh:
-    """The body with its free sides as ends that the bulk stress pulls, where it is a block and the
-    scene has such a stress.
+    """Mesh of a body whose free sides are marked as ends pulled by the bulk stress, where the body
+    is a block with such ends and the scene has a bulk stress; else the mesh as it is.
     """
     if not (has_ends(shape) and has_bulk_stress(path_of(scene))):
         return body
@@ -516,11 +521,12 @@ def _with_ends(body: BodyMesh, shape: Shape, scene: Scene) -> BodyMesh:
 def condensed_pair(
     scene: Scene, bodies: tuple[BodyMesh, BodyMesh], datum_length: float, work: Counter[str]
 ) -> tuple[CondensedBody, CondensedBody]:
-    """Both bodies condensed to their contact nodes; bodies that this process condensed before come
-    from a cache.
+    """Compliance of the lower and of the upper body at their contact nodes, by static condensation.
+    Bodies that this process condensed before come from a cache.
 
-    `bodies` are the meshes of the lower and the upper one, `datum_length` is the distance from a
-    force at which a half-plane's surface counts as unmoved [length]. Counters in `work` are raised.
+    `bodies` are their meshes. `datum_length` is the distance from a force at which a half-plane's
+    surface has no displacement [length]. `work` counts condensations and
+    factorisations; they are added to it.
     """
     lower = BODIES.condensed(bodies[0], scene.material.lower, datum_length, work)
     if scene.material.alike and bodies[1] is bodies[0]:
@@ -535,16 +541,17 @@ def initial_gap(scene: Scene, interface: Interface) -> Array:
     Raises
     ------
     InputError
-        If the faces overlap before any load, by more than curved elements sag.
+        If the faces overlap before any load, by more than the error of curved elements.
     """
     if not scene.bodies.faces_are_true:
         return np.asarray(scene.profile.height(interface.x))
-    x, distance = interface.nearest  # where the faces are nearest to each other
-    by_meshing = _ADMITTED_OVERLAP * float(interface.gap.max())
-    rounding = _ROUNDING * float(np.ptp(interface.x))
-    if -distance > max(by_meshing, rounding):
+    x, smallest_gap = interface.nearest  # negative where the faces overlap
+    overlap = -smallest_gap
+    overlap_by_meshing = _ADMITTED_OVERLAP * float(interface.gap.max())
+    overlap_by_rounding = _ROUNDING * float(np.ptp(interface.x))
+    if overlap > max(overlap_by_meshing, overlap_by_rounding):
         raise InputError(
-            f"bodies: initial penetration: the faces overlap by {-distance:.6g} at x = {x:.6g}"
+            f"bodies: initial penetration: the faces overlap by {overlap:.6g} at x = {x:.6g}"
         )
     return interface.gap
 
@@ -552,7 +559,8 @@ def initial_gap(scene: Scene, interface: Interface) -> Array:
 def bulk_stress_notes(
     scene: Scene, condensed: tuple[CondensedBody, CondensedBody], tangential_load: float
 ) -> Iterator[str]:
-    """Sentences for the reader on where the stated bulk stress of a block with pulled ends acts.
+    """Notes for the user on where the stated bulk stress of a block with pulled ends acts: one
+    sentence for each such body.
 
     Where the base is on rollers the ends carry Q, so that the stress jumps by Q/H across the
     contact (H: height). A fixed base holds the block back: the sentence states which part of the
@@ -574,15 +582,15 @@ def bulk_stress_notes(
             )
         elif body.base == "fixed":
             is_in_middle = np.abs(condensed_body.x) <= np.abs(condensed_body.x).max() / 2
-            displacement_in_middle = condensed_body.by_stress[0, is_in_middle]
-            strain_by_stress = np.polyfit(
+            displacement_in_middle = condensed_body.displacement_by_stress[0, is_in_middle]
+            strain_per_stress = np.polyfit(
                 condensed_body.x[is_in_middle], displacement_in_middle, 1
             )[0]
             material = condensed_body.material
             modulus = material.young_modulus / (1 - material.poisson_ratio**2)
-            share_at_face = strain_by_stress * modulus
+            stress_ratio = strain_per_stress * modulus
             yield (
                 f"the bulk stress of the {name} body is that at its ends: its fixed base holds back"
-                f" a part, and {share_at_face:.0%} of the stress is at the middle of the face; base"
+                f" a part, and {stress_ratio:.0%} of the stress is at the middle of the face; base"
                 " = 'rollers' is a specimen cut at its middle plane"
             )

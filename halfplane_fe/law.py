@@ -54,15 +54,18 @@ def project(
     ([0.0, 2.0, 2.0], [0.0, 0.5, -1.0], [0, 1, 3])
     """
     pressure = np.maximum(np.asarray(trial_pressure, dtype=float), 0.0)
-    trial = np.asarray(trial_shear, dtype=float)
+    unlimited_shear = np.asarray(trial_shear, dtype=float)
     limit = friction * pressure
-    shear = np.minimum(np.maximum(trial, -limit), limit)  # several times as fast as np.clip
-    state = np.where(np.asarray(trial_pressure) > 0, states_if_closed(trial, limit), _OPEN)
+    # Several times as fast as np.clip.
+    shear = np.minimum(np.maximum(unlimited_shear, -limit), limit)
+    is_closed = np.asarray(trial_pressure) > 0
+    state = np.where(is_closed, states_if_closed(unlimited_shear, limit), _OPEN)
     return pressure, shear, state
 
 
 def states_if_closed(trial_shear: Array, limit: Array) -> States:
-    """(...) stick, or slip the way of the trial shear where that exceeds the Coulomb limit f p.
+    """Contact states (...) of closed nodes: stick, or slip in the sense of the trial shear where it
+    exceeds the Coulomb limit f p.
 
     >>> states_if_closed(np.array([0.5, -3.0]), np.array([1.0, 1.0])).tolist()
     [1, 3]
@@ -74,9 +77,10 @@ def states_if_closed(trial_shear: Array, limit: Array) -> States:
 def force_to_limit(
     pressure: Array, shear: Array, sense: Array | NDArray[np.int64] | int, friction: float
 ) -> Array:
-    """What shear lacks of the Coulomb limit in a sense of slip s, 1 or -1: f p - s q. Any shape.
+    """Distance f p - s q of the shear q from the Coulomb limit, for a sense of slip s, 1 or -1.
 
-    It falls to zero where a node starts to slide. Of rates of p and q it is the rate.
+    It has the shape and the units of p and q, and falls to zero where a node starts to slide. With
+    rates of p and q it is the rate of this distance.
 
     >>> float(force_to_limit(np.array(2.0), np.array(-0.5), -1, 0.5))
     0.5
@@ -111,17 +115,17 @@ def violations(
     dict
         Name of a law -> (...) violation, in the units of the arguments: tension (-p), penetration
         (-g), gap_pressure (|g p|), cone (|q| - f p), slip_sign (-q ds, as if friction did work),
-        creep (|ds| strictly inside the cone).
+        creep (|ds| where |q| < f p).
     """
     limit = friction * pressure
-    is_inside = np.abs(shear) < limit * (1 - 1e-9)
+    is_below_limit = np.abs(shear) < limit * (1 - 1e-9)
     is_closed = pressure > 0
-    by_law = {
+    nodal_violations = {
         "tension": -pressure,
         "penetration": -gap,
         "gap_pressure": np.abs(gap * pressure),
         "cone": np.abs(shear) - limit,
         "slip_sign": np.where(is_closed, -(shear * slip_increment), 0.0),
-        "creep": np.where(is_inside & is_closed, np.abs(slip_increment), 0.0),
+        "creep": np.where(is_below_limit & is_closed, np.abs(slip_increment), 0.0),
     }
-    return {name: np.max(values, axis=-1, initial=0.0) for name, values in by_law.items()}
+    return {name: np.max(values, axis=-1, initial=0.0) for name, values in nodal_violations.items()}

@@ -1,7 +1,8 @@
-r"""Faces that are their own mirror image, solved on one half and written out on both.
+r"""Contact that is its own mirror image in x = 0: solved on the nodes at x >= 0, then continued to
+all nodes.
 
 Where the load path and the faces are their own mirror image in x = 0, so is the answer: p is even
-in x. So is q where nothing couples the two; without a tangential load q is odd, pressed out of p
+in x. So is q where nothing couples the two; without a tangential load q is odd, an effect of p
 alone, and U = 0. With F_k the force on a node and its image together, S the matrix that shares it
 (1/2 and +-1/2; in the middle 1, or 0 of an odd q), f = S F,
 
@@ -24,17 +25,18 @@ from halfplane_fe.run import PathRun
 from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, freeze
 from scenes.array_types import Array, Indices
 
-# By how much a face and its image may differ, over the largest entry: rounding of the condensation.
+# Largest difference of a compliance and its mirror image, over the largest entry: round-off of the
+# condensation.
 _MIRROR_ROUNDING = 1e-9
 
 
 def mirrored(faces: Interface, sheared: bool) -> bool:
     """Whether the solution of a contact problem is its own mirror image in x = 0, so that one half
-    of the nodes is enough.
+    of the nodes is enough. `faces` is the contact compliance with the places of its nodes.
 
     A node has to lie on x = 0, and places, gap and compliances have to be mirror images. Where
-    pressure and shear are coupled (unlike bodies), there must be no tangential load (`sheared`);
-    where they are not, the faces must be flat.
+    pressure and shear are coupled (unlike bodies), there must be no tangential load; `sheared` says
+    whether there is one. Where they are not coupled, the faces must be flat.
     """
     if len(faces.x) % 2 == 0:
         return False
@@ -60,17 +62,19 @@ def mirrored(faces: Interface, sheared: bool) -> bool:
 
 
 def half(faces: Interface) -> Interface:
-    """Contact compliance of mirror-symmetric bodies reduced to the nodes at x >= 0, for a solution
+    """Contact compliance of mirror-symmetric bodies, reduced to the nodes at x >= 0, for a solution
     that is its own mirror image in x = 0.
 
     A nodal force then is that of a node and its image together. Where pressure and shear are
-    coupled (unlike bodies), q is odd in x, so that Q and U are zero; elsewhere q is even.
+    coupled (unlike bodies), q is odd in x. Then the tangential load and the tangential displacement
+    are zero. Elsewhere q is even.
     """
     right_half = slice(len(faces.x) // 2, None)
     is_coupled = faces.coupling is not None
     parity_of_shear = -1.0 if is_coupled else 1.0
     tangential_compliance = _folded(faces.tangential, parity_of_shear, parity_of_shear)
-    if is_coupled:  # an odd q is zero in the middle
+    if is_coupled:
+        # An odd q is zero at x = 0: its row is zero, and any compliance solves.
         tangential_compliance[0, 0] = faces.tangential.diagonal().max()
     return replace(
         faces,
@@ -82,21 +86,21 @@ def half(faces: Interface) -> Interface:
         normal=freeze(_folded(faces.normal, 1.0, 1.0)),
         tangential=freeze(tangential_compliance),
         coupling=freeze(_folded(faces.coupling, -1.0, 1.0)) if faces.coupling is not None else None,
-        guided=is_coupled,
+        has_odd_shear=is_coupled,
     )
 
 
 class _Images(NamedTuple):
-    """How the n nodes of the faces follow from those of the right half.
+    """How values at all n nodes follow from those at the nodes with x >= 0.
 
     Attributes
     ----------
     place
-        (n,) of each node in the right half
+        (n,) index of each node, or of its mirror image, among the nodes with x >= 0
     share
-        (n,) of that node's p
+        (n,) part of that node's force: 1/2, at x = 0 1
     sign
-        (n,) of its q and slip
+        (n,) factor on that node's q and slip: -1 at x < 0 where they are odd, else 1
     """
 
     place: Indices
@@ -105,12 +109,13 @@ class _Images(NamedTuple):
 
 
 def _images(faces: Interface) -> _Images:
-    number = np.arange(len(faces.x)) - len(faces.x) // 2
-    odd_shear = faces.coupling is not None
+    """Mirror images of all nodes of a contact compliance, among those with x >= 0."""
+    nodes_from_middle = np.arange(len(faces.x)) - len(faces.x) // 2
+    has_odd_shear = faces.coupling is not None
     return _Images(
-        place=np.abs(number),
-        share=np.where(number == 0, 1.0, 0.5),
-        sign=np.where((number < 0) & odd_shear, -1.0, 1.0),
+        place=np.abs(nodes_from_middle),
+        share=np.where(nodes_from_middle == 0, 1.0, 0.5),
+        sign=np.where((nodes_from_middle < 0) & has_odd_shear, -1.0, 1.0),
     )
 
 
@@ -128,16 +133,16 @@ def _folded(matrix: Array, parity_of_rows: float, parity_of_columns: float) -> A
 
 
 def unfolded(run: PathRun, faces: Interface) -> PathRun:
-    """Continue a run that was solved on the nodes at x >= 0 alone to all nodes: the states of the
-    left half are the mirror images.
+    """Solution along a load path at all nodes, from a run that was solved on those at x >= 0: the
+    left half is the mirror image.
 
-    A state's values are approach, shift and tilt, then slip, p, q and gap of the nodes. Left of
-    x = 0 each is that of its image times a factor: p and q are forces of a node and its image
-    together, so 1/2; slip and q change sign where they are odd.
+    A state's values are approach, shift and tilt, then slip, p, q and gap of the nodes. Each is
+    that of the mirror image times a factor. It is 1/2 for p and q, which are forces of a node and
+    its image together. Slip and q change sign at x < 0 where they are odd.
     """
     images = _images(faces)
     n_half = len(faces.x) - len(faces.x) // 2
-    # Index of each value among those of the half, and the factor on it.
+    # Index of each value of a state among the values of the half.
     nodal_indices = [3 + images.place + quantity * n_half for quantity in range(4)]
     index_in_half = np.concatenate([np.arange(3), *nodal_indices])
     sign_of_slip = images.sign
@@ -148,7 +153,7 @@ def unfolded(run: PathRun, faces: Interface) -> PathRun:
     states_of_image = np.array([OPEN, STICK, SLIP_REVERSE, SLIP_FORWARD], dtype=np.int8)
 
     def unfolded_state(state: InterfaceState) -> InterfaceState:
-        # Of states that a long run has thinned out, forces and gap are no longer there.
+        # Long runs drop forces and gap of most states, and keep the slip.
         n_values = len(index_in_half) if state.is_complete else 3 + len(images.place)
         values = state.values[index_in_half[:n_values]] * factors[:n_values]
         values.flags.writeable = False
@@ -160,7 +165,5 @@ def unfolded(run: PathRun, faces: Interface) -> PathRun:
         run,
         states=[unfolded_state(state) for state in run.states],
         cycle_density=[density[images.place] * images.share for density in run.cycle_density],
-        excess=[
-            of_cycle._replace(stick_zone=of_cycle.stick_zone.mirrored()) for of_cycle in run.excess
-        ],
+        excess=[excess._replace(stick_zone=excess.stick_zone.mirrored()) for excess in run.excess],
     )

@@ -278,7 +278,7 @@ class _Iteration:
         )
         nothing_sticks = not np.any((mapped_tractions.states == STICK) | is_sticking_first)
         may_slide_freely = (
-            self.faces.interface.guided or self.faces.actuators.tangential is not None
+            self.faces.interface.has_odd_shear or self.faces.actuators.tangential is not None
         )
         if self.faces.tangential and nothing_sticks and not may_slide_freely:
             force_beyond_limit = (

@@ -370,7 +370,7 @@ class Systems:
             raise ConvergenceError(
                 f"contact: the compliance of the contact nodes is not positive definite: {reason}"
             ) from reason
-        self._held_still = faces.guided or not self.shears
+        self._held_still = faces.has_odd_shear or not self.shears
         self._holds_without_stick = self._held_still or self.actuators.tangential is not None
         self.matrix = self._assembled()
         self._bases: list[_Base] = []  # what was used last comes last

@@ -429,16 +429,18 @@ def test_a_half_plane_under_stress_moves_as_a_uniform_field_exactly() -> None:
     system = assemble(body, STEEL)
     condensed_body = condense(body, STEEL, 4.0)
     np.testing.assert_allclose(
-        condensed_body.by_stress, [condensed_body.x * 0.91 / 2, 0 * condensed_body.x], atol=1e-15
+        condensed_body.displacement_by_stress,
+        [condensed_body.x * 0.91 / 2, 0 * condensed_body.x],
+        atol=1e-15,
     )
     places = system.basis.doflocs
     x_dofs = np.isin(np.arange(system.basis.N), system.basis.get_dofs(elements=True).all(["u^1"]))
     along, outward = uniform_stretch(STEEL, *places)
     np.testing.assert_allclose(outward, -0.3 / 0.7 * 0.91 / 2 * places[1], atol=1e-15)
     forces = system.stiffness @ np.where(x_dofs, along, outward)
-    off = np.setdiff1d(np.arange(len(forces)), system.arc_dofs.ravel())
+    off = np.setdiff1d(np.arange(len(forces)), system.reaction_dofs.ravel())
     assert np.abs(forces[off]).max() < 1e-13
-    right = system.arc_dofs[0][places[0, system.arc_dofs[0]] > 0]
+    right = system.reaction_dofs[0][places[0, system.reaction_dofs[0]] > 0]
     # stress 1 over the depth, but for half a node on the axis
     assert forces[right].sum() == pytest.approx(4.0, abs=0.3)
 
@@ -446,7 +448,7 @@ def test_a_half_plane_under_stress_moves_as_a_uniform_field_exactly() -> None:
 def test_a_specimen_on_rollers_stretches_uniformly_and_thins() -> None:
     condensed_body = condense(block("rollers", 16.0, 3.0), STEEL, 1.0)
     np.testing.assert_allclose(
-        condensed_body.by_stress,
+        condensed_body.displacement_by_stress,
         uniform_stretch(STEEL, condensed_body.x, 0 * condensed_body.x + 3.0),
         atol=1e-10,
     )
