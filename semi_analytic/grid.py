@@ -1,8 +1,8 @@
 """Half-plane theory on a grid: contact with friction under any course of P, Q, bulk strain and
 tilt, stick in any number of pieces.
 
-The last resort: `memory` knows where stick ends and is exact to rounding; here cells stick, slip or
-are open.
+The last resort: `memory` knows where stick ends and is exact but for round-off; here cells stick,
+slip or are open.
 
 # notation: A = 2/E*; p, q tractions, constant over equal cells; C_ij = -(A/pi) int_cell ln|x_i -
 #           xi| d xi, symmetric; g gap, s slip of the upper face over the lower, delta normal
@@ -52,22 +52,22 @@ from semi_analytic.history import check
 from semi_analytic.tilted_profile import TiltedProfile
 
 CELLS = 160
-"""Cells across the largest contact; half as many tell the error."""
+"""Cells across the largest contact; the difference from half as many gives the error."""
 INCREMENTS = 320
-"""Increments a cycle; half as many tell the error."""
+"""Increments a cycle; the difference from half as many gives the error."""
 
-# Turns of an active set that are allowed: it takes about ten.
+# Iterations of an active set that are allowed: it takes about ten.
 _TURNS = 200
 # Numbers of cells in contact whose matrices are held: they take the square of them.
 _ZONES = 120
-# Share of the largest f p that rounding may leave of q beyond the limit: cells that stop to slip
-# are there.
+# Share of the largest f p by which round-off may leave |q| above f p: cells that stop slipping are
+# there.
 _ROUNDING = 1e-12
 # Share of the slip of an increment that a cell makes before it is touched.
-_TOUCHED = 1 / 3
-# Increments of a leg of the cycle at least; each leg of the initial loading has a quarter of those
-# of a cycle.
-_OF_LEG = 4
+_SLIP_BEFORE_TOUCH = 1 / 3
+# Fewest increments of a segment of the cycle; each segment of the initial loading has a quarter of
+# those of a cycle.
+_FEWEST_INCREMENTS = 4
 # Share of its work by which a cycle may differ from the one before and repeat it: far below what
 # the grid leaves.
 STEADY = 1e-6
@@ -76,22 +76,22 @@ STEADY = 1e-6
 # tell what is left.
 _SHIFTS = (np.arange(16) + 0.25) / 16
 _GROUPS = 4
-# Cycles that grids take up before the last where a coarse one went first, and the last.
-_RESUMED = 2
-# Instants, out of those asked for, at which coarse grids are held against the others.
-_COMPARED = 40
-# Share of the largest slip of a cycle up to which a cell counts as permanently stuck.
-_STAYS = 1e-3
+# Cycles that the fine grids follow where coarse ones followed those before: the last two.
+_CYCLES_RESUMED = 2
+# Instants, out of those asked for, at which coarse and fine grids are compared.
+_INSTANTS_COMPARED = 40
+# Share of the longest slip path of a cycle up to which a cell counts as permanently stuck.
+_STUCK = 1e-3
 _STATES = np.array([STICK, SLIP_FORWARD, SLIP_REVERSE])
 
 
 class Fields(NamedTuple):
-    """The answer at n instants and k cells.
+    """Tractions, slip and work at n instants and k cells.
 
     Attributes
     ----------
     x, step
-        (k,) middles of the cells; their width
+        (k,) middles of the cells; their width [length]
     loads
         (n, 4) P, Q, eps, alpha
     pressure, shear, slip
@@ -103,9 +103,10 @@ class Fields(NamedTuple):
     moment, shear_moment
         (n,) int x p and m_q = int x q
     density
-        (n, k) friction work of the increment that ends there, by the trapezoidal rule
+        (n, k) friction work per area of the increment that ends there, by the trapezoidal rule
     work, loop
-        (n,) its sum, and Q dU - m_q d eps of the increment, also by the trapezoidal rule
+        (n,) its integral over the cells, and Q dU - m_q d eps of the increment, also by the
+        trapezoidal rule
     """
 
     x: Array
@@ -153,39 +154,47 @@ class Fields(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Zone:
-    """Cells side by side that are in contact.
+    """Cells side by side that are in contact, with the inverse of their compliance matrix C.
 
     Attributes
     ----------
     root
-        M with M^T M = C^-1
-    rows, row_sum
-        the row sums of C^-1, and their sum
+        (k, k) M with M^T M = C^-1
+    traction_per_shift, total_per_shift
+        (k,) tractions by the same unit displacement of all cells, the row sums of C^-1; their
+        sum
     """
 
     root: Array
-    rows: Array
-    row_sum: float
+    traction_per_shift: Array
+    total_per_shift: float
 
     @cached_property
     def stiffness(self) -> Array:
-        """G = C^-1 less what a shift of all cells does: t = total rows/row_sum + G b has C t = b +
-        const and the sum `total`.
+        """G, (k, k) [stress/length]: C^-1 without the traction that the same displacement of all
+        cells takes.
+
+        t = total traction_per_shift/total_per_shift + G b has C t = b + const and the sum `total`.
         """
         inverse = self.root.T @ self.root
-        return np.asarray(inverse - np.outer(self.rows, self.rows / self.row_sum))
+        return np.asarray(
+            inverse
+            - np.outer(self.traction_per_shift, self.traction_per_shift / self.total_per_shift)
+        )
 
 
 class ContactCells(NamedTuple):
-    """The cells of each grid that are in contact, side by side, (g,): the first, and how many."""
+    """The cells of each grid that are in contact, side by side, (g,): the number of the first, and
+    how many.
+    """
 
     begin: NDArray[np.intp]
-    number: NDArray[np.intp]
+    n_cells: NDArray[np.intp]
 
     @property
     def end(self) -> NDArray[np.intp]:
         """Number behind the last cell."""
-        return self.begin + self.number
+        return self.begin + self.n_cells
 
     def common_with(self, second: ContactCells) -> ContactCells:
         """Cells that are in both; a number <= 0 where there are none."""
@@ -193,25 +202,30 @@ class ContactCells(NamedTuple):
         return ContactCells(begin, np.minimum(self.end, second.end) - begin)
 
 
-class Pressed(NamedTuple):
-    """The answer of the normal problem: p (g, k), cells in contact, delta (g,)."""
+class NormalSolution(NamedTuple):
+    """Solution of the normal problem on g grids of k cells: pressure p (g, k), the cells in
+    contact, normal approach delta (g,).
+    """
 
     pressure: Array
     contact: ContactCells
     approach: Array
 
 
-class Dragged(NamedTuple):
-    """The answer of the tangential problem: q, s and direction of slip (g, k), U (g,)."""
+class TangentialSolution(NamedTuple):
+    """Solution of the tangential problem on g grids of k cells: shear q, slip s and direction of
+    slip, +1, -1 or 0, (g, k) each; displacement U of the upper body (g,).
+    """
 
     shear: Array
     slip: Array
     directions: NDArray[np.intp]
-    shift: Array
+    displacement: Array
 
 
 class Grid:
-    """Two half-planes that meet in equal cells, and where they stand: nothing touches at first.
+    """Contact of two half-planes in equal cells, and the state that it is in: nothing touches at
+    first.
 
     Several grids of the same cells, moved by shares of a cell, are followed side by side: their
     matrices are the same.
@@ -219,7 +233,11 @@ class Grid:
     Attributes
     ----------
     x, step
-        (g, k) middles of the cells of g grids; their width
+        (g, k) middles of the cells of g grids; their width [length]
+    slip
+        (g, k) slip s of the upper face over the lower in the present state [length]
+    without_early_slip
+        number of increments whose newly touched cells were given no slip before the touch
     """
 
     def __init__(
@@ -233,7 +251,7 @@ class Grid:
     ) -> None:
         """Grids of `cells` equal cells each on two half-planes, which nothing touches yet.
 
-        Several grids of equal cells, moved by parts of a cell, share their matrices.
+        Several grids of equal cells, moved by parts of a cell, share their compliance matrices.
 
         Parameters
         ----------
@@ -241,6 +259,8 @@ class Grid:
             initial gap h(x) between the unloaded faces [length]
         extent
             (2,) ends of one grid, or (g, 2) those of grids of one length [length]
+        cells
+            number k of cells of a grid
         friction, modulus
             f and E* [stress]
         dundurs
@@ -260,7 +280,7 @@ class Grid:
         self.datum_compliance = 2 / (math.pi * modulus) * math.log(self._length)
         self._height = height(self.x)
         self._cell_numbers = np.arange(cells)
-        # their matrices, and what was solved with them
+        # their compliance matrices, and what was solved with them
         self._compliance = self.compliance_at(self.x[0], 0)
         signs = np.sign(self._cell_numbers[:, None] - self._cell_numbers)
         self._coupling = dundurs / modulus * self.step * signs
@@ -269,10 +289,10 @@ class Grid:
             cholesky_factor, np.eye(cells), lower=True
         )
         self._zones_by_size: dict[int, Zone] = {}
-        self._pressed_by_load: dict[tuple[float, float], Pressed] = {}
-        # increments whose new cells did not slip before they were touched: `_drag`
+        self._normal_by_load: dict[tuple[float, float], NormalSolution] = {}
+        # increments whose new cells did not slip before they were touched: `_solve_tangential`
         self.without_early_slip = 0
-        # the state they are in; `_displacement` is U
+        # the state they are in; `_displacement` is U against a datum at the grid's length
         no_cells = np.zeros(len(self.x), dtype=int)
         self._contact = ContactCells(no_cells, no_cells)
         self._shear: Array = np.zeros(self.x.shape)
@@ -280,11 +300,11 @@ class Grid:
         self._displacement: Array = np.zeros(len(self.x))
         self._strain = 0.0
         self._directions: NDArray[np.intp] = np.zeros(self.x.shape, dtype=int)
-        self._last_row: dict[str, Any] | None = None
+        self._last_fields: dict[str, Any] | None = None
 
     def compliance_at(self, x: Array, grid_number: int) -> Array:
-        """Surface displacement at points x (m,) by a unit traction on each cell of grid
-        `grid_number`, (m, k) [length/stress], against a datum at the distance of the grid's length.
+        """Surface displacement at points x (m,) by a unit traction on each of the k cells of grid
+        `grid_number`, (m, k) [length/stress]; the datum is at the distance of the grid's length L.
 
         It is the integral of -(2/(pi E*)) ln(|x - xi|/L) over the cell, the half-plane's Green's
         function.
@@ -300,31 +320,40 @@ class Grid:
         integral = np.diff(integrals_to_ends, axis=-1)[..., 0]
         return np.asarray(-2 * self._length / (math.pi * self.modulus) * integral)
 
-    def _zone(self, count: int) -> Zone:
-        """Of so many cells: equal cells have one C wherever they lie, and the root of C^-1 is a
-        corner of that of all.
+    def _zone(self, n_cells: int) -> Zone:
+        """Stiffness of so many cells side by side. Equal cells have one compliance matrix C
+        wherever they lie, and the root of C^-1 is a corner of that of all cells.
         """
-        if count not in self._zones_by_size:
-            root = self._root_of_stiffness[:count, :count]
-            rows = root.T @ np.sum(root, axis=1)
-            self._zones_by_size[count] = Zone(root, rows, float(np.sum(rows)))
+        if n_cells not in self._zones_by_size:
+            root = self._root_of_stiffness[:n_cells, :n_cells]
+            traction_per_shift = root.T @ np.sum(root, axis=1)
+            self._zones_by_size[n_cells] = Zone(
+                root, traction_per_shift, float(np.sum(traction_per_shift))
+            )
             if len(self._zones_by_size) > _ZONES:
                 self._zones_by_size.pop(next(iter(self._zones_by_size)))
-        return self._zones_by_size[count]
+        return self._zones_by_size[n_cells]
 
     def _inside(self, contact: ContactCells) -> NDArray[np.bool_]:
-        """Which cells are in contact: (g, k)."""
+        """Which cells are in contact, (g, k)."""
         begin = contact.begin[:, None]
         end = contact.end[:, None]
         return (self._cell_numbers >= begin) & (self._cell_numbers < end)
 
-    def _press(self, load: float, tilt: float, gap_without_tilt: Array) -> Pressed:
-        """Pressure, cells in contact and normal approach of each grid under a load and a tilt: p >
-        0 where the gap is 0, and p = 0 where it is open.
+    def _solve_normal(self, load: float, tilt: float, gap_without_tilt: Array) -> NormalSolution:
+        """Pressure, cells in contact and normal approach of each grid under the load P and the tilt
+        alpha: p > 0 where the gap is 0, and p = 0 where it is open.
 
         An active set: cells with tension are opened and cells that overlap are closed, until none
-        changes. The contact is one run of cells. `gap_without_tilt` (g, k) is the height of the
-        profile with what the shear adds.
+        changes. The contact is one run of cells.
+
+        Parameters
+        ----------
+        load, tilt
+            P [force per thickness]; alpha
+        gap_without_tilt
+            (g, k) gap between the unloaded faces without tilt, with what the shear adds
+            [length]
 
         Raises
         ------
@@ -333,20 +362,27 @@ class Grid:
         """
         height = gap_without_tilt + tilt * self.x
         contact = self._contact
-        if not contact.number.all():
+        if not contact.n_cells.all():
+            # First guess: five cells about the least gap.
             contact = ContactCells(np.argmin(height, axis=1) - 2, np.full(len(height), 5))
         for _ in range(_TURNS):
             pressure = np.zeros(height.shape)
             approach = np.zeros(len(height))
-            for n_cells in np.unique(contact.number).tolist():
+            # C p = delta - height over the cells in contact, and the sum of p is P over the step.
+            for n_cells in np.unique(contact.n_cells).tolist():
                 zone = self._zone(n_cells)
-                grids = np.flatnonzero(contact.number == n_cells)
-                cells_in_contact = (grids[:, None], contact.begin[grids, None] + np.arange(n_cells))
-                approach[grids] = (
-                    load / self.step + height[cells_in_contact] @ zone.rows
-                ) / zone.row_sum
+                grids_of_size = np.flatnonzero(contact.n_cells == n_cells)
+                cells_in_contact = (
+                    grids_of_size[:, None],
+                    contact.begin[grids_of_size, None] + np.arange(n_cells),
+                )
+                approach[grids_of_size] = (
+                    load / self.step + height[cells_in_contact] @ zone.traction_per_shift
+                ) / zone.total_per_shift
                 pressure_by_height = (height[cells_in_contact] @ zone.root.T) @ zone.root
-                pressure[cells_in_contact] = approach[grids, None] * zone.rows - pressure_by_height
+                pressure[cells_in_contact] = (
+                    approach[grids_of_size, None] * zone.traction_per_shift - pressure_by_height
+                )
             is_inside = self._inside(contact)
             gap = height - approach[:, None] + pressure @ self._compliance
             is_touching = np.where(is_inside, pressure > 0, gap < 0)
@@ -359,13 +395,13 @@ class Grid:
             raise ArithmeticError("the contact area does not converge")
         if np.any(contact.begin == 0) or np.any(contact.end == self.cells):
             raise ArithmeticError("the contact meets the end of the grid")
-        return Pressed(pressure, contact, approach)
+        return NormalSolution(pressure, contact, approach)
 
-    def _drag(
+    def _solve_tangential(
         self, force: float, displacement: Array, friction_limit: Array, cells_before: ContactCells
-    ) -> Dragged:
-        """Shear, slip, its direction and U of all grids after an increment to the tangential force
-        Q = `force`, with the slip of newly touched cells before they were touched.
+    ) -> TangentialSolution:
+        """Shear q, slip s, direction of slip and displacement U of all grids after an increment to
+        the tangential force Q = `force`. Newly touched cells are given slip from before the touch.
 
         Ahead of an edge that advances slip grows as the root of the distance. A cell that is
         touched after a share t of the increment has then made 2/3 t of the slip that it would have
@@ -383,13 +419,14 @@ class Grid:
         contact = self._contact
         cells_in_both = contact.common_with(cells_before)
         has_grown = (cells_in_both.begin > contact.begin) | (cells_in_both.end < contact.end)
-        grown_grids = np.flatnonzero((cells_in_both.number > 0) & has_grown)
+        grown_grids = np.flatnonzero((cells_in_both.n_cells > 0) & has_grown)
         slip_at_begin = self.slip.copy()
+        # Slip without contact of the new cells: the same increment with the earlier cells alone.
         groups_to_solve = [grown_grids] if len(grown_grids) else []
         while groups_to_solve:
             group = groups_to_solve.pop()
             try:
-                early_slip = self._dragged(
+                early_slip = self._solve_increment_of(
                     force, displacement, friction_limit, cells_in_both, slip_at_begin, group
                 ).slip
             except ArithmeticError:
@@ -401,13 +438,13 @@ class Grid:
                 continue
             is_new = self._inside(contact)[group] & ~self._inside(cells_in_both)[group]
             slip_at_begin[group] += np.where(
-                is_new, _TOUCHED * (early_slip - slip_at_begin[group]), 0.0
+                is_new, _SLIP_BEFORE_TOUCH * (early_slip - slip_at_begin[group]), 0.0
             )
-        return self._dragged(
+        return self._solve_increment_of(
             force, displacement, friction_limit, contact, slip_at_begin, np.arange(len(self.x))
         )
 
-    def _dragged(
+    def _solve_increment_of(
         self,
         force: float,
         displacement: Array,
@@ -415,9 +452,9 @@ class Grid:
         contact: ContactCells,
         slip_at_begin: Array,
         grids: NDArray[np.intp],
-    ) -> Dragged:
-        """Shear q, slip, directions of slip and U of some grids under a tangential force: which
-        cells slide is found by an active set.
+    ) -> TangentialSolution:
+        """Shear q, slip s, direction of slip and displacement U of some grids under a tangential
+        force, where the cells in contact are known; which of them slide is found by an active set.
 
         q = q_0 - G v, with q_0 of full stick and the slip v of the increment; G is the stiffness of
         the cells in contact. Where grids have fewer cells in contact than others, open ones beside
@@ -436,106 +473,114 @@ class Grid:
         slip_at_begin
             slip before the increment, (g, k) [length]
         grids
-            numbers of the grids that are followed, (g,)
+            numbers of the n grids that are solved, (n,): shapes of the result are (n, k) and
+            (n,)
         """
         is_inside = self._inside(contact)[grids]
-        n_cells = int(contact.number[grids].max())
+        n_cells = int(contact.n_cells[grids].max())
         zone = self._zone(n_cells)
         first_column = np.minimum(contact.begin[grids], self.cells - n_cells)
         columns = first_column[:, None] + np.arange(n_cells)
-        rows = np.arange(len(grids))[:, None]
-        cell_numbers = (grids[:, None], columns)
-        slip_without_shear = (displacement - slip_at_begin)[cell_numbers]
-        is_touching = is_inside[rows, columns]
-        limit_of_cells = np.where(is_touching, friction_limit[cell_numbers], 0.0)
+        grid_rows = np.arange(len(grids))[:, None]
+        grids_and_columns = (grids[:, None], columns)
+        free_slip = (displacement - slip_at_begin)[grids_and_columns]
+        is_touching_in_zone = is_inside[grid_rows, columns]
+        limit_in_zone = np.where(is_touching_in_zone, friction_limit[grids_and_columns], 0.0)
         tolerance = _ROUNDING * friction_limit.max()
         shear_in_full_stick = (
-            force / self.step / zone.row_sum * zone.rows + slip_without_shear @ zone.stiffness
+            force / self.step / zone.total_per_shift * zone.traction_per_shift
+            + free_slip @ zone.stiffness
         )
-        # Most cells go on as in the increment before: the first guess, unless it leaves none that
-        # stick.
-        direction = np.where(is_touching, self._directions[cell_numbers], 0)
-        direction[np.all((direction != 0) | ~is_touching, axis=1)] = 0
-        direction, shear_of_cells, slip_of_cells = _sliding_cells(
-            zone, shear_in_full_stick, limit_of_cells, is_touching, direction, tolerance
+        # First guess: cells slip as in the increment before, unless that leaves none that stick.
+        directions_in_zone = np.where(is_touching_in_zone, self._directions[grids_and_columns], 0)
+        directions_in_zone[np.all((directions_in_zone != 0) | ~is_touching_in_zone, axis=1)] = 0
+        directions_in_zone, shear_in_zone, slip_in_zone = _sliding_cells(
+            zone,
+            shear_in_full_stick,
+            limit_in_zone,
+            is_touching_in_zone,
+            directions_in_zone,
+            tolerance,
         )
         all_shear = np.zeros(is_inside.shape)
         all_directions = np.zeros(is_inside.shape, dtype=int)
-        all_shear[rows, columns] = shear_of_cells
-        all_directions[rows, columns] = direction
-        shift = (
-            force / self.step + (slip_of_cells - slip_without_shear) @ zone.rows
-        ) / zone.row_sum
-        all_slip = shift[:, None] + displacement[grids] - all_shear @ self._compliance
-        return Dragged(all_shear, all_slip, all_directions, shift)
+        all_shear[grid_rows, columns] = shear_in_zone
+        all_directions[grid_rows, columns] = directions_in_zone
+        rigid_displacement = (
+            force / self.step + (slip_in_zone - free_slip) @ zone.traction_per_shift
+        ) / zone.total_per_shift
+        all_slip = rigid_displacement[:, None] + displacement[grids] - all_shear @ self._compliance
+        return TangentialSolution(all_shear, all_slip, all_directions, rigid_displacement)
 
     def _increment(self, load: float, force: float, strain: float, tilt: float) -> dict[str, Any]:
         """Bring all grids by one implicit increment to the loads P and Q, the bulk strain eps and
-        the tilt alpha; the fields at its end, by name.
+        the tilt alpha; the fields at its end, by their names in `Fields`.
 
         Tractions and slip are (g, k) for g grids of k cells; approach, U, moments and friction work
         (g,). Work counts by the trapezoidal rule. The grids stand in the new state afterwards.
         """
         displacement_by_strain: Array = -strain * self.x
         if load <= 0:
-            pressed, dragged = self._open(displacement_by_strain)
+            normal, tangential = self._separated(displacement_by_strain)
         elif not self.dundurs:
-            if (load, tilt) not in self._pressed_by_load:
-                self._pressed_by_load[load, tilt] = self._press(load, tilt, self._height)
-            pressed = self._pressed_by_load[load, tilt]
-            earlier_cells = self._contact
-            self._contact = pressed.contact
-            dragged = self._drag(
-                force, displacement_by_strain, self.friction * pressed.pressure, earlier_cells
+            if (load, tilt) not in self._normal_by_load:
+                self._normal_by_load[load, tilt] = self._solve_normal(load, tilt, self._height)
+            normal = self._normal_by_load[load, tilt]
+            cells_before = self._contact
+            self._contact = normal.contact
+            tangential = self._solve_tangential(
+                force, displacement_by_strain, self.friction * normal.pressure, cells_before
             )
         else:
-            pressed, dragged = self._press_and_drag_in_turn(
-                load, force, tilt, displacement_by_strain
-            )
-        shear, slip, directions, displacement = dragged
-        density = (self._shear + shear) * (slip - self.slip) / 2
+            normal, tangential = self._solve_in_turn(load, force, tilt, displacement_by_strain)
+        shear, slip, directions, displacement = tangential
+        work_per_area = (self._shear + shear) * (slip - self.slip) / 2
         state = np.where(self._inside(self._contact), _STATES[directions], OPEN).astype(np.int8)
-        row: dict[str, Any] = {
+        fields: dict[str, Any] = {
             "loads": np.array([load, force, strain, tilt]),
-            "pressure": pressed.pressure,
+            "pressure": normal.pressure,
             "shear": shear,
             "slip": slip,
             "state": state,
-            "approach": pressed.approach - self.datum_compliance * load,
+            "approach": normal.approach - self.datum_compliance * load,
             "displacement": displacement - self.datum_compliance * force,
-            "moment": self.step * np.sum(self.x * pressed.pressure, axis=1),
+            "moment": self.step * np.sum(self.x * normal.pressure, axis=1),
             "shear_moment": self.step * np.sum(self.x * shear, axis=1),
-            "density": density,
-            "work": self.step * np.sum(density, axis=1),
+            "density": work_per_area,
+            "work": self.step * np.sum(work_per_area, axis=1),
         }
-        # Work of the loads in the increment, to compare the friction work with.
-        row["loop"] = _loop_between(self._last_row or row, row)
+        # Work of the loads in the increment, Q dU - m_q d eps, to compare the friction work with.
+        fields["loop"] = _loop_between(self._last_fields or fields, fields)
         self._shear = shear
         self.slip = slip
         self._displacement = displacement
         self._strain = strain
         self._directions = directions
-        self._last_row = row
-        return row
+        self._last_fields = fields
+        return fields
 
-    def _open(self, displacement_by_strain: Array) -> tuple[Pressed, Dragged]:
-        """No contact: the bodies stay where they are, and strain."""
+    def _separated(
+        self, displacement_by_strain: Array
+    ) -> tuple[NormalSolution, TangentialSolution]:
+        """Solution without contact, for all grids: no traction; U stays, and the faces move by the
+        bulk strain alone, `displacement_by_strain` (g, k) [length].
+        """
         no_cells = np.zeros(len(self.x), dtype=int)
         self._contact = ContactCells(self._contact.begin, no_cells)
         no_traction = np.zeros(self.x.shape)
-        pressed = Pressed(no_traction, self._contact, np.zeros(len(self.x)))
+        normal = NormalSolution(no_traction, self._contact, np.zeros(len(self.x)))
         directions = np.zeros(self.x.shape, dtype=int)
         slip = self._displacement[:, None] + displacement_by_strain
-        return pressed, Dragged(no_traction, slip, directions, self._displacement)
+        return normal, TangentialSolution(no_traction, slip, directions, self._displacement)
 
-    def _press_and_drag_in_turn(
+    def _solve_in_turn(
         self, load: float, force: float, tilt: float, displacement_by_strain: Array
-    ) -> tuple[Pressed, Dragged]:
-        """Pressure and shear of all grids after an increment between unlike bodies, by turns:
-        pressure with the gap that the shear adds, shear with the displacement that the pressure
-        adds.
+    ) -> tuple[NormalSolution, TangentialSolution]:
+        """Solutions of the normal and the tangential problem of all grids after an increment
+        between unlike bodies, by turns until the shear changes no more.
 
-        The turns end where the shear changes no more.
+        The normal problem takes the gap that the shear adds, the tangential problem the
+        displacement that the pressure adds (Dundurs' beta).
 
         Parameters
         ----------
@@ -552,64 +597,69 @@ class Grid:
         cells_before = self._contact
         shear_before = self._shear
         for _ in range(_TURNS):
-            pressed = self._press(load, tilt, self._height + shear_before @ self._coupling.T)
-            self._contact = pressed.contact
-            displacement = displacement_by_strain + pressed.pressure @ self._coupling.T
-            dragged = self._drag(
-                force, displacement, self.friction * pressed.pressure, cells_before
+            normal = self._solve_normal(load, tilt, self._height + shear_before @ self._coupling.T)
+            self._contact = normal.contact
+            displacement = displacement_by_strain + normal.pressure @ self._coupling.T
+            tangential = self._solve_tangential(
+                force, displacement, self.friction * normal.pressure, cells_before
             )
-            shear_change = float(np.max(np.abs(dragged.shear - shear_before)))
-            shear_before = dragged.shear
-            if shear_change <= _ROUNDING * self.friction * pressed.pressure.max():
-                return pressed, dragged
+            shear_change = float(np.max(np.abs(tangential.shear - shear_before)))
+            shear_before = tangential.shear
+            if shear_change <= _ROUNDING * self.friction * normal.pressure.max():
+                return normal, tangential
         raise ArithmeticError("pressure and shear by turns do not converge")
 
     def slip_field(self) -> Callable[[Array], Array]:
-        """The slip at any points, in contact and outside, as a function of x (m,) [length]: the
-        mean over the grids in their present state.
+        """Slip s at any points, in contact and outside, as a function of x (m,) [length]: the mean
+        over the grids in their present state.
 
             s = U - eps x - sum over cells of compliance times q
         """
         shear = self._shear
-        mean_shift = float(np.mean(self._displacement))
+        mean_displacement = float(np.mean(self._displacement))
         strain = self._strain
 
         def slip(x: Array) -> Array:
             displacements_by_shear = [
-                self.compliance_at(x, grid_number) @ row for grid_number, row in enumerate(shear)
+                self.compliance_at(x, grid_number) @ shear_of_grid
+                for grid_number, shear_of_grid in enumerate(shear)
             ]
-            return np.asarray(mean_shift - strain * x - np.mean(displacements_by_shear, axis=0))
+            return np.asarray(
+                mean_displacement - strain * x - np.mean(displacements_by_shear, axis=0)
+            )
 
         return slip
 
     def resume(self, slip: Callable[[Array], Array], loads: Array) -> None:
-        """Stand under P, Q, eps and alpha (4,) with a slip known from another grid, as far as
-        friction holds it.
+        """Bring the grids under P, Q, eps and alpha (4,) with a slip known from other grids, as a
+        function of x, as far as friction holds it.
         """
         load, force, strain, tilt = loads.tolist()
         self.slip = np.stack([slip(x) for x in self.x])
-        self._contact = self._press(load, tilt, self._height).contact
+        self._contact = self._solve_normal(load, tilt, self._height).contact
         self._increment(load, force, strain, tilt)
 
     def follow(self, loads: Array) -> Fields:
-        """Follow rows of P, Q, bulk strain eps and tilt alpha, (n, 4), one increment each; the
-        fields at the end of each.
+        """Fields at the end of each of n increments, one to each row of `loads` (n, 4): P, Q, bulk
+        strain eps and tilt alpha.
+
+        Tractions are (n, k) of a single grid and (n, g, k) of g grids of k cells.
 
         Raises
         ------
         ArithmeticError
-            Where active sets do not converge, all cells slip, or the contact meets the end of the
-            grid.
+            Where active sets do not converge, all cells slip, or the contact meets the end of
+            the grid.
         """
-        rows = []
+        fields_of_increments = []
         for load, force, strain, tilt in loads.tolist():
             try:
-                rows.append(self._increment(load, force, strain, tilt))
+                fields_of_increments.append(self._increment(load, force, strain, tilt))
             except ArithmeticError as fault:
                 raise ArithmeticError(f"{fault} at P = {load:.6g}, Q = {force:.6g}") from fault
         fields = {}
-        for name in rows[0]:
-            fields[name] = np.array([row[name] for row in rows])
+        for name in fields_of_increments[0]:
+            fields[name] = np.array([fields_at_end[name] for fields_at_end in fields_of_increments])
         if not self.is_single_grid:
             return Fields(self.x, self.step, **fields)
         for name in fields.keys() - {"loads"}:
@@ -620,16 +670,16 @@ class Grid:
 def _sliding_cells(
     zone: Zone,
     shear_in_full_stick: Array,
-    limit_of_cells: Array,
+    friction_limit: Array,
     is_touching: NDArray[np.bool_],
     direction: NDArray[np.intp],
     tolerance: float,
 ) -> tuple[NDArray[np.intp], Array, Array]:
-    """Which cells slide in an increment, by an active set: their directions (0 in stick), the shear
-    and the slip of the increment of all cells, (g, k) each.
+    """Which cells slide in an increment, by an active set: direction of slip (0 in stick), shear,
+    and slip in the increment of all cells, (g, k) each.
 
-    A cell slides where |q| would be above f p; it stops where its slip would go against friction.
-    Solved again and again until no cell changes.
+    A cell slides where |q| would be above f p; it sticks where its slip would go against its
+    direction. The problem is solved again until no cell changes.
 
     Parameters
     ----------
@@ -637,7 +687,7 @@ def _sliding_cells(
         stiffness of the cells in contact
     shear_in_full_stick
         (g, k) q if no cell slid [stress]
-    limit_of_cells
+    friction_limit
         (g, k) f p [stress]
     is_touching
         (g, k) which cells are in contact; open ones slide without friction
@@ -655,13 +705,13 @@ def _sliding_cells(
         is_sliding = (direction != 0) | ~is_touching
         if np.any(np.all(is_sliding, axis=1)):
             raise ArithmeticError("all cells slip")
-        shear_of_sliding = direction * limit_of_cells
+        shear_of_sliding = direction * friction_limit
         slip = _slip_of_sliding(zone, is_sliding, shear_in_full_stick - shear_of_sliding)
         shear = shear_in_full_stick
         if np.any(is_sliding):
             shear_of_sticking = shear_in_full_stick - slip @ zone.stiffness
             shear = np.where(is_sliding, shear_of_sliding, shear_of_sticking)
-        is_beyond_limit = ~is_sliding & (np.abs(shear) > limit_of_cells + tolerance)
+        is_beyond_limit = ~is_sliding & (np.abs(shear) > friction_limit + tolerance)
         direction_along_slip = np.where(direction * slip > 0, direction, 0)
         new_direction = np.where(is_beyond_limit, np.sign(shear), direction_along_slip).astype(int)
         if np.array_equal(new_direction, direction):
@@ -671,8 +721,8 @@ def _sliding_cells(
 
 
 def _slip_of_sliding(zone: Zone, is_sliding: NDArray[np.bool_], shear_excess: Array) -> Array:
-    """Slip v of the sliding cells in an increment, (g, k), 0 of the others: the solution of G v =
-    q_0 - q over those cells, `shear_excess` the right side.
+    """Slip v of the sliding cells in an increment, (g, k), 0 of the others [length]: the solution
+    of G v = q_0 - q over those cells, `shear_excess` = q_0 - q the right side.
 
     G is the stiffness of the cells in contact, q_0 the shear if none slid, q = +-f p. Grids have
     different numbers of sliding cells: their systems are filled up to one size with unit rows.
@@ -700,14 +750,16 @@ def _slip_of_sliding(zone: Zone, is_sliding: NDArray[np.bool_], shear_excess: Ar
     return slip
 
 
-def _loop_between(row_before: dict[str, Any], row: dict[str, Any]) -> Array:
-    """Q dU - m_q d eps between two rows of `Fields`, by the trapezoidal rule."""
-    _, force_before, strain_before, _ = row_before["loads"]
-    _, force, strain, _ = row["loads"]
-    mean_moment = (row["shear_moment"] + row_before["shear_moment"]) / 2
-    displaced = row["displacement"] - row_before["displacement"]
+def _loop_between(fields_before: dict[str, Any], fields_at_end: dict[str, Any]) -> Array:
+    """Work of the loads in an increment, Q dU - m_q d eps, (g,) [energy per unit thickness], by the
+    trapezoidal rule, from the fields before and at its end.
+    """
+    _, force_before, strain_before, _ = fields_before["loads"]
+    _, force, strain, _ = fields_at_end["loads"]
+    mean_moment = (fields_at_end["shear_moment"] + fields_before["shear_moment"]) / 2
+    displacement_change = fields_at_end["displacement"] - fields_before["displacement"]
     return np.asarray(
-        (force + force_before) / 2 * displaced - mean_moment * (strain - strain_before)
+        (force + force_before) / 2 * displacement_change - mean_moment * (strain - strain_before)
     )
 
 
@@ -724,30 +776,30 @@ def follow_instants(
     modulus: float = 1.0,
     dundurs: float = 0.0,
 ) -> Fields:
-    """Follow instants (n,) of P, Q, bulk strain and tilt on one grid of two half-planes, from
-    bodies that have never touched: fields at each instant.
+    """Fields at n instants of P, Q, bulk strain and tilt on one grid of two half-planes that have
+    never touched before.
 
-    The first instant is one increment from nothing; where P = 0 there, its bulk strain is in place
-    at first touch.
+    Each instant is one implicit increment from the one before, the first from no load. Where P = 0
+    at the first its bulk strain is in place at first touch.
 
     Parameters
     ----------
     height
-        h(x), the gap between the unloaded faces
+        h(x), the gap between the unloaded faces [length]
     extent, cells
         the two ends of the grid [length], and its number of equal cells
     friction
         f
     normal, shear, strain, tilt
-        (n,) P, Q, eps and alpha; numbers hold at every instant
+        (n,) P, Q, eps and alpha; a single number holds at every instant
     modulus, dundurs
-        E*; Dundurs' second constant, by which pressure shears the faces apart
+        E* [stress]; Dundurs' second constant, by which pressure shears the faces apart
 
     Raises
     ------
     ArithmeticError
-        Where the active sets do not converge, all cells slip, or the contact meets the end of the
-        grid.
+        Where the active sets do not converge, all cells slip, or the contact meets the end of
+        the grid.
 
     Examples
     --------
@@ -763,67 +815,75 @@ def follow_instants(
 
 
 # ------------------------------------------------------------------------------ a scene's load path
-class _Rows(NamedTuple):
-    """Increments of a cycle: P, Q, eps, alpha at their ends (n, 4); of the instants that are asked
-    for, the rows at which they lie, and their numbers `instants` among all of these, (k,) each.
+class _Increments(NamedTuple):
+    """Increments of one cycle, and the instants asked for that lie in it.
+
+    Attributes
+    ----------
+    loads
+        (n, 4) P, Q, eps and alpha at the ends of the increments
+    increment_numbers, instant_numbers
+        (k,) of each instant asked for that lies in this cycle: the number of the increment that
+        ends there, and its number among all instants asked for
     """
 
     loads: Array
-    rows_of_instants: NDArray[np.intp]
-    instants: NDArray[np.intp]
+    increment_numbers: NDArray[np.intp]
+    instant_numbers: NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
-class _Path:
-    """A load path in increments."""
+class _PathInIncrements:
+    """A load path, to be followed in about so many increments a cycle."""
 
     loads: PathLoads
-    increments: int
-    _known: dict[bytes, Array] = field(default_factory=dict)
+    increments_per_cycle: int
+    _loads_by_times: dict[bytes, Array] = field(default_factory=dict)
 
-    def rows(self, cycle_number: int, time: Array) -> _Rows:
-        """Loads at the increments of one cycle, and which increments are instants that were asked
-        for.
+    def increments_of_cycle(self, cycle_number: int, time: Array) -> _Increments:
+        """Loads at the ends of the increments of one cycle, and which increments end at instants
+        that were asked for.
 
         Cycle -1 is the initial loading. Of the instants `time` (k,) those that fall into this cycle
-        are taken. Loads of a segment of the path are computed once and stored by its times.
+        are taken. Loads of a segment of the path are computed once, and stored by its times.
         """
         path = self.loads.path
         time_in_cycle = time - max(cycle_number, 0) * (path.period or 0.0)
         segments = path.initial_loading if cycle_number < 0 else path.cycle
         times_of_segments = [
-            self._times_of_leg(segment, k, cycle_number < 0, time_in_cycle)
+            self._increment_times(segment, k, cycle_number < 0, time_in_cycle)
             for k, segment in enumerate(segments)
         ]
         loads = []
         for times_of_segment in times_of_segments:
             key_of_times = times_of_segment.tobytes()
-            if key_of_times not in self._known:
-                self._known[key_of_times] = self.loads.values(times_of_segment).T
-            loads.append(self._known[key_of_times])
+            if key_of_times not in self._loads_by_times:
+                self._loads_by_times[key_of_times] = self.loads.values(times_of_segment).T
+            loads.append(self._loads_by_times[key_of_times])
         all_times = np.concatenate(times_of_segments)
+        # The start of a cycle is the end of the one before.
         is_after_start = (time_in_cycle > segments[0].start) | (cycle_number < 0)
-        instants_in_cycle = np.flatnonzero((time_in_cycle <= segments[-1].end) & is_after_start)
-        rows_of_instants = [
+        instant_numbers = np.flatnonzero((time_in_cycle <= segments[-1].end) & is_after_start)
+        increment_numbers = [
             np.argmin(np.abs(all_times - max(t, path.start)))
-            for t in time_in_cycle[instants_in_cycle]
+            for t in time_in_cycle[instant_numbers]
         ]
-        return _Rows(
-            np.concatenate(loads), np.array(rows_of_instants, dtype=int), instants_in_cycle
+        return _Increments(
+            np.concatenate(loads), np.array(increment_numbers, dtype=int), instant_numbers
         )
 
-    def _times_of_leg(
-        self, leg: LoadSegment, leg_number: int, is_initial: bool, time_in_cycle: Array
+    def _increment_times(
+        self, segment: LoadSegment, segment_number: int, is_initial: bool, time_in_cycle: Array
     ) -> Array:
-        """Times of the increments of one segment of the load path: evenly spread ones, turning
-        points of the loads, and instants that were asked for.
+        """Times at the ends of the increments of one segment of the load path, (n,) ascending:
+        evenly spaced ones, turning points of the loads, and instants asked for.
 
-        An even time next to an instant asked for is left out, as is that instant next to a turning
-        point. From first touch the times are such that the contact grows in equal steps.
+        An even time next to an instant asked for is left out, as is an instant asked for next to a
+        turning point. From first touch the times are such that the contact grows in equal steps.
 
         Parameters
         ----------
-        leg, leg_number
+        segment, segment_number
             the segment, and its number in the initial loading or in the cycle
         is_initial
             whether it belongs to the initial loading
@@ -831,69 +891,71 @@ class _Path:
             instants asked for, as times of the first cycle
         """
         path = self.loads.path
-        is_first_touch = leg is path.initial_loading[0]
-        duration = leg.end - leg.start
-        periodic_legs = path.cycle or path.initial_loading
-        fewest_increments = _OF_LEG
-        if is_initial and (path.cycle or not leg_number):
-            fewest_increments = self.increments // 4
-        share_of_cycle = duration / (periodic_legs[-1].end - periodic_legs[0].start)
+        is_first_touch = segment is path.initial_loading[0]
+        duration = segment.end - segment.start
+        segments_of_cycle = path.cycle or path.initial_loading
+        fewest_increments = _FEWEST_INCREMENTS
+        if is_initial and (path.cycle or not segment_number):
+            fewest_increments = self.increments_per_cycle // 4
+        share_of_cycle = duration / (segments_of_cycle[-1].end - segments_of_cycle[0].start)
         if is_initial and path.cycle:
             share_of_cycle = 0.0
-        n_increments = max(fewest_increments, math.ceil(self.increments * share_of_cycle))
-        # From first touch in equal steps of the contact's size.
-        shares_of_leg = np.linspace(0, 1, n_increments + 1)[1:] ** (2 if is_first_touch else 1)
-        spread_times = leg.start + duration * shares_of_leg
-        turning_times = self.loads.turning_times(leg)
-        asked_times = time_in_cycle[(time_in_cycle > leg.start) & (time_in_cycle <= leg.end)]
+        n_increments = max(fewest_increments, math.ceil(self.increments_per_cycle * share_of_cycle))
+        # From first touch P grows as the square of the contact's size.
+        shares_of_segment = np.linspace(0, 1, n_increments + 1)[1:] ** (2 if is_first_touch else 1)
+        even_times = segment.start + duration * shares_of_segment
+        turning_times = self.loads.turning_times(segment)
+        asked_times = time_in_cycle[
+            (time_in_cycle > segment.start) & (time_in_cycle <= segment.end)
+        ]
         if is_first_touch and np.any(time_in_cycle <= path.start):
             asked_times = np.append(asked_times, path.start)
         distance_to_asked = np.min(
-            np.abs(spread_times[:, None] - asked_times), axis=1, initial=math.inf
+            np.abs(even_times[:, None] - asked_times), axis=1, initial=math.inf
         )
-        spread_times = spread_times[distance_to_asked >= 0.5 * duration / n_increments]
+        even_times = even_times[distance_to_asked >= 0.5 * duration / n_increments]
         distance_to_turn = np.min(
             np.abs(asked_times[:, None] - turning_times), axis=1, initial=math.inf
         )
         asked_times = asked_times[distance_to_turn > 2e-9 * duration]
-        return np.unique(np.concatenate([spread_times, turning_times, asked_times]))
+        return np.unique(np.concatenate([even_times, turning_times, asked_times]))
 
 
 @dataclass(eq=False)
 class _Answers:
-    """What g grids answer at n instants and m points, along cycles.
+    """What g grids find at n instants and m points, along cycles.
 
     Attributes
     ----------
-    limit_share, slip
-        (n, m) means over the grids of q over f p and of s
-    limit_share_by_grid, slip_by_grid
-        (g, n', m) q over f p and s of each grid, at every so many instants
+    friction_ratio, slip
+        (n, m) means over the grids of q/(f p) and of s [length]
+    friction_ratio_by_grid, slip_by_grid
+        (g, n', m) q/(f p) and s of each grid, at every so many instants
     stick_edges
-        (n, 2) means over the grids
+        (n, 2) means over the grids [length]
     loads
         (4, n) P, Q, eps and alpha
     displacement, shear_moment
         (n,) U and m_q, means over the grids
     stick_zones
-        the largest number of zones that stick
+        the largest number of stick zones at any instant
     slip_at_starts
         mean slip, as a function of x, where each cycle starts
     increments
-        how many were made
+        number of increments that were solved
     works
-        (g, c) friction work of the cycles
+        (g, c) friction work of the c cycles
     work, loop
         (g,) friction work of the last cycle; its closed integral of Q dU - m_q d eps
     density
-        (g, k) friction work of the cells in the last cycle
+        (g, k) friction work per area of the cells in the last cycle
     permanent_stick_edges
         (2,) mean edges of the cells that stick through the last cycle
     """
 
-    limit_share: Array
+    friction_ratio: Array
     slip: Array
-    limit_share_by_grid: Array
+    friction_ratio_by_grid: Array
     slip_by_grid: Array
     stick_edges: Array
     loads: Array
@@ -910,16 +972,16 @@ class _Answers:
 
     @classmethod
     def empty(cls, grids: int, instants: int, points: int, stride: int) -> _Answers:
-        """Storage for the answers of `grids` grids at instants and points, before anything is
+        """Storage for what `grids` grids find at so many instants and points, before anything is
         followed: zeros, and NaN for edges.
 
-        Each grid by itself is stored at every `stride`-th instant only.
+        What each grid finds by itself is stored at every `stride`-th instant only.
         """
         shape_of_each = (grids, -(-instants // stride), points)
         return cls(
-            limit_share=np.zeros((instants, points)),
+            friction_ratio=np.zeros((instants, points)),
             slip=np.zeros((instants, points)),
-            limit_share_by_grid=np.zeros(shape_of_each),
+            friction_ratio_by_grid=np.zeros(shape_of_each),
             slip_by_grid=np.zeros(shape_of_each),
             stick_edges=np.full((instants, 2), np.nan),
             loads=np.zeros((4, instants)),
@@ -927,8 +989,14 @@ class _Answers:
             shear_moment=np.zeros(instants),
         )
 
-    def take_up(
-        self, grid: Grid, fields: Fields, rows: _Rows, x: Array, kernels: Array, stride: int
+    def store_cycle(
+        self,
+        grid: Grid,
+        fields: Fields,
+        increments: _Increments,
+        x: Array,
+        compliance: Array,
+        stride: int,
     ) -> None:
         """Store what the grids found in one cycle, at those instants asked for that lie in it.
 
@@ -936,83 +1004,86 @@ class _Answers:
         ----------
         fields
             tractions and slip of the cells at each increment of the cycle
-        rows
-            the increments, and which of them are instants that were asked for
-        x, kernels
+        increments
+            the increments, and which of them end at instants that were asked for
+        x, compliance
             (m,) points; (g, m, k) displacements there by unit tractions on the cells
         stride
-            each grid by itself is stored at every so many instants
+            what each grid finds by itself is stored at every so many instants
         """
-        self.increments += len(rows.loads)
-        self.loads[:, rows.instants] = fields.loads[rows.rows_of_instants].T
-        self.displacement[rows.instants] = np.mean(
-            fields.displacement[rows.rows_of_instants], axis=1
+        self.increments += len(increments.loads)
+        self.loads[:, increments.instant_numbers] = fields.loads[increments.increment_numbers].T
+        self.displacement[increments.instant_numbers] = np.mean(
+            fields.displacement[increments.increment_numbers], axis=1
         )
-        self.shear_moment[rows.instants] = np.mean(
-            fields.shear_moment[rows.rows_of_instants], axis=1
+        self.shear_moment[increments.instant_numbers] = np.mean(
+            fields.shear_moment[increments.increment_numbers], axis=1
         )
-        for instant_number, row_number in zip(
-            rows.instants.tolist(), rows.rows_of_instants.tolist(), strict=True
+        for instant_number, increment_number in zip(
+            increments.instant_numbers.tolist(), increments.increment_numbers.tolist(), strict=True
         ):
-            state = _state_at(grid, fields, row_number, x, kernels)
-            self.limit_share[instant_number] = np.mean(state.limit_share, axis=0)
-            self.slip[instant_number] = np.mean(state.slip, axis=0)
-            self.stick_edges[instant_number] = np.mean(state.stick_edges, axis=0)
-            self.stick_zones = max(self.stick_zones, state.stick_zones)
+            state_of_grids = _state_at(grid, fields, increment_number, x, compliance)
+            self.friction_ratio[instant_number] = np.mean(state_of_grids.friction_ratio, axis=0)
+            self.slip[instant_number] = np.mean(state_of_grids.slip, axis=0)
+            self.stick_edges[instant_number] = np.mean(state_of_grids.stick_edges, axis=0)
+            self.stick_zones = max(self.stick_zones, state_of_grids.stick_zones)
             if instant_number % stride == 0:
-                self.limit_share_by_grid[:, instant_number // stride] = state.limit_share
-                self.slip_by_grid[:, instant_number // stride] = state.slip
+                self.friction_ratio_by_grid[:, instant_number // stride] = (
+                    state_of_grids.friction_ratio
+                )
+                self.slip_by_grid[:, instant_number // stride] = state_of_grids.slip
 
 
 class _State(NamedTuple):
-    """The grids at an instant: q over f p and s at points (g, m), edges of stick (g, 2), the
-    largest number of zones that stick.
+    """State of g grids at an instant: q/(f p) and slip s at m points (g, m), edges of stick (g, 2),
+    and the largest number of stick zones of a grid.
     """
 
-    limit_share: Array
+    friction_ratio: Array
     slip: Array
     stick_edges: Array
     stick_zones: int
 
 
-def _state_at(grid: Grid, fields: Fields, instant: int, x: Array, kernels: Array) -> _State:
-    """State of g grids at one instant: q over f p and slip at points x (m,), the edges of stick,
-    and how many zones stick.
+def _state_at(grid: Grid, fields: Fields, instant: int, x: Array, compliance: Array) -> _State:
+    """State of g grids at one instant: q/(f p) and slip at points x (m,), the outer edges of stick,
+    and the largest number of stick zones of a grid.
 
-    q over f p is interpolated between cells; slip follows from all tractions. A cell that sticks at
+    q/(f p) is interpolated between cells; slip follows from all tractions. A cell that sticks at
     the edge of contact sticks up to that edge, wherever it lies in the cell: edge +-inf.
 
     Parameters
     ----------
     fields
-        answer of the grids, by cells, at all increments
+        tractions and state of the cells, at all increments
     instant
         number of the increment
-    kernels
+    compliance
         (g, m, k) displacements at the points by unit tractions on the cells
     """
-    grids = len(grid.x)
+    n_grids = len(grid.x)
     _, force, strain, _ = fields.loads[instant]
-    mean_shift = fields.displacement[instant] + grid.datum_compliance * force
-    displacement_by_shear = np.matmul(kernels, fields.shear[instant][..., None])[..., 0]
-    slip = mean_shift[:, None] - strain * x - displacement_by_shear
-    limit_share = np.zeros((grids, len(x)))
-    stick_edges = np.full((grids, 2), np.nan)
+    # U against the datum of the compliance, at the grid's length.
+    displacement = fields.displacement[instant] + grid.datum_compliance * force
+    displacement_by_shear = np.matmul(compliance, fields.shear[instant][..., None])[..., 0]
+    slip = displacement[:, None] - strain * x - displacement_by_shear
+    friction_ratio = np.zeros((n_grids, len(x)))
+    stick_edges = np.full((n_grids, 2), np.nan)
     stick_zones = 1
-    for grid_number, state in enumerate(fields.state[instant]):
-        touching_cells = np.flatnonzero(state != OPEN)
+    for grid_number, state_of_cells in enumerate(fields.state[instant]):
+        touching_cells = np.flatnonzero(state_of_cells != OPEN)
         if not len(touching_cells):
             continue
         cell_middles = grid.x[grid_number]
         friction_limit = grid.friction * fields.pressure[instant, grid_number, touching_cells]
-        ratio = fields.shear[instant, grid_number, touching_cells] / friction_limit
-        limit_share[grid_number] = np.interp(x, cell_middles[touching_cells], ratio)
-        is_sticking = np.concatenate([[False], state == STICK, [False]]).astype(int)
-        begins_and_ends = np.flatnonzero(np.diff(is_sticking))
-        stick_zones = max(stick_zones, len(begins_and_ends) // 2)
-        if len(begins_and_ends):
-            first_sticking_cell = begins_and_ends[0]
-            last_sticking_cell = begins_and_ends[-1] - 1
+        ratio_of_cells = fields.shear[instant, grid_number, touching_cells] / friction_limit
+        friction_ratio[grid_number] = np.interp(x, cell_middles[touching_cells], ratio_of_cells)
+        is_sticking = np.concatenate([[False], state_of_cells == STICK, [False]]).astype(int)
+        ends_of_zones = np.flatnonzero(np.diff(is_sticking))
+        stick_zones = max(stick_zones, len(ends_of_zones) // 2)
+        if len(ends_of_zones):
+            first_sticking_cell = ends_of_zones[0]
+            last_sticking_cell = ends_of_zones[-1] - 1
             # A cell that sticks at the edge of contact sticks up to it.
             left_edge = (
                 -np.inf
@@ -1025,20 +1096,20 @@ def _state_at(grid: Grid, fields: Fields, instant: int, x: Array, kernels: Array
                 else cell_middles[last_sticking_cell] + grid.step / 2
             )
             stick_edges[grid_number] = (left_edge, right_edge)
-    return _State(limit_share, slip, stick_edges, stick_zones)
+    return _State(friction_ratio, slip, stick_edges, stick_zones)
 
 
-def _run(
+def _follow_cycles(
     grid: Grid,
-    path: _Path,
+    path: _PathInIncrements,
     x: Array,
     time: Array,
     cycle_numbers: range,
     least_cycles: int,
     stride: int = 1,
 ) -> _Answers:
-    """Follow cycles of the load path on the grids, until the friction work of one repeats that of
-    the one before; what was found at points and instants.
+    """Follow cycles of the load path on g grids, until the friction work of one repeats that of the
+    one before; what the grids find at points and instants.
 
     Parameters
     ----------
@@ -1049,40 +1120,42 @@ def _run(
     least_cycles
         cycles to follow in any case
     stride
-        each grid by itself is stored at every so many instants
+        what each grid finds by itself is stored at every so many instants
 
     Raises
     ------
     InputError
         Where an increment does not converge.
     """
-    grids = len(grid.x)
-    answers = _Answers.empty(grids, len(time), len(x), stride)
-    works: list[Array] = []
-    kernels = np.zeros(0)
+    n_grids = len(grid.x)
+    answers = _Answers.empty(n_grids, len(time), len(x), stride)
+    works_of_cycles: list[Array] = []
+    compliance = np.zeros(0)
     if len(time):
-        kernels = np.array([grid.compliance_at(x, cycle_number) for cycle_number in range(grids)])
+        compliance = np.array(
+            [grid.compliance_at(x, grid_number) for grid_number in range(n_grids)]
+        )
     for cycle_number in cycle_numbers:
         if cycle_number >= 0:
             answers.slip_at_starts.append(grid.slip_field())
-        rows = path.rows(cycle_number, time)
+        increments = path.increments_of_cycle(cycle_number, time)
         slip_before = grid.slip
         try:
-            fields = grid.follow(rows.loads)
+            fields = grid.follow(increments.loads)
         except ArithmeticError as fault:
             raise InputError(
                 f"load: half-plane theory takes grids for such bulk stress or tilt, and {fault} of"
                 f" cycle {cycle_number + 1}; finite elements may take the scene"
             ) from fault
-        answers.take_up(grid, fields, rows, x, kernels, stride)
+        answers.store_cycle(grid, fields, increments, x, compliance, stride)
         if cycle_number >= 0 or not path.loads.path.cycle:
-            works.append(np.sum(fields.work, axis=0))
-        if len(works) >= max(least_cycles, 2):
-            work_change = abs(np.mean(works[-1] - works[-2]))
-            if work_change <= STEADY * np.mean(works[-1]):
+            works_of_cycles.append(np.sum(fields.work, axis=0))
+        if len(works_of_cycles) >= max(least_cycles, 2):
+            work_change = abs(np.mean(works_of_cycles[-1] - works_of_cycles[-2]))
+            if work_change <= STEADY * np.mean(works_of_cycles[-1]):
                 break
-    answers.works = np.array(works).T
-    answers.work = works[-1]
+    answers.works = np.array(works_of_cycles).T
+    answers.work = works_of_cycles[-1]
     answers.loop = np.sum(fields.loop, axis=0)
     answers.density = np.sum(fields.density, axis=0)
     answers.permanent_stick_edges = _permanent_edges(grid, fields, slip_before)
@@ -1090,18 +1163,18 @@ def _run(
 
 
 def _permanent_edges(grid: Grid, fields: Fields, slip_before: Array) -> Array:
-    """Outer edges (2,) of the cells that stick all through a cycle, mean over the grids [length];
-    NaN if in some grid no cell does.
+    """Outer edges (2,) of the cells that stick all through a cycle, the permanent stick zone, mean
+    over the grids [length]; NaN if some grid has no such cell.
 
     A cell sticks if the sum of its |slip| increments is a tiny share of the longest. `slip_before`
-    is the slip at the begin of the cycle.
+    (g, k) is the slip at the begin of the cycle.
     """
     slips_in_increments = np.abs(np.diff(fields.slip, axis=0, prepend=slip_before[None]))
     # What opens does not stick: it counts as slip without end.
     slip_path_of_cell = np.sum(np.where(fields.state == OPEN, np.inf, slips_in_increments), axis=0)
     is_finite = np.isfinite(slip_path_of_cell)
     longest_slip_path = np.max(slip_path_of_cell, axis=1, where=is_finite, initial=0.0)
-    is_stuck = slip_path_of_cell <= _STAYS * longest_slip_path[:, None]
+    is_stuck = slip_path_of_cell <= _STUCK * longest_slip_path[:, None]
     edges_of_grids = np.full((len(grid.x), 2), np.nan)
     for grid_number, middles in enumerate(grid.x):
         stuck_middles = middles[is_stuck[grid_number]]
@@ -1114,12 +1187,19 @@ def _permanent_edges(grid: Grid, fields: Fields, slip_before: Array) -> Array:
 
 
 def edges_along(loads: PathLoads, contact: TiltedProfile) -> Array:
-    """Edges of contact at instants of the initial loading and of a cycle, (n, 2)."""
-    path = _Path(loads, INCREMENTS)
-    numbers = (-1, 0) if loads.path.cycle else (-1,)
-    rows = np.concatenate([path.rows(number, np.zeros(0)).loads for number in numbers])
-    loaded_rows = rows[rows[:, 0] > 0]
-    load, _, _, tilt = loaded_rows.T
+    """Edges of contact at instants of the initial loading and of a cycle, (n, 2) [length], left and
+    right; instants without contact are left out.
+    """
+    path = _PathInIncrements(loads, INCREMENTS)
+    cycle_numbers = (-1, 0) if loads.path.cycle else (-1,)
+    loads_of_increments = np.concatenate(
+        [
+            path.increments_of_cycle(cycle_number, np.zeros(0)).loads
+            for cycle_number in cycle_numbers
+        ]
+    )
+    loads_in_contact = loads_of_increments[loads_of_increments[:, 0] > 0]
+    load, _, _, tilt = loads_in_contact.T
     middle, half_width = contact.under(load, tilt)
     return np.stack([middle - half_width, middle + half_width], axis=-1)
 
@@ -1197,8 +1277,8 @@ def first_repeat(works: Sequence[float] | Array, share: float) -> int | None:
 
 
 def remainder_of(works: Sequence[float]) -> float:
-    """How far the friction work of the last cycle may be from that of the steady cycle, estimated
-    from the changes from cycle to cycle.
+    """Estimated difference between the friction work W of the last cycle and that of the steady
+    cycle, from the changes of W from cycle to cycle, `works` (c,); infinite after a single cycle.
 
     The rest of a geometric series, where the last two ratios of changes are below a half, alike and
     not rising. Else the changes may fall as slowly as k^-4, however fast the first ones were: then
@@ -1258,19 +1338,20 @@ def follow_on_grid(
     time: Array | None = None,
     request: GridRequest = GridRequest(),
 ) -> Followed:
-    """Follow a load path with bulk stress and tilt from first touch on grids, cycle by cycle until
-    the friction work is steady to 1e-6: fields, work and their errors.
+    """Shear, slip and friction work of a load path with bulk stress and tilt, by cells from first
+    touch, cycle by cycle until the friction work is steady to 1e-6; with their errors.
 
-    One coarse grid goes first and finds how many cycles that takes. Where only the last is asked
-    for, all coarse ones do, and the fine ones take up their mean slip where the last but one
-    begins. What that leaves locked in is not what the path leaves. It changes W and the zones by
-    less than the fine grids differ from the coarse ones, which the stated error holds.
+    All but pressure and contact edges, which are exact, is the mean over 16 grids that are moved by
+    shares of a cell. One coarse grid goes first and finds the number of cycles. Where only the last
+    cycle is asked for, all coarse grids go first. The fine grids then follow the last two cycles
+    alone, from the mean slip of the coarse ones. The shear that is locked in is then not that of
+    the whole path. This changes W and the stick zones by less than the fine grids differ from the
+    coarse ones, which the stated error covers.
 
-    Pressure and contact edges are those of `contact`, exact. All else is the mean over 16 grids
-    that are moved by shares of a cell. Errors are twice the standard error of that mean and what is
-    left of the change from half as many cells and increments. That falls by the power 1.5 in W, by
-    the first in q and W(x), by 0.95 in s (root mean squares: at an edge of stick q errs by the root
-    of a cell).
+    Errors are twice the standard error of that mean, plus what is left of the change from half as
+    many cells and increments. That falls by the power 1.5 in W, by the first in q and W(x), by 0.95
+    in s, for which 0.9 is taken (root mean squares: at an edge of stick q errs by the root of a
+    cell).
 
     Parameters
     ----------
@@ -1279,7 +1360,7 @@ def follow_on_grid(
     contact
         the profile under load and tilt; its path is within its `intervals.largest_load`
     height
-        h(x)
+        h(x), the gap between the unloaded faces [length]
     friction
         f
     x
@@ -1310,9 +1391,9 @@ def follow_on_grid(
     fine_answers = runs.fine_answers
 
     load, _, _, tilt = fine_answers.loads
-    middle, half_width = contact.under(load, tilt)
-    contact_edges = np.stack([middle - half_width, middle + half_width], axis=-1)
-    pressure = contact.pressure_over(x, middle, half_width)
+    contact_middle, half_width = contact.under(load, tilt)
+    contact_edges = np.stack([contact_middle - half_width, contact_middle + half_width], axis=-1)
+    pressure = contact.pressure_over(x, contact_middle, half_width)
     is_in_contact = (x >= contact_edges[:, :1]) & (x <= contact_edges[:, 1:])
     friction_limit = friction * pressure
     fields = _FieldsAtPoints.nowhere_known(is_in_contact.shape)
@@ -1320,14 +1401,14 @@ def follow_on_grid(
         fields = _FieldsAtPoints.of_means(fine_answers, friction_limit, is_in_contact)
 
     works_of_cycles = runs.works_of_cycles()
-    density_of_grids = _density_at(runs.fine_grids, fine_answers, x)
+    density_of_grids = _work_density_at(runs.fine_grids, fine_answers, x)
     errors = _errors_of_work(runs, density_of_grids, x)
     if request.pointwise and not runs.is_last_cycle_alone:
         errors |= _errors_of_fields(runs, friction_limit)
     return Followed(
         time=runs.time,
         loads=fine_answers.loads,
-        moment=contact.moment(middle, half_width, load, tilt),
+        moment=contact.moment(contact_middle, half_width, load, tilt),
         shear_moment=fine_answers.shear_moment,
         displacement=fine_answers.displacement,
         contact_edges=contact_edges,
@@ -1381,27 +1462,28 @@ class _GridSetup:
 
 @dataclass(frozen=True, eq=False)
 class _Runs:
-    """What coarse and fine grids answer along one load path; coarse ones have half as many cells
-    and increments.
+    """Results of coarse and fine grids along one load path; coarse ones have half as many cells and
+    increments.
 
     Attributes
     ----------
     first_answers
         of the coarse grids that went first and found the number of cycles
     fine_grids, fine_answers
-        the fine grids where they stand at the end, and their answers
+        the fine grids in their state at the end, and their results
     coarse_grids, coarse_answers
-        the coarse grids that the fine ones are compared with, and their answers
+        the coarse grids that the fine ones are compared with, and their results
     time
-        (n,) instants of the fine answers
+        (n,) instants of the fine results
     stride
-        each grid by itself, and the coarse ones, have an answer at every `stride`-th instant
+        each grid by itself, and the coarse ones, have results at every `stride`-th instant
     cycle_numbers
         cycles that the fine grids followed, -1 for the initial loading
     is_last_cycle_alone
-        whether the answer is of the last cycle only; the first grids are then the coarse ones
+        whether the last cycle only is wanted; the first grids are then the coarse ones
     is_resumed
-        whether the fine grids took up the slip of the coarse ones and followed the last cycles only
+        whether the fine grids took up the slip of the coarse ones and followed the last cycles
+        only
     """
 
     first_answers: _Answers
@@ -1433,12 +1515,12 @@ class _Runs:
 def _run_coarse_and_fine(
     setup: _GridSetup, loads: PathLoads, x: Array, time: Array | None, request: GridRequest
 ) -> _Runs:
-    """Answers of 16 fine and of coarse grids along one load path; half as many cells and increments
-    make a grid coarse, and the difference gives the error.
+    """Results of 16 fine and of coarse grids along one load path. Coarse grids have half as many
+    cells and increments; the difference gives the error.
 
     A coarse grid goes first and finds how many cycles there are until the work is steady. Where the
-    last cycle alone is wanted, all 16 coarse grids go first. The fine ones then take up their mean
-    slip where the last but one begins.
+    last cycle alone is wanted, all 16 coarse grids go first. The fine grids then start from their
+    mean slip, where the last but one cycle begins.
 
     Parameters
     ----------
@@ -1449,7 +1531,7 @@ def _run_coarse_and_fine(
     x
         (m,) points at which q and s are wanted
     time
-        (n,) instants of the answers; every second increment if None
+        (n,) instants of the results; every second increment if None
     request
         how many cycles, cells and increments, and whether the last cycle alone is wanted
 
@@ -1460,42 +1542,45 @@ def _run_coarse_and_fine(
     """
     path = loads.path
     increments = request.increments
-    coarse_path = _Path(loads, increments // 2)
-    fine_path = _Path(loads, increments)
+    coarse_path = _PathInIncrements(loads, increments // 2)
+    fine_path = _PathInIncrements(loads, increments)
     coarse_cells = request.cells // 2
     is_last_cycle_alone = request.steady and time is None and path.period is not None
 
     # The coarse grid goes first: how many cycles are there?
-    cycles_at_least = cycles_needed(path, time)
-    cycles_at_most = max(request.most_cycles, cycles_at_least) if path.cycle else 0
-    first_shifts = _SHIFTS if is_last_cycle_alone else _SHIFTS[:1]
+    fewest_cycles = cycles_needed(path, time)
+    most_cycles = max(request.most_cycles, fewest_cycles) if path.cycle else 0
+    shifts_of_first_grids = _SHIFTS if is_last_cycle_alone else _SHIFTS[:1]
     no_instants = np.zeros(0)
-    first_grids = setup.moved_grids(coarse_cells, first_shifts)
-    first_answers = _run(
-        first_grids, coarse_path, x, no_instants, range(-1, cycles_at_most), cycles_at_least
+    first_grids = setup.moved_grids(coarse_cells, shifts_of_first_grids)
+    first_answers = _follow_cycles(
+        first_grids, coarse_path, x, no_instants, range(-1, most_cycles), fewest_cycles
     )
-    cycles = first_answers.works.shape[1]
+    n_cycles = first_answers.works.shape[1]
 
-    # The fine grids follow them, or take up the last ones.
-    is_resumed = is_last_cycle_alone and cycles > _RESUMED
-    cycle_numbers = range(-1, cycles if path.cycle else 0)
+    # The fine grids follow all these cycles, or the last ones from the coarse grids' slip.
+    is_resumed = is_last_cycle_alone and n_cycles > _CYCLES_RESUMED
+    cycle_numbers = range(-1, n_cycles if path.cycle else 0)
     if is_resumed:
-        cycle_numbers = range(cycles - _RESUMED, cycles)
+        cycle_numbers = range(n_cycles - _CYCLES_RESUMED, n_cycles)
     if time is None:
-        time = _default_times(path, cycles, increments, is_last_cycle_alone)
+        time = _default_times(path, n_cycles, increments, is_last_cycle_alone)
     time = np.asarray(time, dtype=float)
-    stride = max(len(time) // _COMPARED, 1)
+    # Grids by themselves are stored, and compared, at every so many instants.
+    stride = max(len(time) // _INSTANTS_COMPARED, 1)
     fine_grids = setup.moved_grids(request.cells, _SHIFTS)
     if is_resumed:
         loads_at_cycle_start = loads.values(np.array([path.cycle_start]))[:, 0]
         fine_grids.resume(first_answers.slip_at_starts[cycle_numbers[0]], loads_at_cycle_start)
-    fine_answers = _run(fine_grids, fine_path, x, time, cycle_numbers, len(cycle_numbers), stride)
+    fine_answers = _follow_cycles(
+        fine_grids, fine_path, x, time, cycle_numbers, len(cycle_numbers), stride
+    )
 
     coarse_grids = first_grids
     coarse_answers = first_answers
     if not is_last_cycle_alone:
         coarse_grids = setup.moved_grids(coarse_cells, _SHIFTS)
-        coarse_answers = _run(
+        coarse_answers = _follow_cycles(
             coarse_grids, coarse_path, x, time[::stride], cycle_numbers, len(cycle_numbers)
         )
     return _Runs(
@@ -1530,36 +1615,42 @@ class _FieldsAtPoints(NamedTuple):
         cls, answers: _Answers, friction_limit: Array, is_in_contact: NDArray[np.bool_]
     ) -> _FieldsAtPoints:
         """By the means over the grids; `friction_limit` (n, k) is f p."""
-        limit_share = np.where(is_in_contact, answers.limit_share, 0.0)
-        state = _states_of(limit_share, is_in_contact)
-        return cls(friction_limit * limit_share, answers.slip, state.astype(np.int8))
+        friction_ratio = np.where(is_in_contact, answers.friction_ratio, 0.0)
+        state = _states_of(friction_ratio, is_in_contact)
+        return cls(friction_limit * friction_ratio, answers.slip, state.astype(np.int8))
 
 
 def _errors_of_work(runs: _Runs, density_of_grids: Array, x: Array) -> dict[str, float]:
     """Relative errors of W of the last cycle and of W(x) at points x (k,), which is
     `density_of_grids` (g, k) by the fine grids.
     """
-    coarse_density = _density_at(runs.coarse_grids, runs.coarse_answers, x)
+    coarse_density = _work_density_at(runs.coarse_grids, runs.coarse_answers, x)
     return {
-        "dissipation": _error(
+        "dissipation": _relative_error(
             runs.fine_answers.work, runs.coarse_answers.work, convergence_order=1.5
         ),
-        "dissipation_density": _error(density_of_grids, coarse_density, convergence_order=1),
+        "dissipation_density": _relative_error(
+            density_of_grids, coarse_density, convergence_order=1
+        ),
     }
 
 
 def _errors_of_fields(runs: _Runs, friction_limit: Array) -> dict[str, float]:
-    """Relative errors of q and s at points; `friction_limit` (n, k) is f p at all instants."""
-    limit = friction_limit[:: runs.stride]
-    fine = runs.fine_answers
-    coarse = runs.coarse_answers
+    """Relative errors of the shear q and the slip s at points, by name; `friction_limit` (n, k) is
+    f p at all instants [stress].
+    """
+    limit_at_instants = friction_limit[:: runs.stride]
+    fine_answers = runs.fine_answers
+    coarse_answers = runs.coarse_answers
     return {
-        "shear": _error(
-            limit * fine.limit_share_by_grid,
-            limit * coarse.limit_share_by_grid,
+        "shear": _relative_error(
+            limit_at_instants * fine_answers.friction_ratio_by_grid,
+            limit_at_instants * coarse_answers.friction_ratio_by_grid,
             convergence_order=1,
         ),
-        "slip": _error(fine.slip_by_grid, coarse.slip_by_grid, convergence_order=0.9),
+        "slip": _relative_error(
+            fine_answers.slip_by_grid, coarse_answers.slip_by_grid, convergence_order=0.9
+        ),
     }
 
 
@@ -1585,12 +1676,12 @@ def _counts_of(runs: _Runs, cells: int) -> dict[str, int]:
     return counts
 
 
-def _states_of(limit_share: Array, is_in_contact: NDArray[np.bool_]) -> NDArray[np.int8]:
-    """State of points by q over f p, `limit_share`, arrays of one shape: open out of contact, stick
-    below 1, else forward or reverse slip by its sign.
+def _states_of(friction_ratio: Array, is_in_contact: NDArray[np.bool_]) -> NDArray[np.int8]:
+    """State of points by `friction_ratio` = q/(f p), arrays of one shape: open out of contact,
+    stick below 1, else forward or reverse slip by its sign.
     """
-    slip_state = np.where(limit_share > 0, SLIP_FORWARD, SLIP_REVERSE)
-    contact_state = np.where(np.abs(limit_share) < 1 - 1e-12, STICK, slip_state)
+    slip_state = np.where(friction_ratio > 0, SLIP_FORWARD, SLIP_REVERSE)
+    contact_state = np.where(np.abs(friction_ratio) < 1 - 1e-12, STICK, slip_state)
     return np.where(is_in_contact, contact_state, OPEN)
 
 
@@ -1602,19 +1693,19 @@ def cycle_works(
     modulus: float,
     request: GridRequest,
 ) -> Array:
-    """Friction work of each cycle of a load path on 16 grids that are moved by parts of a cell,
-    (16, c), until one cycle repeats the one before.
+    """Friction work of each of the c cycles of a load path, (16, c), on 16 grids that are moved by
+    parts of a cell [energy per unit thickness], until one cycle repeats the one before.
 
     Of a path without cycles it is the work of all of it, (16, 1).
 
     Parameters
     ----------
     span
-        the outermost edges of contact, which the cells lie between [length]
+        the outermost edges of contact, left and right, which the cells lie between [length]
     height
-        h(x)
+        h(x), the gap between the unloaded faces [length]
     friction, modulus
-        f, E*
+        f, E* [stress]
     request
         how fine the grids are, and the largest number of cycles
 
@@ -1624,39 +1715,46 @@ def cycle_works(
         Where an increment does not converge.
     """
     grids = _GridSetup(height, span, friction, modulus).moved_grids(request.cells, _SHIFTS)
-    path = _Path(loads, request.increments)
+    path = _PathInIncrements(loads, request.increments)
     cycle_numbers = range(-1, request.most_cycles if loads.path.cycle else 0)
     no_points = np.zeros(0)
     no_instants = np.zeros(0)
-    return _run(grids, path, no_points, no_instants, cycle_numbers, least_cycles=1).works
+    return _follow_cycles(grids, path, no_points, no_instants, cycle_numbers, least_cycles=1).works
 
 
-def _default_times(path: LoadPath, cycles: int, increments: int, last_alone: bool) -> Array:
-    """Times at which a solution on grids is given where the caller asks for none.
+def _default_times(path: LoadPath, cycles: int, increments: int, last_cycle_alone: bool) -> Array:
+    """Times at which a solution on grids is given where the caller asks for none, (n,) ascending.
 
-    They are every second increment of all `cycles`, or of the last one only (`last_alone`), and
-    fewer of the initial loading. `increments` are those of a cycle.
+    They are every second increment of all `cycles`, or of the last one only (`last_cycle_alone`),
+    and fewer of the initial loading. `increments` are those of a cycle.
     """
-    if last_alone and path.period is not None:
-        begin_of_last = path.cycle_start + (cycles - 1) * path.period
-        return np.linspace(begin_of_last, begin_of_last + path.period, increments // 2 + 1)[1:]
-    times = [np.linspace(leg.start, leg.end, increments // 16 + 1) for leg in path.initial_loading]
+    if last_cycle_alone and path.period is not None:
+        start_of_last_cycle = path.cycle_start + (cycles - 1) * path.period
+        return np.linspace(
+            start_of_last_cycle, start_of_last_cycle + path.period, increments // 2 + 1
+        )[1:]
+    times = [
+        np.linspace(segment.start, segment.end, increments // 16 + 1)
+        for segment in path.initial_loading
+    ]
     if path.period is not None:
-        end = path.cycle_start + cycles * path.period
-        times.append(np.linspace(path.cycle_start, end, cycles * (increments // 2) + 1))
+        end_of_last_cycle = path.cycle_start + cycles * path.period
+        times.append(
+            np.linspace(path.cycle_start, end_of_last_cycle, cycles * (increments // 2) + 1)
+        )
     return np.unique(np.concatenate(times))
 
 
-def _density_at(grid: Grid, answers: _Answers, x: Array) -> Array:
-    """W(x) of each grid at points (m,): (g, m)."""
-    rows = [
-        np.interp(x, middles, density, left=0.0, right=0.0)
-        for middles, density in zip(grid.x, answers.density, strict=True)
+def _work_density_at(grid: Grid, answers: _Answers, x: Array) -> Array:
+    """Friction work per area of the last cycle, W(x), of each grid at points (m,): (g, m)."""
+    density_of_grids = [
+        np.interp(x, middles, density_of_cells, left=0.0, right=0.0)
+        for middles, density_of_cells in zip(grid.x, answers.density, strict=True)
     ]
-    return np.array(rows)
+    return np.array(density_of_grids)
 
 
-def _error(fine_values: Array, coarse_values: Array, convergence_order: float) -> float:
+def _relative_error(fine_values: Array, coarse_values: Array, convergence_order: float) -> float:
     """Relative error of the mean over the fine grids, as a root mean square over its largest value.
 
     It is the change of the mean from coarse grids, over 2^order - 1 (Richardson), plus twice the
