@@ -152,16 +152,18 @@ class _Base:
         open nodes may count as sliding
     kinds
         (2 n,) of its rows, see `_kinds`
-    traction
-        (n,) q over p of the nodes that slide, open ones that count as sliding among them
+    signed_friction
+        (n,) q over p: +f or -f of the nodes that slide, open ones that count as sliding among
+        them; else 0
     is_held
         (2 n,) whether the displacement of each row is prescribed
-    held
-        (k,) rows that are held, then P and Q: what responds to these is solved for
-    free
+    held_rows
+        (k,) rows whose displacement is prescribed, then P and Q: what responds to these is
+        solved for
+    free_rows
         (n_free,) rows whose force is prescribed
     place_in_held
-        (2 n + 5,) of each row and load, -1 of those that are not among `held`
+        (2 n + 5,) of each row and load, -1 of those that are not among `held_rows`
     value_sources
         (3 + 4 n,) where each value of an interface state comes from: the 2 n + 3 responses, or
         the 2 n prescribed values of the rows, which follow them. Shear is the force of its row
@@ -183,10 +185,10 @@ class _Base:
 
     row_states: States
     kinds: States
-    traction: Array
+    signed_friction: Array
     is_held: Mask
-    held: Indices
-    free: Indices
+    held_rows: Indices
+    free_rows: Indices
     place_in_held: Indices
     value_sources: Indices
     equations: _HeldEquations | None
@@ -245,8 +247,9 @@ def _sliding_where_open(states: States) -> States:
     return np.where(states == OPEN, nearest_sliding, states)
 
 
-class _Nested:
-    """A compliance C (n, n) of which the first k nodes, for any k, are held at known displacements.
+class _NestedCompliance:
+    """A compliance C (n, n) in one direction, solved with the first k nodes, for any k, held at
+    known displacements.
 
     Attributes
     ----------
@@ -254,49 +257,51 @@ class _Nested:
         (n, n) C
     inverse
         (n, n) X = L^-1 of C = L L^T
-    uniform, moved
-        (n, n) in row k - 1 the forces that move each of the first k nodes by 1, and what these
-        forces move all nodes by
+    unit_motion_forces
+        (n, n) in row k - 1 the forces at the first k nodes that displace each of these by 1
+    unit_motion_displacements
+        (n, n) in row k - 1 the displacements of all nodes by these forces
     stiffness
-        (n,) sum of the forces of each row of `uniform`
+        (n,) sum of these forces: load per rigid motion where the first k nodes are held
     """
 
     def __init__(self, compliance: Array, factor: Array) -> None:
         self.compliance = compliance
         self.inverse = np.ascontiguousarray(dtrtri(factor, lower=1)[0])
         sum_of_row = self.inverse.sum(axis=1)[:, None]
-        self.uniform = np.cumsum(self.inverse * sum_of_row, axis=0)
-        self.moved = np.cumsum(factor.T * sum_of_row, axis=0)
-        self.stiffness = self.uniform.sum(axis=1)
+        self.unit_motion_forces = np.cumsum(self.inverse * sum_of_row, axis=0)
+        self.unit_motion_displacements = np.cumsum(factor.T * sum_of_row, axis=0)
+        self.stiffness = self.unit_motion_forces.sum(axis=1)
 
-    def solved(
+    def forces_and_displacements(
         self,
         n_held: int,
         n_touching: int,
         known_values: Array,
-        total: Array,
-        compliance_of_rig: float | None,
+        load_or_movement: Array,
+        actuator_compliance: float | None,
     ) -> tuple[Array, Array, Array]:
-        """Solve for nodal forces of m load cases where the first nodes are held at known
-        displacements and the other nodes carry known forces.
+        """Nodal forces F, rigid motion r of the body and nodal displacements C F - r, in m load
+        cases, where the first k nodes are held at known displacements and the others carry known
+        forces; C is the compliance matrix.
 
-        With the compliance C (n, n) of all nodes, forces F, and a rigid motion r of the body, the
-        displacement of a node is (C F - r). The inverse of the first k rows and columns of C is
-        X_k^T X_k for every k, X_k being those of one triangular matrix.
+        Forces at r = 0 are found first, then those of the rigid motion: both add up to the load.
+        C = L L^T, so that the inverse of the leading k x k block of C is X_k^T X_k, X_k being the
+        leading block of L^-1 (`inverse`), for every k.
 
         Parameters
         ----------
         n_held
-            number of the first nodes, whose displacement is known; of the others F is known
+            k: of the first k nodes the displacement is known, of the others F
         n_touching
             number of nodes beyond which the known F is most often 0
         known_values
             (n, m) the known displacement or force of each node
-        total
-            (m,) sum of F; where an actuator with the compliance c moves the body, r + c times
-            that sum
-        compliance_of_rig
-            c; None where the load is given
+        load_or_movement
+            (m,) the load, sum of F; or, where an actuator moves the body, its movement
+            r + c times the load
+        actuator_compliance
+            c between actuator and body; None where the load is given
 
         Returns
         -------
@@ -306,31 +311,37 @@ class _Nested:
         forces = known_values.copy()
         displacements = known_values.copy()
         displacements[n_held:] = 0.0
-        rigid_of_known: Array | float = 0.0
+        # The rigid motion that keeps the sum of the forces 0 under the known values alone.
+        motion_by_known_values: Array | float = 0.0
         if known_values.any():
             n_loaded = len(known_values) if known_values[n_touching:].any() else n_touching
-            right = (
+            displacements_by_held_forces = (
                 known_values[:n_held]
                 - self.compliance[:n_held, n_held:n_loaded] @ known_values[n_held:n_loaded]
             )
             forces[:n_held] = 0.0
-            for end in range(_ROWS_PER_BLOCK, n_held + _ROWS_PER_BLOCK, _ROWS_PER_BLOCK):
-                rows = self.inverse[end - _ROWS_PER_BLOCK : min(end, n_held), : min(end, n_held)]
-                forces[: rows.shape[1]] += rows.T @ (rows @ right[: rows.shape[1]])
+            # X_k^T X_k times these displacements, by blocks of rows of X_k.
+            for row_end in range(_ROWS_PER_BLOCK, n_held + _ROWS_PER_BLOCK, _ROWS_PER_BLOCK):
+                n_columns = min(row_end, n_held)
+                block = self.inverse[row_end - _ROWS_PER_BLOCK : n_columns, :n_columns]
+                forces[:n_columns] += block.T @ (block @ displacements_by_held_forces[:n_columns])
             displacements[n_held:] = self.compliance[n_held:, :n_loaded] @ forces[:n_loaded]
-            rigid_of_known = -forces.sum(axis=0) / self.stiffness[n_held - 1]
-        if compliance_of_rig is not None:
-            compliance = 1 / self.stiffness[n_held - 1] + compliance_of_rig
-            if not compliance > 0:
+            motion_by_known_values = -forces.sum(axis=0) / self.stiffness[n_held - 1]
+        load = load_or_movement
+        if actuator_compliance is not None:
+            movement_per_load = 1 / self.stiffness[n_held - 1] + actuator_compliance
+            if not movement_per_load > 0:
                 raise InputError(
                     "rig.datum_length: the contact moves against its load where the displacement is"
                     " prescribed, so that no load follows from it: state a longer distance"
                 )
-            total = (total - rigid_of_known) / compliance
-        rigid_motion = total / self.stiffness[n_held - 1] + rigid_of_known
-        forces[:n_held] += np.multiply.outer(self.uniform[n_held - 1, :n_held], rigid_motion)
+            load = (load_or_movement - motion_by_known_values) / movement_per_load
+        rigid_motion = load / self.stiffness[n_held - 1] + motion_by_known_values
+        forces[:n_held] += np.multiply.outer(
+            self.unit_motion_forces[n_held - 1, :n_held], rigid_motion
+        )
         displacements[n_held:] += np.multiply.outer(
-            self.moved[n_held - 1, n_held:] - 1, rigid_motion
+            self.unit_motion_displacements[n_held - 1, n_held:] - 1, rigid_motion
         )
         return forces, rigid_motion, displacements
 
@@ -355,8 +366,17 @@ class Systems:
     actuators: Actuators = LOADS_ARE_GIVEN
 
     def __post_init__(self) -> None:
-        """Assemble the matrix of all equations; where pressure and shear do not act on each other,
-        factorise both compliances for sets of nodes that are nested by ascending x.
+        """Assemble the matrix of the contact's linear equations; where pressure and shear are
+        uncoupled, also factorise the normal and the tangential compliance by Cholesky.
+
+        These factors serve contacts whose nodes, by ascending x, first stick, then slide, then are
+        open (`_is_nested`). `_held_still` is whether U = 0: the shear is zero or, by symmetry, has
+        no resultant. `_holds_without_stick` is whether U is determined though no node sticks.
+
+        Raises
+        ------
+        ConvergenceError
+            If a compliance is not positive definite.
         """
         faces = self.interface
         self.normal = faces.normal + np.diag(self.layer.normal)
@@ -372,25 +392,27 @@ class Systems:
             ) from reason
         self._held_still = faces.has_odd_shear or not self.shears
         self._holds_without_stick = self._held_still or self.actuators.tangential is not None
-        self.matrix = self._assembled()
-        self._bases: list[_Base] = []  # what was used last comes last
-        self._factorised: dict[bytes, _Base] = {}  # of `corrections`, by states
-        self._nested: list[_Nested] = []
-        # Pressure does not depend on shear then.
+        self.matrix = self._assembled_matrix()
+        # Sets of node states with cached responses; the one used last comes last.
+        self._bases: list[_Base] = []
+        # Sets with factors of their own that `corrections` made, by the bytes of their states.
+        self._factorised_sets: dict[bytes, _Base] = {}
+        self._nested_compliances: list[_NestedCompliance] = []  # normal, then tangential
+        # Only then does the pressure not depend on the shear.
         if faces.coupling is None and faces.flat and faces.imposed is None:
-            self._nested = [
-                _Nested(compliance, factor)
+            self._nested_compliances = [
+                _NestedCompliance(compliance, factor)
                 for compliance, factor in zip(compliances, factors, strict=True)
             ]
 
-    def _assembled(self) -> Array:
-        """Matrix of the linear equations of the contact as if all n nodes stuck, (2 n + 2,
-        2 n + 5).
+    def _assembled_matrix(self) -> Array:
+        """Matrix (2 n + 2, 2 n + 5) of the contact of n nodes: gaps, slips and both loads by nodal
+        forces and rigid motions, whatever the states of the nodes.
 
         Rows: gap of the nodes, slip of the nodes, P, Q. Columns: p and q of the nodes, normal
-        approach, tangential displacement, both bulk stresses, tilt. Where an actuator's movement
-        stands in the place of a load, its row is c times the load plus the rigid motion, c being
-        the compliance between actuator and contact.
+        approach, tangential displacement U, both bulk stresses, tilt. With an actuator the row of
+        its load gives its movement instead: c times the load plus the rigid motion, c being the
+        compliance between actuator and contact. With `_held_still` the row of Q gives U.
         """
         faces = self.interface
         n = len(faces.x)
@@ -433,7 +455,7 @@ class Systems:
         changes: Array | None = None,
     ) -> Array:
         """Derivatives of the contact's values by its loads while the n nodes keep their states, and
-        the values' response to given changes of single equations.
+        the change of the values by given changes of single equations; all scaled.
 
         The values are approach, displacement U and tilt, then slip, p, q and gap of the nodes. A
         node has two equations, by its state: p = 0 or gap = 0; q = 0, constant slip, or q = +-f p.
@@ -481,7 +503,7 @@ class Systems:
         """Whether, by ascending x, the first nodes stick, the next ones slide and the last are
         open, as on one half of a symmetric contact: a faster solution then exists.
         """
-        if not self._nested:
+        if not self._nested_compliances:
             return False
         n_touching = int(np.count_nonzero(states))
         n_sticking = int(np.count_nonzero(states == STICK))
@@ -491,12 +513,12 @@ class Systems:
     def _values_of_nested(
         self, states: States, n_loads: int, rows: Indices | None, changes: Array | None
     ) -> Array:
-        """Derivatives of the contact's values by its loads, (n_loads, 3 + 4 n), where the first
-        nodes stick, the next slide, the last are open, and p does not depend on q.
+        """Derivatives of the contact's values by its loads, (n_loads, 3 + 4 n), where by ascending
+        x the first nodes stick, the next slide, the last are open, and p does not depend on q.
 
-        Two problems follow each other. In the normal one touching nodes are held. In the tangential
-        one sticking nodes are held, and sliding ones carry q = (+-f) p. The values are approach, U
-        and tilt, then slip, p, q and gap of the nodes.
+        The normal problem comes first: the gap of touching nodes is prescribed. In the tangential
+        one the slip of sticking nodes is prescribed, and sliding ones carry q = (+-f) p. The values
+        are approach, U and tilt, then slip, p, q and gap of the n nodes.
 
         Parameters
         ----------
@@ -516,19 +538,23 @@ class Systems:
         if rows is not None:
             prescribed[rows // n, rows % n, n_loads] = changes
         prescribed_normal, prescribed_tangential = prescribed
+        # (n_cases,) P and Q in each case: 1 in its own, 0 in the others.
         normal_load, tangential_load, *_ = np.eye(n_loads, n_cases)
 
         values = np.zeros((n_cases, 3 + 4 * n))
         slip, pressure, shear, gap = values[:, 3:].reshape(-1, 4, n).transpose(1, 2, 0)
-        pressure[:], values[:, 0], gap[:] = self._nested[0].solved(
+        normal_compliance = self._nested_compliances[0]
+        pressure[:], values[:, 0], gap[:] = normal_compliance.forces_and_displacements(
             n_touching, n_touching, prescribed_normal, normal_load, self.actuators.normal
         )
         if self.shears:
-            # Shear of the contact moves the faces against the slip.
+            tangential_compliance = self._nested_compliances[1]
+            # Shear displaces the faces against the slip: with the tangential compliance T the slip
+            # is U - T q, the opposite of the displacement that is solved for.
             prescribed_tangential[:n_sticking] *= -1
-            friction_of_states = slip_sign(states) * self.friction
-            prescribed_tangential += friction_of_states[:, None] * pressure
-            shear[:], values[:, 1], opposite_slip = self._nested[1].solved(
+            signed_friction = slip_sign(states) * self.friction
+            prescribed_tangential += signed_friction[:, None] * pressure
+            shear[:], values[:, 1], opposite_slip = tangential_compliance.forces_and_displacements(
                 n_sticking,
                 n_touching,
                 prescribed_tangential,
@@ -542,7 +568,7 @@ class Systems:
         self, states: States, n_loads: int, rows: Indices | None, changes: Array | None
     ) -> Array:
         """Derivatives of the contact's values by its loads, (n_loads, 3 + 4 n), for any states of
-        the nodes, from those of a similar set of states by an update of low rank.
+        the nodes, by an update of low rank from cached responses for similar states (the base).
 
         The values are approach, U and tilt, then slip, p, q and gap of the n nodes.
 
@@ -557,39 +583,49 @@ class Systems:
             by how much: one more row of what is returned; None for none
         """
         n = len(states)
-        base, differs = self._base_for(states)
-        given = np.zeros((0, 2 * n))
+        base, needs_update = self._base_for(states)
+        right_sides = np.zeros((0, 2 * n))
         if rows is not None:
-            differs[rows] = True
+            needs_update[rows] = True
             # An open node with a given p has q = 0, not q = (+-f) p.
-            differs[n + rows[rows < n]] = True
-            given = np.zeros((1, 2 * n))
-            given[0, rows] = changes
-        rows_apart = differs.nonzero()[0]
+            needs_update[n + rows[rows < n]] = True
+            right_sides = np.zeros((1, 2 * n))
+            right_sides[0, rows] = changes
+        rows_apart = needs_update.nonzero()[0]
         row_states = np.concatenate([states, states])
-        unit_loads = np.arange(2 * n, 2 * n + n_loads)
-        update = self._updated(base, row_states, rows_apart, unit_loads, given[:, rows_apart])
+        load_numbers = np.arange(2 * n, 2 * n + n_loads)
+        update = self._updated_responses(
+            base, row_states, rows_apart, load_numbers, right_sides[:, rows_apart]
+        )
 
+        # Values are picked from the responses and, after them, what the base prescribes.
         n_responses = 2 * n + 3
         responses_and_prescribed = np.zeros((len(update.responses), n_responses + 2 * n))
         responses_and_prescribed[:, :n_responses] = update.responses
         responses_and_prescribed[:, n_responses + rows_apart] = update.amplitudes
         values = responses_and_prescribed.take(base.value_sources, axis=1)
         _, pressure, shear, _ = values[:, 3:].reshape(-1, 4, n).transpose(1, 0, 2)
-        shear += base.traction * pressure  # so far the force of its row
+        shear += base.signed_friction * pressure  # so far q - (+-f) p, the force of its row
         return values
 
-    def _updated(
-        self, base: _Base, row_states: States, rows: Indices, unit_cases: Indices, given: Array
+    def _updated_responses(
+        self,
+        base: _Base,
+        row_states: States,
+        rows: Indices,
+        unit_cases: Indices,
+        right_sides: Array,
     ) -> _Update:
         """Responses of the contact for one set of node states from cached ones for another set, the
         base, by an update of low rank (Sherman-Morrison-Woodbury).
 
-        The base's response to a unit right side of each equation in which the sets differ is added
-        with an amplitude, so that the equations of the new set are met:
+        The base's response to a unit right side in each of `rows` is added with an amplitude, so
+        that the new set's equations in these rows are met. With their left sides in the responses,
 
-            readings of unit_cases + amplitudes @ readings of rows = given (0 in unit_cases)
+            left sides in unit_cases + amplitudes @ left sides in cases of rows = right sides
             responses = responses to unit_cases + amplitudes @ responses to rows
+
+        The right sides are 0 in the unit cases.
 
         Parameters
         ----------
@@ -601,42 +637,42 @@ class Systems:
         rows
             (m,) equations in which the sets differ, or whose right side is given
         unit_cases
-            (k,) loads, or equations common to both sets: the first k cases
-        given
-            (c, m) right sides of the equations `rows` in c further cases
+            (k,) loads, or equations common to both sets, each 1 in one of the first k cases
+        right_sides
+            (c, m) of the equations `rows` in c further cases
         """
         n_units = len(unit_cases)
         cases = np.concatenate([unit_cases, rows])
         self._solve_cases(base, cases)
         case_responses = base.responses.take(base.case_number[cases], axis=0)
-        responses = np.zeros((n_units + len(given), case_responses.shape[1]))
+        responses = np.zeros((n_units + len(right_sides), case_responses.shape[1]))
         responses[:n_units] = case_responses[:n_units]
         if not len(rows):
             return _Update(responses, rows, np.zeros((len(responses), 0)))
         self.work["factor updates"] += 1
-        readings = self._readings(base, row_states, rows, cases, case_responses)
-        readings_of_rows = readings[n_units:].T
-        missing = np.concatenate([-readings[:n_units], given])
-        amplitudes = _lu_solve(_lu(readings_of_rows), missing.T).T
+        left_sides = self._left_sides(base, row_states, rows, cases, case_responses)
+        left_sides_by_amplitudes = left_sides[n_units:].T
+        residuals = np.concatenate([-left_sides[:n_units], right_sides])
+        amplitudes = _lu_solve(_lu(left_sides_by_amplitudes), residuals.T).T
         responses += _few_rows_times(amplitudes, case_responses[n_units:])
         return _Update(responses, rows, amplitudes)
 
-    def _readings(
+    def _left_sides(
         self, base: _Base, row_states: States, rows: Indices, cases: Indices, responses: Array
     ) -> Array:
-        """Left sides of m equations of one set of node states, evaluated in c responses of another
-        set, the base: (c, m).
+        """Left sides (c, m) of m equations of one set of node states, evaluated in c responses of
+        another set, the base.
 
-        In a normal equation that is p of an open node, else the gap; in a tangential one the slip
-        of a node that sticks, else q - (+-f) p.
+        A normal equation prescribes p of an open node, else the gap; a tangential one the slip of
+        a node that sticks, else q - (+-f) p. That is its left side.
 
         Parameters
         ----------
         base
-            the set whose responses they are
+            the set of states for which the responses were computed
         row_states
-            (2 n,) states of the n nodes in the set whose equations are meant, for normal equations,
-            then for tangential ones
+            (2 n,) states of the n nodes in the other set, whose equations are evaluated: for normal
+            equations, then for tangential ones
         rows
             (m,) numbers of the equations: i normal, n + i tangential
         cases
@@ -647,33 +683,45 @@ class Systems:
         """
         n = len(self.normal)
 
-        def read(rows_read: Indices, is_response: Mask) -> Array:
-            """(c, len(rows_read)) the responses of rows, or what the base prescribes in them."""
+        def values_in_rows(rows_read: Indices, is_response: Mask) -> Array:
+            """(c, len(rows_read)) displacements or forces: a response where `is_response`, else
+            what the base prescribes, 1 in the case of that row and 0 in the others.
+            """
             values = responses.take(rows_read, axis=1)
             if not is_response.all():
                 prescribed_rows = rows_read[~is_response]
                 values[:, ~is_response] = np.equal.outer(cases, prescribed_rows)
             return values
 
-        node = rows % n
-        state = row_states[rows]
+        node_of_row = rows % n
+        state_of_row = row_states[rows]
         is_normal = rows < n
-        reads_displacement = np.where(is_normal, state != OPEN, (state == STICK) & self.shears)
-        readings = read(rows, base.is_held[rows] != reads_displacement)
-        # The force of a tangential row is q beyond what the base takes along with p.
-        traction_apart = base.traction[node] - self.friction * slip_sign(state)
-        takes_pressure = ~is_normal & ~reads_displacement & (traction_apart != 0)
-        with_pressure = takes_pressure.nonzero()[0]
-        nodes = node[with_pressure]
-        pressure = read(nodes, base.is_held[nodes])
-        readings[:, with_pressure] += traction_apart[with_pressure] * pressure
-        return readings
+        prescribes_displacement = np.where(
+            is_normal, state_of_row != OPEN, (state_of_row == STICK) & self.shears
+        )
+        # Where the base prescribes the displacement its response is the force, and vice versa.
+        is_response = base.is_held[rows] != prescribes_displacement
+        left_sides = values_in_rows(rows, is_response)
+        # The base's force in a tangential row is q minus its own (+-f) p; what is wanted is q minus
+        # that of the other set.
+        friction_difference = base.signed_friction[node_of_row] - self.friction * slip_sign(
+            state_of_row
+        )
+        needs_pressure = ~is_normal & ~prescribes_displacement & (friction_difference != 0)
+        columns_with_pressure = needs_pressure.nonzero()[0]
+        pressure_rows = node_of_row[columns_with_pressure]
+        pressure = values_in_rows(pressure_rows, base.is_held[pressure_rows])
+        left_sides[:, columns_with_pressure] += (
+            friction_difference[columns_with_pressure] * pressure
+        )
+        return left_sides
 
     def corrections(self, states: States, n_loads: int, changes: Array) -> Array:
         """Derivatives of the contact's values by its loads while the nodes keep their states, and
-        their response to changes of all equations, by a factorisation of this set's own equations.
+        the correction of the values by given changes of all equations (a Newton step).
 
-        The values are approach, U and tilt, then slip, p, q and gap of the n nodes.
+        As `answers`, but each set of states is factorised, or cached, instead of updated from
+        another one. The values are approach, U and tilt, then slip, p, q and gap of the n nodes.
 
         Parameters
         ----------
@@ -702,61 +750,67 @@ class Systems:
         if not (self._holds_without_stick or STICK in states):
             raise SingularSet("no node sticks: the bodies slide on each other")
         key = states.tobytes()
-        base = self._factorised.pop(key, None)
+        base = self._factorised_sets.pop(key, None)
         if base is None:
             base = self._new_base(np.concatenate([states, states]), None)
-        self._factorised[key] = base  # what was used last comes last
-        if len(self._factorised) > _MOST_FACTORISED_SETS:
-            del self._factorised[next(iter(self._factorised))]
-        rows_of_loads = np.arange(2 * n, 2 * n + n_loads)
+        self._factorised_sets[key] = base  # what was used last comes last
+        if len(self._factorised_sets) > _MOST_FACTORISED_SETS:
+            del self._factorised_sets[next(iter(self._factorised_sets))]
+        load_numbers = np.arange(2 * n, 2 * n + n_loads)
         case_of_changes = n_loads
-        # Columns are load cases, then the changes; rows p, q, approach, U, bulk stresses, tilt.
-        unknowns = np.zeros((2 * n + 5, n_loads + 1))
-        unknowns[rows_of_loads[2:], np.arange(2, n_loads)] = 1.0
-        unknowns[base.free, case_of_changes] = changes[base.free]
-        right_side = -self.matrix[base.held] @ unknowns
-        right_side[base.place_in_held[rows_of_loads[:2]], np.arange(2)] += 1.0
-        is_of_node = base.held < 2 * n
-        right_side[is_of_node, case_of_changes] += changes[base.held[is_of_node]]
+        # Columns: one case a load, then the changes. Rows, as the columns of the matrix: p, q,
+        # approach, U, bulk stresses, tilt. First what is known: forces of free rows, bulk, tilt.
+        forces_and_motions = np.zeros((2 * n + 5, n_loads + 1))
+        forces_and_motions[load_numbers[2:], np.arange(2, n_loads)] = 1.0
+        forces_and_motions[base.free_rows, case_of_changes] = changes[base.free_rows]
+        right_side = -self.matrix[base.held_rows] @ forces_and_motions
+        right_side[base.place_in_held[load_numbers[:2]], np.arange(2)] += 1.0
+        is_of_node = base.held_rows < 2 * n
+        right_side[is_of_node, case_of_changes] += changes[base.held_rows[is_of_node]]
         assert base.equations is not None  # for the type checker: it has no origin
-        unknowns[base.held] = _lu_solve(base.equations.of_held, right_side)
+        forces_and_motions[base.held_rows] = _lu_solve(base.equations.of_held, right_side)
         # So far q - (+-f) p stands where a node slides.
-        unknowns[n : 2 * n] += base.traction[:, None] * unknowns[:n]
-        displacements = self.matrix[: 2 * n] @ unknowns
+        forces_and_motions[n : 2 * n] += base.signed_friction[:, None] * forces_and_motions[:n]
+        displacements = self.matrix[: 2 * n] @ forces_and_motions
         values = np.empty((n_loads + 1, 3 + 4 * n))
-        values[:, :3] = unknowns[[2 * n, 2 * n + 1, 2 * n + 4]].T  # approach, U, tilt
+        values[:, :3] = forces_and_motions[[2 * n, 2 * n + 1, 2 * n + 4]].T  # approach, U, tilt
         values[:, 3 : 3 + n] = displacements[n:].T  # slip
-        values[:, 3 + n : 3 + 3 * n] = unknowns[: 2 * n].T  # pressure and shear
+        values[:, 3 + n : 3 + 3 * n] = forces_and_motions[: 2 * n].T  # pressure and shear
         values[:, 3 + 3 * n :] = displacements[:n].T  # gap
         return values
 
     def _base_for(self, states: States) -> tuple[_Base, Mask]:
-        """Choose the set of node states whose cached responses those of a new set `states` (n,) are
-        computed from, the base; and the equations (2 n,) in which the two differ.
+        """Choose the base for new node states (n,): a set of states with cached responses, which
+        those of the new states are to be computed from. Also whether each equation differs (2 n,).
 
-        It is the base from which the new set was reached before, else the one that differs in the
-        fewest equations. Where that is far, the new set becomes a base itself.
+        It is the base that served these states before, else the one that differs in the fewest
+        equations. If these are more than `_MOST_ROWS`, the new states become a base themselves.
 
         Raises
         ------
         SingularSet
             Where no node sticks and nothing else holds the bodies.
         """
-        # An update of a base makes a pivot of rounding from the zero that this is.
+        # Refused here: the matrix of these states is singular, but in an update from a base the
+        # zero pivot would be a small number of round-off.
         if not (self._holds_without_stick or STICK in states):
             raise SingularSet("no node sticks: the bodies slide on each other")
         key = states.tobytes()
         kinds = _kinds(np.concatenate([states, states]))
-        base = next((base for base in self._bases if key in base.sets_reached), None)
+        base = next(
+            (cached_base for cached_base in self._bases if key in cached_base.sets_reached), None
+        )
         if base is None:
-            base = self._nearest(self._bases, kinds, _MOST_ROWS)
+            base = self._nearest_base(self._bases, kinds, _MOST_ROWS)
         if base is None:
             row_states = np.concatenate([states, _sliding_where_open(states)])
-            factorised_bases = [base for base in self._bases if base.origin is None]
-            origin = self._nearest(factorised_bases, _kinds(row_states), _MOST_ROWS_APART)
+            factorised_bases = [
+                cached_base for cached_base in self._bases if cached_base.origin is None
+            ]
+            origin = self._nearest_base(factorised_bases, _kinds(row_states), _MOST_ROWS_APART)
             base = self._new_base(row_states, origin)
-        # Bases are dropped from the front: what was used last comes last, and the base from which
-        # this one is computed after it.
+        # The list is in order of use, as bases are dropped from its front. The origin, from which
+        # this base's responses are computed, comes last.
         for used_base in (base, base.origin):
             if used_base in self._bases:
                 self._bases.remove(used_base)
@@ -766,14 +820,14 @@ class Systems:
         return base, (base.kinds & kinds) == 0
 
     @staticmethod
-    def _nearest(
+    def _nearest_base(
         bases: Sequence[_Base], kinds: NDArray[np.int8], most_rows_apart: int
     ) -> _Base | None:
         """Of several sets of node states, the one that differs in the fewest equations from a new
         set, if these are `most_rows_apart` or fewer; else None.
 
-        `kinds` (2 n,) are the equations of the new set as bits: two equations differ if they have
-        no bit in common.
+        `kinds` (2 n,) are the types of equation of the new set, one bit for each type that serves:
+        two equations differ if they have no bit in common.
         """
         if not bases:
             return None
@@ -782,26 +836,28 @@ class Systems:
         return bases[rows_apart.index(least_rows)] if least_rows <= most_rows_apart else None
 
     def _new_base(self, row_states: States, origin: _Base | None) -> _Base:
-        """Prepare a set of node states whose responses are to be cached: which displacements and
-        forces it prescribes, and where each value of a contact state comes from.
+        """Prepare a base, a set of node states whose responses are to be cached: which
+        displacements and forces it prescribes, and which values are prescribed or responses.
 
-        Its equations are factorised, unless its responses are to be computed from those of an
-        `origin`, another such set. `row_states` (2 n,) are the states of the n nodes for their
-        normal equations, then for their tangential ones.
+        Its equations are factorised, unless its responses are to be computed from those of another
+        base, its `origin`. `row_states` (2 n,) are the states of the n nodes for their normal
+        equations, then for their tangential ones.
         """
         n = len(self.normal)
         states = row_states[:n]
-        sticks = (states == STICK) & self.shears
-        is_held = np.concatenate([states != OPEN, sticks])
-        held = np.concatenate([is_held.nonzero()[0], [2 * n, 2 * n + 1]])
-        free = (~is_held).nonzero()[0]
-        traction = np.asarray(slip_sign(row_states[n:]) * self.friction, dtype=np.float64)
+        has_given_slip = (states == STICK) & self.shears
+        is_held = np.concatenate([states != OPEN, has_given_slip])
+        held_rows = np.concatenate([is_held.nonzero()[0], [2 * n, 2 * n + 1]])
+        free_rows = (~is_held).nonzero()[0]
+        signed_friction = np.asarray(slip_sign(row_states[n:]) * self.friction, dtype=np.float64)
         place_in_held = np.full(2 * n + 5, -1)
-        place_in_held[held] = np.arange(len(held))
-        response_of_row = np.arange(2 * n)
-        prescribed_of_row = 2 * n + 3 + response_of_row
-        source_of_force = np.where(is_held, response_of_row, prescribed_of_row)
-        source_of_displacement = np.where(is_held, prescribed_of_row, response_of_row)
+        place_in_held[held_rows] = np.arange(len(held_rows))
+        # Values are picked by number from the 2 n + 3 responses followed by the 2 n prescribed
+        # values. Where the displacement is prescribed (held) the response is the force.
+        number_of_response = np.arange(2 * n)
+        number_of_prescribed = 2 * n + 3 + number_of_response
+        source_of_force = np.where(is_held, number_of_response, number_of_prescribed)
+        source_of_displacement = np.where(is_held, number_of_prescribed, number_of_response)
         sources_in_order = [
             np.arange(2 * n, 2 * n + 3),  # approach, shift, tilt
             source_of_displacement[n:],  # slip
@@ -811,59 +867,66 @@ class Systems:
         return _Base(
             row_states=row_states,
             kinds=_kinds(row_states),
-            traction=traction,
+            signed_friction=signed_friction,
             is_held=is_held,
-            held=held,
-            free=free,
+            held_rows=held_rows,
+            free_rows=free_rows,
             place_in_held=place_in_held,
             value_sources=np.concatenate(sources_in_order),
-            equations=self._factorise(states, held, free) if origin is None else None,
+            equations=self._factorised(states, held_rows, free_rows) if origin is None else None,
             origin=origin,
             case_number=np.full(2 * n + 5, -1),
             responses=np.empty((0, 2 * n + 3)),
         )
 
-    def _factorise(self, states: States, held: Indices, free: Indices) -> _HeldEquations:
-        """LU factors of the equations of a set of node states: displacements of the held equations
-        by their forces; and displacements of the others by these forces.
+    def _factorised(self, states: States, held_rows: Indices, free_rows: Indices) -> _HeldEquations:
+        """Compliance of the contact for one set of node states: displacements in its equations by
+        unit forces at the k equations that prescribe a displacement; that square block as LU
+        factors.
+
+        An equation pairs gap with p, or slip with q, of a node. The last two of the k pair P with
+        the approach and Q with U.
 
         Parameters
         ----------
         states
             (n,) open, stick or slip
-        held
+        held_rows
             (k,) equations that prescribe a displacement (gap or slip), then P and Q
-        free
+        free_rows
             (n_free,) equations that prescribe a force
         """
         self.work["factorisations"] += 1
-        # Of a sliding node q = (+-f) p is no unknown: its effect is added to that of p.
+        # Where a node slides q = (+-f) p is no unknown: what it displaces is added to that of p.
         sliding_nodes = slip_sign(states).nonzero()[0]
-        traction = slip_sign(states[sliding_nodes]) * self.friction
-        places_of_pressure = np.searchsorted(held, sliding_nodes)
+        signed_friction = slip_sign(states[sliding_nodes]) * self.friction
+        places_of_pressure = np.searchsorted(held_rows, sliding_nodes)
         columns_of_shear = len(states) + sliding_nodes
 
-        def displacements_by_held(rows: Indices) -> Array:
-            """(len(rows), k) displacements of some rows by forces of the k held ones."""
-            displacements = self.matrix[np.ix_(rows, held)]
-            by_shear = self.matrix[np.ix_(rows, columns_of_shear)]
-            displacements[:, places_of_pressure] += by_shear * traction
+        def displacements_by_held_forces(rows: Indices) -> Array:
+            """(len(rows), k) displacements in some rows by unit forces in the k held ones."""
+            displacements = self.matrix[np.ix_(rows, held_rows)]
+            displacements_by_shear = self.matrix[np.ix_(rows, columns_of_shear)]
+            displacements[:, places_of_pressure] += displacements_by_shear * signed_friction
             return displacements
 
-        return _HeldEquations(_lu(displacements_by_held(held)), displacements_by_held(free))
+        return _HeldEquations(
+            _lu(displacements_by_held_forces(held_rows)), displacements_by_held_forces(free_rows)
+        )
 
-    def _solve_cases(self, base: _Base, required: Indices) -> None:
+    def _solve_cases(self, base: _Base, required_cases: Indices) -> None:
         """Compute and cache responses of a set of node states, the base, to unit right sides of
         single equations or unit loads, where they are not cached yet.
 
-        Responses of neighbouring nodes are computed along with them, since edges of contact and
-        stick travel from node to node. `required` are numbers: i normal, n + i tangential, 2 n and
-        above loads. Old bases are dropped beyond a number of bytes.
+        `required_cases` are their numbers: i the normal equation of node i, n + i the tangential
+        one, 2 n and above loads. Responses of neighbouring nodes are computed along with them,
+        since edges of contact and stick travel from node to node. Beyond `_MOST_BYTES` the bases
+        unused for longest are dropped.
         """
-        missing_cases = required[base.case_number[required] < 0]
+        missing_cases = required_cases[base.case_number[required_cases] < 0]
         if not len(missing_cases):
             return
-        n = len(base.traction)
+        n = len(base.signed_friction)
         missing_rows = missing_cases[missing_cases < 2 * n]
         steps_to_neighbours = np.arange(-_N_NEIGHBOURS, _N_NEIGHBOURS + 1)
         neighbours = np.add.outer(missing_rows, steps_to_neighbours).clip(0, 2 * n - 1)
@@ -884,41 +947,46 @@ class Systems:
         base.n_cases = n_cases
         while (
             len(self._bases) > _FEWEST_BASES
-            and sum(base.nbytes for base in self._bases) > _MOST_BYTES
+            and sum(cached_base.nbytes for cached_base in self._bases) > _MOST_BYTES
         ):
             self._bases.pop(0)
 
     def _responses_by_equations(
         self, base: _Base, equations: _HeldEquations, cases: Indices
     ) -> Array:
-        """Responses (c, 2 n + 3) of a set of node states to c unit right sides, by its factorised
-        equations.
+        """Responses (c, 2 n + 3) of a set of node states, the base, to c unit right sides, by its
+        factorised equations; a response is the displacement or force that is not prescribed.
 
-        In an equation that prescribes a force (free) that is a unit force, which moves all nodes;
-        in one that prescribes a displacement (held) it is a unit displacement. Forces of the held
-        equations follow, and with them the free displacements:
+        Equations are free where they prescribe a force, held where they prescribe a displacement.
+        A unit force that a free one prescribes displaces all nodes (`displacements_by_force`).
+        Forces in the held ones follow from their displacements, then the free displacements:
 
-            of_held @ forces = prescribed displacement - displacements_by_force of held ones
-            free_displacements = free_by_held @ forces + displacements_by_force of free ones
+            of_held @ forces = prescribed displacements - displacements_by_force[held_rows]
+            free displacements = free_by_held @ forces + displacements_by_force[free_rows]
 
         `cases` are numbers of equations (i normal, n + i tangential) and, from 2 n on, loads.
         """
         n = len(self.normal)
         place_in_held = base.place_in_held[cases]
-        is_held = place_in_held >= 0
+        is_held_case = place_in_held >= 0
         displacements_by_force = np.zeros((2 * n + 2, len(cases)))
-        displacements_by_force[:, ~is_held] = self.matrix[:, cases[~is_held]]
-        is_open = ~is_held & (cases < n)
-        open_nodes = cases[is_open]
-        by_shear = self.matrix[:, n + open_nodes]
-        displacements_by_force[:, is_open] += by_shear * base.traction[open_nodes]
-        held_displacements = -displacements_by_force[base.held]
-        held_displacements[place_in_held[is_held], is_held.nonzero()[0]] += 1.0
+        displacements_by_force[:, ~is_held_case] = self.matrix[:, cases[~is_held_case]]
+        # A unit p of an open node: where it counts as sliding in the base, q = (+-f) p acts too.
+        has_unit_pressure = ~is_held_case & (cases < n)
+        open_nodes = cases[has_unit_pressure]
+        displacements_by_shear = self.matrix[:, n + open_nodes]
+        displacements_by_force[:, has_unit_pressure] += (
+            displacements_by_shear * base.signed_friction[open_nodes]
+        )
+        held_displacements = -displacements_by_force[base.held_rows]
+        held_displacements[place_in_held[is_held_case], is_held_case.nonzero()[0]] += 1.0
         forces = _lu_solve(equations.of_held, held_displacements)
-        free_displacements = equations.free_by_held @ forces + displacements_by_force[base.free]
+        free_displacements = (
+            equations.free_by_held @ forces + displacements_by_force[base.free_rows]
+        )
         responses = np.empty((len(cases), 2 * n + 3))
-        responses[:, base.held] = forces.T  # approach and U come last in both
-        responses[:, base.free] = free_displacements.T
+        responses[:, base.held_rows] = forces.T  # approach and U come last in both
+        responses[:, base.free_rows] = free_displacements.T
         responses[:, 2 * n + 2] = cases == 2 * n + 4  # the tilt
         return responses
 
@@ -926,27 +994,31 @@ class Systems:
         """Responses (c, 2 n + 3) of a set of node states, the base, to c unit right sides, from
         those of another set, its origin, by an update of low rank.
 
-        Where one of the two prescribes a displacement and the other the force, the amplitude that
-        the update finds for the origin is the response of the base. `cases` are numbers of
-        equations (i normal, n + i tangential) and, from 2 n on, loads.
+        The update adds the origin's responses to unit right sides, times amplitudes. An amplitude
+        is thus what the origin prescribes in that equation. Where one of the two sets prescribes
+        the displacement and the other the force, it is the response of the base. `cases` are
+        numbers of equations (i normal, n + i tangential) and, from 2 n on, loads.
         """
         n = len(self.normal)
         rows_apart = ((origin.kinds & base.kinds) == 0).nonzero()[0]
-        is_apart = np.isin(cases, rows_apart)
-        given = np.equal.outer(cases[is_apart], rows_apart).astype(np.float64)
-        update = self._updated(origin, base.row_states, rows_apart, cases[~is_apart], given)
-        order_of_update = np.concatenate([(~is_apart).nonzero()[0], is_apart.nonzero()[0]])
+        is_case_apart = np.isin(cases, rows_apart)
+        right_sides = np.equal.outer(cases[is_case_apart], rows_apart).astype(np.float64)
+        update = self._updated_responses(
+            origin, base.row_states, rows_apart, cases[~is_case_apart], right_sides
+        )
+        # The update returns the cases common to both sets first.
+        order_of_update = np.concatenate(
+            [(~is_case_apart).nonzero()[0], is_case_apart.nonzero()[0]]
+        )
         responses = np.empty_like(update.responses)
         responses[order_of_update] = update.responses
-        changes_roles = origin.is_held[rows_apart] != base.is_held[rows_apart]
-        rows_with_roles_changed = rows_apart[changes_roles]
-        responses[np.ix_(order_of_update, rows_with_roles_changed)] = update.amplitudes[
-            :, changes_roles
-        ]
+        is_swapped = origin.is_held[rows_apart] != base.is_held[rows_apart]
+        swapped_rows = rows_apart[is_swapped]
+        responses[np.ix_(order_of_update, swapped_rows)] = update.amplitudes[:, is_swapped]
         # The force that the origin prescribes in a tangential row is q - (+-f) p; where it slides
         # and the base sticks, q is the response.
-        sticking_nodes = rows_with_roles_changed[rows_with_roles_changed >= n] - n
+        sticking_nodes = swapped_rows[swapped_rows >= n] - n
         sticking_nodes = sticking_nodes[base.is_held[n + sticking_nodes]]
         pressure = responses[:, sticking_nodes]
-        responses[:, n + sticking_nodes] += origin.traction[sticking_nodes] * pressure
+        responses[:, n + sticking_nodes] += origin.signed_friction[sticking_nodes] * pressure
         return responses
