@@ -253,7 +253,7 @@ def _solve(
         half-planes plus the smooth compliance that the size of each body adds, instead of meshed
         bodies
     """
-    watch = _Watch()
+    stopwatch = _Stopwatch()
     check_loads(scene)
     if by_kernels:
         from halfplane_fe.kernel_bodies import (  # noqa: PLC0415 - for bodies by kernels alone
@@ -266,36 +266,36 @@ def _solve(
     coarse_work: Counter[str] = Counter()
     scales = known_scales or find_scales(scene, coarse_work)
     task = Task(scene, mesh, settings, scales)
-    watch.lap("coarse run")
+    stopwatch.lap("coarse run")
     report(0, None, "meshing and condensing the bodies")
     work: Counter[str] = Counter({f"coarse {name}": count for name, count in coarse_work.items()})
-    # A datum inside the contact would lift the faces towards the load: no compliance that can be
-    # factorised.
+    # Nearer than the datum a load presses a half-plane's surface in, beyond it the surface rises. A
+    # datum inside the contact makes a compliance that is not positive definite.
     datum_length = max(scene.profile.datum_length, scales.reach)
     meshed_scene = on_half_planes(scene, datum_length) if by_kernels else scene
     grading = partial(surface_grading, mesh, scales, scene.profile)
     bodies = meshed_pair(meshed_scene, mesh, grading)
-    watch.lap("mesh")
+    stopwatch.lap("mesh")
     condensed = condensed_pair(meshed_scene, bodies, datum_length, work)
-    watch.lap("condensation")
+    stopwatch.lap("condensation")
     meshed_interface = couple(*condensed)
     interfaces = _Faces(meshed_interface, without_local_difference(meshed_interface, meshed_scene))
     if by_kernels:
         kernels = kernel_pair(scene, float(np.abs(meshed_interface.x).max()), datum_length, work)
         interfaces = interfaces.with_kernels(kernels)
-        watch.lap("kernels")
+        stopwatch.lap("kernels")
     problem, run = _solve_path(task, interfaces, datum_length, work, report)
     notes_on_rig = notes_of_rig(scene, problem, run, scales) if scene.load.is_driven else ()
     if datum_length > scene.profile.datum_length:
         run = from_datum(scene, run, scene.profile.datum_length / datum_length)
-    watch.lap("load path")
+    stopwatch.lap("load path")
     if scene.load.is_driven:
         task = replace(task, scene=scene_of_loads(scene, run, scales.load))
-    answer = _solution(task, condensed, problem, run, watch.seconds)
+    answer = _solution(task, condensed, problem, run, stopwatch.seconds)
     if by_kernels:
         answer = _of_kernels(answer, kernels)
     if scene.load.is_driven:
-        answer = _of_last_cycle(answer, notes_on_rig)
+        answer = _with_closed_cycle(answer, notes_on_rig)
     answer_without_meshes = _without_meshes(answer, kernels) if by_kernels else answer
     if run.failure is not None:
         raise type(run.failure)(str(run.failure), answer_without_meshes) from run.failure
@@ -315,12 +315,16 @@ def _of_kernels(answer: FiniteElementSolution, kernels: KernelPair) -> FiniteEle
     )
 
 
-def _of_last_cycle(answer: FiniteElementSolution, notes: tuple[str, ...]) -> FiniteElementSolution:
-    """Complete the solution of a rig, whose loads were found along with it: its scene states the
-    loads of the last cycle, which has to close.
+def _with_closed_cycle(
+    answer: FiniteElementSolution, notes: tuple[str, ...]
+) -> FiniteElementSolution:
+    """Complete the solution of a scene with actuators: P and Q, which are results there, are made
+    to end the last cycle as they begin it, since a scene's cycle of loads has to close.
 
-    Loads of a cycle that is not quite steady do not close. The last instant then states the loads
-    of the first, and a sentence says by how much they differ. `notes` are further sentences.
+    The scene of `answer` states these loads: the last cycle alone is its cycle, cycles before it
+    are initial loading. So the friction work of one cycle stays, and it counts as steady from the
+    first cycle on if it was steady. Where the loads differ by more than round-off, a note says by
+    how much; `notes` are further ones.
     """
     loads = {
         "normal_load": answer.normal_load.copy(),
@@ -388,8 +392,10 @@ def _solve_path(
         called with (done, total, text) as work proceeds
     """
     scene = task.scene
-    # Increments of coupled bodies are dear, and a record has many; elsewhere short ones also place
-    # the edges, which are fitted there.
+    # The tolerated step error of the first revolution is a share of the expected friction work. At
+    # 0 a small least work takes its place, and increments are shorter. Coupled bodies, whose
+    # increments are costly, and records, which have many, are spared that. Elsewhere short
+    # increments also place the fitted edges more accurately.
     expected_dissipation = 0.0
     if faces.as_meshed.coupling is not None or is_record(scene):
         expected_dissipation = float(np.nan_to_num(task.scales.dissipation)) / task.work_unit
@@ -428,29 +434,30 @@ def _solve_path(
     return problem, unfolded(run, interface) if is_half else run
 
 
-class _Watch:
-    """Seconds by stage."""
+class _Stopwatch:
+    """Wall-clock time of each stage of a solution [s]."""
 
     def __init__(self) -> None:
         self.seconds: dict[str, float] = {}
         self._last = clock.perf_counter()
 
     def lap(self, stage: str) -> None:
-        """End a stage."""
+        """End a stage: store the time since the stage before it ended."""
         now = clock.perf_counter()
         self.seconds[stage] = now - self._last
         self._last = now
 
 
 def _contact_problem(
-    task: Task, unscaled_faces: Interface, datum: float, work: Counter[str]
+    task: Task, unscaled_faces: Interface, datum_length: float, work: Counter[str]
 ) -> ContactProblem:
     """Scaled contact problem of two meshed bodies: compliance, initial gap, friction, and the
     stiffnesses by which the solver decides about the states of nodes.
 
     Lengths are over the contact half-width, forces over the largest load, compliances over 1/E*.
     The penalty method puts the stiffnesses into an elastic layer between the faces. Other methods
-    have no layer: they weight gap and slip in trial tractions.
+    have no layer: the stiffnesses (`augmentation`) turn gap and slip into trial tractions, whose
+    sign and size decide on contact and stick.
 
     Parameters
     ----------
@@ -458,7 +465,7 @@ def _contact_problem(
         the scene, its meshes, settings, and the scales of its variables
     unscaled_faces
         contact compliance of the bodies in the scene's units
-    datum
+    datum_length
         distance from a force at which a half-plane's surface counts as unmoved [length]
     work
         counters of the solution
@@ -491,7 +498,7 @@ def _contact_problem(
         moment_given=path_of(scene).moment_given,
         work=work,
         method=settings.method,
-        actuators=actuators_of(scene, datum),
+        actuators=actuators_of(scene, datum_length),
     )
 
 
@@ -531,7 +538,8 @@ def _solution(
     arrays = answer_arrays(scene, problem, run, scales)
     work_uncertainty = dissipation_uncertainty(task, run, arrays)
     uncertainties_of_values = value_uncertainties(task, problem, run, arrays)
-    # Only after the uncertainty of permanent stick: that zone ends where no edge jumps to.
+    # An edge that jumps between instants is uncertain by the jump. Added only now: the uncertainty
+    # of the permanent stick zone, taken above, must not contain it, as no edge jumps to its end.
     arrays["stick_edge_uncertainty"] = freeze(
         np.maximum(
             arrays["stick_edge_uncertainty"],

@@ -10,6 +10,10 @@ from halfplane_fe.actuators import path_of
 from halfplane_fe.path import has_bulk_stress
 from scenes import Block, InputError, Pad, Scene, Shape, sampled
 
+# Least number of instants of a curved load segment that are checked for a load other than 0: a
+# harmonic load is 0 at few of them.
+_N_INSTANTS = 25
+
 
 def check_bulk_stress(scene: Scene) -> None:
     """Refuse a bulk stress (along x, far from the contact) in bodies without ends that could be
@@ -25,10 +29,11 @@ def check_bulk_stress(scene: Scene) -> None:
         For a bulk stress other than 0 in a pad, a cylinder or a block with guided sides.
     """
     stress_histories = [leg.bulk for leg in path_of(scene).legs(1) if leg.bulk is not None]
-    for number, name in enumerate(("lower", "upper")):
+    for body_number, name in enumerate(("lower", "upper")):
         body = getattr(scene.bodies, name)
         is_pulled = any(
-            np.any(history.loads(sampled(history, 25))[number]) for history in stress_histories
+            np.any(history.loads(sampled(history, _N_INSTANTS))[body_number])
+            for history in stress_histories
         )
         if is_pulled and not (body.kind == "half_plane" or has_ends(body)):
             kind = f"{body.kind} with guided sides" if isinstance(body, Block) else body.kind
@@ -52,7 +57,7 @@ def check_supports(scene: Scene) -> None:
     Raises
     ------
     InputError
-        With supports that would hold the body.
+        For such a body; the message names supports that would hold it.
     """
     is_sheared = sheared(scene)
     for name, body in (("lower", scene.bodies.lower), ("upper", scene.bodies.upper)):
@@ -69,7 +74,9 @@ def check_supports(scene: Scene) -> None:
 
 def sheared(scene: Scene) -> bool:
     """Whether there is a tangential load, or a movement in its place."""
-    return any(np.any(leg.loads(sampled(leg, 25))[1] != 0) for leg in path_of(scene).legs(1))
+    return any(
+        np.any(leg.loads(sampled(leg, _N_INSTANTS))[1] != 0) for leg in path_of(scene).legs(1)
+    )
 
 
 def face_room(scene: Scene) -> float:

@@ -89,8 +89,8 @@ def surface_grading(
 
 
 def room_for_contact(scene: Scene, mesh: MeshSettings | None) -> RoomForContact:
-    """Largest contact on bodies of finite size, by a run on a coarse mesh, and a check that the
-    bodies can be meshed finely enough for it.
+    """Estimate of how far the contact reaches on the faces of bodies of finite size, by a run on a
+    coarse mesh, and a check that the bodies can be meshed finely enough for it.
 
     `mesh` are the settings of that fine mesh, None for the default ones.
 

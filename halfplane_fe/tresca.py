@@ -79,12 +79,15 @@ def pressure_at_known_shear(
 
     n_y = systems.interface.normals[1]
 
-    def step(is_closed: Mask) -> tuple[_NormalForces, Array, Mask]:
-        """For a set of closed nodes: forces that meet the equations, by how much each node violates
-        its inequality (p >= 0 of closed ones, g >= 0 of open ones), and the next set.
+    def normal_step(is_closed: Mask) -> tuple[_NormalForces, Array, Mask]:
+        """For a set of closed nodes: their normal forces p under the load at zero gap g, by how
+        much each node violates p >= 0 (closed) or g >= 0 (open), and the next set.
+
+        Nodes that violate it open or close.
         """
         if not is_closed.any():
             raise SingularSet("no node holds the normal load")
+        # p that closes the initial gaps without approach, and p per approach.
         force_by_height, force_by_approach = solve(
             systems.normal[np.ix_(is_closed, is_closed)],
             np.stack([-height[is_closed], n_y[is_closed]], axis=1),
@@ -98,7 +101,7 @@ def pressure_at_known_shear(
         next_closed = np.where(violation > rounding, ~is_closed, is_closed)
         return _NormalForces(pressure, float(approach)), violation, next_closed
 
-    forces, is_closed = _converged(step, is_closed)
+    forces, is_closed = _forces_by_active_set(normal_step, is_closed)
     return forces.pressure, forces.approach, is_closed
 
 
@@ -122,7 +125,7 @@ def shear_at_known_pressure(
     pressure
         (n,) known normal forces p
     known_slip
-        (n,) slip at the start of the increment minus what p and imposed loads add
+        (n,) slip at the start of the increment minus the slip at its end by p and imposed loads
     load
         tangential load, scaled; None where U = 0 is prescribed instead
     rounding
@@ -167,6 +170,7 @@ def shear_at_known_pressure(
     largest_shift = (np.abs(known_slip[is_closed]).max() + largest_slip_at_limit) / n_y.min()
 
     def excess_load(shift: float) -> float:
+        """Tangential load at the displacement U = `shift`, minus the given one."""
         return float(n_y @ shear_at(shift)) - load
 
     # xtol below the round-off of U; rtol is the least that brentq takes.
@@ -203,62 +207,67 @@ class _ShearAtShift:
     def __call__(self, shift: float) -> Array:
         n_y = self.systems.interface.normals[1]
         known_slip = self.known_slip - n_y * shift
-        shear, self.states = _bounded(
+        shear, self.states = _shear_within_limits(
             self.systems, self.limit, known_slip, self.states, self.rounding
         )
         return shear
 
 
-def _bounded(
+def _shear_within_limits(
     systems: Systems, limit: Array, known_slip: Array, states: States, rounding: float
 ) -> tuple[Array, States]:
-    """Friction at known limits and a known rigid displacement: nodal tangential forces q (n,) and
-    the nodes' states open, stick or slip. Active-set method, from given `states`.
+    """Friction with known limits |q| <= f p at a known tangential displacement (Tresca): nodal
+    tangential forces q (n,) and the nodes' states open, stick or slip, scaled.
 
-    With the slip increment s = -T q - known_slip:   s = 0 where |q| < limit, s >= 0 at q = limit,
-    s <= 0 at q = -limit. T is the tangential compliance `systems.tangential`.
+    Active-set method, from given `states`. With the slip increment s = -T q - known_slip:   s = 0
+    where |q| < limit, s >= 0 at q = limit, s <= 0 at q = -limit. T is the tangential compliance
+    `systems.tangential`.
 
     Parameters
     ----------
     limit
         (n,) f p of the nodes
     known_slip
-        (n,) slip at the start of the increment minus what is not caused by q
+        (n,) slip at the start of the increment minus the slip at its end that is not caused by q
+    states
+        (n,) at the start of the iteration; open nodes stay open
     rounding
         size of a violation that counts as round-off
     """
 
-    def step(states: States) -> tuple[Array, Array, States]:
-        """For given node states: forces that meet the equations, by how much each node violates its
-        inequality (|q| <= limit of sticking ones, slip along q of sliding ones), and next states.
+    def friction_step(states: States) -> tuple[Array, Array, States]:
+        """For given node states: tangential forces q, without slip of sticking nodes and at the
+        limit of sliding ones; how much each node violates its inequality; and the next states.
+
+        The inequality is |q| <= limit of a sticking node, slip along q of a sliding one.
         """
-        sticks = states == STICK
+        is_sticking = states == STICK
         slips_forward = states == SLIP_FORWARD
         slips_back = states == SLIP_REVERSE
         shear = limit * slips_forward - limit * slips_back
-        if sticks.any():
-            slip_to_cancel = (-known_slip - systems.tangential @ shear)[sticks]
-            shear[sticks] = solve(
-                systems.tangential[np.ix_(sticks, sticks)], slip_to_cancel, assume_a="pos"
+        if is_sticking.any():
+            slip_to_cancel = (-known_slip - systems.tangential @ shear)[is_sticking]
+            shear[is_sticking] = solve(
+                systems.tangential[np.ix_(is_sticking, is_sticking)], slip_to_cancel, assume_a="pos"
             )
         slip = -systems.tangential @ shear - known_slip
         violation = np.full(len(slip), -np.inf)  # nothing is asked of an open node
-        violation[sticks] = (np.abs(shear) - limit)[sticks]
+        violation[is_sticking] = (np.abs(shear) - limit)[is_sticking]
         violation[slips_forward] = -slip[slips_forward]
         violation[slips_back] = slip[slips_back]
         slip_states = np.where(shear > 0, SLIP_FORWARD, SLIP_REVERSE)
-        other_states = np.where(sticks, slip_states, STICK)
+        other_states = np.where(is_sticking, slip_states, STICK)
         next_states = np.where(violation > rounding, other_states, states)
         return shear, violation, next_states.astype(np.int8)
 
-    return _converged(step, states)
+    return _forces_by_active_set(friction_step, states)
 
 
-def _converged(
+def _forces_by_active_set(
     step: Callable[[NodeSet], tuple[Forces, Array, NodeSet]], states: NodeSet
 ) -> tuple[Forces, NodeSet]:
-    """Active-set iteration: repeat a step until the states of the nodes stay; forces and states at
-    the end.
+    """Forces and node states (n,) at the end of an active-set iteration: a step is repeated until
+    it changes no state.
 
     When a set of states comes back, only the node of the largest violation changes in that step, so
     that the iteration does not go round for ever.
@@ -276,16 +285,16 @@ def _converged(
     ConvergenceError
         Where the states still change after 200 steps.
     """
-    sets_met: set[bytes] = set()  # all sets of states so far
+    earlier_sets: set[bytes] = set()  # node states of the steps so far
     for _ in range(_MOST_ITERATIONS):
         forces, violation, next_states = step(states)
         changes = next_states != states
         if not changes.any():
             return forces, states
-        if next_states.tobytes() in sets_met:
+        if next_states.tobytes() in earlier_sets:
             worst_node = int(np.argmax(np.where(changes, violation, -np.inf)))
             next_states = np.where(np.arange(len(states)) == worst_node, next_states, states)
-        sets_met.add(next_states.tobytes())
+        earlier_sets.add(next_states.tobytes())
         states = next_states
     raise ConvergenceError(
         f"contact: a convex half of the problem did not settle in {_MOST_ITERATIONS} iterations"
