@@ -202,27 +202,30 @@ def find_scales(scene: Scene, work: Counter[str]) -> Scales:
     """Length and load scales of a contact, by following its load path on a coarse mesh: half-width,
     edges, largest load, friction work.
 
-    The size of the coarse mesh follows from the contact itself, found in a few normal solutions.
-    Where the approach is prescribed, the load is estimated first. `work` counts condensations.
+    How much of the face the coarse mesh covers follows from the contact itself, found in a few
+    normal solutions. Where the approach is prescribed, the load is a result: a first run with the
+    load of half-planes finds it, a second one is scaled by it. `work` counts condensations.
 
     Raises
     ------
     InputError
-        If no size of the body holds the contact.
+        If no width of the meshed part of the face holds the contact.
     """
     if not scene.load.states_approach:
         return _scales_at(scene, largest_load(scene), work)
-    # The load follows from the approach: the one of half-planes is near enough to choose a size.
-    load = _load_of_approach(scene, work)
-    return _scales_at(scene, _scales_at(scene, load, work).load, work)
+    # The load of half-planes is near enough to choose the width of the mesh.
+    load_of_half_planes = _load_of_approach(scene, work)
+    largest_load_of_run = _scales_at(scene, load_of_half_planes, work).load
+    return _scales_at(scene, largest_load_of_run, work)
 
 
 def _load_of_approach(scene: Scene, work: Counter[str]) -> float:
     """Estimate of the largest normal load [force per thickness] where an actuator prescribes the
     approach: the load that presses two half-planes together by the largest approach.
 
-    The half-planes count as unmoved as far from the contact as the bodies are deep. Root of the
-    approach over the logarithm of the load, by bracketing. `work` counts condensations.
+    The approach of a half-plane is relative to its surface at a datum length from the contact: that
+    of the rig, or the geometric mean of both bodies' depths, each at most the datum length of the
+    profile. The load is found by bracketing its logarithm. `work` counts condensations.
 
     Raises
     ------
@@ -236,17 +239,20 @@ def _load_of_approach(scene: Scene, work: Counter[str]) -> float:
     datum_length = scene.rig.datum_length or float(
         np.sqrt(reference_lengths[0] * reference_lengths[1])
     )
-    half_planes = on_half_planes(scene, datum_length)
-    coarse_pair = _CoarsePair(half_planes, 1.0, modulus, work)
+    scene_on_half_planes = on_half_planes(scene, datum_length)
+    coarse_pair = _CoarsePair(scene_on_half_planes, 1.0, modulus, work)
 
     def excess_approach(logarithm: float) -> float:
         """Approach of the actuator at the load of this logarithm, minus the prescribed one."""
         coarse_pair.load = float(np.exp(logarithm))
-        size = _fitting_size(coarse_pair)
-        pressed_state = _pressed(coarse_pair, size)[1]
-        compliance = actuators_of(half_planes, size).normal
-        assert compliance is not None  # for the type checker: the approach is given
-        return (pressed_state.approach + compliance) * coarse_pair.load / modulus - approach
+        face_half_width = _fitting_size(coarse_pair)
+        pressed_state = _pressed(coarse_pair, face_half_width)[1]
+        actuator_compliance = actuators_of(scene_on_half_planes, face_half_width).normal
+        assert actuator_compliance is not None  # for the type checker: the approach is given
+        approach_of_actuator = (
+            (pressed_state.approach + actuator_compliance) * coarse_pair.load / modulus
+        )
+        return approach_of_actuator - approach
 
     first_logarithm = float(np.log(modulus * approach))
     for half_range in range(1, _MOST_HALF_RANGES):
@@ -271,36 +277,45 @@ def on_half_planes(scene: Scene, datum: float) -> Scene:
 
 
 def _scales_at(scene: Scene, load: float, work: Counter[str]) -> Scales:
-    """Length and load scales of a contact by a run along its load path on a coarse mesh, whose fine
-    part of the face is enlarged until the contact stays within it.
+    """Length and load scales of a contact, read off a run along its load path on a coarse mesh.
 
-    `load` is the largest normal load, which loads are divided by [force per thickness]. `work`
-    counts condensations.
+    Where the contact touches an end of the finely meshed part of the face, that part is enlarged by
+    `_ENLARGEMENT` and the run repeated, `_MOST_ENLARGEMENTS` times at most. The run after the last
+    enlargement is accepted even if the contact touches an end: the scales may then be too small.
+    `solution.solve` raises ConvergenceError if the contact touches an end of the mesh they give.
+
+    Parameters
+    ----------
+    load
+        largest normal load, which loads are divided by [force per thickness]
+    work
+        counts condensations
 
     Raises
     ------
     InputError
-        Where the contact reaches past the end of the narrower face.
+        Where the contact reaches past the end of the narrower face, or in the last run the line of
+        action of the loads misses the meshed faces.
     """
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     pair = _CoarsePair(scene, load, modulus, work)
-    size = _fitting_size(pair)
+    face_half_width = _fitting_size(pair)
     steps = _COARSE_STEPS_OF_RECORD if is_plain_record(scene) else _COARSE_STEPS
     for enlargements_left in reversed(range(_MOST_ENLARGEMENTS + 1)):
         try:
-            problem, run = _coarse_run(pair, size, steps)
+            problem, run = _coarse_run(pair, face_half_width, steps)
         except BesideTheFaces:
-            if not enlargements_left or size == pair.room:
+            if not enlargements_left or face_half_width == pair.room:
                 raise
         else:
             if not enlargements_left or not _touches_an_end(run):
                 break
             # Shear moves the contact of unlike bodies sideways, tilt that of all; the coarse body
             # has to hold that too.
-            if size == pair.room:
+            if face_half_width == pair.room:
                 raise _past_the_end(scene)
-        size = min(size * _ENLARGEMENT, pair.room)
-    return _scales_of_run(pair, size, problem, run)
+        face_half_width = min(face_half_width * _ENLARGEMENT, pair.room)
+    return _scales_of_run(pair, face_half_width, problem, run)
 
 
 def _scales_of_run(
@@ -397,8 +412,9 @@ def estimate_room(scene: Scene, work: Counter[str]) -> RoomForContact:
     """Quick estimate of the largest contact on bodies of finite size, and a check that their faces
     are wide enough for it.
 
-    One revolution of a dozen increments is followed on a coarse mesh; of a record of measured loads
-    the rows of extreme loads. `work` counts condensations.
+    One cycle of a dozen increments is followed on a coarse mesh; of a record of measured loads the
+    rows of extreme loads. The finely meshed part of the face is enlarged until the contact does not
+    touch its ends. `work` counts condensations.
 
     Raises
     ------
@@ -411,20 +427,20 @@ def estimate_room(scene: Scene, work: Counter[str]) -> RoomForContact:
         load = _load_of_approach(short_scene, work)
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
     pair = _CoarsePair(short_scene, load, modulus, work)
-    size = _size_near_contact(pair)
+    face_half_width = _size_near_contact(pair)
     while True:
         try:
-            problem, run = _coarse_run(pair, size, steps=_STEPS_OF_ESTIMATE, cycles=1)
+            problem, run = _coarse_run(pair, face_half_width, steps=_STEPS_OF_ESTIMATE, cycles=1)
         except BesideTheFaces:
-            if size == pair.room:
+            if face_half_width == pair.room:
                 raise
         else:
             if not _touches_an_end(run):
-                scales = _scales_of_run(pair, size, problem, run)
+                scales = _scales_of_run(pair, face_half_width, problem, run)
                 return RoomForContact(scales.reach, face_room(scene), scales)
-            if size == pair.room:
+            if face_half_width == pair.room:
                 raise _past_the_end(scene)
-        size = min(size * _FAR_ENLARGEMENT, pair.room)
+        face_half_width = min(face_half_width * _FAR_ENLARGEMENT, pair.room)
 
 
 def _size_near_contact(pair: _CoarsePair) -> float:
