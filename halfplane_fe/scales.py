@@ -447,8 +447,9 @@ def _size_near_contact(pair: _CoarsePair) -> float:
     """Half-width [length] of the part of the face to be meshed finely, so that the contact at the
     largest load takes 0.3 of it or more, but not all.
 
-    It is twice the half-width of the contact that was found with another such part. Where that
-    would come near the end of the face, the whole face is taken. `pair` are the coarse bodies.
+    It is twice the half-width of the contact found with the half-width tried before; after
+    `_MOST_ENLARGEMENTS` trials the last one is taken. Where it would come near the end of the face,
+    the whole face is taken. `pair` are the coarse bodies.
     """
     face_half_width = min(_size_on_half_planes(pair), pair.room)
     for _ in range(_MOST_ENLARGEMENTS):

@@ -1,7 +1,7 @@
 """Linear systems of the active set: what loads do to the interface while its nodes keep their
 states, for many sets of states.
 
-Unknowns z = (p, q, delta, U); each node has two rows, by its state:
+Unknowns z = (p, q, delta, U); each node has two rows (equations), by its state:
 
     open    p = 0,             q = 0
     stick   gap = 0,           slip = known
@@ -60,9 +60,9 @@ _MOST_BYTES = 80_000_000
 _FEWEST_BASES = 4
 # Rows in which a set may differ from its base: beyond that the set becomes a base itself.
 _MOST_ROWS = 110
-# Bits of `_kinds` by state: OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE.
-_NORMAL_KINDS = np.array([1, 2, 2, 2], dtype=np.int8)
-_TANGENTIAL_KINDS = np.array([2 + 4, 1, 2, 4], dtype=np.int8)
+# Bits of `_equation_bits` by state: OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE.
+_NORMAL_EQUATION_BITS = np.array([1, 2, 2, 2], dtype=np.int8)
+_TANGENTIAL_EQUATION_BITS = np.array([2 + 4, 1, 2, 4], dtype=np.int8)
 # Rows in which a base may differ from one with factors for its answers to be updates of those: of
 # 700 nodes updates cost less than factors up to there.
 _MOST_ROWS_APART = 300
@@ -86,14 +86,16 @@ class SingularSet(ArithmeticError):
 
 
 def _lu(matrix: Array) -> LuFactors:
+    """LU factors of a square matrix; SingularSet where a pivot is exactly zero."""
     factors, pivots, zero_pivot = dgetrf(matrix)
     if zero_pivot > 0:
         raise SingularSet(f"pivot {zero_pivot} is zero")
     return factors, pivots
 
 
-def _lu_solve(factors: LuFactors, right: Array) -> Array:
-    return np.asarray(dgetrs(*factors, right)[0])
+def _lu_solve(factors: LuFactors, right_side: Array) -> Array:
+    """Solution X (k, m) of A X = `right_side`, by the LU factors of A (k, k)."""
+    return np.asarray(dgetrs(*factors, right_side)[0])
 
 
 def _few_rows_times(rows: Array, matrix: Array) -> Array:
@@ -121,8 +123,8 @@ class Layer:
 
 
 class _HeldEquations(NamedTuple):
-    """The equations of the k held rows of a base, P and Q among them, solved for their forces and
-    for the rigid motion.
+    """Compliance of the contact for one set of node states: displacements by forces in the k held
+    rows, those that prescribe a gap, a slip, or the load P or Q.
 
     Attributes
     ----------
@@ -137,7 +139,7 @@ class _HeldEquations(NamedTuple):
 
     @property
     def nbytes(self) -> int:
-        """Of both matrices."""
+        """Bytes of both matrices."""
         return self.of_held[0].nbytes + self.free_by_held.nbytes
 
 
@@ -150,8 +152,8 @@ class _Base:
     row_states
         (2 n,) states of the nodes for their normal rows, then for their tangential ones: there
         open nodes may count as sliding
-    kinds
-        (2 n,) of its rows, see `_kinds`
+    equation_bits
+        (2 n,) which equation each row holds, see `_equation_bits`
     signed_friction
         (n,) q over p: +f or -f of the nodes that slide, open ones that count as sliding among
         them; else 0
@@ -179,12 +181,13 @@ class _Base:
         shift and tilt
     n_cases
         unit cases that are solved
-    sets_reached
-        sets that were reached from it: met again, they have the same bits
+    sets_served
+        bytes of the node states whose responses were computed from this base: met again, they are
+        computed from it again, to the same last digit
     """
 
     row_states: States
-    kinds: States
+    equation_bits: States
     signed_friction: Array
     is_held: Mask
     held_rows: Indices
@@ -196,17 +199,17 @@ class _Base:
     case_number: Indices
     responses: Array
     n_cases: int = 0
-    sets_reached: set[bytes] = field(default_factory=set)
+    sets_served: set[bytes] = field(default_factory=set)
 
     @property
     def nbytes(self) -> int:
-        """Of the arrays that count."""
+        """Bytes of its large arrays: factors and responses."""
         bytes_of_equations = 0 if self.equations is None else self.equations.nbytes
         return bytes_of_equations + self.responses.nbytes
 
 
 class _Update(NamedTuple):
-    """A set as reached from a base, for several load cases.
+    """Responses of a set of node states in c load cases, computed from those of a base.
 
     Attributes
     ----------
@@ -215,7 +218,8 @@ class _Update(NamedTuple):
     rows
         (m,) in which the set differs from the base
     amplitudes
-        (c, m) of the unit cases of these rows: what the base would prescribe there
+        (c, m) factors of the base's responses to unit right sides in these rows: what the base
+        would prescribe there
     """
 
     responses: Array
@@ -223,21 +227,22 @@ class _Update(NamedTuple):
     amplitudes: Array
 
 
-def _kinds(row_states: States) -> NDArray[np.int8]:
-    """(2 n,) of the rows of a set as bits, normal ones first: rows without a bit in common are
-    different ones.
+def _equation_bits(row_states: States) -> NDArray[np.int8]:
+    """Type of the equation in each row of a set of node states, as bits (2 n,): normal rows, then
+    tangential ones. Two sets differ in a row where their bits have none in common.
 
-    An open node has the bits of both senses of slip: with p = 0, q = (+-f) p is q = 0.
+    Normal: 1 where p = 0 (open), 2 where the gap is 0. Tangential: 1 for stick, 2 and 4 for slip in
+    either sense. An open node has both bits of slip: with p = 0, q = (+-f) p is q = 0.
     """
     n = len(row_states) // 2
     return np.concatenate(
-        [_NORMAL_KINDS.take(row_states[:n]), _TANGENTIAL_KINDS.take(row_states[n:])]
+        [_NORMAL_EQUATION_BITS.take(row_states[:n]), _TANGENTIAL_EQUATION_BITS.take(row_states[n:])]
     )
 
 
 def _sliding_where_open(states: States) -> States:
-    """(n,) states, but open nodes slide as the nearest sliding node does: that is how they will
-    when they touch.
+    """States (n,) of the nodes, with each open node in the state of the nearest sliding node, or
+    slipping forward where none slides: it will probably slide like that once it touches.
     """
     sliding_nodes = np.flatnonzero(states > STICK)
     if not len(sliding_nodes):
@@ -796,18 +801,20 @@ class Systems:
         if not (self._holds_without_stick or STICK in states):
             raise SingularSet("no node sticks: the bodies slide on each other")
         key = states.tobytes()
-        kinds = _kinds(np.concatenate([states, states]))
+        equation_bits = _equation_bits(np.concatenate([states, states]))
         base = next(
-            (cached_base for cached_base in self._bases if key in cached_base.sets_reached), None
+            (cached_base for cached_base in self._bases if key in cached_base.sets_served), None
         )
         if base is None:
-            base = self._nearest_base(self._bases, kinds, _MOST_ROWS)
+            base = self._nearest_base(self._bases, equation_bits, _MOST_ROWS)
         if base is None:
             row_states = np.concatenate([states, _sliding_where_open(states)])
             factorised_bases = [
                 cached_base for cached_base in self._bases if cached_base.origin is None
             ]
-            origin = self._nearest_base(factorised_bases, _kinds(row_states), _MOST_ROWS_APART)
+            origin = self._nearest_base(
+                factorised_bases, _equation_bits(row_states), _MOST_ROWS_APART
+            )
             base = self._new_base(row_states, origin)
         # The list is in order of use, as bases are dropped from its front. The origin, from which
         # this base's responses are computed, comes last.
@@ -816,24 +823,27 @@ class Systems:
                 self._bases.remove(used_base)
             if used_base is not None:
                 self._bases.append(used_base)
-        base.sets_reached.add(key)
-        return base, (base.kinds & kinds) == 0
+        base.sets_served.add(key)
+        return base, (base.equation_bits & equation_bits) == 0
 
     @staticmethod
     def _nearest_base(
-        bases: Sequence[_Base], kinds: NDArray[np.int8], most_rows_apart: int
+        bases: Sequence[_Base], equation_bits: NDArray[np.int8], most_rows_apart: int
     ) -> _Base | None:
         """Of several sets of node states, the one that differs in the fewest equations from a new
         set, if these are `most_rows_apart` or fewer; else None.
 
-        `kinds` (2 n,) are the types of equation of the new set, one bit for each type that serves:
-        two equations differ if they have no bit in common.
+        `equation_bits` (2 n,) are the types of equation of the new set, see `_equation_bits`: two
+        equations differ if they have no bit in common.
         """
         if not bases:
             return None
-        rows_apart = [len(kinds) - np.count_nonzero(base.kinds & kinds) for base in bases]
-        least_rows = min(rows_apart)
-        return bases[rows_apart.index(least_rows)] if least_rows <= most_rows_apart else None
+        n_rows_apart = [
+            len(equation_bits) - np.count_nonzero(base.equation_bits & equation_bits)
+            for base in bases
+        ]
+        fewest_rows = min(n_rows_apart)
+        return bases[n_rows_apart.index(fewest_rows)] if fewest_rows <= most_rows_apart else None
 
     def _new_base(self, row_states: States, origin: _Base | None) -> _Base:
         """Prepare a base, a set of node states whose responses are to be cached: which
@@ -866,7 +876,7 @@ class Systems:
         ]
         return _Base(
             row_states=row_states,
-            kinds=_kinds(row_states),
+            equation_bits=_equation_bits(row_states),
             signed_friction=signed_friction,
             is_held=is_held,
             held_rows=held_rows,
@@ -1000,7 +1010,7 @@ class Systems:
         numbers of equations (i normal, n + i tangential) and, from 2 n on, loads.
         """
         n = len(self.normal)
-        rows_apart = ((origin.kinds & base.kinds) == 0).nonzero()[0]
+        rows_apart = ((origin.equation_bits & base.equation_bits) == 0).nonzero()[0]
         is_case_apart = np.isin(cases, rows_apart)
         right_sides = np.equal.outer(cases[is_case_apart], rows_apart).astype(np.float64)
         update = self._updated_responses(
