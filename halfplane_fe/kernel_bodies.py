@@ -1,5 +1,5 @@
-r"""Contact of finite bodies without fine meshes of them: the interface of two half-planes plus the
-remainder kernels of the bodies.
+r"""Contact of finite bodies without fine meshes of them: the contact compliance of two half-planes
+plus the remainder kernels of the bodies, what their finite size adds to surface displacements.
 
 A body displaces its face as a half-plane does plus the smooth kernels of `remainder`, here by
 polynomials over all of the side that may touch. So with N, T and K of half-planes (`interface`)::
@@ -62,21 +62,22 @@ from scenes import (
 from scenes.array_types import Array
 from scenes.bodies import Face, arc_depth, face_of
 
-# Largest degree of the polynomials in x and s together, and places of forces at x >= 0; those at x
-# < 0 would repeat them as mirror images.
+# Largest degree of the polynomials in x and s together, and number of places of forces at x >= 0;
+# those at x < 0 would repeat them as mirror images.
 _LARGEST_DEGREE = 12
 _N_FORCES = 8
-# The same, and the elements, where the curvature of the face jumps: with degree 20 W of a flat pad,
-# b/a = 0.8, stays 0.2 % too small, with 28 it is within 2e-5.
+# The same, and the number of elements, where the curvature of the face jumps: with degree 20 W of a
+# flat pad, b/a = 0.8, stays 0.2 % too small, with 28 it is within 2e-5.
 _DEGREE_AT_JUMP = 28
 _N_FORCES_AT_JUMP = 24
 _N_ELEMENTS_AT_JUMP = 160
-# Elements over the distance of the nearest place where the body ends, and at least on the side that
-# may touch; growth of their size.
+# Elements over the distance of the nearest end of the body, and fewest over the part of the face
+# that may touch; growth of their size.
 _N_ELEMENTS = 48
 _FEWEST_ELEMENTS = 12
 _SIZE_GROWTH = 0.1
-# The second mesh, by which the first one's error is judged.
+# Element size of the second mesh over that of the first one: their difference is the error
+# estimate.
 _FACTOR_OF_COARSE_MESH = 2.0
 # Change of the dissipation by a change d of the kernels over the contact, over d E*: by a curvature
 # T P0 R = tau, where d = T a^2/2, W of Hertz' contact changes by -2.5 tau = -2 T a^2 E* at most
@@ -84,8 +85,11 @@ _FACTOR_OF_COARSE_MESH = 2.0
 _WORK_BY_KERNELS = 4.0
 
 
-class KernelSums(NamedTuple):
-    """k_nn, k_tt, k_tn between places, (n, m) each [1 / stress]."""
+class KernelValues(NamedTuple):
+    """Displacements at n places by unit forces at m places, minus those of a half-plane, (n, m)
+    each [1 / stress]: inwards by a pressing force (k_nn), along x by a force along x (k_tt), and
+    along x by a pressing force (k_tn).
+    """
 
     normal: Array
     tangential: Array
@@ -93,10 +97,12 @@ class KernelSums(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class PartOfFace:
-    """What of the kernels of a body with a flat and arcs is no polynomial where the curvature of
-    the face jumps: what the slopes of chords make of Flamant's field, and the first order of the
-    depth in k_tt (docs/maps.md)::
+class CurvatureJumpKernels:
+    """Singular part of the kernels of a body whose face is a flat between arcs: the curvature of
+    the face jumps at the ends of the flat, and polynomials do not converge there.
+
+    It is Flamant's displacement along chords of the face, minus that on the flat surface, and in
+    k_tt a term of first order in the depth of the face (docs/maps.md)::
 
         k_tt = 4/(pi^2 E') (Phi(x) - Phi(s))/(x - s),    E' = E/(1 - nu^2)
         2 R Phi = (x + b)^2 ln|x + b| - (x - b)^2 ln|x - b|
@@ -104,7 +110,7 @@ class PartOfFace:
     Attributes
     ----------
     flat_half_length, radius
-        b, R [length]
+        b of the flat, R of the arcs beside it [length]
     material
         of the body
     """
@@ -113,26 +119,27 @@ class PartOfFace:
     radius: float
     material: Elastic
 
-    def kernels(self, x: Array, s: Array) -> KernelSums:
-        """Displacements at places x (n,) by unit forces at s (m,) that no polynomial follows, since
-        the curvature of the face jumps where the flat ends, (n, m) each [1 / stress].
+    def kernels(self, x: Array, s: Array) -> KernelValues:
+        """Singular part of the displacements at places x (n,) of the face by unit forces at s (m,),
+        (n, m) each [1 / stress].
 
-        They are Flamant's field along chords of the face, and the first order of the depth.
+        The chord from the force to the place has the slope -(d(x) - d(s))/(x - s), where d is the
+        depth of the face below its flat.
         """
         depth = arc_depth(x, self.radius, self.flat_half_length)
         depth_at_force = arc_depth(s, self.radius, self.flat_half_length)
         slope_at_force = slope_of_arc(s, self.radius, self.flat_half_length)
-        slope = -_divided(depth, depth_at_force, slope_at_force, x, s)
-        slope_kernels = kernels_of_slope(slope, self.material)
+        chord_slope = -_divided_differences(depth, depth_at_force, slope_at_force, x, s)
+        chord_kernels = kernels_of_slope(chord_slope, self.material)
         poisson_ratio = self.material.poisson_ratio
         modulus = self.material.young_modulus / (1 - poisson_ratio**2)
-        depth_kernel = _divided(self._phi(x), self._phi(s), self._phi_rate(s), x, s)
-        tangential = slope_kernels.tangential + 4 / (np.pi**2 * modulus) * depth_kernel
-        return KernelSums(slope_kernels.normal, tangential, slope_kernels.along_by_pressure)
+        phi_difference = _divided_differences(self._phi(x), self._phi(s), self._phi_slope(s), x, s)
+        tangential = chord_kernels.tangential + 4 / (np.pi**2 * modulus) * phi_difference
+        return KernelValues(chord_kernels.normal, tangential, chord_kernels.along_by_pressure)
 
     def _phi(self, x: Array) -> Array:
-        """Phi = [(x + b)^2 ln|x + b| - (x - b)^2 ln|x - b|] / (2 R) at places x [length]; b is the
-        half-length of the flat, R the radius of the arcs beside it.
+        """Phi = [(x + b)^2 ln|x + b| - (x - b)^2 ln|x - b|] / (2 R) at places x, the function in
+        the term of k_tt that the class states [length]. Any shape.
         """
         xlogy = scipy.special.xlogy
         distance_from_left = x + self.flat_half_length
@@ -142,39 +149,45 @@ class PartOfFace:
         ) - distance_from_right * xlogy(distance_from_right, np.abs(distance_from_right))
         return np.asarray(logarithmic_sum / (2 * self.radius))
 
-    def _phi_rate(self, x: Array) -> Array:
-        """Derivative of Phi = [(x + b)^2 ln|x + b| - (x - b)^2 ln|x - b|] / (2 R) along x; b is the
-        half-length of the flat, R the radius of the arcs beside it.
+    def _phi_slope(self, x: Array) -> Array:
+        """Derivative dPhi/dx at places x of Phi, the function in the term of k_tt that the class
+        states. Any shape:
+
+            R dPhi/dx = (x + b) ln|x + b| - (x - b) ln|x - b| + b
         """
         xlogy = scipy.special.xlogy
         distance_from_left = x + self.flat_half_length
         distance_from_right = x - self.flat_half_length
-        rate = 2 * xlogy(distance_from_left, np.abs(distance_from_left)) + distance_from_left
-        rate = (
-            rate - 2 * xlogy(distance_from_right, np.abs(distance_from_right)) - distance_from_right
+        slope_by_left_end = (
+            2 * xlogy(distance_from_left, np.abs(distance_from_left)) + distance_from_left
         )
-        return np.asarray(rate / (2 * self.radius))
+        logarithm_at_right_end = 2 * xlogy(distance_from_right, np.abs(distance_from_right))
+        slope = slope_by_left_end - logarithm_at_right_end - distance_from_right
+        return np.asarray(slope / (2 * self.radius))
 
 
-def _divided(values: Array, at_force: Array, rate: Array, x: Array, s: Array) -> Array:
-    """Divided differences (f(x) - f(s))/(x - s), (n, m), of `values` f at places x (n,) and
-    `at_force` f at s (m,); `rate` f' at s where both are one place.
+def _divided_differences(
+    values_at_x: Array, values_at_s: Array, slope_at_s: Array, x: Array, s: Array
+) -> Array:
+    """Divided differences (f(x) - f(s))/(x - s) (n, m) of a function f, at places x (n,)
+    and s (m,); where both are one place, the slope f'(s).
     """
     distance = x[:, None] - s
     is_same_place = np.abs(distance) < 1e-9 * np.ptp(x)
-    difference = values[:, None] - at_force
-    return np.where(is_same_place, rate, difference / np.where(is_same_place, 1.0, distance))
+    difference = values_at_x[:, None] - values_at_s
+    return np.where(is_same_place, slope_at_s, difference / np.where(is_same_place, 1.0, distance))
 
 
 def slope_of_arc(x: Array, radius: float, flat_half_length: float) -> Array:
-    """dd/dx of `arc_depth`."""
+    """Slope dd/dx of the depth d of a face whose arcs begin at the ends of a flat (`arc_depth`)."""
     distance = np.maximum(np.abs(x) - flat_half_length, 0.0)
     return np.asarray(np.sign(x) * distance / np.sqrt(radius**2 - distance**2))
 
 
 @dataclass(frozen=True, eq=False)
 class FaceKernels:
-    """The kernels of one body over |x| <= `reach`, as polynomials of T_i(x/reach) T_j(s/reach).
+    """The kernels of one body over |x| <= `reach`, as Chebyshev series: sums of coefficients times
+    T_i(x/reach) T_j(s/reach), plus the singular part of faces whose curvature jumps.
 
     Attributes
     ----------
@@ -183,67 +196,70 @@ class FaceKernels:
     normal, tangential
         (d+1, d+1) coefficients of k_nn and k_tt, symmetric [1 / stress]
     along_by_pressure
-        (d+1, d+1) of k_tn [1 / stress]
-    part_of_face
-        what is added to the polynomials; None of flat faces
+        (d+1, d+1) coefficients of k_tn [1 / stress]
+    jump_kernels
+        singular part, added to the series; None for a flat face
     """
 
     reach: float
     normal: Array
     tangential: Array
     along_by_pressure: Array
-    part_of_face: PartOfFace | None = None
+    jump_kernels: CurvatureJumpKernels | None = None
 
-    def at(self, x: Array, s: Array) -> KernelSums:
-        """Displacement of the face at places x (n,) by unit forces at s (m,), minus that of a
-        half-plane: (n, m) each [1 / stress].
-
-        They are inwards by a pressing force, along x by a pull along x, and along x by a pressing
-        force (k_nn, k_tt, k_tn).
+    def at(self, x: Array, s: Array) -> KernelValues:
+        """Displacements of the face at places x (n,) by unit forces at s (m,), minus those of a
+        half-plane: k_nn, k_tt and k_tn, (n, m) each [1 / stress].
         """
         degree = len(self.normal) - 1
         polynomials_of_x = np.polynomial.chebyshev.chebvander(x / self.reach, degree)
         polynomials_of_s = np.polynomial.chebyshev.chebvander(s / self.reach, degree)
-        smooth_kernels = KernelSums(
+        smooth_kernels = KernelValues(
             polynomials_of_x @ self.normal @ polynomials_of_s.T,
             polynomials_of_x @ self.tangential @ polynomials_of_s.T,
             polynomials_of_x @ self.along_by_pressure @ polynomials_of_s.T,
         )
-        if self.part_of_face is None:
+        if self.jump_kernels is None:
             return smooth_kernels
-        face_kernels = self.part_of_face.kernels(x, s)
-        return KernelSums(
+        singular_kernels = self.jump_kernels.kernels(x, s)
+        return KernelValues(
             *(
-                smooth_kernel + face_kernel
-                for smooth_kernel, face_kernel in zip(smooth_kernels, face_kernels, strict=True)
+                smooth_kernel + singular_kernel
+                for smooth_kernel, singular_kernel in zip(
+                    smooth_kernels, singular_kernels, strict=True
+                )
             )
         )
 
-    def strain(self, x: Array, s: Array, pressing: Array, along: Array) -> Array:
-        """Strain along a flat face at places x (n,) that the finite size of the body adds to that
-        of a half-plane, by forces at s (m,).
+    def strain(self, x: Array, s: Array, pressing_force: Array, force_along_x: Array) -> Array:
+        """Strain e_xx (n,) that the finite size of the body adds to that of a half-plane, at places
+        x (n,) of a flat face, by forces at s (m,).
 
         It is the derivative along x of the displacement along x.
 
         Parameters
         ----------
-        pressing, along
-            (m,) forces into the body and along +x [force / length]
+        pressing_force, force_along_x
+            (m,) forces at s into the body, and along +x [force per thickness]
         """
         derivative = np.polynomial.chebyshev.chebder
         degree = len(self.normal) - 1
         polynomials_of_x = np.polynomial.chebyshev.chebvander(x / self.reach, degree - 1)
         polynomials_of_s = np.polynomial.chebyshev.chebvander(s / self.reach, degree)
-        by_pressing = derivative(self.along_by_pressure) @ polynomials_of_s.T @ pressing
-        by_shear = derivative(self.tangential) @ polynomials_of_s.T @ along
-        return np.asarray(polynomials_of_x @ (by_pressing + by_shear) / self.reach)
+        series_by_pressing = (
+            derivative(self.along_by_pressure) @ polynomials_of_s.T @ pressing_force
+        )
+        series_by_shear = derivative(self.tangential) @ polynomials_of_s.T @ force_along_x
+        return np.asarray(polynomials_of_x @ (series_by_pressing + series_by_shear) / self.reach)
 
 
 def fitted_kernels(
-    kernels: RemainderKernels, part_of_face: PartOfFace | None = None, degree: int = _LARGEST_DEGREE
+    kernels: RemainderKernels,
+    jump_kernels: CurvatureJumpKernels | None = None,
+    degree: int = _LARGEST_DEGREE,
 ) -> FaceKernels:
-    """Least-squares fit of Chebyshev polynomials T_i(x/r) T_j(s/r) to the displacement at x by a
-    unit force at s on the face of a body that is its own mirror image in x = 0.
+    """Least-squares fit of Chebyshev polynomials T_i(x/r) T_j(s/r) to the kernels of a body that is
+    its own mirror image in x = 0: displacements of its face at x by a unit force at s.
 
     Displacements in the direction of the force, k_nn and k_tt, have even i + j; those across it,
     k_tn, have odd i + j. By reciprocity k_nn and k_tt are symmetric in x and s.
@@ -254,19 +270,19 @@ def fitted_kernels(
     ----------
     kernels
         displacements of the face by unit forces, minus those of a half-plane
-    part_of_face
-        a part that is no polynomial, subtracted before the fit; None for a flat face or a pure arc
+    jump_kernels
+        singular part of the kernels, subtracted before the fit; None for a flat face
     degree
         largest i + j
     """
-    if part_of_face is not None:
-        face_kernels = part_of_face.kernels(kernels.x, kernels.forces_at)
+    if jump_kernels is not None:
+        singular_kernels = jump_kernels.kernels(kernels.x, kernels.forces_at)
         kernels = kernels._replace(
-            normal=kernels.normal - face_kernels.normal,
-            tangential=kernels.tangential - face_kernels.tangential,
-            along_by_pressure=kernels.along_by_pressure - face_kernels.along_by_pressure,
-            # By reciprocity k_nt(x, s) = -k_tn(s, x); this part of k_tn is symmetric.
-            outward_by_shear=kernels.outward_by_shear + face_kernels.along_by_pressure,
+            normal=kernels.normal - singular_kernels.normal,
+            tangential=kernels.tangential - singular_kernels.tangential,
+            along_by_pressure=kernels.along_by_pressure - singular_kernels.along_by_pressure,
+            # By reciprocity k_nt(x, s) = -k_tn(s, x); the singular part of k_tn is symmetric.
+            outward_by_shear=kernels.outward_by_shear + singular_kernels.along_by_pressure,
         )
     reach = float(np.abs(kernels.x).max())
     chebyshev = np.polynomial.chebyshev.chebvander
@@ -274,28 +290,28 @@ def fitted_kernels(
     polynomials_of_s = chebyshev(kernels.forces_at / reach, degree)
 
     def products(i: int, j: int) -> Array:
-        """T_i(x) T_j(s), (n, m)."""
+        """T_i(x/r) T_j(s/r) at all places, (n, m)."""
         return np.multiply.outer(polynomials_of_x[:, i], polynomials_of_s[:, j])
 
     even_pairs = [(i, j) for i, j in even_exponents(degree) if i <= j]
     even_terms = np.stack(
         [(products(i, j) + products(j, i)).ravel() for i, j in even_pairs], axis=1
     )
-    kernels_of_one_load = np.stack([kernels.normal.ravel(), kernels.tangential.ravel()], axis=1)
-    even_coefficients = np.linalg.lstsq(even_terms, kernels_of_one_load, rcond=None)[0]
+    even_kernels = np.stack([kernels.normal.ravel(), kernels.tangential.ravel()], axis=1)
+    even_coefficients = np.linalg.lstsq(even_terms, even_kernels, rcond=None)[0]
     symmetric_coefficients = np.zeros((2, degree + 1, degree + 1))
     for (i, j), coefficient in zip(even_pairs, even_coefficients, strict=True):
         symmetric_coefficients[:, i, j] += coefficient
         symmetric_coefficients[:, j, i] += coefficient
 
     odd_pairs = odd_exponents(degree)
-    by_pressure = np.stack([products(i, j).ravel() for i, j in odd_pairs], axis=1)
-    by_shear = np.stack([products(j, i).ravel() for i, j in odd_pairs], axis=1)
-    cross_kernels = np.concatenate(
+    terms_of_k_tn = np.stack([products(i, j).ravel() for i, j in odd_pairs], axis=1)
+    terms_of_minus_k_nt = np.stack([products(j, i).ravel() for i, j in odd_pairs], axis=1)
+    odd_kernels = np.concatenate(
         [kernels.along_by_pressure.ravel(), -kernels.outward_by_shear.ravel()]
     )
     odd_coefficients = np.linalg.lstsq(
-        np.concatenate([by_pressure, by_shear]), cross_kernels, rcond=None
+        np.concatenate([terms_of_k_tn, terms_of_minus_k_nt]), odd_kernels, rcond=None
     )[0]
     coupling_coefficients = np.zeros((degree + 1, degree + 1))
     coupling_coefficients[tuple(np.transpose(odd_pairs))] = odd_coefficients
@@ -304,25 +320,29 @@ def fitted_kernels(
         symmetric_coefficients[0],
         symmetric_coefficients[1],
         coupling_coefficients,
-        part_of_face,
+        jump_kernels,
     )
 
 
 @dataclass(frozen=True, eq=False)
 class BodyKernels:
-    """The kernels of one body by two meshes."""
+    """The kernels of one body from a fine and from a coarse mesh."""
 
     fine: FaceKernels
     coarse: FaceKernels
 
-    def strain(self, x: Array, s: Array, pressing: Array, along: Array) -> tuple[Array, Array]:
-        """Strain (n,) along a flat face at places x that the size of the body adds to that of a
-        half-plane, and its difference between the fine and the coarse mesh.
+    def strain(
+        self, x: Array, s: Array, pressing_force: Array, force_along_x: Array
+    ) -> tuple[Array, Array]:
+        """Strain e_xx (n,) that the finite size of the body adds to that of a half-plane, at places
+        x (n,) of a flat face, and its absolute difference between the fine and the coarse mesh
+        (n,).
 
-        `pressing` and `along` (m,) are forces at s (m,) into the body and along +x [force/length].
+        The forces (m,) act at s (m,) into the body and along +x [force per thickness].
         """
-        strain = self.fine.strain(x, s, pressing, along)
-        return strain, np.abs(strain - self.coarse.strain(x, s, pressing, along))
+        strain = self.fine.strain(x, s, pressing_force, force_along_x)
+        coarse_strain = self.coarse.strain(x, s, pressing_force, force_along_x)
+        return strain, np.abs(strain - coarse_strain)
 
 
 _FLAT_FACE = Face(np.zeros_like, flat=True)
@@ -330,53 +350,59 @@ _FLAT_FACE = Face(np.zeros_like, flat=True)
 
 @dataclass(frozen=True, eq=False)
 class KernelPair:
-    """What finite bodies add to two half-planes; None of a body that is a half-plane. Faces of
-    lower and upper body.
+    """Kernels of the lower and the upper body, what their finite size adds to the displacement of a
+    half-plane's surface; None for a body that is a half-plane.
+
+    `faces` are the shapes of the lower and the upper face.
     """
 
     lower: BodyKernels | None
     upper: BodyKernels | None
     faces: tuple[Face, Face] = (_FLAT_FACE, _FLAT_FACE)
 
-    def added_to(self, faces: Interface) -> Interface:
-        """Contact compliance of the finite bodies: that of two half-planes (`faces`) plus what the
+    def interface_of_bodies(self, half_planes: Interface) -> Interface:
+        """Contact compliance of the finite bodies: that of two half-planes plus what the finite
         size of each body adds.
 
         Where a face is curved, forces and displacements are then turned into the normal and tangent
         of the line midway between the faces.
         """
-        added_normal, added_tangential, coupling = self.sums(faces.x, "fine")
-        if faces.coupling is not None:
-            coupling = coupling + faces.coupling
-        with_bodies = replace(
-            faces,
-            normal=freeze(faces.normal + added_normal),
-            tangential=freeze(faces.tangential + added_tangential),
+        added_normal, added_tangential, coupling = self.added_compliances(half_planes.x, "fine")
+        if half_planes.coupling is not None:
+            coupling = coupling + half_planes.coupling
+        interface_along_axes = replace(
+            half_planes,
+            normal=freeze(half_planes.normal + added_normal),
+            tangential=freeze(half_planes.tangential + added_tangential),
             coupling=freeze(coupling) if coupling.any() else None,
         )
         if self.faces[0].flat and self.faces[1].flat:
-            return with_bodies
-        return _on_middle_line(with_bodies, *self.faces)
+            return interface_along_axes
+        return _on_middle_line(interface_along_axes, *self.faces)
 
-    def share_of_work(self, x: Array, modulus: float) -> float:
-        """Estimate of the relative error of the friction work W by the meshes that the kernels come
-        from, by their difference on a fine and a coarse mesh.
+    def relative_work_error(self, x: Array, modulus: float) -> float:
+        """Estimate of the relative error of the friction work W by the mesh error of the kernels:
+        by how much the compliance that they add differs between a fine and a coarse mesh.
 
         A compliance that is constant over the contact does not change W: half the range of the
         difference counts. `x` are the contact nodes, `modulus` is E* [stress].
         """
-        difference = 0.0
-        for fine, coarse in zip(self.sums(x, "fine"), self.sums(x, "coarse"), strict=True):
-            change_of_compliance = fine - coarse
-            difference += float(np.ptp(change_of_compliance)) / 2
-        return _WORK_BY_KERNELS * difference * modulus
+        compliance_error = 0.0
+        for fine, coarse in zip(
+            self.added_compliances(x, "fine"), self.added_compliances(x, "coarse"), strict=True
+        ):
+            compliance_difference = fine - coarse
+            compliance_error += float(np.ptp(compliance_difference)) / 2
+        return _WORK_BY_KERNELS * compliance_error * modulus
 
-    def sums(self, x: Array, mesh: Literal["fine", "coarse"]) -> tuple[Array, Array, Array]:
-        """What the finite size of both bodies adds to the normal, tangential and coupling
-        compliance of two half-planes at nodes `x` (n,): three matrices (n, n) [1 / stress].
+    def added_compliances(
+        self, x: Array, mesh: Literal["fine", "coarse"]
+    ) -> tuple[Array, Array, Array]:
+        """Compliance that the finite size of both bodies adds to that of two half-planes at nodes
+        `x` (n,): normal, tangential and coupling matrix N, T, K, (n, n) each [1 / stress].
 
         Normal and tangential compliances of the bodies add up; of the coupling, that of the lower
-        body is subtracted, so that it is exactly 0 of like bodies. `mesh` is that of the kernels.
+        body is subtracted, so that it is exactly 0 for like bodies. `mesh` is that of the kernels.
         """
         zeros = np.zeros((len(x), len(x)))
         normal = zeros
@@ -385,27 +411,29 @@ class KernelPair:
         for body, sign in ((self.lower, -1.0), (self.upper, 1.0)):
             if body is None:
                 continue
-            kernels_of_body = getattr(body, mesh).at(x, x)
-            normal = normal + kernels_of_body[0]
-            tangential = tangential + kernels_of_body[1]
+            kernels: FaceKernels = getattr(body, mesh)
+            body_values = kernels.at(x, x)
+            normal = normal + body_values.normal
+            tangential = tangential + body_values.tangential
             if self.lower is not self.upper:
-                coupling = coupling + sign * kernels_of_body[2]
+                coupling = coupling + sign * body_values.along_by_pressure
         return normal, tangential, coupling
 
 
 def _slope_of(face: Face, x: Array) -> Array:
-    """How the depth of a face rises along x."""
+    """Slope (n,) of the depth of a face along x; 0 of a flat one."""
     if face.flat or face.arc is None:
         return np.zeros_like(x)
     flat_half_length, radius = face.arc
     return slope_of_arc(x, radius, flat_half_length)
 
 
-def _on_middle_line(pair: Interface, lower: Face, upper: Face) -> Interface:
-    """Turn the contact compliance of two curved faces from the axes x and y into the normal and
-    tangent of the line midway between the faces, and set the gap along that normal.
+def _on_middle_line(along_axes: Interface, lower: Face, upper: Face) -> Interface:
+    """Contact compliance of two curved faces along the normal and tangent of the line midway
+    between them, from that along the axes x and y. The gap is the distance along that normal.
 
-    With its normal n = (n_x, n_y), and the place of the displacement left, that of the force right:
+    With n = (n_x, n_y) this normal, at the place of the displacement on the left of N, T and K, and
+    at the place of the force on their right:
 
         N' = n_y N n_y + n_x T n_x + n_x K n_y + n_y K^T n_x
         T' = n_y T n_y + n_x N n_x - n_y K n_x - n_x K^T n_y
@@ -415,14 +443,15 @@ def _on_middle_line(pair: Interface, lower: Face, upper: Face) -> Interface:
 
     Parameters
     ----------
-    pair
-        compliances of both bodies along x and y, at nodes on flat faces
+    along_axes
+        compliance of both bodies along x and y, with nodes on flat faces
     lower, upper
-        depth of each face below its highest point, as a function of x
+        shapes of the two faces
     """
-    x = pair.x
+    x = along_axes.x
     depth_of_lower = lower.depth(x)
     depth_of_upper = upper.depth(x)
+    # The lower face lies at y = -depth, the upper one at y = +depth.
     slope = (_slope_of(upper, x) - _slope_of(lower, x)) / 2
     n_y = 1 / np.sqrt(1 + slope**2)
     n_x = -slope * n_y
@@ -430,9 +459,11 @@ def _on_middle_line(pair: Interface, lower: Face, upper: Face) -> Interface:
     weight_xy = np.multiply.outer(n_x, n_y)
     weight_yx = weight_xy.T
     weight_yy = np.multiply.outer(n_y, n_y)
-    compliance_y = pair.normal
-    compliance_x = pair.tangential
-    coupling_along_axes = np.zeros_like(compliance_x) if pair.coupling is None else pair.coupling
+    compliance_y = along_axes.normal
+    compliance_x = along_axes.tangential
+    coupling_along_axes = along_axes.coupling
+    if coupling_along_axes is None:
+        coupling_along_axes = np.zeros_like(compliance_x)
     normal = (
         weight_yy * compliance_y
         + weight_xx * compliance_x
@@ -452,8 +483,8 @@ def _on_middle_line(pair: Interface, lower: Face, upper: Face) -> Interface:
         - weight_xy * compliance_y
     )
     return replace(
-        pair,
-        weights=freeze(pair.weights / n_y),
+        along_axes,
+        weights=freeze(along_axes.weights / n_y),
         normals=freeze(np.stack([n_x, n_y])),
         gap=freeze((depth_of_lower + depth_of_upper) * n_y),
         normal=freeze(normal),
@@ -463,8 +494,8 @@ def _on_middle_line(pair: Interface, lower: Face, upper: Face) -> Interface:
 
 
 def check_kernels(scene: Scene) -> None:
-    """Refuse scenes that cannot be solved by kernels, the compliance that a body's finite size adds
-    to that of a half-plane.
+    """Refuse a scene that cannot be solved by kernels, the surface displacement by unit forces that
+    a body's finite size adds to that of a half-plane.
 
     Raises
     ------
@@ -490,7 +521,7 @@ def check_kernels(scene: Scene) -> None:
 
 
 def is_arc(shape: Shape, profile: Profile) -> bool:
-    """Whether the face of a body is an arc, or a flat that goes over into arcs."""
+    """Whether the face of a body is a circular arc, or a flat between two arcs."""
     if not isinstance(shape, Cylinder | Pad | ShoulderedPad):
         return False
     arc = face_of(shape, profile).arc
@@ -498,29 +529,30 @@ def is_arc(shape: Shape, profile: Profile) -> bool:
 
 
 def kernel_pair(scene: Scene, reach: float, datum_length: float, work: Counter[str]) -> KernelPair:
-    """For both bodies of a scene, what their finite size adds to the displacement of the face by
-    unit forces, as polynomials over |x| <= `reach` [length].
+    """Kernels of both bodies of a scene over |x| <= `reach` [length]: what their finite size adds
+    to the displacement of the face by unit forces, as polynomials.
 
     Bodies alike are computed once. `datum_length` is the distance from a force at which a
-    half-plane's surface counts as unmoved [length]; `work` counts linear systems and unknowns.
+    half-plane's surface has no displacement [length]. `work` counts linear systems and their
+    unknowns; they are added to it.
     """
-    bodies: dict[str, BodyKernels | None] = {}
+    kernels_by_body: dict[str, BodyKernels | None] = {}
     for name in ("lower", "upper"):
         if name == "upper" and shapes_alike(scene):
-            bodies[name] = bodies["lower"]
+            kernels_by_body[name] = kernels_by_body["lower"]
             continue
-        bodies[name] = _kernels_in(scene, name, reach, datum_length, work)
+        kernels_by_body[name] = _kernels_of_body(scene, name, reach, datum_length, work)
     lower_face, upper_face = (
         face_of(getattr(scene.bodies, name), scene.profile) for name in ("lower", "upper")
     )
-    return KernelPair(bodies["lower"], bodies["upper"], (lower_face, upper_face))
+    return KernelPair(kernels_by_body["lower"], kernels_by_body["upper"], (lower_face, upper_face))
 
 
-def _kernels_in(
+def _kernels_of_body(
     scene: Scene, name: str, reach: float, datum_length: float, work: Counter[str]
 ) -> BodyKernels | None:
-    """What the finite size of one body adds to the displacement of its face by unit forces, as
-    polynomials over |x| <= `reach`, from a fine and from a coarse mesh; None of a half-plane.
+    """Kernels of one body over |x| <= `reach`, from a fine and from a coarse mesh: what its finite
+    size adds to the displacement of its face by unit forces, as polynomials. None for a half-plane.
 
     Parameters
     ----------
@@ -529,20 +561,24 @@ def _kernels_in(
     reach
         half-width of the part of the face that may touch [length]
     datum_length
-        distance from a force at which a half-plane's surface counts as unmoved [length]
+        distance from a force at which a half-plane's surface has no displacement [length]
     work
-        counters of linear systems and of their unknowns, raised here
+        counts of linear systems and of their unknowns, added to here
     """
     shape = getattr(scene.bodies, name)
     if isinstance(shape, HalfPlane):
         return None
     material = getattr(scene.material, name)
+    jump_kernels = None
+    curvature_jumps = False
     arc_of_face = face_of(shape, scene.profile).arc
-    part_of_face = None if arc_of_face is None else PartOfFace(*arc_of_face, material)
-    has_jump = arc_of_face is not None and arc_of_face[0] > 0
-    degree = _DEGREE_AT_JUMP if has_jump else _LARGEST_DEGREE
-    n_forces = _N_FORCES_AT_JUMP if has_jump else _N_FORCES
-    n_elements = _N_ELEMENTS_AT_JUMP if has_jump else _N_ELEMENTS
+    if arc_of_face is not None:
+        flat_half_length, radius = arc_of_face
+        jump_kernels = CurvatureJumpKernels(flat_half_length, radius, material)
+        curvature_jumps = flat_half_length > 0
+    degree = _DEGREE_AT_JUMP if curvature_jumps else _LARGEST_DEGREE
+    n_forces = _N_FORCES_AT_JUMP if curvature_jumps else _N_FORCES
+    n_elements = _N_ELEMENTS_AT_JUMP if curvature_jumps else _N_ELEMENTS
     kernels_of_meshes = []
     for size_factor in (1.0, _FACTOR_OF_COARSE_MESH):
         size_by_body = nearest_end(shape) / n_elements
@@ -554,7 +590,7 @@ def _kernels_in(
         )
         force_places = reach * np.sin(np.linspace(0.0, np.pi / 2, n_forces))
         computed_kernels = remainder_kernels(body, material, force_places, datum_length)
-        kernels_of_meshes.append(fitted_kernels(computed_kernels, part_of_face, degree))
+        kernels_of_meshes.append(fitted_kernels(computed_kernels, jump_kernels, degree))
         work["kernel unknowns"] += computed_kernels.unknowns
         work["kernel solves"] += 1
     return BodyKernels(*kernels_of_meshes)

@@ -305,12 +305,13 @@ def _solve(
 
 def _of_kernels(answer: FiniteElementSolution, kernels: KernelPair) -> FiniteElementSolution:
     """The answer with what the kernels are uncertain by, and a note of what it is."""
-    share = kernels.share_of_work(answer.x, answer.scales.modulus)
+    relative_error = kernels.relative_work_error(answer.x, answer.scales.modulus)
     record = replace(answer.record, notes=(*answer.record.notes, _NOTE_OF_KERNELS))
     return replace(
         answer,
         record=record,
-        dissipation_uncertainty=answer.dissipation_uncertainty + share * answer.dissipation,
+        dissipation_uncertainty=answer.dissipation_uncertainty
+        + relative_error * answer.dissipation,
         settings={**answer.settings, "bodies": "kernel"},
     )
 
@@ -365,8 +366,8 @@ class _Faces(NamedTuple):
 
     def with_kernels(self, kernels: KernelPair) -> _Faces:
         """Those of half-planes, with the compliance that the size of the bodies adds."""
-        corrected = None if self.corrected is None else kernels.added_to(self.corrected)
-        return _Faces(kernels.added_to(self.as_meshed), corrected)
+        corrected = None if self.corrected is None else kernels.interface_of_bodies(self.corrected)
+        return _Faces(kernels.interface_of_bodies(self.as_meshed), corrected)
 
 
 def _solve_path(

@@ -17,9 +17,9 @@ import halfplane_fe
 from halfplane_fe import FiniteElementSolution, kernel_bodies, remainder
 from halfplane_fe.interface import Interface
 from halfplane_fe.kernel_bodies import (
+    CurvatureJumpKernels,
     FaceKernels,
     KernelPair,
-    PartOfFace,
     fitted_kernels,
     kernel_pair,
 )
@@ -275,11 +275,11 @@ def smooth_largest_pressure(solution: ContactSolution) -> float:
     return largest
 
 
-def test_a_part_of_a_face_has_its_limit_at_the_force() -> None:
-    part = PartOfFace(0.5, 10.0, STEEL)
+def test_kernels_of_a_jump_of_curvature_have_their_limit_at_the_force() -> None:
+    jump_kernels = CurvatureJumpKernels(0.5, 10.0, STEEL)
     x = np.array([-0.8, 0.2, 0.7])
-    at_force = part.kernels(x, x)
-    beside = part.kernels(x, x + 1e-6)
+    at_force = jump_kernels.kernels(x, x)
+    beside = jump_kernels.kernels(x, x + 1e-6)
     for kernel, kernel_beside in zip(at_force, beside, strict=True):
         np.testing.assert_allclose(np.diag(kernel), np.diag(kernel_beside), rtol=1e-4, atol=1e-12)
 
@@ -371,7 +371,7 @@ def wrong_sums(pair: KernelPair) -> set[str]:
     signs are those of the contact model (test_halfplane_fe_remainder).
     """
     x = np.linspace(-0.5, 0.5, 11)
-    normal, tangential, coupling = pair.sums(x, "fine")
+    normal, tangential, coupling = pair.added_compliances(x, "fine")
 
     def series(values: np.ndarray) -> np.ndarray:
         return np.polynomial.polynomial.polyfit(x, values, 6)
