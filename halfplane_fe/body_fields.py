@@ -27,9 +27,9 @@ from halfplane_fe.elasticity import (
     uniform_stretch,
 )
 from halfplane_fe.face_stress import (
-    FEWEST,
-    RIM,
-    Nodal,
+    FEWEST_NODES,
+    N_DISTORTED_NODES,
+    NodalTractions,
     SizeEffect,
     Tractions,
     fitted_size_effect,
@@ -359,7 +359,8 @@ def _tension_change_by_new_contact(solution: ContactSolution, step: int) -> Arra
     strip that reaches the outermost node counts a quarter; beyond the rim node it counts nothing.
 
     # notation: d distance from the edge, K constant of the pressure there, w width of the strip;
-    # the rim node is the first one whose tractions the mesh leaves undisturbed, `face_stress.RIM`
+    # the rim node is the first one whose tractions the mesh leaves undisturbed, next to the
+    # `face_stress.N_DISTORTED_NODES` outermost ones
     """
     if not step or not _sticks_in_full(solution, step):
         return np.zeros(2)
@@ -373,9 +374,9 @@ def _tension_change_by_new_contact(solution: ContactSolution, step: int) -> Arra
     ):
         start_of_growth -= 1
     nodal_tractions = _nodal_tractions(solution, step)
-    if start_of_growth == step or len(nodal_tractions.x) <= 2 * RIM:
+    if start_of_growth == step or len(nodal_tractions.x) <= 2 * N_DISTORTED_NODES:
         return np.zeros(2)
-    rim_nodes = [RIM, -1 - RIM]
+    rim_nodes = [N_DISTORTED_NODES, -1 - N_DISTORTED_NODES]
     pressure = nodal_tractions.pressure[rim_nodes]
     depths_of_rim = np.abs(nodal_tractions.x[rim_nodes] - solution.contact_edges[step])
     # q/p in the strip of each increment.
@@ -435,7 +436,7 @@ def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTensi
             tractions_in_contact[k] = step_tractions.series
             values[k] = np.outer([1.0, -1.0], step_tractions.series.edge_tension())
             uncertainties[k] = step_tractions.tension_uncertainty
-            change_by_unseen_slip[k] = step_tractions.of_unseen_slip
+            change_by_unseen_slip[k] = step_tractions.change_by_unseen_slip
         elif solution.normal_load[step] > 0:
             values[k] = math.nan
             uncertainties[k] = math.nan
@@ -828,7 +829,7 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
     nodal_tension = {
         step: tension_of_nodes(nodal)
         for step, nodal in nodal_tractions.items()
-        if len(nodal.x) >= FEWEST
+        if len(nodal.x) >= FEWEST_NODES
     }
     has_bulk_stress = any(_bulk_stress(solution, cycle, body).any() for body in (0, 1))
     is_exact = solution.scene.bodies.half_planes and not has_bulk_stress
@@ -859,7 +860,7 @@ def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
 
 
 def _interpolated_added_tension(
-    solution: ContactSolution, nodal_tractions: Mapping[int, Nodal]
+    solution: ContactSolution, nodal_tractions: Mapping[int, NodalTractions]
 ) -> dict[int, Array]:
     """Estimate of the tension s_xx that bulk stress and the size of the bodies add at the edges of
     contact. For the index of each stored step it is (2, 2) by body and edge [stress].
@@ -886,12 +887,11 @@ def _bulk_stress(solution: ContactSolution, steps: Sequence[int], body_number: i
     return np.asarray(bulk_stress[list(steps)])
 
 
-def _nodal_tractions(solution: ContactSolution, step: int) -> Nodal:
+def _nodal_tractions(solution: ContactSolution, step: int) -> NodalTractions:
     """Pressure and shear at the touching nodes of a solution at a stored step, with what a fit of
     sine series needs: edges of stick and contact, friction, Q, kinks of the profile.
 
-    `growing` means that P rises by |dQ|/f at least, so that nothing slips. `coupled` means that p
-    and q act on each other, by unlike shapes or materials; `unlike` means unlike materials.
+    Coupling of p and q counts for bodies of unlike shapes or materials.
     """
     pressure = solution.pressure[step]
     shear = solution.shear[step]
@@ -907,21 +907,23 @@ def _nodal_tractions(solution: ContactSolution, step: int) -> Nodal:
     rise_of_q = float(solution.tangential_load[step] - solution.tangential_load[step_before])
     stick_left, stick_right = solution.stick_edges[step].tolist()
     contact_left, contact_right = solution.contact_edges[step].tolist()
-    return Nodal(
+    return NodalTractions(
         x=solution.x[is_closed],
         pressure=pressure[is_closed],
         shear=shear[is_closed],
-        stick=(stick_left, stick_right),
-        contact=(contact_left, contact_right),
+        stick_edges=(stick_left, stick_right),
+        contact_edges=(contact_left, contact_right),
         friction=friction,
         tangential_load=tangential_load,
         # With bulk stress or tilt each edge has a law of its own: taken for unknown, which makes
         # the uncertainty larger, not smaller.
-        growing=rise_of_p > 0 and abs(rise_of_q) <= friction * rise_of_p and solution.tilt is None,
-        kinks=profile_kinks(solution.scene),
-        tabulated=isinstance(solution.scene.profile, Tabulated),
-        coupled=not shapes_alike(solution.scene),
-        unlike=not solution.scene.material.alike,
+        load_grows_in_stick=rise_of_p > 0
+        and abs(rise_of_q) <= friction * rise_of_p
+        and solution.tilt is None,
+        curvature_jumps=profile_kinks(solution.scene),
+        has_tabulated_profile=isinstance(solution.scene.profile, Tabulated),
+        has_coupling=not shapes_alike(solution.scene),
+        has_unlike_materials=not solution.scene.material.alike,
     )
 
 

@@ -17,9 +17,9 @@ from halfplane_fe.body_fields import profile_kinks
 from halfplane_fe.contact import InterfaceState
 from halfplane_fe.edges import NodalAnswer, StickEdges, fitted_stick_edges, stick_edges
 from halfplane_fe.face_stress import (
-    Nodal,
-    _by_stick_edges,
-    _form,
+    NodalTractions,
+    _change_by_stick_edges,
+    _pressure_form,
     fitted_size_effect,
     sampled_tractions,
     size_effect_basis,
@@ -259,25 +259,29 @@ def test_the_tension_of_a_narrow_slip_zone_is_as_uncertain_as_its_stick_edge(
     x = np.linspace(-1.0, 1.0, 201)[1:-1]
     pressure = np.sqrt(1 - x**2)
 
-    def nodal(stick: float) -> Nodal:
+    def nodal(stick: float) -> NodalTractions:
         outside = np.abs(x) > stick
         shear = 0.3 * pressure - 0.3 * np.sqrt(np.maximum(stick**2 - x**2, 0.0)) * ~outside
         load = float(np.trapezoid(shear, x))
-        return Nodal(x, pressure, shear, (-stick, stick), (-1.0, 1.0), 0.3, load, growing=False)
+        return NodalTractions(
+            x, pressure, shear, (-stick, stick), (-1.0, 1.0), 0.3, load, load_grows_in_stick=False
+        )
 
     def uncertainty(stick: float) -> float:
         return float(tractions_with_uncertainty(nodal(stick)).tension_uncertainty[1])
 
     narrow = nodal(0.955)
     tension = sampled_tractions(narrow).edge_tension()
-    changes = [_by_stick_edges(narrow, distance, tension)[1] for distance in (0.0, 3e-3, 6e-3)]
+    changes = [
+        _change_by_stick_edges(narrow, distance, tension)[1] for distance in (0.0, 3e-3, 6e-3)
+    ]
     assert changes[0] == 0
     assert 1.5 * changes[1] < changes[2] < 3 * changes[1]
-    assert tractions_with_uncertainty(narrow).of_unseen_slip.tolist() == [0.0, 0.0]
+    assert tractions_with_uncertainty(narrow).change_by_unseen_slip.tolist() == [0.0, 0.0]
     of_zones = np.array([uncertainty(stick) for stick in (0.955, 0.905)])
     monkeypatch.setattr("halfplane_fe.face_stress._STICK_EDGE_MOVED", 0.0)
     more = of_zones - [uncertainty(stick) for stick in (0.955, 0.905)]
-    by_edge = _by_stick_edges(narrow, 0.45 * 0.01, tension)[1]
+    by_edge = _change_by_stick_edges(narrow, 0.45 * 0.01, tension)[1]
     np.testing.assert_allclose(more, [by_edge, 0.0], rtol=1e-9, atol=1e-12)
 
 
@@ -285,18 +289,20 @@ def test_the_tension_of_a_narrow_slip_zone_is_as_uncertain_as_its_stick_edge(
 def test_the_tension_of_coupled_bodies_is_less_certain(unlike: bool, factor: float) -> None:
     x = np.linspace(-1.0, 1.0, 41)[1:-1]
     pressure = np.sqrt(1 - x**2)
-    nodal = Nodal(
+    nodal = NodalTractions(
         x=x,
         pressure=pressure,
         shear=0.3 * pressure,
-        stick=(np.nan, np.nan),
-        contact=(-1.0, 1.0),
+        stick_edges=(np.nan, np.nan),
+        contact_edges=(-1.0, 1.0),
         friction=0.3,
         tangential_load=0.3 * np.pi / 2,
-        growing=False,
+        load_grows_in_stick=False,
     )
     alike = tractions_with_uncertainty(nodal)
-    coupled = tractions_with_uncertainty(replace(nodal, coupled=True, unlike=unlike))
+    coupled = tractions_with_uncertainty(
+        replace(nodal, has_coupling=True, has_unlike_materials=unlike)
+    )
     of_coupling = coupled.tension_uncertainty - alike.tension_uncertainty
     # factor r^(3/2) of the tension 2 f p0, r = 0.05
     np.testing.assert_allclose(of_coupling, factor * 0.05**1.5 * 0.6, rtol=0.01)
@@ -307,18 +313,18 @@ def test_the_shear_of_a_few_nodes_goes_through_those_that_stick():
     x = np.linspace(-0.8, 0.8, 5)
     pressure = np.sqrt(1 - x**2)
     shear = 0.3 * pressure * np.array([1.0, 0.6, 0.2, 0.6, 1.0])
-    nodal = Nodal(
+    nodal = NodalTractions(
         x=x,
         pressure=pressure,
         shear=shear,
-        stick=(-0.6, 0.6),
-        contact=(-1.0, 1.0),
+        stick_edges=(-0.6, 0.6),
+        contact_edges=(-1.0, 1.0),
         friction=0.3,
         tangential_load=0.0,
-        growing=False,
+        load_grows_in_stick=False,
     )
     sampled = sampled_tractions(nodal)
-    assert sampled.rough
+    assert sampled.has_unfitted_edges
     places = -np.cos(sampled.theta)
     # measured 0.0607 between two places
     assert np.interp(0.0, places, sampled.shear) == pytest.approx(0.06, rel=0.05)
@@ -351,18 +357,18 @@ def test_tension_of_flat_bottoms_is_covered_where_the_nodes_have_exact_tractions
     nodes = np.arange(-1.2 * elements, 1.2 * elements, 0.5) + 0.15
     exact = semi_analytic.solve(scene, x=nodes * half_width / elements, time=[1.0, 2.0])
     closed = exact.pressure[1] > 0
-    nodal = Nodal(
+    nodal = NodalTractions(
         x=exact.x[closed],
         pressure=exact.pressure[1][closed],
         shear=exact.shear[1][closed],
-        stick=tuple(exact.stick_edges[1]),
-        contact=tuple(exact.contact_edges[1]),
+        stick_edges=tuple(exact.stick_edges[1]),
+        contact_edges=tuple(exact.contact_edges[1]),
         friction=scene.friction.coefficient,
         tangential_load=float(exact.tangential_load[1]),
-        growing=False,
+        load_grows_in_stick=False,
     )
-    series, uncertain, of_unseen_slip = tractions_with_uncertainty(nodal)
-    uncertain = uncertain + of_unseen_slip
+    series, uncertain, change_by_unseen_slip = tractions_with_uncertainty(nodal)
+    uncertain = uncertain + change_by_unseen_slip
     true = semi_analytic.edge_tension(scene, 2.0)[0][0, 0]
     error = np.abs(series.edge_tension() - true)
     assert np.all(error <= uncertain)
@@ -494,7 +500,7 @@ def test_pressure_over_the_form_of_a_kinked_profile_is_a_root(name):
     closed = exact.pressure[0] > 0
     x = exact.x[closed] + 0.2
     p = exact.pressure[0, closed]
-    nodal = Nodal(
+    nodal = NodalTractions(
         x,
         p,
         exact.shear[0, closed],
@@ -505,7 +511,7 @@ def test_pressure_over_the_form_of_a_kinked_profile_is_a_root(name):
         False,
         profile_kinks(scene) + np.array([0.2, 0.0]),
     )
-    over_root = p / _form(nodal)(x) / np.sqrt(a**2 - (x - 0.2) ** 2)
+    over_root = p / _pressure_form(nodal)(x) / np.sqrt(a**2 - (x - 0.2) ** 2)
     assert np.ptp(over_root) < 1e-8 * over_root.max()
     assert np.ptp(p / np.sqrt(a**2 - (x - 0.2) ** 2)) > 0.05 * np.max(
         p / np.sqrt(a**2 - (x - 0.2) ** 2)
