@@ -44,7 +44,7 @@ from scenes.frozen import Frozen, validated
 from semi_analytic.answer import neglected_coupling
 from semi_analytic.body_numbers import checked_effects
 from semi_analytic.corrected import curvatures_of, notes_of_batch
-from semi_analytic.corrected_batches import BendColumns, EllipseOfLoads, works_of_ellipses
+from semi_analytic.corrected_batches import CurvatureColumns, EllipseOfLoads, works_of_ellipses
 from semi_analytic.corrected_memory import Curvatures
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.memory import LAST_DIGITS, PROMISED
@@ -784,10 +784,10 @@ def _works_with_effects(curvatures: Curvatures, members: Members) -> Array:
         ).over(load_units)
         # Of profiles that vary the contact has E* = 1 in its own units, of one profile its own E*.
         contact_modulus = members.modulus if members.contact is not None else 1.0
-        scaled_curvatures = BendColumns.of(
+        scaled_curvatures = CurvatureColumns.of(
             curvatures, members.modulus / contact_modulus * squared_length_units
         )
-        no_curvatures = BendColumns.of(Curvatures(), ones)
+        no_curvatures = CurvatureColumns.of(Curvatures(), ones)
         half_planes = works_of_ellipses(loads, no_curvatures, group.contact, contact_modulus)
         bodies = works_of_ellipses(loads, scaled_curvatures, group.contact, contact_modulus)
         # Works of ellipses are times pi E*/2, without 1/f^2.
@@ -800,7 +800,7 @@ def _works_with_effects(curvatures: Curvatures, members: Members) -> Array:
         forward_work[numbers] += forward_change
         reverse_work[numbers] += reverse_change
         work_error[numbers] += _FACTOR_ON_RULE_ERROR * rule_error
-        stick_half_width = bodies.stick
+        stick_half_width = bodies.permanent_stick_half_width
         permanent_stick_load[numbers] = group.load_unit * group.contact.load(stick_half_width)
     return results
 

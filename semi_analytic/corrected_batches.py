@@ -1,9 +1,10 @@
-"""W of steady ellipses with the effects of bodies, arrays of them at once.
+"""Friction work W of steady cycles of elliptic loads with the effects of finite bodies, for arrays
+of ellipses at once.
 
-Of each punch the frozen force F lies between two sinusoids, the bounds B of `corrected_memory`
-while the punch is in contact. It is carried along by the one that it meets and stands still in
-between: a play operator, of which everything is elementary. With pi = P - eta - kn G, the load
-that is carried beyond a punch,
+A flat punch of half-width c keeps its tangential force F while it sticks (the locked-in force). F
+lies between two sinusoids of time, the Coulomb bounds B of `corrected_memory`, while the punch is
+in contact. A bound that meets F carries it along; in between F stands still: a play operator. With
+the normal load that is carried outside of the punch, pi = P - eta - kn G,
 
     W = (A/pi) int w(c) dc/c,    w = closed-int f pi |dF|
 
@@ -11,7 +12,8 @@ Between two instants at which a bound turns round both bounds move one way, F en
 it meets, and w has a primitive: no time steps. A punch that comes into contact starts with F where
 both bounds meet; one that always is in contact starts at the end of its forward slip.
 
-# notation: c half-width of a punch, eta and G its loads, s = +1 forward, -1 reverse slip
+# notation: c half-width of a punch, eta and G normal loads of the flat punches up to c: of the
+#           profile, and of a parabola x^2/2; s = +1 forward, -1 reverse slip, A = 2/E*
 """
 
 from __future__ import annotations
@@ -27,21 +29,24 @@ from scenes.array_types import Array
 from semi_analytic.corrected_memory import Curvatures
 from semi_analytic.profiles import SymmetricContact
 
-# Gauss' nodes in each of two ranges of punches. At other punches, where slip changes from one kind
+# Gauss nodes in each of two ranges of punches. At other punches, where slip changes from one kind
 # to another, w has a kink: these leave 2e-5 of W.
-_NODES = 32
-_SECANTS = 40
-_CLOSE = 1e-13
-# Share of a value at the other end below which one is round-off.
+_GAUSS_NODES = 32
+# Iterations of the Illinois rule at most, and the residual at which it ends, over the value scale.
+_MOST_SECANTS = 40
+_LEAST_RESIDUAL = 1e-13
+# Fraction of a value at the other end of a bracket below which one is round-off.
 _ROUNDING = 1e-9
 _TINY = float(np.finfo(float).tiny)
-# Columns of members and punches that are taken at once.
-_AT_ONCE = 2048
+# Ellipses that are taken at once: bounds the memory of arrays (m, punches).
+_ELLIPSES_AT_ONCE = 2048
 
 
 @dataclass(frozen=True, eq=False)
 class EllipseOfLoads:
-    """P = P0 + P1 cos t and Q = Q0 + Q1 cos(t - phase), columns (m, 1), with their friction."""
+    """Elliptic load paths P = P0 + P1 cos t and Q = Q0 + Q1 cos(t - phase) [force per thickness],
+    and the friction coefficient f, each a column (m, 1) over m ellipses.
+    """
 
     mean_normal: Array
     normal_amplitude: Array
@@ -51,11 +56,11 @@ class EllipseOfLoads:
     friction: Array
 
     def take(self, members: slice) -> EllipseOfLoads:
-        """Some of them."""
+        """Only the ellipses `members`."""
         return EllipseOfLoads(*(getattr(self, item.name)[members] for item in fields(self)))
 
     def over(self, unit: Array) -> EllipseOfLoads:
-        """The same with loads in units (m, 1)."""
+        """The same ellipses with their loads divided by `unit` (m, 1)."""
         return replace(
             self,
             mean_normal=self.mean_normal / unit,
@@ -64,17 +69,25 @@ class EllipseOfLoads:
             tangential_amplitude=self.tangential_amplitude / unit,
         )
 
-    def wave(self, of_normal: Array, of_tangential: Array, constant: Array) -> _Wave:
-        """`of_normal` P + `of_tangential` Q + `constant`, (m, k)."""
-        amplitude = of_tangential * self.tangential_amplitude
-        cosine = of_normal * self.normal_amplitude + amplitude * np.cos(self.phase)
+    def combination(
+        self, *, normal_factor: Array, tangential_factor: Array, constant: Array
+    ) -> _Sinusoid:
+        """`normal_factor` P + `tangential_factor` Q + `constant` over the cycle, for factors
+        (m, k).
+        """
+        amplitude = tangential_factor * self.tangential_amplitude
+        cosine = normal_factor * self.normal_amplitude + amplitude * np.cos(self.phase)
         sine = amplitude * np.sin(self.phase)
-        mean = of_normal * self.mean_normal + of_tangential * self.mean_tangential + constant
-        return _Wave(mean, np.hypot(cosine, sine), np.arctan2(sine, cosine))
+        mean = (
+            normal_factor * self.mean_normal + tangential_factor * self.mean_tangential + constant
+        )
+        return _Sinusoid(mean, np.hypot(cosine, sine), np.arctan2(sine, cosine))
 
 
-class BendColumns(NamedTuple):
-    """N, N_Q, T, T_P of `Curvatures` for each member, (m, 1)."""
+class CurvatureColumns(NamedTuple):
+    """Curvatures N, N_Q of the gap and T, T_P of the faces that finite bodies add per unit of P and
+    Q, as in `Curvatures`: a column (m, 1) each over m ellipses [1/(stress length^2)].
+    """
 
     normal: Array
     normal_under_shear: Array
@@ -82,134 +95,168 @@ class BendColumns(NamedTuple):
     tangential_under_pressure: Array
 
     @classmethod
-    def of(cls, bends: Curvatures, unit: Array) -> BendColumns:
-        """The numbers in units of members (m, 1)."""
+    def of(cls, curvatures: Curvatures, factor: Array) -> CurvatureColumns:
+        """The same curvatures for all ellipses, times `factor` (m, 1), their change of units."""
         return cls(
-            normal=bends.normal * unit,
-            normal_under_shear=bends.normal_under_shear * unit,
-            tangential=bends.tangential * unit,
-            tangential_under_pressure=bends.tangential_under_pressure * unit,
+            normal=curvatures.normal * factor,
+            normal_under_shear=curvatures.normal_under_shear * factor,
+            tangential=curvatures.tangential * factor,
+            tangential_under_pressure=curvatures.tangential_under_pressure * factor,
         )
 
-    def take(self, members: slice) -> BendColumns:
-        """Those of some members."""
-        return BendColumns(*(column[members] for column in self))
+    def take(self, members: slice) -> CurvatureColumns:
+        """Those of the ellipses `members`."""
+        return CurvatureColumns(*(column[members] for column in self))
 
 
-class _Wave(NamedTuple):
-    """mean + amplitude cos(t - phase), (m, k) each."""
+class _Sinusoid(NamedTuple):
+    """mean + amplitude cos(t - phase) over the phase angle t of a cycle, (m, k) each."""
 
     mean: Array
     amplitude: Array
     phase: Array
 
-    def at(self, time: Array) -> Array:
-        """Its values, (m, k)."""
-        return np.asarray(self.mean + self.amplitude * np.cos(time - self.phase))
+    def at(self, angle: Array) -> Array:
+        """Values at the phase angles t, (m, k) [rad]."""
+        return np.asarray(self.mean + self.amplitude * np.cos(angle - self.phase))
 
 
-class Bounds(NamedTuple):
-    """Of punches (m, k): B of forward slip, minus B of reverse slip, load carried beyond."""
+class CycleOfPunches(NamedTuple):
+    """What flat punches (m, k) meet in a steady cycle, sinusoids of its phase angle.
 
-    forward: _Wave
-    reverse: _Wave
-    beyond: _Wave
+    `forward_bound` and `reverse_bound` are s B_s, the Coulomb bounds of the locked-in tangential
+    force times s = +1 and -1. `load_outside` is the normal load that is carried outside of a punch.
+    """
+
+    forward_bound: _Sinusoid
+    reverse_bound: _Sinusoid
+    load_outside: _Sinusoid
 
 
-def bounds_of(loads: EllipseOfLoads, bends: BendColumns, eta: Array, parabola: Array) -> Bounds:
-    """Waves over a steady cycle that decide what each flat punch of a contact does: the Coulomb
-    bounds of forward and of reverse slip, and the normal load carried beyond it, for punches (m,
-    k).
-
-    With the curvatures kn, kt that finite bodies give to gap and faces
+def cycle_of_punches(
+    loads: EllipseOfLoads, curvatures: CurvatureColumns, profile_load: Array, parabola_load: Array
+) -> CycleOfPunches:
+    """Coulomb bounds of forward and of reverse slip over a steady cycle, for the flat punches (m,
+    k) that make up the contact, and the normal load that is carried outside of each.
 
         s B_s = s (Q - kt G) - f (P - eta - kn G),    s = +1 forward, -1 reverse
+        kn = N P + N_Q Q,    kt = T Q + T_P P
 
-    A punch of half-width c carries eta, `eta`, of the profile, and G = (pi E*/4) c^2, `parabola`,
-    of a parabola of curvature 1. `bends` has the curvatures by which bodies change gap and faces
-    per P and per Q.
+    kn x^2/2 and kt x^2/2 are what finite bodies add to the gap and to the tangential displacement
+    of the faces. The bounds hold for the tangential force that a punch keeps while it sticks.
+
+    Parameters
+    ----------
+    loads
+        P and Q of m ellipses
+    curvatures
+        N, N_Q, T and T_P
+    profile_load
+        eta (m, k): normal load that the punches up to each carry of the profile
+    parabola_load
+        G = (pi E*/4) c^2 (m, k), the same of a parabola of curvature 1
     """
-    f = loads.friction
-    gap_by_normal = parabola * bends.normal
-    gap_by_shear = parabola * bends.normal_under_shear
-    faces_by_shear = parabola * bends.tangential
-    faces_by_normal = parabola * bends.tangential_under_pressure
-    # s B_s = s (Q - kt G) - f (P - eta - kn G)
-    forward = loads.wave(
-        -f * (1 - gap_by_normal) - faces_by_normal, 1 - faces_by_shear + f * gap_by_shear, f * eta
+    friction = loads.friction
+    # kn G = `gap_per_normal` P + `gap_per_tangential` Q, and so on for kt G of the faces.
+    gap_per_normal = parabola_load * curvatures.normal
+    gap_per_tangential = parabola_load * curvatures.normal_under_shear
+    faces_per_tangential = parabola_load * curvatures.tangential
+    faces_per_normal = parabola_load * curvatures.tangential_under_pressure
+    forward_bound = loads.combination(
+        normal_factor=-friction * (1 - gap_per_normal) - faces_per_normal,
+        tangential_factor=1 - faces_per_tangential + friction * gap_per_tangential,
+        constant=friction * profile_load,
     )
-    reverse = loads.wave(
-        -f * (1 - gap_by_normal) + faces_by_normal, faces_by_shear - 1 + f * gap_by_shear, f * eta
+    reverse_bound = loads.combination(
+        normal_factor=-friction * (1 - gap_per_normal) + faces_per_normal,
+        tangential_factor=faces_per_tangential - 1 + friction * gap_per_tangential,
+        constant=friction * profile_load,
     )
-    beyond = loads.wave(1 - gap_by_normal, -gap_by_shear, -eta)
-    return Bounds(forward, reverse, beyond)
+    load_outside = loads.combination(
+        normal_factor=1 - gap_per_normal,
+        tangential_factor=-gap_per_tangential,
+        constant=-profile_load,
+    )
+    return CycleOfPunches(forward_bound, reverse_bound, load_outside)
 
 
 class WorkOfEllipses(NamedTuple):
-    """pi/A W of forward and of reverse slip, half-width of permanent stick, (m,) each."""
+    """Friction work W of forward and of reverse slip in a steady cycle, times pi/A = pi E*/2, and
+    half-width of permanent stick, (m,) each.
+    """
 
     forward: Array
     reverse: Array
-    stick: Array
+    permanent_stick_half_width: Array
 
 
 def works_of_ellipses(
-    loads: EllipseOfLoads, bends: BendColumns, contact: SymmetricContact, modulus: float
+    loads: EllipseOfLoads,
+    curvatures: CurvatureColumns,
+    contact: SymmetricContact,
+    modulus: float,
 ) -> WorkOfEllipses:
-    """Friction work of a steady cycle times pi/A of load ellipses (m,) on one profile with the
-    curvatures of finite bodies, forward and reverse; and the half-width of permanent stick.
+    """Friction work of a steady cycle in forward and in reverse slip, times pi/A = pi E*/2, and
+    half-width of permanent stick, for m elliptic load paths on one profile, (m,) each.
 
-    NaN where the contact leaves the profile or would split. `bends` are the curvatures that the
-    bodies add by P and by Q, `modulus` is the E* of `contact`, and numbers are in its units.
+    Finite bodies add `curvatures` to gap and faces. Values are NaN where the contact is wider than
+    the profile or would split. Units are those of `contact`, whose E* is `modulus` [stress].
+
+    Examples
+    --------
 
     >>> from semi_analytic.hertz import HertzContact
     >>> contact = HertzContact(modulus=1.0, radius=1.0, datum_length=1.0)
     >>> one, half = np.ones((1, 1)), np.full((1, 1), 0.5)
     >>> loads = EllipseOfLoads(one, 0 * one, 0 * one, half, 0 * one, one)
-    >>> flat = BendColumns.of(Curvatures(), one)
-    >>> work = works_of_ellipses(loads, flat, contact, 1.0)
+    >>> no_curvatures = CurvatureColumns.of(Curvatures(), one)
+    >>> work = works_of_ellipses(loads, no_curvatures, contact, 1.0)
     >>> round(float(work.forward[0] + work.reverse[0]), 5)  # -2 int (2 z - 1/2) ln(1 - z) dz
     0.05685
     """
-    count = len(loads.friction)
-    works_and_stick = np.empty((3, count))
-    for first_member in range(0, count, _AT_ONCE):
-        block = slice(first_member, first_member + _AT_ONCE)
-        works_and_stick[:, block] = _works_of_some(
-            loads.take(block), bends.take(block), contact, modulus
+    n_ellipses = len(loads.friction)
+    works_and_stick = np.empty((3, n_ellipses))
+    for first_member in range(0, n_ellipses, _ELLIPSES_AT_ONCE):
+        members = slice(first_member, first_member + _ELLIPSES_AT_ONCE)
+        works_and_stick[:, members] = _works_and_stick(
+            loads.take(members), curvatures.take(members), contact, modulus
         )
     return WorkOfEllipses(*works_and_stick)
 
 
-def _works_of_some(
-    loads: EllipseOfLoads, bends: BendColumns, contact: SymmetricContact, modulus: float
+def _works_and_stick(
+    loads: EllipseOfLoads,
+    curvatures: CurvatureColumns,
+    contact: SymmetricContact,
+    modulus: float,
 ) -> Array:
-    """Friction work of forward and of reverse slip times pi/A, and the half-width of permanent
-    stick, of load ellipses (m, 1) on one profile with the curvatures of finite bodies: (3, m).
+    """Friction work of forward and of reverse slip, times pi/A = pi E*/2, and half-width of
+    permanent stick, (3, m), as `works_of_ellipses`, for all m ellipses at once.
 
-    The work is the integral over the flat punches that slip, between permanent stick and the
-    largest contact; each is followed through a cycle by itself. NaN where the contact would split
-    or leave the profile. `bends` are the curvatures that the bodies add by P and by Q, (m, 1);
-    `modulus` is E*, and A = 2/E*.
+    The work is the integral of w(c) dc/c over the flat punches that slip. Their half-widths c lie
+    between permanent stick and the largest contact. Each punch goes through the cycle by itself.
     """
 
-    def bounds_at(half_width: Array) -> Bounds:
-        eta = np.where(half_width > contact.least_half_width, contact.load(half_width), 0.0)
-        return bounds_of(loads, bends, eta, math.pi * modulus / 4 * half_width**2)
+    def cycle_at(half_width: Array) -> CycleOfPunches:
+        profile_load = np.where(
+            half_width > contact.least_half_width, contact.load(half_width), 0.0
+        )
+        parabola_load = math.pi * modulus / 4 * half_width**2
+        return cycle_of_punches(loads, curvatures, profile_load, parabola_load)
 
-    # Functions of the half-width of a punch that rise through 0 at the edge that is looked for.
-    # `beyond` is the normal load carried beyond a punch, its mean and amplitude in the cycle: a
-    # punch touches while it is positive.
-    def open_at_all_loads(half_width: Array) -> Array:
-        beyond = bounds_at(half_width).beyond
-        return -(beyond.mean + beyond.amplitude)
+    # Functions of the half-width of a punch that rise through 0 at the edge that is looked for. A
+    # punch touches while the normal load outside of it is positive.
+    def minus_largest_load_outside(half_width: Array) -> Array:
+        load_outside = cycle_at(half_width).load_outside
+        return -(load_outside.mean + load_outside.amplitude)
 
-    def open_at_least_load(half_width: Array) -> Array:
-        beyond = bounds_at(half_width).beyond
-        return beyond.amplitude - beyond.mean
+    def minus_least_load_outside(half_width: Array) -> Array:
+        load_outside = cycle_at(half_width).load_outside
+        return load_outside.amplitude - load_outside.mean
 
-    def bounds_overlap(half_width: Array) -> Array:
-        forward_bound, reverse_bound, _ = bounds_at(half_width)
+    def overlap_of_bounds(half_width: Array) -> Array:
+        # max(B_+) - min(B_-): no F stays between the bounds all through the cycle if positive.
+        forward_bound, reverse_bound, _ = cycle_at(half_width)
         return (
             forward_bound.mean
             + forward_bound.amplitude
@@ -218,137 +265,163 @@ def _works_of_some(
         )
 
     largest_load = loads.mean_normal + loads.normal_amplitude
-    search_end = np.minimum(contact.half_width(largest_load) * 2, contact.extent)
-    contact_edge = _root(open_at_all_loads, np.zeros_like(search_end), search_end)
-    least_contact_edge = _root(open_at_least_load, np.zeros_like(search_end), contact_edge)
-    permanent_stick = np.minimum(
-        _root(bounds_overlap, np.zeros_like(search_end), contact_edge), contact_edge
-    )
-    middle_of_zone = np.clip(least_contact_edge, permanent_stick, contact_edge)
-    nodes, gauss_weights = np.polynomial.legendre.leggauss(_NODES)
-    node_share = (1 + nodes) / 2
-    # Nodes crowd at both ends, where slip begins like a root.
-    crowded_node = node_share**2 * (3 - 2 * node_share)
-    crowded_weights = gauss_weights / 2 * 6 * node_share * (1 - node_share)
+    largest_half_width = np.minimum(contact.half_width(largest_load) * 2, contact.extent)
+    middle = np.zeros_like(largest_half_width)
+    contact_edge = _root(minus_largest_load_outside, middle, largest_half_width)
+    least_contact_edge = _root(minus_least_load_outside, middle, contact_edge)
+    stick_edge = np.minimum(_root(overlap_of_bounds, middle, contact_edge), contact_edge)
+
     works = np.zeros((2, len(contact_edge)))
-    for part_begin, part_length in (
-        (permanent_stick, middle_of_zone - permanent_stick),
-        (middle_of_zone, contact_edge - middle_of_zone),
-    ):
-        half_width = part_begin + part_length * crowded_node
-        work_of_punches = _work_of_punches(bounds_at(half_width), loads.friction)
+    fractions, weights = _crowded_gauss_rule()
+    # Punches beyond the edge of the least contact open in a part of the cycle: w has a kink there.
+    kink = np.clip(least_contact_edge, stick_edge, contact_edge)
+    for inner_edge, length in ((stick_edge, kink - stick_edge), (kink, contact_edge - kink)):
+        half_width = inner_edge + length * fractions
+        work_of_punches = _work_of_punches(cycle_at(half_width), loads.friction)
         works += np.sum(
-            work_of_punches * (crowded_weights * part_length / np.maximum(half_width, _TINY)),
-            axis=2,
+            work_of_punches * (weights * length / np.maximum(half_width, _TINY)), axis=2
         )
-    # dP/da at the edge, with the least curvature that the bodies add.
-    least_normal_load = loads.mean_normal - loads.normal_amplitude
-    curvature_bound = np.minimum(
-        bends.normal * np.where(bends.normal < 0, largest_load, least_normal_load), 0.0
-    )
-    largest_force = np.abs(loads.mean_tangential) + loads.tangential_amplitude
-    curvature_bound = curvature_bound - np.abs(bends.normal_under_shear) * largest_force
-    stiffness = (
-        contact.stiffness(contact_edge) + math.pi * modulus / 2 * curvature_bound * contact_edge
-    )
+
+    stiffness = _least_stiffness_at_edge(loads, curvatures, contact, modulus, contact_edge)
     is_refused = ~(stiffness[:, 0] > 0) | np.isnan(least_contact_edge[:, 0])
     works[:, is_refused] = np.nan
-    return np.stack([*works, np.where(is_refused, np.nan, permanent_stick[:, 0])])
+    return np.stack([*works, np.where(is_refused, np.nan, stick_edge[:, 0])])
 
 
-def _root(values: Callable[[Array], Array], lower_bound: Array, upper_bound: Array) -> Array:
-    """Places at which rising functions of (m, 1) are 0, between `lower_bound` and `upper_bound`,
-    (m, 1) each, by the Illinois rule: secants that keep the root between them.
+def _crowded_gauss_rule() -> tuple[Array, Array]:
+    """Nodes and weights (k,) of a rule on 0 to 1 whose nodes crowd at both ends, where slip begins
+    like a square root: Gauss' rule over g, at g^2 (3 - 2 g).
+    """
+    nodes, gauss_weights = np.polynomial.legendre.leggauss(_GAUSS_NODES)
+    g = (1 + nodes) / 2
+    return g**2 * (3 - 2 * g), gauss_weights / 2 * 6 * g * (1 - g)
+
+
+def _least_stiffness_at_edge(
+    loads: EllipseOfLoads,
+    curvatures: CurvatureColumns,
+    contact: SymmetricContact,
+    modulus: float,
+    contact_edge: Array,
+) -> Array:
+    """Lower bound over the cycle of dP/da at the edge of the largest contact, (m, 1) [stress]; the
+    contact would split where it is not positive.
+
+    kn, the curvature that the bodies add to the gap, adds kn dG/da = (pi E*/2) kn a. Taken is the
+    least kn of the cycle, or 0 if that is positive.
+    """
+    largest_load = loads.mean_normal + loads.normal_amplitude
+    least_load = loads.mean_normal - loads.normal_amplitude
+    least_curvature = np.minimum(
+        curvatures.normal * np.where(curvatures.normal < 0, largest_load, least_load), 0.0
+    )
+    largest_tangential_load = np.abs(loads.mean_tangential) + loads.tangential_amplitude
+    least_curvature = (
+        least_curvature - np.abs(curvatures.normal_under_shear) * largest_tangential_load
+    )
+    return np.asarray(
+        contact.stiffness(contact_edge) + math.pi * modulus / 2 * least_curvature * contact_edge
+    )
+
+
+def _root(function: Callable[[Array], Array], lower_bound: Array, upper_bound: Array) -> Array:
+    """Roots x (m, 1) of m rising functions between `lower_bound` and `upper_bound` (m, 1), by the
+    Illinois rule: secants that keep the root between them.
 
     The lower bound where a function is positive there, NaN where it is negative at the upper one.
-    `values` gives all functions at (m, 1) places.
+    `function` gives the values (m, 1) of all at x (m, 1).
     """
-    value_at_lower = values(lower_bound)
-    value_at_upper = values(upper_bound)
+    value_at_lower = function(lower_bound)
+    value_at_upper = function(upper_bound)
     value_scale = np.maximum(np.abs(value_at_lower), np.abs(value_at_upper))
-    is_beyond = value_at_upper < -_ROUNDING * value_scale
-    side_of_last = np.zeros(lower_bound.shape)
-    place = lower_bound
-    for _ in range(_SECANTS):
+    has_no_root = value_at_upper < -_ROUNDING * value_scale
+    last_sign = np.zeros(lower_bound.shape)
+    x = lower_bound
+    for _ in range(_MOST_SECANTS):
         value_difference = np.where(
             value_at_upper > value_at_lower, value_at_upper - value_at_lower, 1.0
         )
-        place = np.clip(
+        x = np.clip(
             lower_bound - value_at_lower * (upper_bound - lower_bound) / value_difference,
             lower_bound,
             upper_bound,
         )
-        value_at_place = values(place)
-        if np.all(
-            (np.abs(value_at_place) <= _CLOSE * value_scale) | is_beyond | (value_at_lower >= 0)
-        ):
+        value = function(x)
+        is_converged = np.abs(value) <= _LEAST_RESIDUAL * value_scale
+        if np.all(is_converged | has_no_root | (value_at_lower >= 0)):
             break
-        is_positive = value_at_place > 0
-        value_at_lower = np.where(
-            is_positive & (side_of_last > 0), value_at_lower / 2, value_at_lower
-        )
+        is_positive = value > 0
+        # Where the same end moves twice, half the value at the other end (Illinois).
+        value_at_lower = np.where(is_positive & (last_sign > 0), value_at_lower / 2, value_at_lower)
         value_at_upper = np.where(
-            ~is_positive & (side_of_last < 0), value_at_upper / 2, value_at_upper
+            ~is_positive & (last_sign < 0), value_at_upper / 2, value_at_upper
         )
-        upper_bound = np.where(is_positive, place, upper_bound)
-        value_at_upper = np.where(is_positive, value_at_place, value_at_upper)
-        lower_bound = np.where(is_positive, lower_bound, place)
-        value_at_lower = np.where(is_positive, value_at_lower, value_at_place)
-        side_of_last = np.where(is_positive, 1.0, -1.0)
-    return np.where(is_beyond, np.nan, place)
+        upper_bound = np.where(is_positive, x, upper_bound)
+        value_at_upper = np.where(is_positive, value, value_at_upper)
+        lower_bound = np.where(is_positive, lower_bound, x)
+        value_at_lower = np.where(is_positive, value_at_lower, value)
+        last_sign = np.where(is_positive, 1.0, -1.0)
+    return np.where(has_no_root, np.nan, x)
 
 
-def _work_of_punches(bounds: Bounds, friction: Array) -> Array:
-    """Integral of f times the load beyond a punch over |dF| in a steady cycle, in forward and in
-    reverse slip, for flat punches (m, k): (2, m, k).
+def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
+    """w = closed-int f pi |dF| of flat punches in a steady cycle, in forward and in reverse slip,
+    (2, m, k) [force^2 per thickness^2].
 
-    F, the tangential force that a punch locks in, follows the larger of two waves of load, the
-    Coulomb `bounds`, while the load beyond the punch is positive. The cycle is cut where a wave
-    turns.
+    F is the tangential force that a punch keeps while it sticks; pi the normal load outside of it.
+    While pi > 0, s F is raised to the Coulomb bound s B_s whenever that exceeds it, s = +1 and -1.
+    The cycle is cut at the angles at which a bound turns: between them each bound is monotonic.
     """
-    forward, reverse, beyond = bounds
+    forward_bound, reverse_bound, load_outside = cycle
     full_turn = 2 * math.pi
-    # In contact all the time, for a while around the phase of the load, or never.
-    cosine_of_opening = np.clip(-beyond.mean / np.maximum(beyond.amplitude, _TINY), -1.0, 1.0)
-    is_always = beyond.mean >= beyond.amplitude
-    begin_angle = np.where(is_always, forward.phase, beyond.phase - np.arccos(cosine_of_opening))
-    contact_duration = np.where(is_always, full_turn, 2 * np.arccos(cosine_of_opening))
+    # A punch is in contact all the time, or within this angle of the largest load, or never (0).
+    cosine_of_opening = np.clip(
+        -load_outside.mean / np.maximum(load_outside.amplitude, _TINY), -1.0, 1.0
+    )
+    opening_angle = np.arccos(cosine_of_opening)
+    never_opens = load_outside.mean >= load_outside.amplitude
+    # F is known at the begin: at the maximum of B_+, or where contact begins and both bounds meet.
+    begin_angle = np.where(never_opens, forward_bound.phase, load_outside.phase - opening_angle)
+    contact_angle = np.where(never_opens, full_turn, 2 * opening_angle)
     turning_angles = np.stack(
-        [forward.phase, forward.phase + math.pi, reverse.phase, reverse.phase + math.pi]
+        [
+            forward_bound.phase,
+            forward_bound.phase + math.pi,
+            reverse_bound.phase,
+            reverse_bound.phase + math.pi,
+        ]
     )
-    angles_since_begin = np.minimum(
-        np.mod(turning_angles - begin_angle, full_turn), contact_duration
-    )
+    angles_since_begin = np.minimum(np.mod(turning_angles - begin_angle, full_turn), contact_angle)
     angles_since_begin.sort(axis=0)
-    force_now = forward.at(begin_angle)
+    locked_in_force = forward_bound.at(begin_angle)
     works = np.zeros((2, *begin_angle.shape))
-    for time in (*(begin_angle + angles_since_begin), begin_angle + contact_duration):
-        for direction, wave in ((0, forward), (1, reverse)):
-            sign = 1.0 if direction == 0 else -1.0
-            bound_at_end = wave.at(time)
-            is_slipping = bound_at_end > sign * force_now
-            primitive_at_end = _primitive(wave, beyond, bound_at_end)
-            primitive_rise = primitive_at_end - _primitive(wave, beyond, sign * force_now)
-            works[direction] += np.where(is_slipping, primitive_rise, 0.0)
-            force_now = np.where(is_slipping, sign * bound_at_end, force_now)
+    for angle in (*(begin_angle + angles_since_begin), begin_angle + contact_angle):
+        for index, direction, bound in ((0, 1.0, forward_bound), (1, -1.0, reverse_bound)):
+            bound_at_angle = bound.at(angle)
+            slips = bound_at_angle > direction * locked_in_force
+            integral_to_angle = _load_integral(bound, load_outside, bound_at_angle)
+            integral_to_force = _load_integral(bound, load_outside, direction * locked_in_force)
+            works[index] += np.where(slips, integral_to_angle - integral_to_force, 0.0)
+            locked_in_force = np.where(slips, direction * bound_at_angle, locked_in_force)
     return np.asarray(friction * np.maximum(works, 0.0))
 
 
-def _primitive(wave: _Wave, beyond: _Wave, bound_level: Array) -> Array:
-    """Integral of the load carried beyond a punch over d(wave), up to where the rising wave has
-    reached `bound_level`, (m, k), in closed form.
+def _load_integral(bound: _Sinusoid, load_outside: _Sinusoid, bound_value: Array) -> Array:
+    """Integral of the normal load outside of flat punches over their rising Coulomb bound, int pi
+    dB, up to where the bound is `bound_value`, (m, k) [force^2 per thickness^2].
 
         A [p cos(theta) + b (cos(D) cos^2(theta)/2 - sin(D) (theta - sin(theta) cos(theta))/2)]
 
-    The wave is at the angle theta before its maximum, A its amplitude, D its phase minus that of
-    the load; p and b are mean and amplitude of the load.
+    Only differences count: the constant is left out. The bound has the amplitude A, and is at the
+    angle theta before its maximum. p and b are mean and amplitude of the load pi; D is the phase of
+    the bound minus that of pi.
     """
-    amplitude = np.maximum(wave.amplitude, _TINY)
-    cosine = np.clip((bound_level - wave.mean) / amplitude, -1.0, 1.0)
+    amplitude = np.maximum(bound.amplitude, _TINY)
+    cosine = np.clip((bound_value - bound.mean) / amplitude, -1.0, 1.0)
     sine = np.sqrt(1 - cosine**2)
     theta = np.arccos(cosine)
-    lag = wave.phase - beyond.phase
-    in_phase = np.cos(lag) * cosine**2
-    out_of_phase = np.sin(lag) * (theta - sine * cosine)
-    wave_part = beyond.amplitude * (in_phase - out_of_phase) / 2
-    return np.asarray(wave.amplitude * (beyond.mean * cosine + wave_part))
+    phase_difference = bound.phase - load_outside.phase
+    in_phase_part = np.cos(phase_difference) * cosine**2
+    out_of_phase_part = np.sin(phase_difference) * (theta - sine * cosine)
+    varying_part = load_outside.amplitude * (in_phase_part - out_of_phase_part) / 2
+    return np.asarray(bound.amplitude * (load_outside.mean * cosine + varying_part))
