@@ -34,12 +34,12 @@ from semi_analytic.corrected import (
     curvatures_of,
     grids_at,
     instants_of,
-    left_of_work,
     notes_of_effects,
     odd_part_on_grids,
     permanent_stick,
     series_at,
     table_of,
+    work_truncation_error,
 )
 from semi_analytic.corrected_memory import Curvatures, PunchTable, follow
 from semi_analytic.driven import (
@@ -408,7 +408,8 @@ class _SameLoads(NamedTuple):
         return cls(
             of_curvatures=bodies.work(rows) / work_of_half_planes - 1,
             of_next_order=bodies.work(rows) - work_by_curvatures,
-            uncertainty=left_of_work(bodies, half_planes, rows, rig.effects) * work_of_half_planes,
+            uncertainty=work_truncation_error(bodies, half_planes, rows, rig.effects)
+            * work_of_half_planes,
         )
 
 
@@ -447,7 +448,7 @@ def _odd_part(
     half_width = float(rig.contact.half_width(np.max(driven.followed.normal_load)))
     ratio_of_orders = ratio_of_next_order(rig.effects, half_width)
     return odd_part._replace(
-        left=left_of_tilt_and_strain(same_loads.of_curvatures, ratio_of_orders)
+        relative_uncertainty=left_of_tilt_and_strain(same_loads.of_curvatures, ratio_of_orders)
     )
 
 

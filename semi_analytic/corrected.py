@@ -68,7 +68,6 @@ from semi_analytic.answer_by_memory import by_memory, folded, path_of_question
 from semi_analytic.corrected_memory import (
     Curvatures,
     Followed,
-    PunchMoments,
     PunchTable,
     area_of_loop,
     follow,
@@ -93,40 +92,43 @@ from semi_analytic.tilt_and_strain import change_by_tilt_and_strain, work_of_hal
 
 Indices = NDArray[np.int64]
 
-_OF_WORK = frozenset(("dissipation", "dissipation_density"))
-# Rows that are followed at most: each takes some 30 us and two pieces of memory curve.
+_FIELDS_OF_WORK = frozenset(("dissipation", "dissipation_density"))
+# Instants that are followed at most: each takes some 30 us and two pieces of memory curve.
 _MOST_ROWS = 200_000
-# Room of the table of punches beyond the largest contact.
-_BEYOND = 1.02
-# Two instants of this share of the path are one.
-_SAME = 1e-12
-# Punches whose turning points are rows, by their G over that of the largest.
-_SHARES = np.linspace(0.0, 1.0, 6)
-# Share of a step within which a turning point is at a row: a step as short would hold no slip.
-_BESIDE = 0.02
-# Share of f P by which two memory curves may differ and be the same state.
-_STEADY = 1e-9
+# Half-width of the table of punches over that of the largest contact; and how often it is widened.
+_TABLE_MARGIN = 1.02
+_MOST_WIDENINGS = 60
+# Punches at which the table, and the memory curve at both ends of a cycle, are checked.
+_PUNCHES_CHECKED = 200
+# Two instants nearer than this fraction of the path's duration are one.
+_SAME_INSTANT = 1e-12
+# Punches at whose turning points the path is cut, by their G over that of the largest.
+_PARABOLA_FRACTIONS = np.linspace(0.0, 1.0, 6)
+# Fraction of a step within which a turning point is at its end: a step as short would hold no slip.
+_NEAR_ROW = 0.02
+# Fraction of f P by which two memory curves may differ and be the same state.
+_STEADY_TOLERANCE = 1e-9
 # Of the error that the steps make of W of half-planes, what they leave in the change by the bodies:
 # 0.14 at most on three ellipses with each of the curvatures, by steps that were ten times shorter.
-_OF_STEPS = 0.5
+_FACTOR_ON_STEP_ERROR = 0.5
 # Of the change of W by steps that are halved, what is left: 1/3 falls with the square of a step.
-_OF_HALVED = 2.0
-# Share of the largest P up to which growth in stick is short: chords of 0.5 % of it leave 5e-8 of W
-# at most of six library scenes with the numbers of `blocks`.
+_FACTOR_ON_HALVING = 2.0
+# Fraction of the largest P up to which growth in stick is short: chords of 0.5 % of it leave 5e-8
+# of W at most of six library scenes with the numbers of `blocks`.
 _SHORT_CHORD = 0.01
-# The largest change of the dissipation by tilt and bulk strain that is added, on grids.
+# The largest relative change of the dissipation by tilt and bulk strain that is added, on grids.
 _MOST_ON_GRIDS = 0.3
-# Instants and places at which the error of the steps is looked at, and the share of a half-width
+# Instants and places at which the error of the steps is measured, and the fraction of a half-width
 # within which a point is at an edge.
-_INSTANTS = 9
-_PLACES = 36
-_NEAR = 0.01
-# Places at which |q| is compared with f p, and the share of the largest f p by which it is beyond:
-# a third of what breaks a law of an answer by steps.
-_LOOKED_AT_FIRST, _LOOKED_AT = 30, 100
-_BEYOND_LIMIT = 3e-7
-# Rows of which this is done at once: 2 MB.
-_AT_ONCE = 2000
+_INSTANTS_COMPARED = 9
+_PLACES_COMPARED = 36
+_NEAR_EDGE = 0.01
+# Places at which |q| is compared with f p, and the fraction of the largest f p by which it is
+# beyond: a third of what breaks a law of an answer by steps.
+_PLACES_CHECKED_FIRST, _PLACES_CHECKED = 30, 100
+_EXCESS_TOLERANCE = 3e-7
+# Instants of which this is done at once: 2 MB.
+_ROWS_AT_ONCE = 2000
 
 
 # ------------------------------------------------------------------------------------- the effects
@@ -134,9 +136,9 @@ def curvatures_of(effects: BodyEffects) -> Curvatures:
     """Curvatures that finite bodies add to gap and faces per unit of load, as plain numbers without
     their uncertainties.
 
-    `effects` holds each as a value with its uncertainty. Second order [1/(stress length^2)]: of the
-    gap per P and per Q, of the tangential displacement of the faces per Q and per P. The fourth
-    order [1/(stress length^4)] is in `*_fourth` and `*_mixed`.
+    Second order [1/(stress length^2)]: N, N_Q of the gap per P and per Q, T, T_P of the tangential
+    displacement of the faces per Q and per P. Fourth order [1/(stress length^4)]: N_4, T_4, the
+    factors of x^4/24, and N_22, T_22, those of the mixed term x^2 s^2 of the kernel.
     """
     return Curvatures(
         normal=effects.normal_curvature.value,
@@ -151,77 +153,90 @@ def curvatures_of(effects: BodyEffects) -> Curvatures:
 
 
 def odd_part(effects: BodyEffects, half_width: float, modulus: float) -> tuple[float, ...]:
-    """o = (alpha_P, alpha_Q, e_P, e_Q) P0/(a0/R) with a0/R = 4 P0/(pi E* a0), Hertz' law, for any
-    profile.
+    """Tilt alpha and bulk strain e of the bodies per P and per Q, made dimensionless: o = (alpha_P,
+    alpha_Q, e_P, e_Q) P0/(a0/R).
+
+    a0/R = 4 P0/(pi E* a0) by Hertz' law, for any profile; a0 is `half_width`, E* `modulus`.
     """
-    unit = math.pi * modulus * half_width / 4
-    return tuple(getattr(effects, name).value * unit for name in ODD_NUMBERS)
+    load_over_slope = math.pi * modulus * half_width / 4
+    return tuple(getattr(effects, name).value * load_over_slope for name in ODD_NUMBERS)
 
 
 class OddPart(NamedTuple):
-    """What tilt and bulk strain make of dissipation and edges.
+    """Friction work and shift of the edges that tilt and bulk strain of finite bodies cause: the
+    part of the bodies' effects that is odd in x.
 
     Attributes
     ----------
-    answer
-        of `odd_memory`; None where there is none
+    second_order
+        work and centres in the second order of these numbers, of `odd_memory`; None where it does
+        not hold
     left_out
-        why there is none; empty where the effects have nothing odd
-    on_grids
-        work that they add in the last cycle, on grids, where the second order does not hold; it
-        counts for each cycle
-    left
-        of that work, in its ratio, what curvatures and next order of the bodies make uncertain
+        why nothing is added; empty where there is neither tilt nor bulk strain
+    work_on_grids
+        work of each cycle by a numerical solution on grids, where the second order does not hold
+        [energy per thickness]
+    relative_uncertainty
+        of that work: what curvatures and next order of the bodies make uncertain
     """
 
-    answer: OddAnswer | None = None
+    second_order: OddAnswer | None = None
     left_out: str = ""
-    on_grids: Estimate | None = None
-    left: float = 0.0
+    work_on_grids: Estimate | None = None
+    relative_uncertainty: float = 0.0
+
+    @property
+    def has_work(self) -> bool:
+        """Whether the work is known, by either way."""
+        return self.second_order is not None or self.work_on_grids is not None
 
     def work(self, cycle: int) -> Estimate:
-        """Work that they add in a cycle that was followed."""
-        if self.on_grids is None and self.answer is None:
+        """Friction work that tilt and bulk strain add in the cycle of that index [energy per
+        thickness]; 0 where it is not known.
+        """
+        if not self.has_work:
             return ZERO
-        added = self.on_grids
-        if self.answer is not None:
-            works = self.answer.works
-            added = works[min(cycle, len(works) - 1)]
-        assert added is not None  # for the type checker
-        return Estimate(added.value, added.uncertainty + self.left * abs(added.value))
+        added_work = self.work_on_grids
+        if self.second_order is not None:
+            works = self.second_order.works
+            added_work = works[min(cycle, len(works) - 1)]
+        assert added_work is not None  # for the type checker
+        uncertainty = self.relative_uncertainty * abs(added_work.value)
+        return Estimate(added_work.value, added_work.uncertainty + uncertainty)
 
     def centres(self, time: Array) -> tuple[Array, Array]:
-        """Centres of contact and of stick at instants (n,), (n,) each."""
-        if self.answer is None:
+        """Centres x of contact and of the stick zone at instants (n,), (n,) each [length]."""
+        if self.second_order is None:
             return np.zeros(len(time)), np.zeros(len(time))
-        return self.answer.centres(time)
+        return self.second_order.centres(time)
 
 
 class OddInAnswer(NamedTuple):
-    """Where tilt and bulk strain of the bodies count beside the dissipation, in words: where they
-    are covered, and where they are not; where the even numbers count.
+    """Words of a note on an answer: what tilt and bulk strain change in it beside the dissipation,
+    if they are taken; what is said if they are left out; and the other effects, even in x, that are
+    in its values.
     """
 
-    covered: str
-    left_out: str
+    if_taken: str
+    if_left_out: str
     even: str
 
 
 OF_LOADS = OddInAnswer(
-    covered=(
+    if_taken=(
         "move edges of contact and stick, in the first, and U and the approach of a parabola by the"
         " moment of the pressure; fields at points, shear at edges and edge tension are without"
         " them"
     ),
-    left_out="are left out, but for the moment of the pressure in U and approach of a parabola",
+    if_left_out="are left out, but for the moment of the pressure in U and approach of a parabola",
     even="the curvatures N, N_Q, T, T_P, their next order and the compliances c_n, c_t",
 )
 OF_RIG = OddInAnswer(
-    covered=(
+    if_taken=(
         "change U of a parabola by the moment of the pressure; edges, fields at points, and P where"
         " the approach is prescribed, are without them"
     ),
-    left_out="are left out, but for the moment of the pressure in U of a parabola",
+    if_left_out="are left out, but for the moment of the pressure in U of a parabola",
     even="the curvatures N, N_Q, T, T_P and the compliances c_n, c_t",
 )
 
@@ -230,50 +245,53 @@ def notes_of_effects(
     effects: BodyEffects,
     half_width: float,
     modulus: float,
-    odd: OddPart,
+    tilt_and_strain: OddPart,
     in_answer: OddInAnswer = OF_LOADS,
 ) -> Iterator[str]:
     """Sentences for the notes of an answer: which effects of the finite bodies its values contain.
 
-    The even ones (curvatures, compliances) are contained. The odd ones (tilt and bulk strain) are
-    in the dissipation where they could be found; else the sentence gives their sizes and the
-    reason.
+    Effects that are even in x (curvatures, compliances) are contained. The odd ones, tilt and bulk
+    strain, are in the dissipation where the work that they add is known. Else the sentence states
+    how large they are and why they are left out.
 
     Parameters
     ----------
     effects
         what the finite bodies add to the compliance of half-planes
     half_width, modulus
-        contact half-width [length] and E* [stress], which make the sizes dimensionless
-    odd
+        contact half-width [length] and E* [stress], which make tilt and strain dimensionless
+    tilt_and_strain
         work that tilt and bulk strain add, or why it is left out
     in_answer
         words for the values that contain each kind of effect
     """
     yield f"effects: {in_answer.even} of the bodies are in these values"
-    odd_values = odd_part(effects, half_width, modulus)
-    if not any(odd_values):
+    sizes = odd_part(effects, half_width, modulus)
+    if not any(sizes):
         return
-    values_text = ", ".join(f"{value:.3g}" for value in odd_values)
-    odd_values_text = f"o = (alpha_P, alpha_Q, e_P, e_Q) P0/(a0/R) = ({values_text})"
-    if odd.answer is not None or odd.on_grids is not None:
-        added_work = odd.work(-1)
-        method = "in the second order" if odd.on_grids is None else "on grids"
+    numbers_text = ", ".join(f"{size:.3g}" for size in sizes)
+    sizes_text = f"o = (alpha_P, alpha_Q, e_P, e_Q) P0/(a0/R) = ({numbers_text})"
+    if tilt_and_strain.has_work:
+        added_work = tilt_and_strain.work(-1)
+        method = "in the second order" if tilt_and_strain.work_on_grids is None else "on grids"
         yield (
-            f"effects: tilt and bulk strain of the bodies, {odd_values_text}, add"
+            f"effects: tilt and bulk strain of the bodies, {sizes_text}, add"
             f" {added_work.value:.3g} ± {added_work.uncertainty:.1g} to the dissipation, {method},"
-            f" and {in_answer.covered}"
+            f" and {in_answer.if_taken}"
         )
         return
     consequence = "which change the dissipation in the second order"
     if effects.dundurs_beta:
         consequence = "which change the dissipation in the first order: the materials are unlike"
-    reason = ""
-    if odd.left_out:
-        reason = f"; left out because {odd.left_out}; by how much the dissipation errs is not known"
+    reason_text = ""
+    if tilt_and_strain.left_out:
+        reason_text = (
+            f"; left out because {tilt_and_strain.left_out}; by how much the dissipation errs is"
+            " not known"
+        )
     yield (
-        f"effects: tilt and bulk strain of the bodies {in_answer.left_out},"
-        f" {odd_values_text}, {consequence}{reason}"
+        f"effects: tilt and bulk strain of the bodies {in_answer.if_left_out},"
+        f" {sizes_text}, {consequence}{reason_text}"
     )
 
 
@@ -281,7 +299,8 @@ def notes_of_batch(effects: BodyEffects) -> Iterator[str]:
     """Sentences for the notes of an array of answers: which effects of the finite bodies are in its
     values, and which are left out.
 
-    An array has no single contact half-width, so no sizes of what is left out are stated.
+    How large tilt and strain are is not stated: that needs one contact half-width. N and N_Q are
+    curvatures of the gap per P and per Q, T and T_P those of the faces per Q and per P.
     """
     yield "effects: the curvatures N, N_Q, T, T_P of the bodies are in these values"
     if has_next_order(effects):
@@ -299,14 +318,15 @@ def notes_of_batch(effects: BodyEffects) -> Iterator[str]:
 # ---------------------------------------------------------------------------------- rows of a path
 @dataclass(frozen=True, eq=False)
 class PathRows:
-    """The rows of a path that is followed by straight steps.
+    """The rows of a path that is followed by straight steps: the instants between them, with loads.
 
     Attributes
     ----------
     time, normal_load, tangential_load
-        (n,)
+        (n,) t, P and Q of each row [force per thickness]
     ends
-        row at which the initial loading ends, and each cycle; the last row where there is no cycle
+        number of the row at which the initial loading ends, and of that at which each cycle ends;
+        of the last row where there is no cycle
     period
         duration of a cycle, None for a path that does not repeat
     """
@@ -319,7 +339,7 @@ class PathRows:
 
     @property
     def cycles(self) -> list[slice]:
-        """The rows of each cycle; the steps that end there are those of the cycle."""
+        """Rows of each cycle, from the one at which it begins to the one at which it ends."""
         if self.period is None:
             return [slice(0, len(self.time))]
         return [slice(self.ends[k], self.ends[k + 1] + 1) for k in range(len(self.ends) - 1)]
@@ -327,12 +347,15 @@ class PathRows:
 
 @dataclass(frozen=True, eq=False)
 class _Route:
-    """A path of loads that was followed by half-plane theory: its marks, and P and Q anywhere.
+    """A load path that was followed by half-plane theory: ends of its cycles, and P and Q at any
+    instant.
 
     Attributes
     ----------
-    scene, path
-        what was followed
+    scene
+        whose loads are followed
+    path
+        the solution of half-plane theory along the path
     """
 
     scene: Scene
@@ -340,7 +363,7 @@ class _Route:
 
     @cached_property
     def instants(self) -> Array:
-        """Theory's own instants, some 400 a cycle, its events among them."""
+        """Instants at which half-plane theory was solved: some 400 a cycle, events among them."""
         return self.path.default_times(False, False)[0]
 
     @property
@@ -355,7 +378,9 @@ class _Route:
 
     @property
     def cycle_ends(self) -> list[float]:
-        """Ends of the initial loading and of two cycles; start and end of a path without cycle."""
+        """Times of the ends of the initial loading and of two cycles; of the start and the end of a
+        path without cycle.
+        """
         end_time = float(self.instants[-1])
         if self.period is None:
             return [self.start, end_time]
@@ -363,10 +388,11 @@ class _Route:
         return [cycle_start + k * self.period for k in range(3)]
 
     def rows(self, time: Array) -> PathRows:
-        """Instants at which the load path is cut into straight steps, with the loads P and Q there.
+        """Instants at which the load path is cut into straight steps, with the loads P and Q there:
+        `time` (n,) and the ends of the cycles.
 
-        The cuts are the instants `time` (n,) and the ends of the cycles. Of two instants nearer
-        than 1e-12 of the path's duration one goes; the end of a cycle stays.
+        Of two instants nearer than 1e-12 of the path's duration one goes; the end of a cycle stays.
+        Where the bodies are pulled apart, P < 0, the load of the contact is 0.
 
         Raises
         ------
@@ -376,13 +402,12 @@ class _Route:
         cycle_ends = self.cycle_ends
         duration = cycle_ends[-1] - self.start
         times_inside = time[(time > self.start) & (time < cycle_ends[-1])]
-        # Of two instants that are one a mark stays.
-        distance_to_mark = np.min(
+        time_to_nearest_end = np.min(
             np.abs(times_inside[:, None] - np.array([self.start, *cycle_ends])), axis=1
         )
-        times_inside = times_inside[distance_to_mark > _SAME * duration]
+        times_inside = times_inside[time_to_nearest_end > _SAME_INSTANT * duration]
         instants = np.unique(np.concatenate([times_inside, [self.start], cycle_ends]))
-        instants = instants[np.diff(instants, prepend=-np.inf) > _SAME * duration]
+        instants = instants[np.diff(instants, prepend=-np.inf) > _SAME_INSTANT * duration]
         if len(instants) > _MOST_ROWS:
             raise InputError(
                 f"effects: the load path has {len(instants):,} rows and corrected theory follows"
@@ -392,55 +417,54 @@ class _Route:
             normal_load, tangential_load = _loads_of_series(self.path, instants)
         else:
             normal_load, tangential_load = self.scene.load.path().at(instants)
-        rows_of_ends = tuple(int(np.argmin(np.abs(instants - mark))) for mark in cycle_ends)
+        rows_of_ends = tuple(int(np.argmin(np.abs(instants - end))) for end in cycle_ends)
         if self.period is None:
             rows_of_ends = rows_of_ends[1:]
-        positive_load = np.maximum(normal_load, 0.0)
-        return PathRows(instants, positive_load, tangential_load, rows_of_ends, self.period)
+        contact_load = np.maximum(normal_load, 0.0)
+        return PathRows(instants, contact_load, tangential_load, rows_of_ends, self.period)
 
     def first_rows(self, time: Array | None) -> PathRows:
         """First choice of the instants that cut the load path into straight steps, with P and Q
-        there.
+        there: those at which half-plane theory was solved, and `time` if it is given.
 
-        They are the instants at which half-plane theory was solved, and those that the caller asked
-        for, `time` (None: no more). Of a path that repeats, the instants of the last cycle that
-        theory solved are also taken in the first two cycles.
+        Only two cycles are followed here, theory may have solved more. The instants of its last
+        cycle, as a rule a steady one, are taken in both.
         """
         instants = self.instants
-        marks = self.cycle_ends
+        cycle_ends = self.cycle_ends
+        path_end = cycle_ends[-1]
         if self.period is not None:
-            solved = len(self.path.cycles)
-            last_cycle = instants[instants >= marks[0] + (solved - 1) * self.period]
-            last_cycle = last_cycle - (solved - 1) * self.period
-            instants = np.concatenate([instants, last_cycle, last_cycle + self.period])
+            time_before_last_cycle = (len(self.path.cycles) - 1) * self.period
+            of_last_cycle = instants[instants >= cycle_ends[0] + time_before_last_cycle]
+            in_first_cycle = of_last_cycle - time_before_last_cycle
+            instants = np.concatenate([instants, in_first_cycle, in_first_cycle + self.period])
         if time is not None:
-            asked_for, _ = time_in_followed_path(time, self.start, marks[-1], self.period)
-            instants = np.append(instants, np.clip(asked_for, self.start, marks[-1]))
+            time_in_path, _ = time_in_followed_path(time, self.start, path_end, self.period)
+            instants = np.append(instants, np.clip(time_in_path, self.start, path_end))
         return self.rows(instants)
 
     def with_turning_points(
-        self, rows: PathRows, friction: float, curvatures: Curvatures, parabola: float
+        self, rows: PathRows, friction: float, curvatures: Curvatures, largest_parabola_load: float
     ) -> PathRows:
-        """Steps of the load path, cut further where slip turns round for punches inside the
-        contact.
+        """Straight steps of the load path, cut further at the instants at which slip reverses for
+        flat punches inside the contact.
 
-        A flat punch up to which a parabola carries G slips at the Coulomb limit
+        Slip reverses where the Coulomb bound of a punch has a turning point over time:
 
-            bound = Q - s f P + (s f kn - kt) G,    s = +1, -1.
+            bound = Q - s f P + (s f kn - kt) G,    s = +1 forward, -1 reverse
 
-        Here kn and kt are the curvatures that the loads add to the gap and to the faces. Where the
-        bound turns, slip turns. Half-planes (kn = kt = 0) turn at other instants, so that these
-        must be added.
+        kn and kt are the curvatures that the loads add to the gap and to the faces, G is the load
+        of a parabola's punches up to this one. Half-planes, kn = kt = 0, turn at other instants.
 
         Parameters
         ----------
         rows
-            the steps so far
+            ends of the steps so far
         friction
             f
         curvatures
             what P and Q add to kn and kt, per load
-        parabola
+        largest_parabola_load
             G of the largest punch [force per thickness times length]
         """
         if isinstance(self.path, LoadSeries):
@@ -449,41 +473,45 @@ class _Route:
         tangential_load = rows.tangential_load
         gap_curvature = curvatures.of_gap(normal_load, tangential_load)
         face_curvature = curvatures.of_faces(normal_load, tangential_load)
-        turning_times = []
+        turning_times_of_punches = []
         for direction in (1, -1):
             load_term = tangential_load - direction * friction * normal_load
-            curvature_term = direction * friction * gap_curvature - face_curvature
-            for parabola_share in _SHARES:
-                bound = load_term + parabola_share * parabola * curvature_term
-                turning_times.append(_turning_points(rows.time, bound))
-        instants = np.concatenate(turning_times)
-        row_after = np.clip(np.searchsorted(rows.time, instants), 1, len(rows.time) - 1)
-        step_length = rows.time[row_after] - rows.time[row_after - 1]
-        share_of_step = (instants - rows.time[row_after - 1]) / step_length
-        is_between = (share_of_step > _BESIDE) & (share_of_step < 1 - _BESIDE)
-        return self.rows(np.concatenate([rows.time, instants[is_between]]))
+            curvature_factor = direction * friction * gap_curvature - face_curvature
+            for parabola_fraction in _PARABOLA_FRACTIONS:
+                bound = load_term + parabola_fraction * largest_parabola_load * curvature_factor
+                turning_times_of_punches.append(_turning_points(rows.time, bound))
+        turning_times = np.concatenate(turning_times_of_punches)
+        row_after = np.clip(np.searchsorted(rows.time, turning_times), 1, len(rows.time) - 1)
+        step_duration = rows.time[row_after] - rows.time[row_after - 1]
+        fraction_of_step = (turning_times - rows.time[row_after - 1]) / step_duration
+        is_inside_step = (fraction_of_step > _NEAR_ROW) & (fraction_of_step < 1 - _NEAR_ROW)
+        return self.rows(np.concatenate([rows.time, turning_times[is_inside_step]]))
 
 
 def _turning_points(time: Array, values: Array) -> Array:
-    """Vertices of parabolas through three rows each, where values (n,) over time (n,) turn."""
-    rises = np.diff(values)
+    """Times of the turning points of `values` (n,) over `time` (n,): vertices of the parabolas
+    through three successive points, where the slope changes its sign.
+    """
     steps = np.diff(time)
-    slopes = rises / steps
-    row_numbers = np.flatnonzero(slopes[1:] * slopes[:-1] < 0) + 1
-    mean_steps = (steps[row_numbers - 1] + steps[row_numbers]) / 2
-    curvatures = (slopes[row_numbers] - slopes[row_numbers - 1]) / mean_steps
-    return np.asarray(
-        (time[row_numbers - 1] + time[row_numbers]) / 2 - slopes[row_numbers - 1] / curvatures
+    slopes = np.diff(values) / steps
+    numbers = np.flatnonzero(slopes[1:] * slopes[:-1] < 0) + 1
+    slopes_before = slopes[numbers - 1]
+    second_derivatives = (slopes[numbers] - slopes_before) / (
+        (steps[numbers - 1] + steps[numbers]) / 2
     )
+    middle_times = (time[numbers - 1] + time[numbers]) / 2
+    return np.asarray(middle_times - slopes_before / second_derivatives)
 
 
 def _loads_of_series(series: LoadSeries, time: Array) -> tuple[Array, Array]:
-    """P and Q on straight steps at instants (n,), also in cycles after those that were followed."""
+    """P and Q of a load series, linear between its rows, at instants `time` (n,), (n,) each; also
+    in cycles after those that theory followed.
+    """
     rows = np.concatenate([part.rows + np.array([part.delay, 0.0, 0.0]) for part in series.parts])
     time_in_path = time
     if series.period is not None:
         path_end = float(rows[-1, 0])
-        periods_beyond = np.maximum(np.ceil((time - path_end) / series.period - _SAME), 0.0)
+        periods_beyond = np.maximum(np.ceil((time - path_end) / series.period - _SAME_INSTANT), 0.0)
         time_in_path = time - periods_beyond * series.period
     return np.interp(time_in_path, rows[:, 0], rows[:, 1]), np.interp(
         time_in_path, rows[:, 0], rows[:, 2]
@@ -493,18 +521,18 @@ def _loads_of_series(series: LoadSeries, time: Array) -> tuple[Array, Array]:
 # ----------------------------------------------------------------------------------------- fields
 @dataclass(frozen=True, eq=False)
 class PathSeries:
-    """Half-widths, movements and work of a followed path at its rows.
+    """Half-widths, displacements and friction work at the n instants (rows) of a followed path.
 
     Attributes
     ----------
     followed
-        the path
+        friction memory and slip zones along the path
     contact, modulus
-        normal contact of half-planes, E*
+        normal contact of half-planes, E* [stress]
     effects
         what the bodies add; None: nothing
     rigid_displacement
-        (n,) how far the bodies slid as a whole or moved while apart; None: they never did
+        (n,) how far the bodies slid as a whole or moved while apart [length]; None: they never did
     """
 
     followed: Followed
@@ -515,80 +543,88 @@ class PathSeries:
 
     @property
     def unit_compliance(self) -> float:
-        """A/pi."""
+        """A/pi = 2/(pi E*) [1/stress]."""
         return 2 / (math.pi * self.modulus)
 
     @cached_property
     def half_width(self) -> Array:
-        """a, (n,)."""
-        half = self.followed.table.half_width(self.followed.edge)
-        return np.where(self.followed.normal_load > 0, half, self.contact.least_half_width)
+        """Contact half-width a, (n,) [length]; while bodies are apart that of the flat, or 0."""
+        half_width = self.followed.table.half_width(self.followed.edge_s)
+        return np.where(self.followed.normal_load > 0, half_width, self.contact.least_half_width)
 
     @cached_property
     def stick_half_width(self) -> Array:
-        """c, (n,); a in full stick, NaN in full slip."""
-        innermost = self.followed.innermost
-        slips = self.followed.sense != 0
-        half = self.followed.table.half_width(innermost)
-        stick = np.where(slips, half, self.half_width)
-        return np.where((stick <= 0) | (slips & (innermost <= 0)), np.nan, stick)
+        """Half-width c of the stick zone, (n,) [length]; a in full stick, NaN in full slip."""
+        followed = self.followed
+        slips = followed.slip_direction != 0
+        half_width_of_slip = followed.table.half_width(followed.innermost_slip_s)
+        stick_half_width = np.where(slips, half_width_of_slip, self.half_width)
+        is_full_slip = slips & (followed.innermost_slip_s <= 0)
+        return np.where((stick_half_width <= 0) | is_full_slip, np.nan, stick_half_width)
 
     @cached_property
     def tangential_displacement(self) -> Array:
         """Relative tangential displacement U of the two bodies at each instant of the path, (n,)
         [length].
 
-        It is what the shear does between half-planes, plus any sliding as a whole, plus what finite
-        bodies add: c_t Q + T q_2/2 + N_Q p_2/2 + T_4 q_4/24 and the part of their tilt. p_k and q_k
-        are the moments int x^k p dx and int x^k q dx; T, N_Q, T_4 curvatures per load, c_t a
-        compliance.
+            U = (A/pi) int ln(2 L/c) dM + c_t Q + T q_2/2 + N_Q p_2/2 + T_4 q_4/24
+
+        plus sliding as a whole, plus what tilt adds. The integral is that of half-planes; the rest
+        is by finite bodies. p_k and q_k are the moments int x^k p dx and int x^k q dx; T, N_Q, T_4
+        are curvatures per load, c_t is a compliance.
         """
-        _, shear_logarithm = self._logarithms
-        displacement = self.unit_compliance * shear_logarithm
+        _, shear_integral = self._logarithm_integrals
+        displacement = self.unit_compliance * shear_integral
         if self.rigid_displacement is not None:
             displacement = displacement + self.rigid_displacement
         if self.effects is None:
             return displacement
         curvatures = curvatures_of(self.effects)
         followed = self.followed
-        moment_sum = curvatures.tangential * followed.shear_second_moment
-        moment_sum = moment_sum + curvatures.normal_under_shear * followed.pressure_second_moment
+        # T q_2 + N_Q p_2 + T_4 q_4/12
+        twice_by_moments = curvatures.tangential * followed.shear_second_moment
+        twice_by_moments = (
+            twice_by_moments + curvatures.normal_under_shear * followed.pressure_second_moment
+        )
         if curvatures.tangential_fourth:
-            moment_sum = (
-                moment_sum + curvatures.tangential_fourth * followed.shear_fourth_moment / 12
+            twice_by_moments = (
+                twice_by_moments + curvatures.tangential_fourth * followed.shear_fourth_moment / 12
             )
-        part_of_load = self.effects.tangential_compliance.value * self.followed.tangential_load
-        part_of_tilt, _ = self._moved_by_tilt
-        return np.asarray(displacement + part_of_load + moment_sum / 2 + part_of_tilt)
+        by_compliance = self.effects.tangential_compliance.value * followed.tangential_load
+        by_tilt, _ = self._displacements_by_tilt
+        return np.asarray(displacement + by_compliance + twice_by_moments / 2 + by_tilt)
 
     @cached_property
     def normal_approach(self) -> Array:
-        """Approach of the two bodies at each instant of the path, (n,) [length].
+        """Normal approach of the two bodies at each instant of the path, (n,) [length].
 
-        It is that of half-planes under the pressure, plus what finite bodies add: c_n P + N p_2/2 +
-        T_P q_2/2 + N_4 p_4/24 and the part of their tilt. p_k and q_k are the moments int x^k p dx
-        and int x^k q dx; N, T_P, N_4 curvatures per load, c_n a compliance.
+            approach = (A/pi) int ln(2 L/c) dP + c_n P + N p_2/2 + T_P q_2/2 + N_4 p_4/24
+
+        plus what tilt adds. The integral is that of half-planes; the rest is by finite bodies. p_k
+        and q_k are the moments int x^k p dx and int x^k q dx; N, T_P, N_4 are curvatures per load,
+        c_n is a compliance.
         """
-        pressure_logarithm, _ = self._logarithms
-        approach = self.unit_compliance * pressure_logarithm
+        pressure_integral, _ = self._logarithm_integrals
+        approach = self.unit_compliance * pressure_integral
         if self.effects is None:
             return approach
         curvatures = curvatures_of(self.effects)
         followed = self.followed
-        moment_sum = curvatures.normal * followed.pressure_second_moment
-        moment_sum = (
-            moment_sum + curvatures.tangential_under_pressure * followed.shear_second_moment
+        # N p_2 + T_P q_2 + N_4 p_4/12
+        twice_by_moments = curvatures.normal * followed.pressure_second_moment
+        twice_by_moments = (
+            twice_by_moments + curvatures.tangential_under_pressure * followed.shear_second_moment
         )
         if curvatures.normal_fourth:
-            moment_sum = (
-                moment_sum + curvatures.normal_fourth * followed.pressure_fourth_moment / 12
+            twice_by_moments = (
+                twice_by_moments + curvatures.normal_fourth * followed.pressure_fourth_moment / 12
             )
-        part_of_load = self.effects.normal_compliance.value * self.followed.normal_load
-        _, part_of_tilt = self._moved_by_tilt
-        return np.asarray(approach + part_of_load + moment_sum / 2 + part_of_tilt)
+        by_compliance = self.effects.normal_compliance.value * followed.normal_load
+        _, by_tilt = self._displacements_by_tilt
+        return np.asarray(approach + by_compliance + twice_by_moments / 2 + by_tilt)
 
     @cached_property
-    def _moved_by_tilt(self) -> tuple[Array, Array]:
+    def _displacements_by_tilt(self) -> tuple[Array, Array]:
         """Displacements that the tilt of finite bodies adds to U and to the normal approach, (n,)
         each [length]; 0 unless the profile is a parabola.
 
@@ -597,37 +633,43 @@ class PathSeries:
         alpha_Q m tangentially and alpha_P m normally. A tilted parabola is pressed in by R
         alpha^2/2 less.
         """
-        load = self.followed.normal_load
-        zeros = np.zeros(len(load))
+        normal_load = self.followed.normal_load
+        no_displacement = np.zeros(len(normal_load))
         if self.effects is None or not isinstance(self.contact, HertzContact):
-            return zeros, zeros
-        under_pressure = self.effects.tilt_under_pressure.value
-        under_shear = self.effects.tilt_under_shear.value
-        tilt = under_pressure * load + under_shear * self.followed.tangential_load
-        moment = -self.contact.radius * tilt * load
+            return no_displacement, no_displacement
+        tilt_per_normal = self.effects.tilt_under_pressure.value
+        tilt_per_tangential = self.effects.tilt_under_shear.value
+        tilt = tilt_per_normal * normal_load + tilt_per_tangential * self.followed.tangential_load
+        moment = -self.contact.radius * tilt * normal_load
         approach_lost = self.contact.radius * tilt**2 / 2
-        return under_shear * moment, under_pressure * moment - approach_lost
+        return tilt_per_tangential * moment, tilt_per_normal * moment - approach_lost
 
     @cached_property
-    def _logarithms(self) -> tuple[Array, Array]:
-        """int ln(2 L/c) dP and dM over the punches, (n,) each."""
+    def _logarithm_integrals(self) -> tuple[Array, Array]:
+        """int ln(2 L/c) dP and int ln(2 L/c) dM over the flat punches of half-width c, (n,) each
+        [force per thickness]; times A/pi the displacements of half-planes with datum length L.
+
+        P(c) and M(c) are the normal and the tangential force that punches up to c carry.
+        """
         followed = self.followed
-        datum = self.contact.datum_length if self.effects is None else self.effects.datum_length
-        at_tops = _logarithms(followed.table, followed.pieces.top, datum)
-        at_edge = _logarithms(followed.table, followed.edge, datum)
+        datum_length = (
+            self.contact.datum_length if self.effects is None else self.effects.datum_length
+        )
+        at_tops = followed.table.logarithm_integrals(followed.pieces.top, datum_length)
+        at_edge = followed.table.logarithm_integrals(followed.edge_s, datum_length)
         return followed.pressure_integral(at_edge), followed.shear_integral(at_tops, at_edge)
 
     @cached_property
-    def _inner_senses(self) -> Indices:
-        """Direction of slip, +1 or -1, at each instant at which the shear of the memory curve
-        exceeds the Coulomb limit inside the contact, |q| > f p; 0 elsewhere. (n,)
+    def _directions_beyond_limit(self) -> Indices:
+        """Sign of the shear q of the memory curve at each instant, (n,), if |q| exceeds the Coulomb
+        limit f p somewhere inside the contact; 0 if not. There points slip further.
 
         The memory curve is the locked-in tangential force over the half-width of the flat punches.
-        Half-planes never exceed the limit; curvatures of finite bodies make it possible. A few
-        places are looked at first, more of them at suspect instants and two instants to each side.
+        Only curvatures of finite bodies make an excess possible. A few places are checked first,
+        more at suspect instants and at two instants on either side of them.
         """
         followed = self.followed
-        senses = np.zeros(len(followed.edge), dtype=np.int64)
+        directions = np.zeros(len(followed.edge_s), dtype=np.int64)
         curvatures = (
             followed.normal_curvature,
             followed.tangential_curvature,
@@ -635,217 +677,223 @@ class PathSeries:
             followed.tangential_fourth,
         )
         if not np.any(curvatures):
-            return senses
-        largest_load = np.array([np.argmax(followed.normal_load)])
-        middle_fields = PointFields(self, np.zeros(1))
-        tolerance = (
-            _BEYOND_LIMIT * followed.friction * float(middle_fields.pressure(largest_load)[0, 0])
-        )
-        # A hundredth of it at some places, at a row or next to it, shows where to look closer.
-        largest_excess, _ = self._beyond_limit(np.arange(len(senses)), _LOOKED_AT_FIRST)
-        is_suspect = (largest_excess > tolerance / 100).astype(float)
+            return directions
+        row_of_largest_load = np.array([np.argmax(followed.normal_load)])
+        largest_pressure = float(PointFields(self, np.zeros(1)).pressure(row_of_largest_load)[0, 0])
+        tolerance = _EXCESS_TOLERANCE * followed.friction * largest_pressure
+        # A few places may miss the largest excess: a hundredth of it is suspect.
+        all_rows = np.arange(len(directions))
+        excess, _ = self._excess_over_limit(all_rows, _PLACES_CHECKED_FIRST)
+        is_suspect = (excess > tolerance / 100).astype(float)
         rows_to_check = np.flatnonzero(np.convolve(is_suspect, np.ones(5), mode="same"))
-        largest_excess, signs = self._beyond_limit(rows_to_check, _LOOKED_AT)
-        senses[rows_to_check] = np.where(largest_excess > tolerance, signs, 0)
-        return senses
+        excess, signs_of_shear = self._excess_over_limit(rows_to_check, _PLACES_CHECKED)
+        directions[rows_to_check] = np.where(excess > tolerance, signs_of_shear, 0)
+        return directions
 
-    def _beyond_limit(self, rows: Indices, count: int) -> tuple[Array, Array]:
-        """How far the shear of the memory curve exceeds the Coulomb limit at each instant: the
-        largest |q| - f p over `count` places from the middle to the edge, and the sign of q there.
+    def _excess_over_limit(self, rows: Indices, n_places: int) -> tuple[Array, Array]:
+        """Largest excess of the shear of the memory curve over the Coulomb limit, max(|q| - f p),
+        at instants `rows` (n,), and the sign of q there: (n,) each, the first [stress].
 
         The memory curve is the locked-in tangential force over the half-width of the flat punches.
-        `rows` (n,) are the numbers of the instants; both values returned are (n,), the first
-        [stress].
+        The maximum is over `n_places` places from the middle to the edge of contact.
         """
-        shares_of_half_width = np.sin(np.linspace(0.0, math.pi / 2, count))
-        fields_at_places = PointFields(self, float(np.max(self.half_width)) * shares_of_half_width)
+        fractions = np.sin(np.linspace(0.0, math.pi / 2, n_places))
+        fields_at_places = PointFields(self, float(np.max(self.half_width)) * fractions)
         largest_excess = np.zeros(len(rows))
-        signs = np.zeros(len(rows))
-        for first_of_chunk in range(0, len(rows), _AT_ONCE):
-            rows_at_once = slice(first_of_chunk, first_of_chunk + _AT_ONCE)
-            shear = fields_at_places.shear_of_memory(rows[rows_at_once])
-            limit = self.followed.friction * fields_at_places.pressure(rows[rows_at_once])
+        signs_of_shear = np.zeros(len(rows))
+        for first in range(0, len(rows), _ROWS_AT_ONCE):
+            chunk = slice(first, first + _ROWS_AT_ONCE)
+            shear = fields_at_places.shear_of_memory(rows[chunk])
+            limit = self.followed.friction * fields_at_places.pressure(rows[chunk])
             excess = np.nan_to_num(np.abs(shear) - limit)
-            place_of_largest = np.argmax(excess, axis=1)[:, None]
-            largest_excess[rows_at_once] = np.take_along_axis(excess, place_of_largest, axis=1)[
-                :, 0
-            ]
-            signs[rows_at_once] = np.sign(np.take_along_axis(shear, place_of_largest, axis=1)[:, 0])
-        return largest_excess, signs
+            place = np.argmax(excess, axis=1)[:, None]
+            largest_excess[chunk] = np.take_along_axis(excess, place, axis=1)[:, 0]
+            signs_of_shear[chunk] = np.sign(np.take_along_axis(shear, place, axis=1)[:, 0])
+        return largest_excess, signs_of_shear
 
     @cached_property
     def _inner_slips(self) -> dict[int, InnerSlip]:
-        """What was worked out at rows."""
+        """Extra slip by the number of its instant, as far as it was asked for."""
         return {}
 
     def inner_slips(self, rows: Indices) -> Iterator[tuple[int, InnerSlip]]:
-        """What slips further at those of some rows at which |q| of the memory curve is beyond f p,
-        with the number of the row among them.
+        """Extra slip at those of the instants `rows` at which |q| of the memory curve exceeds f p,
+        each with the index of its instant in `rows`.
         """
-        for row_place in np.flatnonzero(self._inner_senses[rows]).tolist():
-            row = int(rows[row_place])
+        for index in np.flatnonzero(self._directions_beyond_limit[rows]).tolist():
+            row = int(rows[index])
             if row not in self._inner_slips:
                 self._inner_slips[row] = self._inner_slip(row)
-            yield row_place, self._inner_slips[row]
+            yield index, self._inner_slips[row]
 
     def _inner_slip(self, row: int) -> InnerSlip:
         """Extra slip inside the contact at instant number `row`, where the shear of the memory
         curve exceeds the Coulomb limit, |q| > f p.
 
         The memory curve is the locked-in tangential force over the half-width of the flat punches.
-        `inner_slip` finds the slip by the tractions there, the contact half-width, the stick
-        half-width and the half-widths at which the slip zones of the memory curve end.
+        `inner_slip` finds the slip from q and f p, from the half-widths of contact and stick, and
+        from those at which slip zones of the memory curve end.
         """
         followed = self.followed
 
-        def tractions(x: Array) -> tuple[Array, Array]:
-            point_fields = PointFields(self, x)
-            return point_fields.shear_at(row), followed.friction * point_fields.pressure(
-                np.array([row])
-            )[0]
+        def shear_and_limit(x: Array) -> tuple[Array, Array]:
+            fields_at_x = PointFields(self, x)
+            shear = fields_at_x.shear_at(row)
+            pressure = fields_at_x.pressure(np.array([row]))[0]
+            return shear, followed.friction * pressure
 
         half_width = float(self.half_width[row])
-        stick_edge, *inner_zone_half_widths = followed.table.half_width(
-            [followed.stick_edge[row], *followed.inner_zone[row]]
+        ends_of_zones = followed.table.half_width(
+            [followed.stick_edge_s[row], *followed.inner_zone_s[row]]
         )
         # Without slip at the edge all of the contact sticks.
-        edge_of_stick = stick_edge if followed.direction[row] else half_width
-        ends_of_zones = np.array([stick_edge, *inner_zone_half_widths])
-        sense = int(self._inner_senses[row])
-        return inner_slip(tractions, sense, half_width, ends_of_zones, edge_of_stick, self.modulus)
+        stick_half_width = ends_of_zones[0] if followed.direction[row] else half_width
+        direction = int(self._directions_beyond_limit[row])
+        return inner_slip(
+            shear_and_limit, direction, half_width, ends_of_zones, stick_half_width, self.modulus
+        )
 
     def loop_work(self, rows: slice) -> float:
-        """Closed integral of Q dU + P d(approach) over a cycle."""
+        """Work of the loads in a cycle, the closed integral of Q dU + P d(approach), for its
+        instants `rows` [energy per thickness].
+        """
         followed = self.followed
-        tangential = area_of_loop(
+        tangential_work = area_of_loop(
             followed.tangential_load[rows], self.tangential_displacement[rows]
         )
-        return tangential + area_of_loop(followed.normal_load[rows], self.normal_approach[rows])
+        normal_work = area_of_loop(followed.normal_load[rows], self.normal_approach[rows])
+        return tangential_work + normal_work
 
     def work(self, rows: slice) -> float:
-        """Friction work of the steps of a cycle, or of the path."""
+        """Friction work of the steps of a cycle, or of the path, for its instants `rows` [energy
+        per thickness].
+        """
         return self.unit_compliance * float(np.sum(self.followed.step_work[rows][1:]))
 
 
 class PointFields:
-    """Fields of a followed path at distances |x| (k,) from the middle.
+    """Pressure, shear, slip and friction work of a followed path at distances |x| from the middle
+    of contact.
 
     Parameters
     ----------
     series
-        the path
+        the followed path
     x
-        (k,)
+        (k,) distances |x| of the points [length]
     """
 
     def __init__(self, series: PathSeries, x: Array) -> None:
         self.series = series
         self._followed = series.followed
         self._x = x
-        # Rows, ascending, of which the slip was worked out, and the slip.
+        # The last slip (n, k) that was computed, and the numbers of its instants, ascending (n,).
         self._known_slip: tuple[Indices, Array] = (np.zeros(0, dtype=np.int64), np.zeros((0, 0)))
 
     def pressure(self, rows: Indices) -> Array:
-        """p, (n, k)."""
+        """Pressure p at instants `rows`, at the points, (n, k) [stress]."""
         followed = self._followed
-        profile_load = followed.table.load(followed.edge[rows])[:, None]
+        profile_load = followed.table.load(followed.edge_s[rows])[:, None]
         profile_pressure = self.series.contact.pressure(self._x, profile_load)
         curvature = followed.normal_curvature[rows]
         fourth_coefficient = followed.normal_fourth[rows]
-        return profile_pressure + self._of_bends(
+        return profile_pressure + self._traction_of_curvature(
             self.series.half_width[rows], curvature, fourth_coefficient
         )
 
     def shear(self, rows: Indices) -> Array:
-        """q, (n, k)."""
+        """Shear traction q at instants `rows`, at the points, (n, k) [stress]."""
         shear = self.shear_of_memory(rows)
-        for row_place, further in self.inner_slips(rows):
-            shear[row_place] += further.shear
+        for index, extra_slip in self.inner_slips(rows):
+            shear[index] += extra_slip.shear
         return shear
 
     def shear_of_memory(self, rows: Indices) -> Array:
-        """q without what slips further inside the contact, (n, k)."""
+        """Shear traction q at instants `rows`, at the points, (n, k) [stress], as the memory curve
+        has it: without the extra slip inside the contact.
+        """
         followed = self._followed
-        curvature = followed.tangential_curvature[rows]
-        fourth_coefficient = followed.tangential_fourth[rows]
-        shear_of_faces = self._of_bends(self.series.half_width[rows], curvature, fourth_coefficient)
-        return self._shear_of_curves(rows) + shear_of_faces
+        shear_of_faces = self._traction_of_curvature(
+            self.series.half_width[rows],
+            followed.tangential_curvature[rows],
+            followed.tangential_fourth[rows],
+        )
+        return self._shear_of_memory_curves(rows) + shear_of_faces
 
     def shear_at(self, row: int) -> Array:
         """Shear traction q at the points at instant number `row`, (k,) [stress], as the memory
-        curve has it: without the extra slip inside the contact.
+        curve has it: `shear_of_memory` of one instant, without a table of all its pieces.
 
-        The memory curve, the locked-in tangential force over the half-width of the punches, is a
-        chain of pieces. Each has a constant rise of that force per load of flat punches (of the
-        profile, of a parabola, of x^4/24). A piece adds these slopes times the pressure of its
-        punches. The curvature that the loads give to the faces adds the rest.
+        The memory curve is the locked-in tangential force F over the half-width of the flat
+        punches. It is a chain of pieces from the middle outwards, on each of which F is linear in
+        the loads eta, G and G_4 of the punches. Each piece adds its slopes times the pressure of
+        its punches. The curvature that the loads give to the faces adds the rest.
         """
-        pieces = self._followed.pieces
-        numbers_of_pieces = pieces.chain(int(self._followed.uppermost_piece[row]))
-        half_widths = self._followed.table.half_width(pieces.top[numbers_of_pieces])
-        profile_pressures = self.series.contact.pressure_rise(
-            self._x, pieces.load[numbers_of_pieces, None]
+        followed = self._followed
+        pieces = followed.pieces
+        # The first one is the empty curve, which has no punches.
+        chain = pieces.chain(int(followed.uppermost_piece[row]))
+        profile_pressures = self.series.contact.pressure_rise(self._x, pieces.load[chain, None])
+        parabola_pressures, fourth_pressures = self._pressures_of_curvature(
+            followed.table.half_width(pieces.top[chain])
         )
-        parabola_pressures, fourth_pressures = self._inside(half_widths)
-        shear = pieces.slope[numbers_of_pieces[1:]] @ np.diff(profile_pressures, axis=0)
-        shear = shear + pieces.parabola_slope[numbers_of_pieces[1:]] @ np.diff(
-            parabola_pressures, axis=0
-        )
-        shear = shear + pieces.fourth_slope[numbers_of_pieces[1:]] @ np.diff(
-            fourth_pressures, axis=0
-        )
-        curvature = self._followed.tangential_curvature[[row]]
-        fourth_coefficient = self._followed.tangential_fourth[[row]]
-        shear_of_faces = self._of_bends(
-            self.series.half_width[[row]], curvature, fourth_coefficient
+        shear = pieces.slope[chain[1:]] @ np.diff(profile_pressures, axis=0)
+        shear = shear + pieces.parabola_slope[chain[1:]] @ np.diff(parabola_pressures, axis=0)
+        shear = shear + pieces.fourth_slope[chain[1:]] @ np.diff(fourth_pressures, axis=0)
+        shear_of_faces = self._traction_of_curvature(
+            self.series.half_width[[row]],
+            followed.tangential_curvature[[row]],
+            followed.tangential_fourth[[row]],
         )
         return np.asarray(shear + shear_of_faces[0])
 
     def slip(self, rows: Indices) -> Array:
-        """s, (n, k)."""
+        """Relative slip s of the faces at instants `rows`, at the points, (n, k) [length]."""
         known_rows, known_slip = self._known_slip
         if len(known_rows):
-            place_among_known = np.minimum(np.searchsorted(known_rows, rows), len(known_rows) - 1)
-            if np.array_equal(known_rows[place_among_known], rows):
-                return known_slip[place_among_known]
+            index_in_known = np.minimum(np.searchsorted(known_rows, rows), len(known_rows) - 1)
+            if np.array_equal(known_rows[index_in_known], rows):
+                return known_slip[index_in_known]
         slip = self._slip(rows)
         if np.all(np.diff(rows) > 0):
             self._known_slip = (rows, slip)
         return slip
 
     def _slip(self, rows: Indices) -> Array:
-        """Relative slip s of the faces at the points, at instants `rows`, (n, k) [length].
+        """Relative slip s of the faces at instants `rows`, at the points, (n, k) [length].
 
-        A memory curve is the locked-in tangential force over the half-width of the flat punches.
-        Four parts add up: slip by the memory curves, the curvature of the faces outside the
-        contact, sliding as a whole, and the extra slip inside the contact.
+        It is the sum of four parts: slip by the memory curves, the curvature of the faces outside
+        the contact, sliding as a whole, and the extra slip inside the contact. A memory curve is
+        the locked-in tangential force over the half-width of the flat punches.
         """
         followed = self._followed
-        slip = self._slip_of_curves(rows)
+        slip = self._slip_of_memory_curves(rows)
         # Inside the contact what sticks follows the curvature of the faces; outside it does not.
         curvature = followed.tangential_curvature[rows, None]
         fourth_coefficient = followed.tangential_fourth[rows, None]
         if np.any(curvature) or np.any(fourth_coefficient):
-            slip_by_parabola, slip_by_fourth = self._outside(self.series.half_width[rows])
-            slip = slip + curvature * (slip_by_parabola - self._x**2 / 2)
-            slip = slip + fourth_coefficient * (slip_by_fourth - self._x**4 / 24)
+            parabola_integral, fourth_integral = self._slip_integrals(self.series.half_width[rows])
+            slip = slip + curvature * (parabola_integral - self._x**2 / 2)
+            slip = slip + fourth_coefficient * (fourth_integral - self._x**4 / 24)
         if self.series.rigid_displacement is not None:
             slip = slip + self.series.rigid_displacement[rows, None]
-        for row_place, further in self.inner_slips(rows):
-            slip[row_place] += further.slip
+        for index, extra_slip in self.inner_slips(rows):
+            slip[index] += extra_slip.slip
         return np.asarray(slip)
 
     def inner_slips(self, rows: Indices) -> Iterator[tuple[int, SlipAtPoints]]:
-        """What slips further at some rows, as of the path, at the points."""
-        for row_place, further in self.series.inner_slips(rows):
-            row = int(rows[row_place])
+        """Extra slip at the points at those of the instants `rows` at which |q| of the memory curve
+        exceeds f p, each with the index of its instant in `rows`.
+        """
+        for index, inner_slip_of_row in self.series.inner_slips(rows):
+            row = int(rows[index])
             if row not in self._inner_slips:
-                self._inner_slips[row] = further.at(self._x)
-            yield row_place, self._inner_slips[row]
+                self._inner_slips[row] = inner_slip_of_row.at(self._x)
+            yield index, self._inner_slips[row]
 
     @cached_property
     def _inner_slips(self) -> dict[int, SlipAtPoints]:
-        """What was worked out at rows."""
+        """Extra slip at the points by the number of its instant, as far as it was asked for."""
         return {}
 
     def work(self, rows: slice) -> Array:
@@ -855,71 +903,86 @@ class PointFields:
         Each step adds the mean of f p at its two ends times the distance that the point slips. A
         point inside the smaller stick zone of the step does not slip.
         """
-        row_numbers = np.arange(len(self._followed.edge))[rows]
+        row_numbers = np.arange(len(self._followed.edge_s))[rows]
         friction_limit = self._followed.friction * self.pressure(row_numbers)
         friction_limit = np.where(np.isfinite(friction_limit), friction_limit, 0.0)
         mean_limit = (friction_limit[1:] + friction_limit[:-1]) / 2
         slip_distance = np.abs(np.diff(self.slip(row_numbers), axis=0))
-        stick_half_widths = np.nan_to_num(self.series.stick_half_width[row_numbers])
-        least_stick = np.minimum(stick_half_widths[1:], stick_half_widths[:-1])[:, None]
-        has_slip = self._followed.sense[row_numbers[1:], None] != 0
-        is_rubbed = has_slip & (self._x >= least_stick)
-        return np.asarray(np.sum(np.where(is_rubbed, mean_limit * slip_distance, 0.0), axis=0))
+        stick_half_width = np.nan_to_num(self.series.stick_half_width[row_numbers])
+        least_stick_half_width = np.minimum(stick_half_width[1:], stick_half_width[:-1])[:, None]
+        step_has_slip = self._followed.slip_direction[row_numbers[1:], None] != 0
+        point_slips = step_has_slip & (self._x >= least_stick_half_width)
+        return np.asarray(np.sum(np.where(point_slips, mean_limit * slip_distance, 0.0), axis=0))
 
-    def _shear_of_curves(self, rows: Indices) -> Array:
+    def _shear_of_memory_curves(self, rows: Indices) -> Array:
         """Shear traction that the memory curves carry at instants `rows`, at the points, (n, k)
         [stress].
 
-        A memory curve, the locked-in tangential force over the half-width of the punches, is a
-        chain of pieces of constant slopes. Its shear is the sum over the pieces of each slope times
-        the pressure of the punches of the piece: punches of the profile, of a parabola x^2/2 and of
+        A memory curve is the locked-in tangential force F over the half-width of the flat punches.
+        On each of its pieces dF = slope d eta + parabola_slope dG + fourth_slope dG_4. The shear is
+        the integral of the same with the pressure of each punch: of the profile, of x^2/2 and of
         x^4/24.
         """
         followed = self._followed
-        pieces, curves = followed.pieces.pieces_of_curves(followed.uppermost_piece[rows])
+        pieces, uppermost_pieces = followed.pieces.pieces_of_curves(followed.uppermost_piece[rows])
         profile_pressures = self.series.contact.pressure_rise(self._x, pieces.load[:, None])
-        terms = [(pieces.slope, profile_pressures)]
+        slopes_and_pressures = [(pieces.slope, profile_pressures)]
         if np.any(pieces.parabola_slope) or np.any(pieces.fourth_slope):
-            parabola_pressures, fourth_pressures = self._inside(
+            parabola_pressures, fourth_pressures = self._pressures_of_curvature(
                 followed.table.half_width(pieces.top)
             )
-            terms += [
+            slopes_and_pressures += [
                 (pieces.parabola_slope, parabola_pressures),
                 (pieces.fourth_slope, fourth_pressures),
             ]
-        return pieces.integrals_at_tops(*terms)[curves]
+        return pieces.integrals_at_tops(*slopes_and_pressures)[uppermost_pieces]
 
-    def _slip_of_curves(self, rows: Indices) -> Array:
-        """Slip of the memory curves at rows, (n, k)."""
+    def _slip_of_memory_curves(self, rows: Indices) -> Array:
+        """Slip by the memory curves at instants `rows`, at the points, (n, k) [length]: as
+        `_shear_of_memory_curves`, with the slip outside of each punch instead of its pressure.
+        """
         followed = self._followed
-        pieces, curves = followed.pieces.pieces_of_curves(followed.uppermost_piece[rows])
-        profile_slips = self.series.contact.slip_integral(self._x, pieces.load[:, None])
-        terms = [(self.series.unit_compliance * pieces.slope, profile_slips)]
+        pieces, uppermost_pieces = followed.pieces.pieces_of_curves(followed.uppermost_piece[rows])
+        profile_integrals = self.series.contact.slip_integral(self._x, pieces.load[:, None])
+        slopes_and_integrals = [(self.series.unit_compliance * pieces.slope, profile_integrals)]
         if np.any(pieces.parabola_slope) or np.any(pieces.fourth_slope):
-            parabola_slips, fourth_slips = self._outside(followed.table.half_width(pieces.top))
-            terms += [(pieces.parabola_slope, parabola_slips), (pieces.fourth_slope, fourth_slips)]
-        return pieces.integrals_at_tops(*terms)[curves]
+            parabola_integrals, fourth_integrals = self._slip_integrals(
+                followed.table.half_width(pieces.top)
+            )
+            slopes_and_integrals += [
+                (pieces.parabola_slope, parabola_integrals),
+                (pieces.fourth_slope, fourth_integrals),
+            ]
+        return pieces.integrals_at_tops(*slopes_and_integrals)[uppermost_pieces]
 
-    def _of_bends(self, half_width: Array, bend: Array, fourth: Array) -> Array:
-        """Traction within half-widths (n,) that bends x^2/2 and x^4/24 of gap or faces, times these
-        numbers (n,), make: (n, k).
+    def _traction_of_curvature(
+        self, half_width: Array, curvature: Array, fourth_coefficient: Array
+    ) -> Array:
+        """Traction at the points that makes `curvature` x^2/2 + `fourth_coefficient` x^4/24 of the
+        gap or of the faces inside contacts of `half_width`, for n of each: (n, k) [stress].
         """
-        if not (np.any(bend) or np.any(fourth)):
+        if not (np.any(curvature) or np.any(fourth_coefficient)):
             return np.zeros((len(half_width), len(self._x)))
-        of_parabola, of_fourth = self._inside(half_width)
-        return np.asarray(bend[:, None] * of_parabola + fourth[:, None] * of_fourth)
+        parabola_pressure, fourth_pressure = self._pressures_of_curvature(half_width)
+        return np.asarray(
+            curvature[:, None] * parabola_pressure + fourth_coefficient[:, None] * fourth_pressure
+        )
 
-    def _inside(self, half_width: Array) -> tuple[Array, Array]:
-        """Pressure of x^2/2, (E*/2) sqrt(a^2 - x^2), and of x^4/24, (E*/24) sqrt(a^2 - x^2) (a^2 +
-        2 x^2): (n, k) each.
+    def _pressures_of_curvature(self, half_width: Array) -> tuple[Array, Array]:
+        """Pressure at the points under indenters x^2/2 and x^4/24 with contact half-widths a (n,),
+        (n, k) each, 0 outside; times curvature and fourth coefficient a stress.
+
+            (E*/2) sqrt(a^2 - x^2),    (E*/24) sqrt(a^2 - x^2) (a^2 + 2 x^2)
         """
-        half_widths = half_width[:, None]
-        root = np.sqrt(np.maximum((half_widths - self._x) * (half_widths + self._x), 0.0))
-        pressure_of_parabola = self.series.modulus / 2 * root
-        pressure_of_fourth = pressure_of_parabola * ((half_widths**2 + 2 * self._x**2) / 12)
-        return pressure_of_parabola, pressure_of_fourth
+        half_width_column = half_width[:, None]
+        root = np.sqrt(
+            np.maximum((half_width_column - self._x) * (half_width_column + self._x), 0.0)
+        )
+        parabola_pressure = self.series.modulus / 2 * root
+        fourth_pressure = parabola_pressure * ((half_width_column**2 + 2 * self._x**2) / 12)
+        return parabola_pressure, fourth_pressure
 
-    def _outside(self, half_width: Array) -> tuple[Array, Array]:
+    def _slip_integrals(self, half_width: Array) -> tuple[Array, Array]:
         """Integrals over flat punches that give the slip of a point outside of them, for a parabola
         and for x^4/24, (n, k) each [length^2, length^4].
 
@@ -932,48 +995,38 @@ class PointFields:
         over the half-width of the punches.
         """
         x = self._x
-        inner_half_width = np.minimum(half_width[:, None], x)
-        squared_width = inner_half_width**2
-        root = np.sqrt(np.maximum(x**2 - squared_width, 0.0))
+        upper_limit = np.minimum(half_width[:, None], x)
+        squared_limit = upper_limit**2
+        root = np.sqrt(np.maximum(x**2 - squared_limit, 0.0))
+        # c^2 arccosh(|x|/c) at the upper limit
         arccosh_term = (
-            np.arcsinh(root / np.where(inner_half_width > 0, inner_half_width, np.inf))
-            * squared_width
+            np.arcsinh(root / np.where(upper_limit > 0, upper_limit, np.inf)) * squared_limit
         )
-        slip_by_parabola = (arccosh_term + x * (x - root)) / 2
-        slip_by_fourth = (
-            squared_width * arccosh_term + x * (2 / 3 * x**3 - x**2 * root + root**3 / 3)
+        parabola_integral = (arccosh_term + x * (x - root)) / 2
+        fourth_integral = (
+            squared_limit * arccosh_term + x * (2 / 3 * x**3 - x**2 * root + root**3 / 3)
         ) / 16
-        return np.asarray(slip_by_parabola), np.asarray(slip_by_fourth)
-
-
-def _logarithms(table: PunchTable, s: Array, datum: float) -> PunchMoments:
-    """Integrals of ln(2 L/c) up to the punches at s (k,), L = `datum` [length]."""
-    load = table.load(s)
-    log_ratio = math.log(2 * datum) - table.logarithm(s)
-    return PunchMoments(
-        profile=load * log_ratio + table.load_integral(s),
-        parabola=table.parabola(s) * (log_ratio + 0.5),
-        fourth=table.fourth(s) * (log_ratio + 0.25),
-    )
+        return np.asarray(parabola_integral), np.asarray(fourth_integral)
 
 
 # --------------------------------------------------------------------------------- the whole answer
 @dataclass(frozen=True, eq=False)
 class _Paths:
-    """A path that was followed with the bodies, and with half-planes by the same steps.
+    """A load path that was followed twice by the same straight steps: with finite bodies, and with
+    half-planes.
 
     Attributes
     ----------
     question
-        what is asked
+        request that is answered
     rows
-        the steps
+        instants between the steps, with the loads there
     bodies, half_planes
-        what was followed
+        the path with finite bodies, and with half-planes
     steady_from
-        first cycle that ends in the state it started from, None if none does
-    covered
-        for each whole cycle that the answer covers, the index of the followed cycle that it is
+        index of the first cycle that ends in the state it started from, None if none does
+    covered_cycles
+        for each whole cycle of the answer, the index of the followed cycle that it equals
     """
 
     question: Question
@@ -981,22 +1034,22 @@ class _Paths:
     bodies: PathSeries
     half_planes: PathSeries
     steady_from: int | None
-    covered: tuple[int, ...]
+    covered_cycles: tuple[int, ...]
 
     @property
     def last_cycle(self) -> slice:
         """Rows of the last covered cycle."""
-        return self.rows.cycles[self.covered[-1]]
+        return self.rows.cycles[self.covered_cycles[-1]]
 
     @property
     def largest_half_width(self) -> float:
-        """Of half-planes in the last covered cycle."""
+        """Largest contact half-width of half-planes in the last covered cycle [length]."""
         return float(np.max(self.half_planes.half_width[self.last_cycle]))
 
     @property
     def is_steady(self) -> bool:
         """Whether the last covered cycle ends in the state it started from."""
-        return self.steady_from is not None and self.covered[-1] >= self.steady_from
+        return self.steady_from is not None and self.covered_cycles[-1] >= self.steady_from
 
 
 def with_effects(question: Question) -> Findings:
@@ -1017,27 +1070,32 @@ def with_effects(question: Question) -> Findings:
 def _answer(question: Question) -> Findings:
     """Corrected half-plane answer to a question with a symmetric profile.
 
-    The load path is followed with the finite bodies and with half-planes, by equal steps. Fields
-    are those of the bodies; their tilt and bulk strain move the edges. The friction work is exact
-    half-plane theory plus the difference between the two followed paths.
+    The load path is followed with the finite bodies and with half-planes, by equal straight steps.
+    Fields are those with the bodies; their tilt and bulk strain move the edges. The friction work
+    is that of exact half-plane theory plus the difference between the two followed paths.
     """
     started = clock.perf_counter()
-    paths = _followed(question)
+    paths = _followed_paths(question)
     bodies = paths.bodies
     history_done = clock.perf_counter()
 
     x = question.x
     if x is None:
         x = mirrored_points(1.05 * float(np.max(bodies.half_width)))
-    distance, number_of_distance = folded(x)
+    # Fields are even or odd in x: they are evaluated once at each |x|.
+    distance, index_of_distance = folded(x)
     time, row_numbers = instants_of(question, paths.rows, paths.last_cycle)
     points = PointFields(bodies, distance)
     fields_at_distances = grids_at(question, points, distance, row_numbers)
     tilt_and_strain = _odd_part(paths)
-    series = series_at(question, bodies, row_numbers)
+    series_of_instants = series_at(question, bodies, row_numbers)
     contact_centres, stick_centres = tilt_and_strain.centres(paths.rows.time)
-    series["contact_edges"] = series["contact_edges"] + contact_centres[row_numbers, None]
-    series["stick_edges"] = series["stick_edges"] + stick_centres[row_numbers, None]
+    series_of_instants["contact_edges"] = (
+        series_of_instants["contact_edges"] + contact_centres[row_numbers, None]
+    )
+    series_of_instants["stick_edges"] = (
+        series_of_instants["stick_edges"] + stick_centres[row_numbers, None]
+    )
     fields_done = clock.perf_counter()
 
     friction_work = _work_of(paths, points, distance, tilt_and_strain)
@@ -1046,18 +1104,17 @@ def _answer(question: Question) -> Findings:
     seconds["dissipation"] = clock.perf_counter() - fields_done
     termination, message = _ending(paths)
     fields_at_points = {
-        name: np.take(grid, number_of_distance, axis=1)
-        for name, grid in fields_at_distances.items()
+        name: np.take(grid, index_of_distance, axis=1) for name, grid in fields_at_distances.items()
     }
     stick_half_width = permanent_stick(bodies, paths.last_cycle, stick_centres[paths.last_cycle])
     values: dict[str, Any] = {
-        **series,
+        **series_of_instants,
         **fields_at_points,
         "permanent_stick_half_width": stick_half_width,
-        "dissipation": float(friction_work.cycles[-1]),
-        "loop_work": friction_work.loop,
-        "cycle_dissipation": friction_work.cycles,
-        "dissipation_density": friction_work.density[number_of_distance],
+        "dissipation": float(friction_work.work_of_cycles[-1]),
+        "loop_work": friction_work.loop_work,
+        "cycle_dissipation": friction_work.work_of_cycles,
+        "dissipation_density": friction_work.density[index_of_distance],
         "steady_from": paths.steady_from,
     }
     return Findings(
@@ -1079,16 +1136,15 @@ def _answer(question: Question) -> Findings:
     )
 
 
-def _followed(question: Question) -> _Paths:
-    """The load path of a question, followed twice by equal straight steps: with the curvatures of
-    the finite bodies, and with half-planes.
+def _followed_paths(question: Question) -> _Paths:
+    """Friction memory along the load path of a question, by equal straight steps twice: with the
+    curvatures of the finite bodies, and with half-planes.
 
-    Returned with both are the steps, the first cycle that ends as it began, and which followed
-    cycle stands for each cycle of the answer.
+    The steps are those of half-plane theory, with the turning points of slip under the bodies.
     """
     scene = question.scene
     effects = question.effects
-    assert effects is not None  # for the type checker: the door took the other way
+    assert effects is not None  # for the type checker
     path = path_of_question(replace(question, effects=None), None)
     route = _Route(scene, path)
     rows = route.first_rows(question.time)
@@ -1097,10 +1153,11 @@ def _followed(question: Question) -> _Paths:
     curvatures = curvatures_of(effects)
     table = table_of(contact, modulus, rows, curvatures)
     friction = scene.friction.coefficient
-    largest_parabola = float(table.parabola(table.largest_s))
-    rows = route.with_turning_points(rows, friction, curvatures, largest_parabola)
+    largest_parabola_load = float(table.parabola(table.largest_s))
+    rows = route.with_turning_points(rows, friction, curvatures, largest_parabola_load)
     loads = (rows.normal_load, rows.tangential_load)
     memory_of_half_planes = follow(table, friction, *loads, Curvatures())
+    # Half-planes are given for an estimate of q_2 only, by which T_22 changes the faces.
     memory_of_bodies = follow(table, friction, *loads, curvatures, memory_of_half_planes)
     steady_from = _steady_from(memory_of_bodies, rows, scene)
     return _Paths(
@@ -1109,7 +1166,7 @@ def _followed(question: Question) -> _Paths:
         bodies=PathSeries(memory_of_bodies, contact, modulus, effects),
         half_planes=PathSeries(memory_of_half_planes, contact, modulus, None),
         steady_from=steady_from,
-        covered=_covered(question, route, steady_from),
+        covered_cycles=_covered_cycles(question, route, steady_from),
     )
 
 
@@ -1135,8 +1192,8 @@ def table_of(
     """Table of the flat punches that make up the contact, wide enough for the largest contact of a
     load path, with the curvatures of finite bodies and without.
 
-    The table is widened step by step until its punches carry the load P at every instant.
-    Curvatures of the gap below zero widen the contact.
+    A negative curvature of the gap widens the contact. The table is widened until its punches carry
+    P at every instant: eta + kn G + n4 G_4 >= P at its end.
 
     Parameters
     ----------
@@ -1155,19 +1212,22 @@ def table_of(
         Where that contact is wider than the profile, or where the bodies bend the faces away from
         each other so that the contact would split.
     """
-    largest_load = float(np.max(rows.normal_load))
-    largest_half_width = float(contact.half_width(largest_load))
+    largest_half_width = float(contact.half_width(float(np.max(rows.normal_load))))
     gap_curvature = curvatures.of_gap(rows.normal_load, rows.tangential_load)
-    gap_fourth = curvatures.normal_fourth * rows.normal_load
-    for _ in range(60):
-        table = PunchTable(contact, modulus, min(largest_half_width * _BEYOND, contact.extent))
-        # p_2 is at most that of a flat punch, P c^2/2.
+    gap_fourth_coefficient = curvatures.normal_fourth * rows.normal_load
+    for _ in range(_MOST_WIDENINGS):
+        table = PunchTable(
+            contact, modulus, min(largest_half_width * _TABLE_MARGIN, contact.extent)
+        )
+        # The second moment p_2 of the pressure is at most that of a flat punch, P c^2/2.
         largest_moment = rows.normal_load * float(table.half_width(table.largest_s)) ** 2 / 2
         least_curvature = gap_curvature + 2 * min(curvatures.normal_mixed, 0.0) * largest_moment
         load_at_table_end = float(table.load(table.largest_s)) + least_curvature * float(
             table.parabola(table.largest_s)
         )
-        load_at_table_end = load_at_table_end + gap_fourth * float(table.fourth(table.largest_s))
+        load_at_table_end = load_at_table_end + gap_fourth_coefficient * float(
+            table.fourth(table.largest_s)
+        )
         if np.all(load_at_table_end >= rows.normal_load):
             break
         if largest_half_width >= contact.extent:
@@ -1175,27 +1235,51 @@ def table_of(
                 "profile: with the curvature of the bodies the contact is wider than the profile,"
                 f" {contact.extent:.6g}: state a wider profile or smaller loads"
             )
-        largest_half_width *= _BEYOND
+        largest_half_width *= _TABLE_MARGIN
     else:
         raise splits()
-    s_of_punches = np.linspace(1.0 if contact.least_half_width else 0.0, table.largest_s, 200)
-    least_curvature_of_all = min(float(np.min(gap_curvature)), 0.0)
-    if np.any(
-        np.diff(table.load(s_of_punches) + least_curvature_of_all * table.parabola(s_of_punches))
-        < 0
-    ):
-        raise splits()
-    for row in {int(np.argmin(least_curvature)), int(np.argmin(gap_fourth))}:
-        carried_load = table.load(s_of_punches) + least_curvature[row] * table.parabola(
-            s_of_punches
-        )
-        if np.any(np.diff(carried_load + gap_fourth[row] * table.fourth(s_of_punches)) < 0):
-            raise splits()
+    _require_one_contact(table, contact, gap_curvature, least_curvature, gap_fourth_coefficient)
     return table
 
 
+def _require_one_contact(
+    table: PunchTable,
+    contact: SymmetricContact,
+    gap_curvature: Array,
+    least_curvature: Array,
+    gap_fourth_coefficient: Array,
+) -> None:
+    """Refuse curvatures under which the contact would split: InputError unless the load that flat
+    punches of half-width up to c carry, eta + kn G + n4 G_4, grows with c.
+
+    Parameters
+    ----------
+    table
+        eta, G and G_4 of the punches: of the profile, of x^2/2 and of x^4/24
+    contact
+        the profile, whose flat has no punches inside
+    gap_curvature, least_curvature
+        kn (n,) without the part by the second moment of the pressure, and a lower bound of kn
+    gap_fourth_coefficient
+        n4 (n,)
+    """
+    first_s = 1.0 if contact.least_half_width else 0.0
+    s = np.linspace(first_s, table.largest_s, _PUNCHES_CHECKED)
+    profile_load = table.load(s)
+    parabola_load = table.parabola(s)
+    fourth_load = table.fourth(s)
+    least_curvature_of_path = min(float(np.min(gap_curvature)), 0.0)
+    if np.any(np.diff(profile_load + least_curvature_of_path * parabola_load) < 0):
+        raise splits()
+    for row in {int(np.argmin(least_curvature)), int(np.argmin(gap_fourth_coefficient))}:
+        carried_load = profile_load + least_curvature[row] * parabola_load
+        carried_load = carried_load + gap_fourth_coefficient[row] * fourth_load
+        if np.any(np.diff(carried_load) < 0):
+            raise splits()
+
+
 def splits() -> InputError:
-    """Of bodies that bend the faces away from each other."""
+    """Error where bodies bend the faces away from each other, so that the contact would split."""
     return InputError(
         "effects: the normal curvature is negative and larger than that of the profile: the contact"
         " would split, which corrected theory does not take"
@@ -1206,9 +1290,9 @@ def _steady_from(followed: Followed, rows: PathRows, scene: Scene) -> int | None
     """Index of the first cycle, 0 or 1, that leaves the friction state as it found it; None where
     neither does.
 
-    The state is the memory curve, locked-in tangential force over half-width. Those at begin and
-    end of the cycle must agree at 200 punches to 1e-9 of f P. A path without cycles counts as
-    steady (0) if it ends unloaded.
+    The state is the memory curve: the locked-in tangential force over the half-width of the flat
+    punches. At begin and end of the cycle it must agree at 200 punches to 1e-9 of f P. A path
+    without cycles counts as steady (0) if it ends unloaded.
 
     Parameters
     ----------
@@ -1219,8 +1303,10 @@ def _steady_from(followed: Followed, rows: PathRows, scene: Scene) -> int | None
     """
     if rows.period is None:
         return 0 if rows.normal_load[-1] <= 0 else None
-    s_of_punches = np.linspace(0.0, followed.table.largest_s, 200)
-    tolerance = _STEADY * followed.friction * float(np.max(rows.normal_load))
+    # s is the coordinate of the table for the half-width.
+    s_of_punches = np.linspace(0.0, followed.table.largest_s, _PUNCHES_CHECKED)
+    tolerance = _STEADY_TOLERANCE * followed.friction * float(np.max(rows.normal_load))
+    # At the end of the initial loading and of each cycle.
     forces_at_ends = [followed.locked_in_force(row, s_of_punches) for row in rows.ends]
     for cycle in range(min(len(rows.cycles), max(scene.cycles, 2))):
         if np.max(np.abs(forces_at_ends[cycle + 1] - forces_at_ends[cycle])) <= tolerance:
@@ -1228,11 +1314,10 @@ def _steady_from(followed: Followed, rows: PathRows, scene: Scene) -> int | None
     return None
 
 
-def _covered(question: Question, route: _Route, steady_from: int | None) -> tuple[int, ...]:
-    """For each whole cycle of the answer, the index of the followed cycle that stands for it.
+def _covered_cycles(question: Question, route: _Route, steady_from: int | None) -> tuple[int, ...]:
+    """For each whole cycle of the answer, the index of the followed cycle that it equals.
 
-    Only two cycles are followed, the first and a steady one: index 0 or 1. Later cycles equal the
-    second.
+    Only two cycles are followed: index 0 or 1. Later cycles are taken to equal the second.
 
     Parameters
     ----------
@@ -1246,10 +1331,10 @@ def _covered(question: Question, route: _Route, steady_from: int | None) -> tupl
     if route.period is None:
         return (0,)
     cycles = question.scene.cycles
-    until_steady = 2 if steady_from is None else steady_from + 1
-    _, whole_cycles = cycles_to_follow(route.cycle_ends[0], route.period, cycles, question.time)
-    n_cycles = whole_cycles or min(cycles, until_steady)
-    followed_cycles = tuple(min(k, 1) for k in range(n_cycles))
+    n_cycles_to_steady = 2 if steady_from is None else steady_from + 1
+    _, n_whole_cycles = cycles_to_follow(route.cycle_ends[0], route.period, cycles, question.time)
+    n_cycles = n_whole_cycles or min(cycles, n_cycles_to_steady)
+    followed_cycles = tuple(min(cycle, 1) for cycle in range(n_cycles))
     if question.wants_last_cycle_alone:
         return followed_cycles[-1:]
     return followed_cycles
@@ -1269,8 +1354,9 @@ def instants_of(question: Question, rows: PathRows, last_cycle: slice) -> tuple[
         question.time, float(rows.time[0]), float(rows.time[-1]), rows.period
     )
     row_after = np.clip(np.searchsorted(rows.time, time_in_path), 1, len(rows.time) - 1)
-    is_before = time_in_path - rows.time[row_after - 1] < rows.time[row_after] - time_in_path
-    return question.time, row_after - is_before
+    time_since_row = time_in_path - rows.time[row_after - 1]
+    row_before_is_nearer = time_since_row < rows.time[row_after] - time_in_path
+    return question.time, row_after - row_before_is_nearer
 
 
 def series_at(question: Question, bodies: PathSeries, row_numbers: Indices) -> dict[str, Array]:
@@ -1287,20 +1373,20 @@ def series_at(question: Question, bodies: PathSeries, row_numbers: Indices) -> d
         (n,) numbers of its instants
     """
     not_a_number = np.full(len(row_numbers), np.nan)
-    displacement = not_a_number
-    approach = not_a_number
+    tangential_displacement = not_a_number
+    normal_approach = not_a_number
     if question.wants("tangential_displacement"):
-        displacement = bodies.tangential_displacement[row_numbers]
+        tangential_displacement = bodies.tangential_displacement[row_numbers]
     if question.wants("normal_approach"):
-        approach = bodies.normal_approach[row_numbers]
+        normal_approach = bodies.normal_approach[row_numbers]
     half_width = bodies.half_width[row_numbers]
     stick_half_width = bodies.stick_half_width[row_numbers]
     sides = np.array([-1.0, 1.0])
     return {
         "normal_load": bodies.followed.normal_load[row_numbers],
         "tangential_load": bodies.followed.tangential_load[row_numbers],
-        "tangential_displacement": displacement,
-        "normal_approach": approach,
+        "tangential_displacement": tangential_displacement,
+        "normal_approach": normal_approach,
         "contact_half_width": half_width,
         "stick_half_width": stick_half_width,
         "contact_edges": half_width[:, None] * sides,
@@ -1319,7 +1405,7 @@ def grids_at(
     Parameters
     ----------
     points
-        evaluates the fields of the followed path at the distances
+        fields of the followed path at `distance`
     distance
         (k,) |x| [length] from the middle of contact
     row_numbers
@@ -1346,50 +1432,53 @@ def grids_at(
 def _states(points: PointFields, distance: Array, row_numbers: Indices) -> NDArray[np.int8]:
     """State of contact of each point at each instant, (n, k): open, stick, forward or reverse slip.
 
-    A point slips in the zone at the edge of contact, or in an inner zone, which may slip in
-    the other direction, or while the edge sticks.
+    A point slips in the zone at the edge of contact, or in an inner zone of the memory curve, which
+    may slip the other way or while the edge sticks. At instants at which |q| of that curve would
+    exceed f p, the inner zone is that of the extra slip instead.
 
     Parameters
     ----------
     points
-        fields of the followed path at the distances
+        fields of the followed path at `distance`
     distance
         (k,) |x| [length] from the middle
     row_numbers
         (n,) numbers of the instants
     """
     bodies = points.series
-    history = bodies.followed
+    followed = bodies.followed
     sides = np.array([-1.0, 1.0])
     half_width = bodies.half_width[row_numbers, None]
-    stick_edge = history.table.half_width(history.stick_edge[row_numbers])[:, None]
-    inner_zone_ends = history.table.half_width(history.inner_zone[row_numbers])
-    states_by_sense = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
-    state_at_edge = states_by_sense[history.direction[row_numbers, None] + 1]
-    state_in_inner_zone = states_by_sense[history.inner_zone_direction[row_numbers, None] + 1]
-    # In full slip the stick edge is at 0: only x = 0 is within it, and that point slips.
-    is_within_stick_edge = between(stick_edge * sides, distance) & (stick_edge > 0)
-    states = np.where(is_within_stick_edge, np.int8(STICK), state_at_edge)
+    stick_half_width = followed.table.half_width(followed.stick_edge_s[row_numbers])[:, None]
+    inner_zone_ends = followed.table.half_width(followed.inner_zone_s[row_numbers])
+    # By the direction of slip, -1, 0 or +1, plus 1.
+    states_by_direction = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
+    state_at_edge = states_by_direction[followed.direction[row_numbers, None] + 1]
+    state_in_inner_zone = states_by_direction[followed.inner_zone_direction[row_numbers, None] + 1]
+    # In full slip the stick zone ends at 0: only x = 0 is within it, and that point slips.
+    is_inside_slip_zone = between(stick_half_width * sides, distance) & (stick_half_width > 0)
+    states_without_inner_zone = np.where(is_inside_slip_zone, np.int8(STICK), state_at_edge)
     is_in_inner_zone = (distance > inner_zone_ends[:, [0]]) & (distance < inner_zone_ends[:, [1]])
-    states = np.where(is_in_inner_zone, state_in_inner_zone, states)
-    for row_place, slip_zone in points.inner_slips(row_numbers):
-        states_of_row = np.where(
-            is_within_stick_edge[row_place], np.int8(STICK), state_at_edge[row_place]
+    states = np.where(is_in_inner_zone, state_in_inner_zone, states_without_inner_zone)
+    for index, extra_slip in points.inner_slips(row_numbers):
+        state_of_extra_slip = states_by_direction[extra_slip.sense + 1]
+        states[index] = np.where(
+            extra_slip.slips, state_of_extra_slip, states_without_inner_zone[index]
         )
-        state_of_zone = states_by_sense[slip_zone.sense + 1]
-        states[row_place] = np.where(slip_zone.slips, state_of_zone, states_of_row)
-    is_pressed = history.normal_load[row_numbers, None] > 0
+    is_pressed = followed.normal_load[row_numbers, None] > 0
     is_in_contact = between(half_width * sides, distance) & is_pressed
     return np.where(is_in_contact, states, np.int8(OPEN))
 
 
 class _Work(NamedTuple):
-    """Friction work of the covered cycles (c,), closed integral of the last, its W(x) (k,), NaN
-    what is not wanted or known; relative errors by name.
+    """Friction work of the cycles of the answer (c,) [energy per thickness], and of the last one
+    the work of the loads, closed-int Q dU + P d(approach), and W(x) (k,) [energy per area].
+
+    NaN where a value is not wanted or not known; relative errors by the names of the values.
     """
 
-    cycles: Array
-    loop: float
+    work_of_cycles: Array
+    loop_work: float
     density: Array
     errors: dict[str, float]
 
@@ -1405,20 +1494,20 @@ def _work_of(
     Parameters
     ----------
     points
-        fields along the path with the bodies at the distances
+        fields along the path with the bodies at `distance`
     distance
         (k,) |x| [length] from the middle
     tilt_and_strain
         work that tilt and bulk strain of the bodies add
     """
     question = paths.question
-    cycles = np.full(len(paths.covered), np.nan)
-    loop = math.nan
+    work_of_cycles = np.full(len(paths.covered_cycles), np.nan)
+    loop_work = math.nan
     density = np.full(len(distance), np.nan)
-    wanted_fields = question.fields & _OF_WORK
+    wanted_fields = question.fields & _FIELDS_OF_WORK
     errors: dict[str, float] = {}
     if not wanted_fields:
-        return _Work(cycles, loop, density, errors)
+        return _Work(work_of_cycles, loop_work, density, errors)
     end_times = paths.rows.time[list(paths.rows.ends)]
     question_of_half_planes = replace(
         question,
@@ -1428,34 +1517,35 @@ def _work_of(
         time=end_times,
         cycles="all",
     )
-    theory = by_memory(question_of_half_planes, None)
+    exact_theory = by_memory(question_of_half_planes, None)
     if question.wants("dissipation"):
-        works_of_theory = np.asarray(theory.values["cycle_dissipation"])
-        exact_works = works_of_theory[np.minimum(paths.covered, len(works_of_theory) - 1)]
-        cycles, loop, errors = _works_of_cycles(paths, exact_works, tilt_and_strain)
+        # Theory stops at a steady cycle, which later ones equal.
+        solved_works = np.asarray(exact_theory.values["cycle_dissipation"])
+        exact_works = solved_works[np.minimum(paths.covered_cycles, len(solved_works) - 1)]
+        work_of_cycles, loop_work, errors = _works_of_cycles(paths, exact_works, tilt_and_strain)
         if "dissipation" in errors:
-            errors["dissipation"] += theory.errors.get("dissipation", 0.0)
+            errors["dissipation"] += exact_theory.errors.get("dissipation", 0.0)
     if question.wants("dissipation_density"):
-        exact_density = np.asarray(theory.values["dissipation_density"])
+        exact_density = np.asarray(exact_theory.values["dissipation_density"])
         density, density_error = _density_of(paths, points, distance, exact_density)
         if density_error is not None:
             errors["dissipation_density"] = density_error
-    return _Work(cycles, loop, density, errors)
+    return _Work(work_of_cycles, loop_work, density, errors)
 
 
 def _density_of(
     paths: _Paths, points: PointFields, distance: Array, exact_density: Array
 ) -> tuple[Array, float | None]:
-    """Friction work per area W(x) of the last cycle, (k,), and its relative error.
+    """Friction work per area W(x) of the last cycle, (k,) [energy per area], and its error over the
+    largest W(x), None where nothing slips.
 
     It is `exact_density` of half-plane theory plus the change that finite bodies make, by equal
-    steps with and without them; 0 where the bodies do not slip. The error is over the largest W(x),
-    None where nothing slips.
+    steps with and without them; 0 where the bodies do not slip.
 
     Parameters
     ----------
     points
-        fields along the path with the bodies
+        fields along the path with the bodies at `distance`
     distance
         (k,) |x| [length] from the middle
     exact_density
@@ -1475,7 +1565,9 @@ def _density_of(
         return density, step_error
     effects = paths.question.effects
     assert effects is not None  # for the type checker
-    return density, step_error + left_of_work(paths.bodies, half_planes, last_cycle, effects)
+    return density, step_error + work_truncation_error(
+        paths.bodies, half_planes, last_cycle, effects
+    )
 
 
 def _works_of_cycles(
@@ -1485,62 +1577,61 @@ def _works_of_cycles(
     the relative errors of both by name.
 
     Friction work is that of half-planes plus what curvatures, tilt and bulk strain of finite bodies
-    change. The work of the loads is the closed integral of Q dU + P d(approach); it equals the
+    change. The work of the loads is the closed integral of Q dU + P d(approach). It equals the
     friction work where the cycle is steady, and is NaN where it cannot be compared.
 
     Parameters
     ----------
     exact_works
-        (c,) work of these cycles by exact half-plane theory
+        (c,) work of these cycles by exact half-plane theory [energy per thickness]
     tilt_and_strain
         work that tilt and bulk strain add, or why it is left out
     """
     half_planes = paths.half_planes
     bodies = paths.bodies
-    cycles = [paths.rows.cycles[k] for k in paths.covered]
-    works_by_steps = np.array([half_planes.work(rows) for rows in cycles])
-    works_of_bodies = np.array([bodies.work(rows) for rows in cycles])
-    works_of_tilt_and_strain = [tilt_and_strain.work(k) for k in paths.covered]
-    friction_works = exact_works + (works_of_bodies - works_by_steps)
-    friction_works = friction_works + np.array([added.value for added in works_of_tilt_and_strain])
+    rows_of_cycles = [paths.rows.cycles[cycle] for cycle in paths.covered_cycles]
+    works_of_half_planes = np.array([half_planes.work(rows) for rows in rows_of_cycles])
+    works_of_bodies = np.array([bodies.work(rows) for rows in rows_of_cycles])
+    works_of_tilt_and_strain = [tilt_and_strain.work(cycle) for cycle in paths.covered_cycles]
+    # Both paths by the same steps: their errors nearly cancel.
+    friction_works = exact_works + (works_of_bodies - works_of_half_planes)
+    friction_works = friction_works + np.array([work.value for work in works_of_tilt_and_strain])
 
     # The displacements lack what tilt and bulk strain do to slip: no comparison with them.
-    has_loop = (
+    has_loop_work = (
         paths.question.wants("loop_work")
-        and tilt_and_strain.answer is None
-        and tilt_and_strain.on_grids is None
+        and not tilt_and_strain.has_work
         and paths.is_steady
         and paths.rows.period is not None
     )
-    loop_work = bodies.loop_work(paths.last_cycle) if has_loop else math.nan
+    loop_work = bodies.loop_work(paths.last_cycle) if has_loop_work else math.nan
     last_work = float(exact_works[-1])
     if last_work <= 0:
         return friction_works, loop_work, {}
-    step_error = _OF_STEPS * abs(float(works_by_steps[-1]) / last_work - 1)
-    step_error += (
-        _OF_HALVED * abs(_work_of_halved_steps(paths) - float(works_of_bodies[-1])) / last_work
-    )
-    odd_error = works_of_tilt_and_strain[-1].uncertainty / last_work
+    step_error = _FACTOR_ON_STEP_ERROR * abs(float(works_of_half_planes[-1]) / last_work - 1)
+    change_by_halving = abs(_work_of_halved_steps(paths) - float(works_of_bodies[-1]))
+    step_error += _FACTOR_ON_HALVING * change_by_halving / last_work
+    error_of_tilt_and_strain = works_of_tilt_and_strain[-1].uncertainty / last_work
     effects = paths.question.effects
     assert effects is not None  # for the type checker
-    next_order_error = left_of_work(bodies, half_planes, paths.last_cycle, effects)
-    errors = {"dissipation": step_error + odd_error + next_order_error}
+    truncation_error = work_truncation_error(bodies, half_planes, paths.last_cycle, effects)
+    errors = {"dissipation": step_error + error_of_tilt_and_strain + truncation_error}
     if tilt_and_strain.left_out:
         errors["dissipation"] = math.nan  # how much tilt and strain add is not known
-    if has_loop:
-        loop_of_half_planes = half_planes.loop_work(paths.last_cycle)
-        errors["loop_work"] = abs(loop_of_half_planes / last_work - 1) + next_order_error
+    if has_loop_work:
+        loop_work_of_half_planes = half_planes.loop_work(paths.last_cycle)
+        errors["loop_work"] = abs(loop_work_of_half_planes / last_work - 1) + truncation_error
     return friction_works, loop_work, errors
 
 
-def left_of_work(
+def work_truncation_error(
     bodies: PathSeries, half_planes: PathSeries, rows: slice, effects: BodyEffects
 ) -> float:
-    """Relative uncertainty of the friction work of a cycle, because the effects of finite bodies
-    are cut after their next order.
+    """Truncation error of the friction work of a cycle, relative to that of half-planes: the
+    series of the bodies' effects in x ends after the terms of fourth order.
 
-    Each curvature changes the work of half-planes by some share. Of that change a known fraction
-    may be missed. Curvatures that may cancel each other are followed one kind at a time.
+    Each curvature changes the work of half-planes. `left_of_curvatures` states which fraction of
+    the change is uncertain. Curvatures that may cancel each other are followed one kind at a time.
 
     Parameters
     ----------
@@ -1551,31 +1642,33 @@ def left_of_work(
     effects
         curvatures of the bodies
     """
-    left_by_curvature = left_of_curvatures(effects, float(np.max(half_planes.half_width[rows])))
+    uncertain_fractions = left_of_curvatures(effects, float(np.max(half_planes.half_width[rows])))
     work_of_half_planes = half_planes.work(rows)
     change_by_bodies = bodies.work(rows) / work_of_half_planes - 1
     curvatures = curvatures_of(effects)
     if curvatures.are_of_mirrored_bodies and curvatures.normal >= 0 and curvatures.tangential >= 0:
         # Both change W in one direction.
-        return abs(change_by_bodies) * max(left_by_curvature.values()) + LEFT_IN_ANY_CASE
+        return abs(change_by_bodies) * max(uncertain_fractions.values()) + LEFT_IN_ANY_CASE
     followed = bodies.followed
     loads = (followed.normal_load, followed.tangential_load)
     uncertainty = LEFT_IN_ANY_CASE
-    change_left = change_by_bodies
-    for names in CURVATURES:
-        curvatures_alone = curvatures_of(with_these_alone(effects, names))
-        table_and_loads = (followed.table, followed.friction, *loads)
-        memory_with_these = follow(*table_and_loads, curvatures_alone, half_planes.followed)
-        work = bodies.unit_compliance * float(np.sum(memory_with_these.step_work[rows][1:]))
-        change_by_these = work / work_of_half_planes - 1
-        uncertainty += abs(change_by_these) * left_by_curvature[names]
-        change_left -= change_by_these
-    return uncertainty + abs(change_left) * sum(left_by_curvature.values())
+    # What the bodies change beyond the sum of the changes by each kind alone.
+    change_by_interaction = change_by_bodies
+    for kind in CURVATURES:
+        curvatures_of_kind = curvatures_of(with_these_alone(effects, kind))
+        memory = follow(
+            followed.table, followed.friction, *loads, curvatures_of_kind, half_planes.followed
+        )
+        work = bodies.unit_compliance * float(np.sum(memory.step_work[rows][1:]))
+        change_by_kind = work / work_of_half_planes - 1
+        uncertainty += abs(change_by_kind) * uncertain_fractions[kind]
+        change_by_interaction -= change_by_kind
+    return uncertainty + abs(change_by_interaction) * sum(uncertain_fractions.values())
 
 
 def _errors_of_contact(paths: _Paths) -> dict[str, float]:
-    """Relative errors of the largest pressure and of the contact half-width, because the effects of
-    finite bodies are cut after their next order.
+    """Relative truncation errors of the largest pressure and of the contact half-width: the series
+    of the bodies' effects in x ends after the terms of fourth order.
 
     Each error is a fraction of what the bodies change: the ratio of values with and without them,
     minus 1, at the largest load of the last cycle. Empty where there is no contact.
@@ -1585,35 +1678,30 @@ def _errors_of_contact(paths: _Paths) -> dict[str, float]:
     bodies = paths.bodies
     half_planes = paths.half_planes
     last_cycle = paths.last_cycle
-    row_of_largest_load = np.array(
-        [last_cycle.start + int(np.argmax(bodies.followed.normal_load[last_cycle]))]
-    )
     largest_half_width = float(np.max(half_planes.half_width[last_cycle]))
     if not largest_half_width > 0:
         return {}
-    places = largest_half_width * np.sin(np.linspace(0.0, math.pi / 2, _LOOKED_AT))
-    pressures = [
-        float(np.max(PointFields(series, places).pressure(row_of_largest_load)))
+    row = last_cycle.start + int(np.argmax(bodies.followed.normal_load[last_cycle]))
+    places = largest_half_width * np.sin(np.linspace(0.0, math.pi / 2, _PLACES_CHECKED))
+    pressure_of_bodies, pressure_of_half_planes = (
+        float(np.max(PointFields(series, places).pressure(np.array([row]))))
         for series in (bodies, half_planes)
-    ]
-    left_share = max(left_of_curvatures(effects, largest_half_width).values())
-    pressure_change = abs(pressures[0] / pressures[1] - 1) if pressures[1] else 0.0
-    half_width_change = abs(
-        float(
-            bodies.half_width[row_of_largest_load[0]]
-            / half_planes.half_width[row_of_largest_load[0]]
-        )
-        - 1
     )
+    pressure_change = 0.0
+    if pressure_of_half_planes:
+        pressure_change = abs(pressure_of_bodies / pressure_of_half_planes - 1)
+    half_width_ratio = bodies.half_width[row] / half_planes.half_width[row]
+    half_width_change = abs(float(half_width_ratio) - 1)
+    uncertain_fraction = max(left_of_curvatures(effects, largest_half_width).values())
     return {
-        "pressure": pressure_change * left_share + LEFT_IN_ANY_CASE,
-        "contact_half_width": half_width_change * left_share + LEFT_IN_ANY_CASE,
+        "pressure": pressure_change * uncertain_fraction + LEFT_IN_ANY_CASE,
+        "contact_half_width": half_width_change * uncertain_fraction + LEFT_IN_ANY_CASE,
     }
 
 
 def _work_of_halved_steps(paths: _Paths) -> float:
-    """Friction work of the last cycle [energy per thickness], after long steps in which the contact
-    grows in stick are halved.
+    """Friction work of the last cycle with finite bodies [energy per thickness], by steps of which
+    the long ones in which the contact grows in stick are halved.
 
     In such a step the memory curve (locked-in tangential force over the half-width of punches)
     grows by a straight chord, which is an approximation. All other steps are exact however long
@@ -1623,29 +1711,30 @@ def _work_of_halved_steps(paths: _Paths) -> float:
     effects = paths.question.effects
     assert effects is not None  # for the type checker
     n_rows = len(followed.normal_load)
-    grows_in_stick = (np.diff(followed.edge) > 0) & (followed.direction[1:] == 0)
+    grows_in_stick = (np.diff(followed.edge_s) > 0) & (followed.direction[1:] == 0)
     load_growth = np.diff(followed.normal_load) / np.max(followed.normal_load)
     long_chords = np.flatnonzero(grows_in_stick & (load_growth > _SHORT_CHORD))
     if not len(long_chords):
         return paths.bodies.work(paths.last_cycle)
-    row_places = np.union1d(np.arange(n_rows), long_chords + 0.5)
-    normal_load, tangential_load = (
-        np.interp(row_places, np.arange(n_rows), load)
-        for load in (followed.normal_load, followed.tangential_load)
-    )
-    loads = (normal_load, tangential_load)
+    # Whole numbers are rows, halves are the middles of steps.
+    row_numbers = np.union1d(np.arange(n_rows), long_chords + 0.5)
     memory_of_halved_steps = follow(
-        followed.table, followed.friction, *loads, curvatures_of(effects)
+        followed.table,
+        followed.friction,
+        np.interp(row_numbers, np.arange(n_rows), followed.normal_load),
+        np.interp(row_numbers, np.arange(n_rows), followed.tangential_load),
+        curvatures_of(effects),
     )
-    first_row, row_beyond, _ = paths.last_cycle.indices(n_rows)
-    is_of_cycle = (row_places > first_row) & (row_places <= row_beyond - 1)
+    first_row, row_after_last, _ = paths.last_cycle.indices(n_rows)
+    is_in_cycle = (row_numbers > first_row) & (row_numbers <= row_after_last - 1)
     return paths.bodies.unit_compliance * float(
-        np.sum(memory_of_halved_steps.step_work[is_of_cycle])
+        np.sum(memory_of_halved_steps.step_work[is_in_cycle])
     )
 
 
 def _odd_part(paths: _Paths) -> OddPart:
-    """Work and shift of the edges that tilt and bulk strain of the finite bodies cause.
+    """Friction work and shift of the edges that tilt and bulk strain of the finite bodies cause,
+    with the uncertainty that the curvatures of the bodies leave in that work.
 
     Taken in the second order of these small numbers; where that does not hold, by a numerical
     solution on grids. Where neither works, the reason is returned instead of a number.
@@ -1665,40 +1754,44 @@ def _odd_part(paths: _Paths) -> OddPart:
     work_of_half_planes = paths.half_planes.work(paths.last_cycle)
     if not work_of_half_planes > 0:
         return tilt_and_strain
+    # Both sources of odd work are of half-planes without curvatures.
     change_by_curvatures = paths.bodies.work(paths.last_cycle) / work_of_half_planes - 1
-    ratio = ratio_of_next_order(effects, paths.largest_half_width)
-    return tilt_and_strain._replace(left=left_of_tilt_and_strain(change_by_curvatures, ratio))
+    ratio_of_fourth_order = ratio_of_next_order(effects, paths.largest_half_width)
+    return tilt_and_strain._replace(
+        relative_uncertainty=left_of_tilt_and_strain(change_by_curvatures, ratio_of_fourth_order)
+    )
 
 
 def odd_part_on_grids(scene: Scene, effects: BodyEffects, work: float, reason: str) -> OddPart:
-    """Work that tilt and bulk strain of the finite bodies add, found by a numerical solution on
-    grids.
+    """Friction work that tilt and bulk strain of the finite bodies add in a cycle, by a numerical
+    solution of half-planes on grids [energy per thickness].
 
-    Grids give the relative change of the work of half-planes; it is applied to `work` [energy per
-    thickness], that of the followed cycle. Used where the second order does not hold, for `reason`.
-    Where grids refuse the scene or the change is too large, nothing is added and the reason stated.
+    Grids give the relative change of the work; `work` times it is added, that of the cycle without
+    tilt and strain. Used where the second order does not hold, for `reason`. Where grids refuse the
+    scene or the change is too large, nothing is added and the reason stated.
     """
     try:
         half_plane_work = work_of_half_planes(scene)
         if not half_plane_work > 0:
             return OddPart(left_out=reason)  # nothing slips that could change
-        change = change_by_tilt_and_strain(scene, effects)
+        relative_change = change_by_tilt_and_strain(scene, effects)
     except InputError as fault:
         return OddPart(left_out=f"{reason}, and grids do not take it: {first_line(fault)}")
-    if abs(change.value) > _MOST_ON_GRIDS:
+    if abs(relative_change.value) > _MOST_ON_GRIDS:
         return OddPart(
-            left_out=f"{reason}, and grids make them {100 * change.value:+.0f} % of the"
+            left_out=f"{reason}, and grids make them {100 * relative_change.value:+.0f} % of the"
             " dissipation, which curvatures change too much"
         )
-    return OddPart(on_grids=Estimate(change.value * work, change.uncertainty * work))
+    added_work = Estimate(relative_change.value * work, relative_change.uncertainty * work)
+    return OddPart(work_on_grids=added_work)
 
 
 def _errors_of_steps(paths: _Paths) -> dict[str, float]:
     """Relative errors of shear and slip that the straight steps of the path cause, by field name.
 
-    Measured on half-planes, for which exact theory exists: the largest difference between both at
-    some instants and points. Points within 1 % of a half-width from an edge are left out. It is
-    divided by the largest f p (shear) or the largest slip.
+    They are the largest differences of the path of half-planes by these steps from exact theory, at
+    some instants of the last cycle and some points, over the largest f p or the largest slip.
+    Points within 1 % of a half-width from an edge are left out.
     """
     question = paths.question
     half_planes = paths.half_planes
@@ -1708,35 +1801,34 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
         return {}
     last_cycle = paths.last_cycle
     row_numbers = np.unique(
-        np.linspace(last_cycle.start, last_cycle.stop - 1, _INSTANTS).astype(int)
+        np.linspace(last_cycle.start, last_cycle.stop - 1, _INSTANTS_COMPARED).astype(int)
     )
-    places = np.linspace(0.0, float(np.max(half_planes.half_width[row_numbers])), _PLACES)[1:]
-    theory = by_memory(
-        replace(
-            question,
-            effects=None,
-            fields=frozenset(field_names),
-            x=places,
-            time=paths.rows.time[row_numbers],
-            cycles="all",
-        ),
-        None,
+    places = np.linspace(0.0, float(np.max(half_planes.half_width[row_numbers])), _PLACES_COMPARED)[
+        1:
+    ]
+    question_of_half_planes = replace(
+        question,
+        effects=None,
+        fields=frozenset(field_names),
+        x=places,
+        time=paths.rows.time[row_numbers],
+        cycles="all",
     )
+    exact_theory = by_memory(question_of_half_planes, None)
     points = PointFields(half_planes, places)
     pressure = points.pressure(row_numbers)
     largest_pressure = float(np.max(pressure, where=np.isfinite(pressure), initial=0.0))
     half_width = half_planes.half_width[row_numbers, None]
     stick_half_width = np.nan_to_num(half_planes.stick_half_width[row_numbers, None])
-    is_away = (np.abs(places - half_width) > _NEAR * half_width) & (
-        np.abs(places - stick_half_width) > _NEAR * half_width
-    )
+    is_off_contact_edge = np.abs(places - half_width) > _NEAR_EDGE * half_width
+    is_off_stick_edge = np.abs(places - stick_half_width) > _NEAR_EDGE * half_width
+    is_compared = is_off_contact_edge & is_off_stick_edge
     fields_by_steps = {"shear": points.shear, "slip": points.slip}
     errors = {}
     for name in field_names:
-        exact_values = theory.values[name]
-        difference = np.where(
-            is_away, np.abs(fields_by_steps[name](row_numbers) - exact_values), 0.0
-        )
+        exact_values = exact_theory.values[name]
+        values_by_steps = fields_by_steps[name](row_numbers)
+        difference = np.where(is_compared, np.abs(values_by_steps - exact_values), 0.0)
         scale = (
             friction * largest_pressure if name == "shear" else float(np.max(np.abs(exact_values)))
         )
@@ -1746,29 +1838,39 @@ def _errors_of_steps(paths: _Paths) -> dict[str, float]:
 
 
 def permanent_stick(bodies: PathSeries, rows: slice, centre: Array | float = 0.0) -> float:
-    """Half-width of the zone that sticks all through a cycle; NaN where no point does.
+    """Half-width of the permanent stick zone, which sticks all through a cycle [length]; NaN where
+    no point does.
 
     Parameters
     ----------
+    bodies
+        the followed path with the finite bodies
     rows
         instants of the cycle
     centre
-        (n,) centre of the stick zone at these instants [length]
+        (n,) centre x of the stick zone at these instants [length]
     """
-    stick = np.nan_to_num(np.minimum(bodies.stick_half_width, bodies.half_width)[rows])
-    half_width = float(np.min(centre + stick) - np.max(centre - stick)) / 2
-    return half_width if half_width > 0 and np.all(stick > 0) else math.nan
+    stick_half_width = np.nan_to_num(np.minimum(bodies.stick_half_width, bodies.half_width)[rows])
+    least_right_edge = np.min(centre + stick_half_width)
+    largest_left_edge = np.max(centre - stick_half_width)
+    permanent_half_width = float(least_right_edge - largest_left_edge) / 2
+    always_sticks_somewhere = np.all(stick_half_width > 0)
+    return (
+        permanent_half_width if permanent_half_width > 0 and always_sticks_somewhere else math.nan
+    )
 
 
 def _reference_load(scene: Scene, normal_load: Array) -> float:
-    """Mean load of an ellipse, else the largest of the last cycle."""
+    """Load of the contact whose half-width the notes use [force per thickness]: the mean P of an
+    elliptic load path, else the largest P. `normal_load` is P in the last cycle.
+    """
     if scene.load.kind == "ellipse":
         return float(np.max(normal_load) + np.min(normal_load)) / 2
     return float(np.max(normal_load))
 
 
 def _ending(paths: _Paths) -> tuple[str, str]:
-    """How a path ended, in a word and in a sentence."""
+    """How the followed path ended: the termination of the answer, and a sentence about it."""
     if paths.rows.period is None:
         return "end of path", "the path was followed to its end"
     if paths.steady_from is None:
@@ -1776,11 +1878,11 @@ def _ending(paths: _Paths) -> tuple[str, str]:
     return "steady", f"cycle {paths.steady_from + 1} ends in the state it started from"
 
 
-def _notes_of(paths: _Paths, odd: OddPart) -> Iterator[str]:
+def _notes_of(paths: _Paths, tilt_and_strain: OddPart) -> Iterator[str]:
     """Sentences on what a reader of the answer must not miss: which effects of finite bodies are in
-    it, what is left out, and why the loop of Q over U is not compared with the friction work.
+    it, what is left out, and why the work of the loads is not compared with the friction work.
 
-    `odd` is what tilt and bulk strain of the bodies add.
+    `tilt_and_strain` is the work that tilt and bulk strain of the bodies add.
     """
     question = paths.question
     scene = question.scene
@@ -1789,8 +1891,8 @@ def _notes_of(paths: _Paths, odd: OddPart) -> Iterator[str]:
     load = _reference_load(scene, paths.rows.normal_load[paths.last_cycle])
     half_width = float(paths.bodies.contact.half_width(load))
     modulus = composite_modulus(scene.material)
-    yield from notes_of_effects(question.effects, half_width, modulus, odd)
-    if odd.answer is not None or odd.on_grids is not None:
+    yield from notes_of_effects(question.effects, half_width, modulus, tilt_and_strain)
+    if tilt_and_strain.has_work:
         yield (
             "no closed integral of Q dU to compare the dissipation with: displacements are without"
             " what tilt and bulk strain do to slip"
@@ -1810,8 +1912,9 @@ def certificates_of(
         tangential_balance    |M - Q| / (f times the largest P)
         cone                  the largest |q| - f p over the points, over f times the largest p
 
-    M is the tangential force that the memory curve carries up to the edge of contact. The Coulomb
-    limit ("cone") is checked where both pressure and shear were asked for.
+    M is the tangential force that the flat punches up to the edge of contact carry by their memory,
+    F + kt G + t4 G_4. The Coulomb limit ("cone") is checked where both pressure and shear were
+    asked for.
 
     Parameters
     ----------
@@ -1827,22 +1930,24 @@ def certificates_of(
     largest_friction_force = max(
         friction * float(np.max(followed.normal_load)), np.finfo(float).tiny
     )
-    force_of_curve = followed.pieces.force[followed.uppermost_piece[row_numbers]]
-    edge_parabola = followed.table.parabola(followed.edge[row_numbers])
-    carried_shear = force_of_curve + followed.tangential_curvature[row_numbers] * edge_parabola
-    edge_fourth = followed.table.fourth(followed.edge[row_numbers])
-    carried_shear = carried_shear + followed.tangential_fourth[row_numbers] * edge_fourth
+    edge_s = followed.edge_s[row_numbers]
+    parabola_load = followed.table.parabola(edge_s)
+    fourth_load = followed.table.fourth(edge_s)
+    # F, then kt G and t4 G_4, all at the edge of contact.
+    carried_force = followed.pieces.force[followed.uppermost_piece[row_numbers]]
+    carried_force = carried_force + followed.tangential_curvature[row_numbers] * parabola_load
+    carried_force = carried_force + followed.tangential_fourth[row_numbers] * fourth_load
+    missing_force = np.abs(carried_force - followed.tangential_load[row_numbers])
     is_pressed = followed.normal_load[row_numbers] > 0
-    balance = np.where(
-        is_pressed, np.abs(carried_shear - followed.tangential_load[row_numbers]), 0.0
-    )
-    checks = {"tangential_balance": balance / largest_friction_force}
+    missing_force = np.where(is_pressed, missing_force, 0.0)
+    checks = {"tangential_balance": missing_force / largest_friction_force}
     pressure = grids["pressure"]
     shear = grids["shear"]
     if np.any(np.isfinite(pressure)) and np.any(np.isfinite(shear)):
         with np.errstate(invalid="ignore"):
-            excess_of_shear = np.abs(shear) - friction * pressure
-        limit = friction * float(np.max(pressure, where=np.isfinite(pressure), initial=0.0))
-        excess_of_instant = np.fmax.reduce(excess_of_shear, axis=1, initial=0.0)
-        checks["cone"] = excess_of_instant / max(limit, np.finfo(float).tiny)
+            excess = np.abs(shear) - friction * pressure
+        largest_excess = np.fmax.reduce(excess, axis=1, initial=0.0)
+        largest_pressure = float(np.max(pressure, where=np.isfinite(pressure), initial=0.0))
+        largest_limit = friction * largest_pressure
+        checks["cone"] = largest_excess / max(largest_limit, np.finfo(float).tiny)
     return checks

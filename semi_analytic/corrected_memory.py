@@ -430,9 +430,19 @@ class PunchTable:
         of_parabola = square**2 * self.parabola(s) / 8
         return PunchMoments(3 / 8 * of_profile, of_parabola, 3 / 16 * square**2 * self.fourth(s))
 
-    def logarithm(self, s: ArrayLike) -> Array:
-        """ln c; for c near 0 that of a least half-width, so that it is finite."""
-        return np.log(np.maximum(self.half_width(s), _LEAST * self._interval_ends[-1]))
+    def logarithm_integrals(self, s: ArrayLike, datum_length: float) -> PunchMoments:
+        """Integrals of ln(2 L/c) over d eta, dG and dG_4 of the flat punches of half-width up to
+        c(s), (k,) each; times A/pi displacements of half-planes under these punches.
+
+        `sums_at` has the first two for one s. L is the datum length.
+        """
+        half_width = np.maximum(self.half_width(s), _LEAST * self._interval_ends[-1])
+        log_ratio = math.log(2 * datum_length) - np.log(half_width)
+        return PunchMoments(
+            profile=self.load(s) * log_ratio + self.load_integral(s),
+            parabola=self.parabola(s) * (log_ratio + 0.5),
+            fourth=self.fourth(s) * (log_ratio + 0.25),
+        )
 
     def edges_of_contact(
         self,
@@ -644,11 +654,11 @@ class Followed:
         (n,) P, Q, kn, kt at the rows of the path
     normal_fourth, tangential_fourth
         (n,) n4, t4 there
-    edge, stick_edge
+    edge_s, stick_edge_s
         (n,) s of the edges of contact and of stick; the same where nothing slips
     direction
         (n,) direction of slip in the step that ends at the row, 0 in full stick
-    inner_zone, inner_zone_direction
+    inner_zone_s, inner_zone_direction
         (n, 2) s of the ends of a slip zone further in, where a stroke goes on while the edge rests
         or slips the other way; (n,) its direction, 0 where there is none
     uppermost_piece
@@ -665,21 +675,21 @@ class Followed:
     tangential_curvature: Array
     normal_fourth: Array
     tangential_fourth: Array
-    edge: Array
-    stick_edge: Array
+    edge_s: Array
+    stick_edge_s: Array
     direction: Indices
-    inner_zone: Array
+    inner_zone_s: Array
     inner_zone_direction: Indices
     uppermost_piece: Indices
     pieces: PieceTable
 
     @property
-    def innermost(self) -> Array:
+    def innermost_slip_s(self) -> Array:
         """s of the innermost punch that slips, (n,); the edge of contact where none does."""
-        return np.where(self.inner_zone_direction != 0, self.inner_zone[:, 0], self.stick_edge)
+        return np.where(self.inner_zone_direction != 0, self.inner_zone_s[:, 0], self.stick_edge_s)
 
     @property
-    def sense(self) -> Indices:
+    def slip_direction(self) -> Indices:
         """Direction of slip at the edge, (n,), +1 or -1; that of the inner zone where the edge
         sticks; 0 in full stick.
         """
@@ -688,24 +698,24 @@ class Followed:
     @cached_property
     def pressure_second_moment(self) -> Array:
         """p_2, (n,)."""
-        return self.pressure_integral(self.table.second_moments(self.edge))
+        return self.pressure_integral(self.table.second_moments(self.edge_s))
 
     @cached_property
     def shear_second_moment(self) -> Array:
         """q_2, (n,)."""
         moments = self.table.second_moments
-        return self.shear_integral(moments(self.pieces.top), moments(self.edge))
+        return self.shear_integral(moments(self.pieces.top), moments(self.edge_s))
 
     @cached_property
     def pressure_fourth_moment(self) -> Array:
         """p_4 = int x^4 p dx, (n,)."""
-        return self.pressure_integral(self.table.fourth_moments(self.edge))
+        return self.pressure_integral(self.table.fourth_moments(self.edge_s))
 
     @cached_property
     def shear_fourth_moment(self) -> Array:
         """q_4 = int x^4 q dx, (n,)."""
         moments = self.table.fourth_moments
-        return self.shear_integral(moments(self.pieces.top), moments(self.edge))
+        return self.shear_integral(moments(self.pieces.top), moments(self.edge_s))
 
     def pressure_integral(self, at_edge: PunchMoments) -> Array:
         """An integral of the pressure over the contact at each instant, (n,), such as a moment; 0
@@ -749,13 +759,13 @@ class Followed:
         Work is done in three places: the slip zone at the edge of contact, an inner slip zone, and
         the annulus that the receding contact leaves, which slips until it separates.
         """
-        edge_before = np.append(self.edge[:1], self.edge[:-1])
+        edge_before = np.append(self.edge_s[:1], self.edge_s[:-1])
         intervals = self._intervals_of_zones(
-            (self.direction, self.stick_edge, self.edge),
-            (self.inner_zone_direction, self.inner_zone[:, 0], self.inner_zone[:, 1]),
-            (self.direction, self.edge, edge_before),  # empty where the contact grows
+            (self.direction, self.stick_edge_s, self.edge_s),
+            (self.inner_zone_direction, self.inner_zone_s[:, 0], self.inner_zone_s[:, 1]),
+            (self.direction, self.edge_s, edge_before),  # empty where the contact grows
         )
-        work = np.bincount(intervals.row, self._work_of_intervals(intervals), len(self.edge))
+        work = np.bincount(intervals.row, self._work_of_intervals(intervals), len(self.edge_s))
         return np.asarray(work, dtype=float)
 
     def _work_of_intervals(self, intervals: _SlipIntervals) -> Array:
@@ -1086,7 +1096,7 @@ def follow(
     >>> table = PunchTable(contact, contact.modulus, largest_half_width=1.2)
     >>> rows = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.3], [1.0, -0.3], [1.0, 0.3]])
     >>> followed = follow(table, 0.5, *rows.T, Curvatures())
-    >>> table.half_width(followed.stick_edge[-2:]).round(9).tolist()  # c = a sqrt(1 - Q/(f P))
+    >>> table.half_width(followed.stick_edge_s[-2:]).round(9).tolist()  # c = a sqrt(1 - Q/(f P))
     [0.632455532, 0.632455532]
     """
     rows = _columns_of_path(table, normal_load, tangential_load, curvatures)
@@ -1115,7 +1125,7 @@ def _estimated_shear_second_moment(table: PunchTable, rows: Array, half_planes: 
     """
     columns_by_name = dict(zip(Row._fields, rows, strict=True))
     pressure_moment = _pressure_moment(
-        table.second_moments(columns_by_name["edge"]),
+        table.second_moments(columns_by_name["edge_s"]),
         columns_by_name["normal_curvature"],
         columns_by_name["normal_fourth"],
     )
@@ -1155,16 +1165,17 @@ def _columns_of_path(
     gap_fourth_order = curvatures.normal_fourth * normal_load
     faces_fourth_order = curvatures.tangential_fourth * tangential_load
     normal_curvature = curvature_without_p2
-    # s of the edge of contact.
-    edge = table.edges_of_contact(normal_load, normal_curvature, gap_fourth_order)
+    edge_s = table.edges_of_contact(normal_load, normal_curvature, gap_fourth_order)
     if curvatures.normal_mixed:
         for _ in range(_ROUNDS_OF_MOMENT):
-            moments_at_edge = table.second_moments(edge)
+            moments_at_edge = table.second_moments(edge_s)
             pressure_moment = _pressure_moment(moments_at_edge, normal_curvature, gap_fourth_order)
             curvature_before = normal_curvature
             normal_curvature = curvature_without_p2 + 2 * curvatures.normal_mixed * pressure_moment
-            edge = table.edges_of_contact(normal_load, normal_curvature, gap_fourth_order, edge)
-            load_change = np.max(np.abs(normal_curvature - curvature_before) * table.parabola(edge))
+            edge_s = table.edges_of_contact(normal_load, normal_curvature, gap_fourth_order, edge_s)
+            load_change = np.max(
+                np.abs(normal_curvature - curvature_before) * table.parabola(edge_s)
+            )
             if load_change <= _LEFT_OF_MOMENT * np.max(normal_load):
                 break
     columns = [
@@ -1174,10 +1185,10 @@ def _columns_of_path(
         tangential_curvature,
         gap_fourth_order,
         faces_fourth_order,
-        edge,
-        table.load(edge),
-        table.parabola(edge),
-        table.fourth(edge),
+        edge_s,
+        table.load(edge_s),
+        table.parabola(edge_s),
+        table.fourth(edge_s),
     ]
     return np.stack(columns)
 
@@ -1222,10 +1233,10 @@ def followed_of(memory: MemoryCurve, columns: Array, steps: Sequence[Step]) -> F
         tangential_curvature=columns_by_name["tangential_curvature"],
         normal_fourth=columns_by_name["normal_fourth"],
         tangential_fourth=columns_by_name["tangential_fourth"],
-        edge=columns_by_name["edge"],
-        stick_edge=np.array([step.stick_edge for step in steps]),
+        edge_s=columns_by_name["edge_s"],
+        stick_edge_s=np.array([step.stick_edge_s for step in steps]),
         direction=np.array([step.direction for step in steps], dtype=np.int64),
-        inner_zone=np.array([step.inner_zone for step in steps]),
+        inner_zone_s=np.array([step.inner_zone_s for step in steps]),
         inner_zone_direction=np.array(
             [step.inner_zone_direction for step in steps], dtype=np.int64
         ),
@@ -1245,7 +1256,7 @@ class Row(NamedTuple):
     tangential_curvature: float
     normal_fourth: float
     tangential_fourth: float
-    edge: float
+    edge_s: float
     edge_load: float
     edge_parabola: float
     edge_fourth: float
@@ -1275,9 +1286,9 @@ class Step(NamedTuple):
     """
 
     state: State
-    stick_edge: float
+    stick_edge_s: float
     direction: int = 0
-    inner_zone: tuple[float, float] = (0.0, 0.0)
+    inner_zone_s: tuple[float, float] = (0.0, 0.0)
     inner_zone_direction: int = 0
 
 
@@ -1323,12 +1334,12 @@ class MemoryCurve:
             loads, curvatures and edge of contact at the end of the step
         """
         if self.is_unloaded(row.normal_load):
-            return Step(UNLOADED, stick_edge=row.edge)
+            return Step(UNLOADED, stick_edge_s=row.edge_s)
         pieces = self.pieces
         round_off = _ROUNDING * self.friction * self.largest_load
         # The number is None as long as the piece is not stored.
         outermost_piece, number_of_top = self._fit_to_edge(state.uppermost_piece, row)
-        stick_edge = row.edge
+        stick_edge_s = row.edge_s
         direction = _slip_direction_at_edge(
             outermost_piece, pieces[outermost_piece.parent], self.friction, row, round_off
         )
@@ -1338,10 +1349,10 @@ class MemoryCurve:
             number_of_top = _cut_at_end_of_slip(
                 self.table, pieces, outermost_piece, number_of_top, bound, round_off
             )
-            stick_edge = pieces[number_of_top].top
+            stick_edge_s = pieces[number_of_top].top
         elif number_of_top is None:
             number_of_top = pieces.append_numbered(outermost_piece)
-        inner_zone = (0.0, 0.0)
+        inner_zone_s = (0.0, 0.0)
         inner_zone_direction = 0
         if state.last_direction and direction != state.last_direction:
             # Further in, slip in the last direction may continue.
@@ -1349,17 +1360,17 @@ class MemoryCurve:
             number_of_top, inner_end, outer_end = _add_inner_slip_zone(
                 self.table, pieces, number_of_top, bound_of_last_slip, round_off
             )
-            inner_zone = (inner_end, outer_end)
+            inner_zone_s = (inner_end, outer_end)
             if outer_end > inner_end:
                 inner_zone_direction = state.last_direction
         if bound is not None:
             # The slip zone at the edge, where F is the bound.
-            number_of_top = pieces.add(number_of_top, row.edge, row.edge_loads, bound.slopes)
+            number_of_top = pieces.add(number_of_top, row.edge_s, row.edge_loads, bound.slopes)
         return Step(
             State(number_of_top, inner_zone_direction or direction),
-            stick_edge,
+            stick_edge_s,
             direction,
-            inner_zone,
+            inner_zone_s,
             inner_zone_direction,
         )
 
@@ -1382,7 +1393,7 @@ class MemoryCurve:
         piece_number = uppermost_piece
         piece = pieces[piece_number]
         loads = row.edge_loads
-        if row.edge > piece.top:
+        if row.edge_s > piece.top:
             force_without_fourth = (
                 row.tangential_load - row.tangential_curvature * row.edge_parabola
             )
@@ -1392,24 +1403,24 @@ class MemoryCurve:
             load_rise = row.edge_load - piece.load
             if load_rise > 0:
                 slopes = (force_rise / load_rise, 0.0, 0.0)
-                return pieces.piece_above(uppermost_piece, row.edge, loads, slopes), None
+                return pieces.piece_above(uppermost_piece, row.edge_s, loads, slopes), None
             # The profile is still flat here: only the curvature of the bodies carries load.
             slopes = (0.0, force_rise / (row.edge_parabola - piece.parabola), 0.0)
-            return pieces.piece_above(uppermost_piece, row.edge, loads, slopes), None
-        while piece_number and pieces[piece.parent].top >= row.edge:
+            return pieces.piece_above(uppermost_piece, row.edge_s, loads, slopes), None
+        while piece_number and pieces[piece.parent].top >= row.edge_s:
             piece_number = piece.parent
             piece = pieces[piece_number]
-        if piece.top <= row.edge:
+        if piece.top <= row.edge_s:
             return piece, piece_number
-        return pieces.piece_above(piece.parent, row.edge, loads, piece.slopes), None
+        return pieces.piece_above(piece.parent, row.edge_s, loads, piece.slopes), None
 
     def slide(self, row: Row, direction: int) -> Step:
         """The state in which the contact slides as a whole, F at the bound of that direction all
         along, whatever was before.
         """
         bound = _bound(direction, self.friction, row)
-        curve = self.pieces.add(0, row.edge, row.edge_loads, bound.slopes)
-        return Step(State(curve, direction), stick_edge=0.0, direction=direction)
+        curve = self.pieces.add(0, row.edge_s, row.edge_loads, bound.slopes)
+        return Step(State(curve, direction), stick_edge_s=0.0, direction=direction)
 
 
 def _bound(direction: int, friction: float, row: Row) -> _Bound:

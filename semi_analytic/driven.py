@@ -617,8 +617,8 @@ class _Stepper:
         curvatures = self._compliance.curvatures
         gap_curvature = curvatures.normal * load + curvatures.normal_under_shear * force
         face_curvature = curvatures.tangential * force + curvatures.tangential_under_pressure * load
-        edge = self._edge_of_contact(load, gap_curvature)
-        edge_loads = self._table.loads_at(edge)
+        edge_s = self._edge_of_contact(load, gap_curvature)
+        edge_loads = self._table.loads_at(edge_s)
         return Row(
             normal_load=load,
             tangential_load=force,
@@ -626,7 +626,7 @@ class _Stepper:
             tangential_curvature=face_curvature,
             normal_fourth=0.0,
             tangential_fourth=0.0,
-            edge=edge,
+            edge_s=edge_s,
             edge_load=edge_loads.load,
             edge_parabola=edge_loads.parabola,
             edge_fourth=edge_loads.fourth,
@@ -758,7 +758,7 @@ class _Stepper:
         self._integrate_new_pieces()
         compliance = self._compliance
         curvatures = compliance.curvatures
-        sums_at_edge = self._table.sums_at(row.edge, compliance.datum_length)
+        sums_at_edge = self._table.sums_at(row.edge_s, compliance.datum_length)
         uppermost_piece = step.state.uppermost_piece
         face_curvature = row.tangential_curvature
         # dM = dF + kt dG: the integrals over F are stored with the pieces of the memory curve.
@@ -782,8 +782,8 @@ class _Stepper:
 
     def _compliance_at(self, step: Step, load: float) -> float:
         """d(U + Q/k_s)/dQ at the end of a step under P = `load` [1/stress]."""
-        stick_edge = step.inner_zone[0] if step.inner_zone_direction else step.stick_edge
-        half_width = float(self._table.half_width(stick_edge))
+        stick_edge_s = step.inner_zone_s[0] if step.inner_zone_direction else step.stick_edge_s
+        half_width = float(self._table.half_width(stick_edge_s))
         least_half_width = 1e-9 * float(self._table.half_width(self._table.largest_s))
         return float(self._compliance.of_actuator(max(half_width, least_half_width), load))
 

@@ -615,7 +615,7 @@ def test_the_second_moment_of_pressure_bends_the_gap() -> None:
     rows = np.array([0.0, 0.5, 1.0])
     bends = corrected_memory.Curvatures(normal_mixed=0.1)
     followed = corrected_memory.follow(table, 1.0, rows, 0 * rows, bends)
-    square = table.half_width(followed.edge) ** 2
+    square = table.half_width(followed.edge_s) ** 2
     assert square == pytest.approx(rows / (1 + 2 * 0.1 * rows * square / 4), rel=1e-8)
 
 
