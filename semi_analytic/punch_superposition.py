@@ -49,36 +49,40 @@ Function = Callable[[Array], Array]
 Kind = Literal["pressure", "outside", "logarithm"]
 
 _EPS = float(np.finfo(float).eps)
-# Octaves of the advance below the largest that have series of their own.
+# Octaves of the advance, below the largest, that have Chebyshev series of their own.
 _OCTAVES = 24
-# Longest range of v that one series serves.
-_LONGEST = {"pressure": 1.2, "outside": 0.8, "logarithm": np.inf}
+# Longest range of v that one Chebyshev series serves.
+_LARGEST_PANEL_LENGTH = {"pressure": 1.2, "outside": 0.8, "logarithm": np.inf}
 # |x - b| over the half-width that stands for 0: its logarithm is 55.
-_CLOSEST = 1e-24
-# Share of an integral at which a series is resolved; halvings at most; what halving must at least
-# gain.
-_RESOLVED = 4e-15
-_HALVINGS = 12
-_NOISE = 0.9
-# Panels that are integrated at a time, and primitives that are kept.
-_AT_ONCE = 20_000
-_KEPT = 8
+_LEAST_DISTANCE_RATIO = 1e-24
+# A series is resolved where its last coefficients are at most this share of the integral.
+_NEGLIGIBLE_SHARE = 4e-15
+# Halvings of a panel at most, and the ratio of last coefficients above which a halving gained
+# nothing.
+_LARGEST_NUMBER_OF_HALVINGS = 12
+_LEAST_GAIN = 0.9
+# Panels that are integrated at a time, which bounds the memory.
+_PANELS_AT_ONCE = 20_000
+# Primitives of one integral that stay in the cache.
+_CACHED_PRIMITIVES = 8
 # Points that one primitive serves.
-_POINTS = 4096
+_POINTS_OF_PRIMITIVE = 4096
 # Share of a^2 below which a difference of squares is taken from the rise of P; the same across
 # several corners.
-_CLOSE = 0.01
-_NEXT = 1e-6
-# Of Gauss' nodes between two corners; values that are found at a time.
-_BETWEEN = 12
-_MEMBERS = 4096
-# Share of P - P_b up to which Lam is one smooth integral, and of P from which on it is a
-# difference.
-_NEARBY = 0.3
-_APART = 0.02
-# Last digits that Lam loses at most where it is an integral: nodes, the inverse a(P) and the slope
-# dP/da at each.
-_OF_AREA = 100
+_CLOSE_SQUARES = 0.01
+_CLOSE_ACROSS_CORNERS = 1e-6
+# Gauss' nodes of an integral over loads between two corners.
+_NODES_BETWEEN_CORNERS = 12
+# Integrals over loads that are taken at a time, which bounds the memory.
+_INTEGRALS_AT_ONCE = 4096
+# Gauss' rule takes Lam where P - P_c is at most this share of P_c - P_b, P_b the load at the last
+# corner.
+_SHORT_LOAD_RANGE = 0.3
+# Share of P above which P - P_c is large enough for Lam to be a difference of two integrals.
+_FAR_LOAD_SHARE = 0.02
+# Round-offs that Lam has at most where it is a sum over nodes: of the sum, of the inverse a(P) and
+# of the slope dP/da at each node.
+_ROUND_OFFS_OF_KERNEL = 100
 
 
 def as_is(values: ArrayLike) -> Array:
@@ -120,16 +124,18 @@ class ContactLaw:
     noise: float = 2 * _EPS
 
     @cached_property
-    def begins(self) -> Array:
-        """Advances from 0 up behind which P and dP/da are one smooth function each of the root of
-        the distance.
+    def corner_advances(self) -> Array:
+        """Advances d = a - a_0 at which the edge of contact is at a corner of the profile, 0 first,
+        (n,) ascending [length].
+
+        Behind each of them P and dP/da are smooth functions of the root of the distance from it.
         """
         return np.array([0.0, *(b - self.least_half_width for b in self.breaks)])
 
     @property
-    def octave(self) -> float:
-        """Ratio of advances that one series serves: 2, or less where P would fall by more than
-        2^3.
+    def advance_ratio_of_series(self) -> float:
+        """Ratio of advances that one Chebyshev series serves: 2, or less where P would fall by
+        more than 2^3.
         """
         return float(2.0 ** min(1.0, 3.0 / self.power))
 
@@ -185,7 +191,7 @@ class PunchSuperposition:
 
     def load(self, half_width: ArrayLike) -> Array:
         """P(a) [force per thickness], 0 below the least half-width."""
-        return self.law.load(self._beyond(half_width))
+        return self.law.load(self._advance_to(half_width))
 
     def half_width(self, load: ArrayLike) -> Array:
         """a(P) [length]. InputError for a load that needs a contact wider than the profile."""
@@ -201,22 +207,24 @@ class PunchSuperposition:
 
     def stiffness(self, half_width: ArrayLike) -> Array:
         """dP/da >= 0 [stress]."""
-        return self.law.stiffness(self._beyond(half_width))
+        return self.law.stiffness(self._advance_to(half_width))
 
     @property
-    def _sharp(self) -> bool:
-        """Whether the profile is a wedge, whose pressure is infinite at the tip."""
+    def _is_sharp_wedge(self) -> bool:
+        """Whether the profile is a wedge with a sharp tip, where the pressure is infinite."""
         return self.least_half_width == 0 and self.law.power <= 1
 
-    def _beyond(self, x: ArrayLike) -> Array:
-        """How far |x| is beyond the least half-width; 0 inside."""
+    def _advance_to(self, x: ArrayLike) -> Array:
+        """Advance a - a_0 at which the edge of contact reaches |x| [length]; 0 for |x| < a_0, the
+        half-width without load.
+        """
         return np.maximum(np.abs(as_is(x)) - self.least_half_width, 0.0)
 
     # --- fields of the normal problem
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """Contact pressure p(x, P) >= 0 at a point under a load [stress]: 0 outside the contact,
-        infinite at the tip of a sharp wedge.
+        """Contact pressure p(x, P) >= 0 at the point x under the load P [stress]: 0 outside the
+        contact, infinite at the tip of a sharp wedge.
 
         >>> from semi_analytic.profiles import power_law
         >>> contact = PunchSuperposition(
@@ -226,29 +234,34 @@ class PunchSuperposition:
         0.4
         """
         pressure = self.pressure_rise(x, load)
-        if not self._sharp:
+        if not self._is_sharp_wedge:
             return pressure
         is_tip = (as_is(x) == 0) & (as_is(load) > 0)
         return np.where(is_tip, np.inf, np.maximum(pressure, 0.0))
 
     def pressure_rise(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """p(x, P), of which differences between loads are taken; at the tip of a sharp wedge (g/pi)
-        ln a, from a datum [stress].
+        """Contact pressure p(x, P) at the point x as one term of a difference between two loads
+        [stress].
+
+        At the tip of a sharp wedge, where p is infinite, it is (g/pi) ln(a/L), g = dP/da, L the
+        datum length: differences of it are right.
         """
         value = self._pressure(0, np.abs(as_is(x)), as_is(load))[0]
-        return value if self._sharp else np.maximum(value, 0.0)
+        return value if self._is_sharp_wedge else np.maximum(value, 0.0)
 
     def pressure_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """int_0^P eta dp(x, eta) [stress * load]."""
+        """First moment over the load of the pressure rise at x, int_0^P eta dp(x, eta)
+        [stress * load]; eta is the load on the way to P.
+        """
         return np.maximum(self._pressure(1, np.abs(as_is(x)), as_is(load))[0], 0.0)
 
     def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """S(x, P) = int arccosh(|x|/a(eta)) d eta over eta < min(P, P_x) [force per thickness]:
-        what the flat punches that end inside of x add to the slip there.
+        """Slip integral S(x, P) = int arccosh(|x|/a(eta)) d eta over loads eta < min(P, P_x) [force
+        per thickness]; times A/pi it is the gap at x beside all flat punches narrower than |x|.
 
         a(eta) is the contact half-width under the load eta, P_x the load at which the edge of
-        contact reaches x. First loading by Q = f (P - P_c) makes the slip (f A/pi) [S(x, P) - S(x,
-        P_c)] outside the stick zone.
+        contact reaches x, A = 2/E*. First loading by Q = f (P - P_c) makes
+        the slip (f A/pi) [S(x, P) - S(x, P_c)] outside the stick zone.
 
         >>> from semi_analytic.profiles import power_law
         >>> contact = PunchSuperposition(
@@ -259,20 +272,25 @@ class PunchSuperposition:
         ... )  # h = 0.6^2/2 at the edge of contact
         0.18
         """
-        return np.maximum(self._outside(0, np.abs(as_is(x)), as_is(load))[0], 0.0)
+        return np.maximum(self._arccosh_integral(0, np.abs(as_is(x)), as_is(load))[0], 0.0)
 
     def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """int eta arccosh(|x|/a(eta)) d eta over eta < min(P, P_x)."""
-        return np.maximum(self._outside(1, np.abs(as_is(x)), as_is(load))[0], 0.0)
+        """First moment of the slip integral, int eta arccosh(|x|/a(eta)) d eta over loads
+        eta < min(P, P_x) [(force per thickness)^2].
+        """
+        return np.maximum(self._arccosh_integral(1, np.abs(as_is(x)), as_is(load))[0], 0.0)
 
     def log_ratio(self, load: ArrayLike) -> Array:
-        """ln(2 L/a(P)); that of the smallest number for a = 0, where it is multiplied by P."""
+        """ln(2 L/a(P)), L the datum length, at the load P; large and finite for a = 0, where it is
+        multiplied by P = 0.
+        """
         return self._log_ratio(self.law.advance(as_is(load)))
 
     def log_distance(self, load: ArrayLike) -> Array:
-        """int_0^P ln(2 L/a(eta)) d eta = P ln(2 L/a) + int_0^a P/alpha d alpha [force per
-        thickness]: times A/pi the normal approach of two half-planes, against a datum at distance
-        L.
+        """Integral int_0^P ln(2 L/a(eta)) d eta = P ln(2 L/a) + int_0^a P/alpha d alpha [force per
+        thickness]; times A/pi it is the normal approach of the two half-planes.
+
+        L is the distance of the datum, A = 2/E*, a(eta) the contact half-width under the load eta.
 
         >>> from semi_analytic.profiles import power_law
         >>> contact = PunchSuperposition(
@@ -283,17 +301,24 @@ class PunchSuperposition:
         ... )  # a = 1 = L: ln 2 + 1/2
         0.5
         """
-        p = as_is(load)
-        advance = self.law.advance(p)
-        return p * self._log_ratio(advance) + self._logarithm(0, advance)[0]
+        loads = as_is(load)
+        advance = self.law.advance(loads)
+        integral_of_load, _ = self._logarithm(0, advance)
+        return loads * self._log_ratio(advance) + integral_of_load
 
     def log_moment(self, load: ArrayLike) -> Array:
-        """int_0^P eta ln(2 L/a(eta)) d eta = P^2 ln(2 L/a)/2 + int_0^a P^2/(2 alpha) d alpha."""
-        p = as_is(load)
-        advance = self.law.advance(p)
-        return p * p * self._log_ratio(advance) / 2 + self._logarithm(1, advance)[0]
+        """First moment int_0^P eta ln(2 L/a(eta)) d eta = P^2 ln(2 L/a)/2 + int_0^a P^2/(2 alpha) d
+        alpha [(force per thickness)^2]; L is the distance of the datum.
+        """
+        loads = as_is(load)
+        advance = self.law.advance(loads)
+        integral_of_half_square, _ = self._logarithm(1, advance)
+        return loads * loads * self._log_ratio(advance) / 2 + integral_of_half_square
 
     def _log_ratio(self, advance: Array) -> Array:
+        """ln(2 L/a) from the advance a - a_0 of the edge of contact beyond the half-width a_0
+        without load.
+        """
         if self.least_half_width > 0:
             return np.log(2 * self.datum_length / self.least_half_width) - np.log1p(
                 advance / self.least_half_width
@@ -303,124 +328,146 @@ class PunchSuperposition:
     # --- kernels between a load and a point, from differences of load that are free of cancellation
 
     def arccosh_ratio(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
-        """arccosh(|x|/a(eta)) of a point x outside a flat punch of half-width a(eta), with all its
-        digits close to the punch.
+        """arccosh(|x|/a) of a point x outside a flat punch of half-width a(eta), with all its
+        digits close to the punch; eta is the load under which the contact is as wide as the punch.
 
-        It is arsinh(sqrt(x^2 - a^2)/a); the difference of squares is taken from the difference of
-        loads. 0 is returned for a = 0, where the value is multiplied by eta = 0.
+        It is arsinh(sqrt(x^2 - a^2)/a), and x^2 - a^2 is taken from the difference of loads. For
+        a = 0 it is 0: there the value is multiplied by eta = 0.
 
         Parameters
         ----------
+        x
+            place of the point [length]
         excess
             P_x - eta >= 0, P_x the load at which the edge of contact reaches x [force per
             thickness]
         advance
             a(eta) - a(0) [length]
         """
-        outer_advance, load_rise, inner_advance = np.broadcast_arrays(
-            self._beyond(x), as_is(excess), as_is(advance)
+        advance_to_x, load_between, punch_advance = np.broadcast_arrays(
+            self._advance_to(x), as_is(excess), as_is(advance)
         )
-        half_width = inner_advance + self.least_half_width
-        square_difference = self._squares_apart(
-            inner_advance, np.maximum(outer_advance, inner_advance), load_rise
+        punch_half_width = punch_advance + self.least_half_width
+        difference_of_squares = self._difference_of_squares(
+            punch_advance, np.maximum(advance_to_x, punch_advance), load_between
         )
-        return np.arcsinh(np.sqrt(square_difference) / np.where(half_width > 0, half_width, np.inf))
+        return np.arcsinh(
+            np.sqrt(difference_of_squares)
+            / np.where(punch_half_width > 0, punch_half_width, np.inf)
+        )
 
     def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
-        """1/sqrt(a(eta)^2 - x^2) [1/length] of a point x inside a flat punch of half-width a(eta):
-        pi times the pressure of the punch per load.
+        """1/sqrt(a^2 - x^2) [1/length] of a point x inside a flat punch of half-width a(eta): pi
+        times the pressure of the punch per load.
 
-        `excess` is eta - P_x > 0, P_x the load at which the edge of contact reaches x; `advance` is
-        a(eta) - a(0) [length].
+        Parameters
+        ----------
+        x
+            place of the point [length]
+        excess
+            eta - P_x > 0, eta the load under which the contact is as wide as the punch, P_x that
+            at which its edge reaches x [force per thickness]
+        advance
+            a(eta) - a(0) [length]
         """
-        distance, load_rise, outer_advance = np.broadcast_arrays(
+        distance, load_between, punch_advance = np.broadcast_arrays(
             np.abs(as_is(x)), as_is(excess), as_is(advance)
         )
-        inner_advance = np.minimum(distance - self.least_half_width, outer_advance)
-        square_difference = self._squares_apart(inner_advance, outer_advance, load_rise)
-        return 1 / np.sqrt(np.where(square_difference > 0, square_difference, np.inf))
+        advance_to_x = np.minimum(distance - self.least_half_width, punch_advance)
+        difference_of_squares = self._difference_of_squares(
+            advance_to_x, punch_advance, load_between
+        )
+        return 1 / np.sqrt(np.where(difference_of_squares > 0, difference_of_squares, np.inf))
 
-    def _squares_apart(self, inner_advance: Array, outer_advance: Array, load_rise: Array) -> Array:
-        """Difference of the squares of two half-widths, outer minus inner, (n,) [length^2], without
-        loss of digits where they are close.
+    def _difference_of_squares(
+        self, inner_advance: Array, outer_advance: Array, load_between: Array
+    ) -> Array:
+        """Difference of the squares of two contact half-widths, outer minus inner, (n,) [length^2],
+        without loss of digits where they are close.
 
-        Close half-widths are compared by `load_rise`, the load P between them, over the mean
-        dP/d(a^2). With corners of the profile in between the plain difference has more digits,
-        unless the corners are next to each other.
+        Close ones are compared by `load_between`, the rise of the load P from the inner to the
+        outer, over the mean of dP/d(a^2). With corners of the profile in between, the plain
+        difference of squares has more digits, unless the corners are next to each other.
 
         Parameters
         ----------
         inner_advance, outer_advance
             a - a_0 of both, a_0 the half-width without load [length]
         """
-        begins = self.law.begins
-        square_difference = np.array(
+        corner_advances = self.law.corner_advances
+        difference_of_squares = np.array(
             (outer_advance - inner_advance)
             * (outer_advance + inner_advance + 2 * self.least_half_width)
         )
-        corners_between = np.searchsorted(begins, outer_advance) - np.searchsorted(
-            begins, inner_advance
+        n_corners_between = np.searchsorted(corner_advances, outer_advance) - np.searchsorted(
+            corner_advances, inner_advance
         )
-        close_share = np.where(corners_between > 1, _NEXT, _CLOSE)
+        largest_close_share = np.where(n_corners_between > 1, _CLOSE_ACROSS_CORNERS, _CLOSE_SQUARES)
+        outer_square = np.square(outer_advance + self.least_half_width)
         is_close = (inner_advance >= 0) & (
-            square_difference < close_share * np.square(outer_advance + self.least_half_width)
+            difference_of_squares < largest_close_share * outer_square
         )
         if np.any(is_close):
-            rate = self._mean_rate(inner_advance[is_close], outer_advance[is_close])
-            square_difference[is_close] = load_rise[is_close] / np.where(rate > 0, rate, np.inf)
-        return square_difference
+            mean_rate = self._mean_rate(inner_advance[is_close], outer_advance[is_close])
+            difference_of_squares[is_close] = load_between[is_close] / np.where(
+                mean_rate > 0, mean_rate, np.inf
+            )
+        return difference_of_squares
 
     def _mean_rate(self, inner_advance: Array, outer_advance: Array) -> Array:
         """Mean of dP/d(a^2) between two contact half-widths that are close, (n,) [stress/length].
 
-        Both are given by their advance a - a_0 beyond the half-width a_0 without load. A corner of
-        the profile in between, where dP/da is not smooth, parts the mean in two.
+        Both are given by their advance a - a_0 beyond the half-width a_0 without load. Where a
+        corner of the profile lies between them dP/da is not smooth. The rises of P and a^2 are then
+        the sums of those before and behind the corner.
         """
         end_advance = np.maximum(outer_advance, inner_advance * (1 + 4 * _EPS))
-        begins = self.law.begins
-        corner_below = np.searchsorted(begins, inner_advance, side="right") - 1
-        next_corner = np.append(begins, np.inf)[corner_below + 1]
-        rise_of_load, rise_of_square = self._rises(
-            inner_advance, np.minimum(next_corner, end_advance), begins[corner_below]
+        corner_advances = self.law.corner_advances
+        corner_below = np.searchsorted(corner_advances, inner_advance, side="right") - 1
+        next_corner = np.append(corner_advances, np.inf)[corner_below + 1]
+        half_rise_of_load, half_rise_of_square = self._half_rises(
+            inner_advance, np.minimum(next_corner, end_advance), corner_advances[corner_below]
         )
         crossing_numbers = np.flatnonzero(next_corner < end_advance)
-        load_behind, square_behind = self._rises(
+        half_rise_of_load_behind, half_rise_of_square_behind = self._half_rises(
             next_corner[crossing_numbers],
             end_advance[crossing_numbers],
-            begins[corner_below[crossing_numbers] + 1],
+            corner_advances[corner_below[crossing_numbers] + 1],
         )
-        rise_of_load[crossing_numbers] += load_behind
-        rise_of_square[crossing_numbers] += square_behind
-        return rise_of_load / np.where(rise_of_square > 0, rise_of_square, 1.0)
+        half_rise_of_load[crossing_numbers] += half_rise_of_load_behind
+        half_rise_of_square[crossing_numbers] += half_rise_of_square_behind
+        return half_rise_of_load / np.where(half_rise_of_square > 0, half_rise_of_square, 1.0)
 
-    def _rises(
-        self, begin_advance: Array, end_advance: Array, corner: Array
+    def _half_rises(
+        self, begin_advance: Array, end_advance: Array, corner_advance: Array
     ) -> tuple[Array, Array]:
-        """Half the rise of P and half the rise of a^2 between two advances of the contact edge,
-        (n,) each; their quotient is the mean of dP/d(a^2).
+        """Half the rise of the load P [force per thickness] and of a^2 [length^2] between two
+        advances of the edge of contact, (n,) each; their quotient is the mean of dP/d(a^2).
 
-        Gauss' rule in the root of the distance from `corner`, the last corner of the profile before
-        the first advance: P is smooth in that root.
+        Gauss' rule in r, d = `corner_advance` + r^2, from the last corner of the profile before the
+        first advance: P is smooth in r. Half, because dd = 2 r dr, and the factor 2 is left out.
         """
         nodes, weights_of_nodes = gauss(6)
-        begin_root = np.sqrt(np.maximum(begin_advance - corner, 0.0))
-        root_length = np.sqrt(np.maximum(end_advance - corner, 0.0)) - begin_root
+        begin_root = np.sqrt(np.maximum(begin_advance - corner_advance, 0.0))
+        root_length = np.sqrt(np.maximum(end_advance - corner_advance, 0.0)) - begin_root
         roots = begin_root[:, None] + root_length[:, None] * nodes
-        advance = corner[:, None] + roots * roots
+        advance = corner_advance[:, None] + roots * roots
         weight = root_length[:, None] * weights_of_nodes * roots
-        rise_of_load = np.sum(weight * self.law.stiffness(advance), axis=1)
-        rise_of_square = np.sum(weight * 2 * (advance + self.least_half_width), axis=1)
-        return rise_of_load, rise_of_square
+        half_rise_of_load = np.sum(weight * self.law.stiffness(advance), axis=1)
+        half_rise_of_square = np.sum(weight * 2 * (advance + self.least_half_width), axis=1)
+        return half_rise_of_load, half_rise_of_square
 
     # --- the slip area
 
     def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:
-        """Integral over loads that gives the friction work of slip from the stick edge to the edge
-        of contact, Lam(P, P_c) = int_{P_c}^P ln(a(eta)/a(P_c)) d eta [force per thickness].
+        """Kernel of the friction work, Lam(P, P_c) = int_{P_c}^P ln(a(eta)/c) d eta [force per
+        thickness]: the integral of the slip from the edge of stick c = a(P_c) to that of contact.
 
-        Slip by dF dissipates (A/pi) f Lam dF/f. `load` is P, `slipped` the load P - P_c beyond the
-        stick edge. Far apart Lam is P ln(a/c) minus the rise of int P/alpha; close together it is
-        int (P - eta) d ln(a), by Gauss' rule where that is smooth.
+        The friction work is (f A/pi) int Lam dw over the slip, with w = +-Q - f P and A = 2/E*.
+        `load` is P, `slipped` is P - P_c, P_c the load at the stick edge.
+
+        Far apart, Lam is P ln(a/c) minus int_c^a P/alpha d alpha. Close together, that would lose
+        digits: there it is int (P - eta) d ln(a(eta)).
 
         >>> from semi_analytic.profiles import power_law
         >>> contact = PunchSuperposition(
@@ -429,220 +476,251 @@ class PunchSuperposition:
         >>> round(float(contact.dissipation_kernel(2.0, 1.0)), 12)  # ln 2 - 1/2
         0.19314718056
         """
-        all_loads, all_slipped = np.broadcast_arrays(as_is(load), as_is(slipped))
-        is_far = self._is_far(all_loads, all_slipped)
-        is_close = ~is_far & (all_slipped > 0)
+        all_loads, loads_above_stick = np.broadcast_arrays(as_is(load), as_is(slipped))
+        is_difference = self._is_exact_as_difference(all_loads, loads_above_stick)
+        is_integral = ~is_difference & (loads_above_stick > 0)
         kernel = np.zeros(all_loads.shape)
-        if np.any(is_far):
-            kernel[is_far] = self._kernel_as_difference(all_loads[is_far], all_slipped[is_far])
-        if np.any(is_close):
-            kernel[is_close] = self._kernel_as_integral(all_loads[is_close], all_slipped[is_close])
+        if np.any(is_difference):
+            kernel[is_difference] = self._kernel_as_difference(
+                all_loads[is_difference], loads_above_stick[is_difference]
+            )
+        if np.any(is_integral):
+            kernel[is_integral] = self._kernel_as_integral(
+                all_loads[is_integral], loads_above_stick[is_integral]
+            )
         return kernel
 
-    def _is_far(self, load: Array, slipped: Array) -> NDArray[np.bool_]:
-        """Where Lam(P, P_c) = int ln(a(eta)/a(P_c)) d eta loses no digits as a difference of larger
-        numbers, a boolean for each pair of loads.
+    def _is_exact_as_difference(self, load: Array, load_above_stick: Array) -> NDArray[np.bool_]:
+        """Whether Lam(P, P_c) = int ln(a(eta)/c) d eta keeps its digits as a difference of two
+        larger numbers, a boolean for each pair of loads.
 
-        Elsewhere it is taken as a sum of positive terms. `load` is P, `slipped` is P - P_c.
+        Elsewhere it is integrated as a sum of positive terms. `load` is P, `load_above_stick` is
+        P - P_c, P_c the load at the stick edge.
         """
-        edge_load = np.maximum(load - slipped, 0.0)
+        stick_edge_load = np.maximum(load - load_above_stick, 0.0)
         corner_below = np.maximum(
-            np.searchsorted(self._begin_loads, edge_load, side="right") - 1, 0
+            np.searchsorted(self._corner_loads, stick_edge_load, side="right") - 1, 0
         )
-        next_load = np.append(self._begin_loads, np.inf)[corner_below + 1]
-        is_short = slipped < _NEARBY * (edge_load - self._begin_loads[corner_below])
-        is_smooth = is_short & (load <= next_load)
+        next_corner_load = np.append(self._corner_loads, np.inf)[corner_below + 1]
+        load_from_corner = stick_edge_load - self._corner_loads[corner_below]
+        is_short = load_above_stick < _SHORT_LOAD_RANGE * load_from_corner
+        suits_gauss_rule = is_short & (load <= next_corner_load)
         if self.bends_anywhere:
             # twelve nodes would miss a half-width at which P hardly grows
-            is_smooth &= slipped <= _APART * load
-        return np.asarray(~is_smooth & (slipped > _APART * load))
+            suits_gauss_rule &= load_above_stick <= _FAR_LOAD_SHARE * load
+        return np.asarray(~suits_gauss_rule & (load_above_stick > _FAR_LOAD_SHARE * load))
 
-    def _log_of_widths(self, load: Array, slipped: Array) -> tuple[Array, Array, Array]:
-        """ln(a/c) of contact half-width a(P) over stick half-width c(P_c), and the advance of each
-        edge beyond the half-width without load [length].
+    def _log_width_ratio(self, load: Array, load_above_stick: Array) -> tuple[Array, Array, Array]:
+        """ln(a/c) of contact half-width a(P) over stick half-width c = a(P_c), and the advances
+        a - a_0 and c - a_0 of both edges beyond the half-width a_0 without load [length].
 
-        `load` is P, `slipped` is P - P_c. Of P_c only the last digit of P is left in that
-        difference. P_c = 0 would then stand for any smaller number, and its logarithm be 700.
+        `load` is P, `load_above_stick` is P - P_c. P_c is their difference, known to the last digit
+        of P. It is a quarter of that digit at least: of P_c = 0 the logarithm would be 700.
         """
-        edge_load = np.maximum(load - slipped, _EPS / 4 * load)
-        outer_advance, inner_advance = self.law.advance(np.stack([load, edge_load]))
-        least_half = np.finfo(float).tiny * np.maximum(outer_advance, 1.0)
-        relative_rise = (outer_advance - inner_advance) / np.maximum(
-            self.least_half_width + inner_advance, least_half
-        )
-        return np.log1p(relative_rise), outer_advance, inner_advance
+        stick_edge_load = np.maximum(load - load_above_stick, _EPS / 4 * load)
+        contact_advance, stick_advance = self.law.advance(np.stack([load, stick_edge_load]))
+        least_half_width = np.finfo(float).tiny * np.maximum(contact_advance, 1.0)
+        stick_half_width = np.maximum(self.least_half_width + stick_advance, least_half_width)
+        relative_rise = (contact_advance - stick_advance) / stick_half_width
+        return np.log1p(relative_rise), contact_advance, stick_advance
 
-    def _kernel_as_difference(self, load: Array, slipped: Array) -> Array:
-        """P ln(a/c) - int_c^a P/alpha d alpha."""
-        logarithm, outer_advance, inner_advance = self._log_of_widths(load, slipped)
-        outer_integral, inner_integral = self._logarithm(
-            0, np.stack([outer_advance, inner_advance])
-        )[0]
-        return load * logarithm - (outer_integral - inner_integral)
+    def _kernel_as_difference(self, load: Array, load_above_stick: Array) -> Array:
+        """Lam(P, P_c) as P ln(a/c) - int_c^a P/alpha d alpha [force per thickness], alpha the
+        half-widths between stick c and contact a.
+        """
+        log_ratio, contact_advance, stick_advance = self._log_width_ratio(load, load_above_stick)
+        both_integrals, _ = self._logarithm(0, np.stack([contact_advance, stick_advance]))
+        integral_to_contact, integral_to_stick = both_integrals
+        return load * log_ratio - (integral_to_contact - integral_to_stick)
 
-    def _kernel_as_integral(self, load: Array, slipped: Array) -> Array:
-        """Lam(P, P_c) as the integral of (P - eta) d ln(a(eta)) from P_c to P, a sum of positive
-        terms.
+    def _kernel_as_integral(self, load: Array, load_above_stick: Array) -> Array:
+        """Lam(P, P_c) as the integral of (P - eta) d ln(a(eta)) over loads eta from P_c to P, a sum
+        of positive terms, (n,) [force per thickness].
 
-        `load` is P, `slipped` is P - P_c, (n,) each. Each integral is cut where the edge passes a
-        corner of the profile, load P_b. In between a(P) is a smooth function of sqrt(P - P_b), and
-        Gauss' rule in that root holds. Close to no load a goes as any power of P: there a rule for
-        singular ends is used.
+        Each integral is cut where the edge of contact passes a corner of the profile. `load` is P,
+        `load_above_stick` is P - P_c, (n,) each.
         """
         kernel = np.zeros(load.shape)
-        edge_load = load - slipped
-        first_corner = np.searchsorted(self._begin_loads, edge_load, side="right")
+        stick_edge_load = load - load_above_stick
+        first_corner = np.searchsorted(self._corner_loads, stick_edge_load, side="right")
         last_corner = np.maximum(
-            np.searchsorted(self._begin_loads, load, side="left"), first_corner
+            np.searchsorted(self._corner_loads, load, side="left"), first_corner
         )
-        counts_of_parts = last_corner - first_corner + 1  # of each integral, from corner to corner
-        bounds = np.arange(_MEMBERS, len(load), _MEMBERS)
-        for numbers_at_once in np.split(np.arange(len(load)), bounds):
+        n_parts = last_corner - first_corner + 1  # of each integral, from corner to corner
+        chunk_ends = np.arange(_INTEGRALS_AT_ONCE, len(load), _INTEGRALS_AT_ONCE)
+        for integral_numbers in np.split(np.arange(len(load)), chunk_ends):
             # each part belongs to one integral, and lies behind the corner number `corner_below`
-            integral_of_part = np.repeat(numbers_at_once, counts_of_parts[numbers_at_once])
-            parts_before = (
-                np.cumsum(counts_of_parts[numbers_at_once]) - counts_of_parts[numbers_at_once]
+            n_parts_of_chunk = n_parts[integral_numbers]
+            integral_of_part = np.repeat(integral_numbers, n_parts_of_chunk)
+            first_part_of_integral = np.cumsum(n_parts_of_chunk) - n_parts_of_chunk
+            number_in_integral = np.arange(len(integral_of_part)) - np.repeat(
+                first_part_of_integral, n_parts_of_chunk
             )
-            number_of_part = np.arange(len(integral_of_part)) - np.repeat(
-                parts_before, counts_of_parts[numbers_at_once]
+            corner_below = number_in_integral + first_corner[integral_of_part] - 1
+            integrals_of_parts = self._integrals_of_parts(
+                load[integral_of_part], load_above_stick[integral_of_part], corner_below
             )
-            corner_below = number_of_part + first_corner[integral_of_part] - 1
-            integrals = self._integrals_of_parts(
-                load[integral_of_part], slipped[integral_of_part], corner_below
-            )
-            kernel += np.bincount(integral_of_part, integrals, len(kernel))
+            kernel += np.bincount(integral_of_part, integrals_of_parts, len(kernel))
         return kernel
 
-    def _integrals_of_parts(self, load: Array, slipped: Array, corner_below: Indices) -> Array:
-        """Parts (n,) of integrals of (P - eta) d ln(a(eta)) over the load eta [force per
-        thickness], each between two corners of the profile.
+    def _integrals_of_parts(
+        self, load: Array, load_above_stick: Array, corner_below: Indices
+    ) -> Array:
+        """Integrals of (P - eta) d ln(a(eta)) over loads eta between two corners of the profile,
+        (n,) [force per thickness]: the parts of Lam(P, P_c).
 
-        A part begins at P_c, or at the load of corner number `corner_below`. It ends at P = `load`,
-        or at the load of the next corner. `slipped` is P - P_c, which has more digits than a
-        difference.
+        A part begins at P_c, or at the load P_b of its corner if that is larger. It ends at P, or
+        at the load of the next corner. a(eta) is a smooth function of sqrt(eta - P_b), and Gauss'
+        rule in that root holds. Close to no load a goes as any power of eta: there a rule for
+        singular ends is used.
+
+        Parameters
+        ----------
+        load
+            P [force per thickness]
+        load_above_stick
+            P - P_c, which has more digits than the difference of both
+        corner_below
+            number of the corner of the part in `_corner_loads`
         """
-        corners = np.append(self._begin_loads, np.inf)
-        edge_load = load - slipped
-        begin_load = np.maximum(edge_load, corners[corner_below])
-        end_load = np.minimum(load, corners[corner_below + 1])
+        corner_loads = np.append(self._corner_loads, np.inf)
+        stick_edge_load = load - load_above_stick
+        begin_load = np.maximum(stick_edge_load, corner_loads[corner_below])
+        end_load = np.minimum(load, corner_loads[corner_below + 1])
         # Up to P it is what is left of P - P_c, whose digits a difference of loads would lose.
-        ends_at_load = corners[corner_below + 1] >= load
-        slipped_left = np.maximum(slipped - (begin_load - edge_load), 0.0)
-        load_spans = np.where(ends_at_load, slipped_left, end_load - begin_load)
+        ends_at_load = corner_loads[corner_below + 1] >= load
+        load_above_begin = np.maximum(load_above_stick - (begin_load - stick_edge_load), 0.0)
+        load_spans = np.where(ends_at_load, load_above_begin, end_load - begin_load)
         integrals = np.zeros(len(load))
-        is_smooth = (corner_below > 0) | (load_spans < _NEARBY * begin_load)
-        for by_root in (True, False):
-            parts_of_rule = is_smooth == by_root
+        suits_gauss_rule = (corner_below > 0) | (load_spans < _SHORT_LOAD_RANGE * begin_load)
+        for is_gauss_rule in (True, False):
+            parts_of_rule = suits_gauss_rule == is_gauss_rule
             if not np.any(parts_of_rule):
                 continue
             begin_column = begin_load[parts_of_rule, None]
             span_column = load_spans[parts_of_rule, None]
-            if by_root:
+            if is_gauss_rule:
                 loads_from_begin, weights = _nodes_in_root(
-                    begin_column - corners[corner_below[parts_of_rule], None], span_column
+                    begin_column - corner_loads[corner_below[parts_of_rule], None], span_column
                 )
             else:
                 loads_from_begin, weights = (values[:, 0] for values in graded(0.0, span_column))
             advance = self.law.advance(begin_column + loads_from_begin)
-            rates = (self.least_half_width + advance) * self.law.stiffness(advance)
-            # P - eta, with its own digits
-            load_above = slipped[parts_of_rule, None] - (
-                (begin_column - edge_load[parts_of_rule, None]) + loads_from_begin
+            # dP/d ln(a) = a dP/da
+            log_stiffness = (self.least_half_width + advance) * self.law.stiffness(advance)
+            # P - eta from P - P_c, which keeps its digits
+            load_above_node = load_above_stick[parts_of_rule, None] - (
+                (begin_column - stick_edge_load[parts_of_rule, None]) + loads_from_begin
             )
-            integrand = load_above / np.where(rates > 0, rates, np.inf)
+            integrand = load_above_node / np.where(log_stiffness > 0, log_stiffness, np.inf)
             integrals[parts_of_rule] = np.sum(weights * integrand, axis=-1)
         return integrals
 
     # --- errors
 
     def quadrature_error(self, name: str, *arguments: ArrayLike) -> Array:
-        """Estimated error of the values that the method `name` returns for these arguments; not
-        below the true one.
+        """Estimated error of the values that the method called `name` returns for these arguments,
+        in their units; not below the true error.
 
-        It adds what the Chebyshev series leave out, what the last digits of half-widths do to the
-        value, and the error of P(a) itself.
+        It is the sum of three: what the Chebyshev series leave out, what the last digit of a
+        half-width changes, and the error of P(a) itself. The last of the `arguments` is the load,
+        except for "dissipation_kernel", which has P and P - P_c.
         """
-        values = np.broadcast_arrays(*(as_is(argument) for argument in arguments))
+        argument_arrays = np.broadcast_arrays(*(as_is(argument) for argument in arguments))
         if name == "dissipation_kernel":
-            return self._kernel_error(*values)
+            return self._error_of_dissipation_kernel(*argument_arrays)
         load_power = int(name.endswith("_moment"))
-        kind = name.removesuffix("_moment")
-        advance = self.law.advance(values[-1])
+        method_name = name.removesuffix("_moment")
+        # |x| of a field at points; the load again of the two others
+        first_argument = argument_arrays[0]
+        load = argument_arrays[-1]
+        advance = self.law.advance(load)
         half_width = self.least_half_width + advance
-        if kind == "pressure":
-            distance = np.abs(values[0])
-            value, error = self._pressure(load_power, distance, values[1])
-            error = error + self._last_digit_of_variable(load_power, distance, advance)
-            distance_to_edge = np.abs(half_width - distance)
-        elif kind == "slip_integral":
-            distance = np.abs(values[0])
-            value, error = self._outside(load_power, distance, values[1])
-            distance_to_edge = np.minimum(half_width, distance) - self.least_half_width
+        # The relative change of the value is that of `sensitive_length`, which round-off of a
+        # half-width changes most.
+        if method_name == "pressure":
+            distance = np.abs(first_argument)
+            value, error = self._pressure(load_power, distance, load)
+            error = error + self._pressure_change_by_last_digit(load_power, distance, advance)
+            sensitive_length = np.abs(half_width - distance)
+        elif method_name == "slip_integral":
+            distance = np.abs(first_argument)
+            value, error = self._arccosh_integral(load_power, distance, load)
+            sensitive_length = np.minimum(half_width, distance) - self.least_half_width
         else:
             value, error = self._logarithm(load_power, advance)
-            value = value + np.abs(values[0]) ** (1 + load_power) * np.abs(self._log_ratio(advance))
-            distance_to_edge = half_width
-        # What the last digit of a half-width does to the result, and errors of P(a).
-        least_distance = _EPS * np.maximum(half_width, np.finfo(float).tiny)
-        last_digit = 8 * _EPS * half_width / np.maximum(distance_to_edge, least_distance)
-        return error + (last_digit + self.noise + 50 * _EPS) * np.abs(value)
+            value = value + np.abs(load) ** (1 + load_power) * np.abs(self._log_ratio(advance))
+            sensitive_length = half_width
+        least_length = _EPS * np.maximum(half_width, np.finfo(float).tiny)
+        relative_last_digit = 8 * _EPS * half_width / np.maximum(sensitive_length, least_length)
+        return error + (relative_last_digit + self.noise + 50 * _EPS) * np.abs(value)
 
-    def _kernel_error(self, load: Array, slipped: Array) -> Array:
-        """Estimated error, not below the true one, of Lam(P, P_c) = int ln(a(eta)/a(P_c)) d eta.
-        `load` is P, `slipped` is P - P_c.
+    def _error_of_dissipation_kernel(self, load: Array, load_above_stick: Array) -> Array:
+        """Estimated error of the kernel of friction work Lam(P, P_c) = int ln(a(eta)/c) d eta, not
+        below the true one [force per thickness]; `load` is P, `load_above_stick` is P - P_c.
 
-        Where Lam is a sum of positive terms it loses some last digits of itself. As the difference
-        P ln(a/c) - int P/alpha d alpha it loses last digits of both terms, and what the series of
-        the second leaves out.
+        Integrated as a sum of positive terms Lam has some round-offs of itself. As the difference
+        P ln(a/c) - int P/alpha d alpha it has round-offs of both terms, and what the Chebyshev
+        series of the integral leaves out.
         """
-        kernel = self.dissipation_kernel(load, slipped)
-        logarithm, outer_advance, _ = self._log_of_widths(load, slipped)
-        log_integral, series_error = self._logarithm(0, outer_advance)
-        size_of_terms = load * logarithm + np.abs(log_integral)
+        kernel = self.dissipation_kernel(load, load_above_stick)
+        log_ratio, contact_advance, _ = self._log_width_ratio(load, load_above_stick)
+        integral_to_contact, series_error = self._logarithm(0, contact_advance)
+        size_of_terms = load * log_ratio + np.abs(integral_to_contact)
         error_of_difference = series_error + (8 * _EPS + self.noise) * size_of_terms
-        error_of_difference = np.where(self._is_far(load, slipped), error_of_difference, 0.0)
-        return error_of_difference + (_OF_AREA * _EPS + self.noise) * kernel
+        is_difference = self._is_exact_as_difference(load, load_above_stick)
+        error_of_difference = np.where(is_difference, error_of_difference, 0.0)
+        return error_of_difference + (_ROUND_OFFS_OF_KERNEL * _EPS + self.noise) * kernel
 
-    def _last_digit_of_variable(self, load_power: int, distance: Array, advance: Array) -> Array:
-        """Change of the pressure at |x| = `distance` by the last digit of v, the variable in which
-        its integral is a series; arrays of one shape [stress].
+    def _pressure_change_by_last_digit(
+        self, load_power: int, distance: Array, advance: Array
+    ) -> Array:
+        """Change of the pressure at |x| = `distance` [stress] by the round-off of v, the variable
+        in which its integral is a series; arrays of one shape.
 
-        The edge of contact is |x - b| sinh^2 v beyond x, b the nearest corner of the profile. A
-        change of v by eps v moves it by 2 eps v of that distance, and p by dp/da times as much. At
-        x = 0 v reaches 28, and p of a profile |x|^n goes as a^(n - 1): for |x|^20 that is 2e-13 of
-        p.
+        The edge of contact is a - |x| = |x - b| sinh^2 v beyond x, b the nearest corner of the
+        profile. A change of v by eps v moves the edge by 2 eps v (a - |x|), and p by dp/da times
+        that. At x = 0 v reaches 28, and p of a profile |x|^n goes as a^(n - 1): for |x|^20 the
+        change is 2e-13 of p.
 
-        `advance` is a - a_0 of the edge; with `load_power` 1 the load stands in front of the
-        integrand.
+        Parameters
+        ----------
+        load_power
+            with 1 the load stands in front of the integrand of the pressure
+        advance
+            a - a_0 of the edge, a_0 the half-width without load [length]
         """
         half_width = self.least_half_width + advance
-        distance_to_edge = half_width - distance
-        distance_inside = np.maximum(distance_to_edge, 0.0)
+        distance_to_edge = np.maximum(half_width - distance, 0.0)
         root_ratio = np.sqrt(
-            distance_inside / np.where(half_width > 0, half_width + distance, np.inf)
+            distance_to_edge / np.where(half_width > 0, half_width + distance, np.inf)
         )
-        # Of dp/da = g/(pi sqrt(a^2 - x^2)), times the way ahead.
-        pressure_change = self.law.stiffness(advance) * root_ratio / np.pi
+        # dp/da = g/(pi sqrt(a^2 - x^2)), g = dP/da, times a - |x|
+        change_per_relative_distance = self.law.stiffness(advance) * root_ratio / np.pi
         if load_power:
-            pressure_change = pressure_change * self.law.load(advance)
-        distance_to_corners = np.abs(
-            (distance - self.least_half_width)[..., None] - self.law.begins
+            change_per_relative_distance = change_per_relative_distance * self.law.load(advance)
+        advance_to_x = distance - self.least_half_width
+        distance_to_corners = np.abs(advance_to_x[..., None] - self.law.corner_advances)
+        distance_to_corner = np.maximum(
+            np.min(distance_to_corners, axis=-1), _LEAST_DISTANCE_RATIO * advance
         )
-        distance_to_corner = np.maximum(np.min(distance_to_corners, axis=-1), _CLOSEST * advance)
         v = np.arcsinh(
-            np.sqrt(distance_inside / np.where(distance_to_corner > 0, distance_to_corner, np.inf))
+            np.sqrt(distance_to_edge / np.where(distance_to_corner > 0, distance_to_corner, np.inf))
         )
-        return 2 * _EPS * v * pressure_change
+        return 2 * _EPS * v * change_per_relative_distance
 
     # --- the integrals
 
     @cached_property
-    def _begin_loads(self) -> Array:
-        return self.law.load(self.law.begins)
+    def _corner_loads(self) -> Array:
+        """Loads P at which the edge of contact is at a corner of the profile, 0 first, (n,)
+        ascending.
+        """
+        return self.law.load(self.law.corner_advances)
 
     @cached_property
     def _primitives(self) -> dict[tuple[Kind, int], list[Primitive]]:
-        """Those of earlier calls: a cache, and nothing else."""
+        """Primitives of earlier calls by integral and power of the load: a cache, nothing else."""
         return {}
 
     def _primitive(
@@ -653,8 +731,8 @@ class PunchSuperposition:
 
         `kind` names the integral: pressure, arccosh outside the punches, or logarithm. With
         `load_power` 1 the load eta stands in front of the integrand. A primitive, the integral as a
-        function of its upper end, keeps its digits over a limited ratio of advances; wider apart
-        they are taken in bands.
+        function of its upper end, keeps its digits over a limited ratio of advances. Where these
+        are wider apart they are grouped into bands, each within that ratio.
         """
         is_positive = advance > 0
         if not np.any(is_positive) or not np.size(x):
@@ -662,15 +740,19 @@ class PunchSuperposition:
             return zeros, zeros
         largest_advance = float(np.max(advance))
         least_advance = float(np.min(advance, where=is_positive, initial=np.inf))
-        if largest_advance < least_advance * self._band:
+        if largest_advance < least_advance * self._advance_ratio_of_primitive:
             return self._primitive_of_band(kind, load_power, x, advance)
         points, advances = np.broadcast_arrays(x, advance)
-        band = np.full(advances.shape, -1)
-        band[advances > 0] = np.log(largest_advance / advances[advances > 0]) / math.log(self._band)
+        # Bands are numbered from the largest advance down; -1 where there is no contact.
+        band_numbers = np.full(advances.shape, -1)
+        ratio_to_largest = largest_advance / advances[advances > 0]
+        band_numbers[advances > 0] = np.log(ratio_to_largest) / math.log(
+            self._advance_ratio_of_primitive
+        )
         integral = np.zeros(advances.shape)
         error = np.zeros(advances.shape)
-        for band_number in range(int(band.max()) + 1):
-            is_in_band = band == band_number
+        for band_number in range(int(band_numbers.max()) + 1):
+            is_in_band = band_numbers == band_number
             if np.any(is_in_band):
                 integral[is_in_band], error[is_in_band] = self._primitive_of_band(
                     kind, load_power, points[is_in_band], advances[is_in_band]
@@ -678,11 +760,11 @@ class PunchSuperposition:
         return integral, error
 
     @property
-    def _band(self) -> float:
+    def _advance_ratio_of_primitive(self) -> float:
         """Ratio of the largest to the least advance that one primitive serves with all its
         digits.
         """
-        return float(self.law.octave ** (_OCTAVES // 2))
+        return float(self.law.advance_ratio_of_series ** (_OCTAVES // 2))
 
     def _primitive_of_band(
         self, kind: Kind, load_power: int, x: Array, advance: Array
@@ -691,61 +773,68 @@ class PunchSuperposition:
         contact that lie close enough for one stored primitive; with its error.
 
         `kind` names the integral; with `load_power` 1 the load eta stands in front of the
-        integrand. Advances may be 0 too. `x` and `advance` broadcast.
+        integrand. Advances may be 0 too. `x` and `advance` broadcast. Many points are taken in
+        chunks.
         """
-        if np.ndim(x) and np.shape(x)[-1] > _POINTS:  # a primitive takes some kilobytes a point
+        if (
+            np.ndim(x) and np.shape(x)[-1] > _POINTS_OF_PRIMITIVE
+        ):  # a primitive takes some kilobytes a point
             advance_of_points = np.broadcast_to(
                 advance, np.broadcast_shapes(np.shape(x), np.shape(advance))
             )
             integrals = []
             errors = []
-            for k in range(0, np.shape(x)[-1], _POINTS):
-                chunk = slice(k, k + _POINTS)
+            for k in range(0, np.shape(x)[-1], _POINTS_OF_PRIMITIVE):
+                chunk = slice(k, k + _POINTS_OF_PRIMITIVE)
                 integral, error = self._primitive(
                     kind, load_power, x[..., chunk], advance_of_points[..., chunk]
                 )
                 integrals.append(integral)
                 errors.append(error)
             return np.concatenate(integrals, axis=-1), np.concatenate(errors, axis=-1)
-        points, number_in_points = np.unique(np.ravel(x), return_inverse=True)
-        primitive, index_in_primitive = self._cached_primitive(
-            kind, load_power, points, float(np.max(advance))
+        unique_x, number_in_unique_x = np.unique(np.ravel(x), return_inverse=True)
+        primitive, number_in_primitive = self._cached_primitive(
+            kind, load_power, unique_x, float(np.max(advance))
         )
-        return primitive(
-            *np.broadcast_arrays(index_in_primitive[number_in_points].reshape(np.shape(x)), advance)
-        )
+        point_number = number_in_primitive[number_in_unique_x].reshape(np.shape(x))
+        return primitive(*np.broadcast_arrays(point_number, advance))
 
     def _cached_primitive(
-        self, kind: Kind, load_power: int, points: Array, largest_advance: float
+        self, kind: Kind, load_power: int, x: Array, largest_advance: float
     ) -> tuple[Primitive, Indices]:
-        """A stored integral over flat punches as a function of its upper end, made where none
-        of the last eight serves; with the indices of the points in it.
+        """A primitive of an integral over flat punches from the cache, made where none of the last
+        eight serves; with the numbers that the points `x` have in it, (k,).
+
+        A primitive is the integral at all its points as a function of its upper end.
 
         Parameters
         ----------
         kind, load_power
             which integral; with 1 the load stands in front of the integrand
-        points
-            (k,) distances |x| [length], ascending
+        x
+            (k,) distances |x| of the points [length], ascending
         largest_advance
             largest upper end, a - a_0 of the edge of contact [length]
         """
         cached_primitives = self._primitives.setdefault((kind, load_power), [])
+        # A primitive up to a larger advance than this would lose digits of the smaller ones.
+        advance_limit = largest_advance * self._advance_ratio_of_primitive
         for primitive in cached_primitives:
-            indices = np.minimum(np.searchsorted(primitive.x, points), len(primitive.x) - 1)
-            reaches_top = largest_advance <= primitive.top < largest_advance * self._band
-            if reaches_top and np.array_equal(primitive.x[indices], points):
-                return primitive, indices
-        primitive = primitive_of(kind, load_power, points, largest_advance, self.law)
-        cached_primitives[:] = [primitive, *cached_primitives[: _KEPT - 1]]
-        return primitive, np.arange(len(points))
+            point_numbers = np.minimum(np.searchsorted(primitive.x, x), len(primitive.x) - 1)
+            has_range = largest_advance <= primitive.largest_advance < advance_limit
+            if has_range and np.array_equal(primitive.x[point_numbers], x):
+                return primitive, point_numbers
+        primitive = primitive_of(kind, load_power, x, largest_advance, self.law)
+        cached_primitives[:] = [primitive, *cached_primitives[: _CACHED_PRIMITIVES - 1]]
+        return primitive, np.arange(len(x))
 
     def _pressure(self, load_power: int, distance: Array, load: Array) -> tuple[Array, Array]:
-        """Pressure at |x| = `distance` under a load, and its error [stress]: int g/(pi sqrt(alpha^2
-        - x^2)) d alpha over the flat punches that reach beyond x.
+        """Contact pressure at |x| = `distance` under a load, and its error [stress]: int g/(pi
+        sqrt(alpha^2 - x^2)) d alpha over the flat punches that reach beyond x.
 
         alpha is the half-width of a punch, g = dP/d alpha its load per half-width. With
-        `load_power` 1 the load eta stands in front of g.
+        `load_power` 1 the load eta stands in front of g. At the tip of a sharp wedge the integral
+        has no lower end: there it is (g/pi) ln(a/L), of which only differences have a meaning.
         """
         advance = self.law.advance(load)
         is_inside = distance < self.least_half_width + advance
@@ -753,9 +842,7 @@ class PunchSuperposition:
             "pressure", load_power, distance, np.where(is_inside, advance, 0.0)
         )
         pressure = np.where(is_inside & (advance > 0), pressure, 0.0)
-        if self._sharp and load_power == 0:
-            # The tip of a sharp wedge: what lies below the least octave, int g/alpha, has no lower
-            # end but differences.
+        if self._is_sharp_wedge and load_power == 0:
             with np.errstate(divide="ignore"):
                 pressure_at_tip = (
                     self.law.stiffness(np.zeros(())) / np.pi * np.log(advance / self.datum_length)
@@ -763,29 +850,34 @@ class PunchSuperposition:
             pressure = np.where(distance == 0, pressure_at_tip, pressure)
         return pressure, error
 
-    def _outside(self, load_power: int, distance: Array, load: Array) -> tuple[Array, Array]:
+    def _arccosh_integral(
+        self, load_power: int, distance: Array, load: Array
+    ) -> tuple[Array, Array]:
         """Integral of arccosh(|x|/alpha) dP over the flat punches of half-width alpha < |x| =
         `distance` up to a load, and its error [force per thickness].
 
         By parts it is int W x/(alpha sqrt(x^2 - alpha^2)) d alpha plus W arccosh(|x|/alpha) at the
-        upper end. W = P; with `load_power` 1, where the load stands in front, W = P^2/2.
+        upper end, the smaller of a and |x|. W = P; with `load_power` 1, where the load stands in
+        front, W = P^2/2.
         """
         advance = self.law.advance(load)
-        outer_advance = self._beyond(distance)
-        inner_advance = np.minimum(advance, outer_advance)
-        integral, error = self._primitive("outside", load_power, distance, inner_advance)
-        load_at_x = np.minimum(load, self.law.load(outer_advance))
-        half_width = inner_advance + self.least_half_width
+        advance_to_x = self._advance_to(distance)
+        end_advance = np.minimum(advance, advance_to_x)
+        integral, error = self._primitive("outside", load_power, distance, end_advance)
+        end_load = np.minimum(load, self.law.load(advance_to_x))
+        end_half_width = end_advance + self.least_half_width
+        # sqrt(x^2 - alpha^2) without cancellation
         root_of_squares = np.sqrt(
-            (outer_advance - inner_advance)
-            * (outer_advance + inner_advance + 2 * self.least_half_width)
+            (advance_to_x - end_advance) * (advance_to_x + end_advance + 2 * self.least_half_width)
         )
-        arccosh = np.arcsinh(root_of_squares / np.where(half_width > 0, half_width, np.inf))
-        return integral + _load_to_power(load_power, load_at_x) * arccosh, error
+        arccosh = np.arcsinh(root_of_squares / np.where(end_half_width > 0, end_half_width, np.inf))
+        return integral + _load_to_power(load_power, end_load) * arccosh, error
 
     def _logarithm(self, load_power: int, advance: Array) -> tuple[Array, Array]:
-        """int_0^a P/alpha d alpha, with `load_power` 1 int_0^a P^2/(2 alpha) d alpha, and the
-        error.
+        """Integral int_0^a P/alpha d alpha over the half-widths alpha of flat punches up to that
+        with this `advance`, and its error [force per thickness].
+
+        With `load_power` 1 it is int_0^a P^2/(2 alpha) d alpha [(force per thickness)^2].
         """
         value, error = self._primitive("logarithm", load_power, np.zeros(1), advance.reshape(-1, 1))
         return value.reshape(advance.shape), error.reshape(advance.shape)
@@ -793,24 +885,27 @@ class PunchSuperposition:
 
 @dataclass(frozen=True, eq=False)
 class Panels:
-    """Ranges [begin, end] of the variable v that takes the roots out of the integrands, (n,) each.
+    """Ranges [begin_v, end_v] of the integration variable v, n of them, on each of which one
+    Chebyshev series serves; (n,) each. v takes the roots out of the integrands.
 
     Attributes
     ----------
-    point, x
-        number of the point that a panel belongs to, and its x [length]
+    point_number, x
+        number of the point that a panel belongs to, and its |x| [length]
     advance_at_v0
         advance d = a - a_0 of the edge of contact at v = 0 [length]
     scale
-        sqrt(|x - b|), b the corner of the profile behind which the panel lies; or 1
+        factor of v: sqrt(|x - b|), b the corner of the profile behind which the panel lies; or 1
+    begin_v, end_v
+        the ends of the panel
     """
 
-    point: Indices
+    point_number: Indices
     x: Array
     advance_at_v0: Array
     scale: Array
-    begin: Array
-    end: Array
+    begin_v: Array
+    end_v: Array
 
     @classmethod
     def together(cls, parts: Sequence[Panels]) -> Panels:
@@ -828,26 +923,28 @@ class Panels:
         A panel is a range of the integration variable v that one Chebyshev series serves. The last
         part of a panel ends exactly where the panel did.
         """
-        n_parts = np.maximum(np.ceil((self.end - self.begin) / largest_length), 1).astype(int)
+        n_parts = np.maximum(np.ceil((self.end_v - self.begin_v) / largest_length), 1).astype(int)
         panel_of_part = np.repeat(np.arange(len(n_parts)), n_parts)
         first_part_of_panel = np.cumsum(n_parts) - n_parts
         number_in_panel = np.arange(len(panel_of_part)) - np.repeat(first_part_of_panel, n_parts)
-        part_length = ((self.end - self.begin) / n_parts)[panel_of_part]
-        whole_panels = self.take(panel_of_part)
-        begin = whole_panels.begin + number_in_panel * part_length
+        part_length = ((self.end_v - self.begin_v) / n_parts)[panel_of_part]
+        uncut_panels = self.take(panel_of_part)
+        begin_v = uncut_panels.begin_v + number_in_panel * part_length
         is_last_of_panel = number_in_panel == n_parts[panel_of_part] - 1
-        end = np.where(is_last_of_panel, whole_panels.end, begin + part_length)
-        return replace(whole_panels, begin=begin, end=end)
+        end_v = np.where(is_last_of_panel, uncut_panels.end_v, begin_v + part_length)
+        return replace(uncut_panels, begin_v=begin_v, end_v=end_v)
 
     def halved(self) -> Panels:
-        """The lower halves of all, then the upper ones."""
-        middle = (self.begin + self.end) / 2
-        lower_half = replace(self, end=middle)
-        upper_half = replace(self, begin=middle)
+        """Both halves of each panel: the lower halves of all, then the upper ones."""
+        middle_v = (self.begin_v + self.end_v) / 2
+        lower_half = replace(self, end_v=middle_v)
+        upper_half = replace(self, begin_v=middle_v)
         return Panels.together([lower_half, upper_half])
 
-    def advance(self, kind: Kind, v: Array) -> Array:
-        """Growth of the advance from v = 0 on to v, which is (n,) or (n, nodes)."""
+    def advance_beyond_v0(self, kind: Kind, v: Array) -> Array:
+        """Advance of the edge of contact from its place at v = 0 to that at v, (n,) or (n, nodes)
+        as v [length].
+        """
         scale = self.scale.reshape(-1, *[1] * (v.ndim - 1))
         if kind == "pressure":
             return np.square(scale * np.sinh(v))
@@ -856,135 +953,150 @@ class Panels:
 
 @dataclass(frozen=True, eq=False)
 class Primitive:
-    """One of the integrals at points `x` (k,), ascending, as a function of the advance up to `top`.
+    """An integral over flat punches at points `x` (k,), ascending, as a function of its upper end,
+    the advance d = a - a_0 of the edge of contact up to `largest_advance`.
 
     Attributes
     ----------
-    beyond
-        (k,) x - a_0
-    panels, first
-        where each series holds; advance at its lower end
+    distance_beyond_flat
+        (k,) x - a_0 [length]
+    panels
+        the n ranges of the variable v on which one Chebyshev series each holds
+    begin_advances
+        (n,) advance at the begin of each panel [length]
     coefficients
-        (m, n) of the primitive over each panel
+        (m, n) of the Chebyshev series of the integral on each panel
     error
-        (n,) what the series of a point left out up to the end of each panel may be worth
+        (n,) error of the integral at the end of each panel, by what its series leave out
     """
 
     kind: Kind
     x: Array
-    beyond: Array
-    top: float
+    distance_beyond_flat: Array
+    largest_advance: float
     panels: Panels
-    first: Array
+    begin_advances: Array
     coefficients: Array
     error: Array
 
-    def __call__(self, point: Indices, advance: Array) -> tuple[Array, Array]:
-        """The integral from no load up to `advance` of the edge of contact at the points numbered
-        `point`, arrays of one shape, and its error.
+    def __call__(self, point_number: Indices, advance: Array) -> tuple[Array, Array]:
+        """The integral from no load up to `advance` of the edge of contact at the points with these
+        numbers, arrays of one shape, and its error.
 
         The panel that holds the advance is looked up: a range of the variable v with one Chebyshev
         series of the integral. The series is then evaluated at v.
         """
         panels = self.panels
-        rank_of_advance = np.searchsorted(self._firsts, advance, side="right")
-        panel_number = (
-            np.searchsorted(self._keys, self._key(point, rank_of_advance), side="right") - 1
-        )
-        # Below its first panel a point has nothing yet.
-        panel_number = np.maximum(panel_number, np.searchsorted(panels.point, point))
-        v = _variable(
+        rank_of_advance = np.searchsorted(self._sorted_begin_advances, advance, side="right")
+        key = self._key(point_number, rank_of_advance)
+        panel_number = np.searchsorted(self._panel_keys, key, side="right") - 1
+        # Below the first panel of a point its integral is still 0.
+        first_panel_of_point = np.searchsorted(panels.point_number, point_number)
+        panel_number = np.maximum(panel_number, first_panel_of_point)
+        v = _integration_variable(
             self.kind,
             advance,
-            self.beyond[point],
+            self.distance_beyond_flat[point_number],
             panels.advance_at_v0[panel_number],
             panels.scale[panel_number],
         )
-        begin_v = panels.begin[panel_number]
-        end_v = panels.end[panel_number]
+        begin_v = panels.begin_v[panel_number]
+        end_v = panels.end_v[panel_number]
         place_in_panel = np.clip((2 * v - begin_v - end_v) / (end_v - begin_v), -1.0, 1.0)
         return clenshaw(self.coefficients, panel_number, place_in_panel), self.error[panel_number]
 
     @cached_property
-    def _firsts(self) -> Array:
+    def _sorted_begin_advances(self) -> Array:
         """Every advance at which some panel begins, ascending."""
-        return np.unique(self.first)
+        return np.unique(self.begin_advances)
 
     @cached_property
-    def _keys(self) -> Indices:
-        """Of each panel, ascending: by its point, then by its first advance."""
-        return self._key(self.panels.point, np.searchsorted(self._firsts, self.first, side="right"))
+    def _panel_keys(self) -> Indices:
+        """Key of each panel, ascending (n,): by its point, then by the advance at its begin."""
+        rank_of_advance = np.searchsorted(
+            self._sorted_begin_advances, self.begin_advances, side="right"
+        )
+        return self._key(self.panels.point_number, rank_of_advance)
 
-    def _key(self, point: Indices, rank: Indices) -> Indices:
-        """One whole number of a point and the rank of an advance: a sum of the two themselves would
-        lose the digits of one.
+    def _key(self, point_number: Indices, rank_of_advance: Indices) -> Indices:
+        """One integer from the number of a point and the rank of an advance, which sorts by the
+        point first. A sum of x and the advance themselves would lose the digits of one.
         """
-        return point * (len(self._firsts) + 1) + rank
+        return point_number * (len(self._sorted_begin_advances) + 1) + rank_of_advance
 
 
-def _variable(
-    kind: Kind, advance: Array, beyond_flat: Array, advance_at_v0: Array, scale: Array
+def _integration_variable(
+    kind: Kind, advance: Array, distance_beyond_flat: Array, advance_at_v0: Array, scale: Array
 ) -> Array:
-    """The integration variable v that makes an integrand over flat punches smooth, from the advance
-    d of their edge; arrays of one shape.
+    """The integration variable v >= 0 that makes an integrand over flat punches smooth, from the
+    advance d of their edge; arrays of one shape.
 
         pressure     d = d0 + scale^2 sinh^2 v
-        outside      d = d0 + scale^2 sin^2 v       scale^2 = beyond_flat - d0
+        outside      d = d0 + scale^2 sin^2 v       scale^2 = x - a_0 - d0
         logarithm    d = d0 + v^2
 
     d0 = `advance_at_v0`; d = a - a_0 is counted from the half-width a_0 without load [length].
-    `beyond_flat` is x - a_0 of the point.
+    `distance_beyond_flat` is x - a_0 of the point.
     """
-    root = np.sqrt(np.maximum(advance - advance_at_v0, 0.0))
+    root_of_distance = np.sqrt(np.maximum(advance - advance_at_v0, 0.0))
     if kind == "pressure":
-        return np.arcsinh(root / scale)
+        return np.arcsinh(root_of_distance / scale)
     if kind == "outside":
-        return np.arctan2(root, np.sqrt(np.maximum(beyond_flat - advance, 0.0)))
-    return root
+        root_left_to_x = np.sqrt(np.maximum(distance_beyond_flat - advance, 0.0))
+        return np.arctan2(root_of_distance, root_left_to_x)
+    return root_of_distance
 
 
-def _nodes_in_root(begin_distance: Array, length_of_span: Array) -> tuple[Array, Array]:
+def _nodes_in_root(begin_distance: Array, span: Array) -> tuple[Array, Array]:
     """Gauss' nodes and weights for integrands that are smooth in the root of the distance from a
-    corner of the profile, for many spans of integration at once.
+    corner of the profile: distances of the nodes from the begin of each span, and weights.
 
-    Returned are the distances of the nodes from the begin of each span and their weights, (n,
-    nodes) each. A span begins at `begin_distance` (n, 1) beyond its corner and has `length_of_span`
-    (n, 1).
+    Both are (n, nodes), for n spans of integration. A span begins at `begin_distance` (n, 1) beyond
+    its corner and has the length `span` (n, 1).
     """
-    nodes, weights_of_nodes = gauss(_BETWEEN)
+    nodes, weights_of_nodes = gauss(_NODES_BETWEEN_CORNERS)
     begin_root = np.sqrt(begin_distance)
     # length 0 of a span that round-off has closed
-    root_length = length_of_span / np.where(
-        length_of_span > 0, begin_root + np.sqrt(begin_root * begin_root + length_of_span), 1.0
+    root_length = span / np.where(
+        span > 0, begin_root + np.sqrt(begin_root * begin_root + span), 1.0
     )
     distances_from_begin = root_length * nodes * (2 * begin_root + root_length * nodes)
     weights = 2 * root_length * weights_of_nodes * (begin_root + root_length * nodes)
     return distances_from_begin, weights
 
 
-def _load_to_power(load_power: int, force: Array) -> Array:
-    """W: P, or P^2/2 for the moments."""
-    return force * force / 2 if load_power else force
+def _load_to_power(load_power: int, load: Array) -> Array:
+    """W, the integral of eta^n over the load eta up to P, n = `load_power` 0 or 1: P, or P^2/2 for
+    the moments.
+    """
+    return load * load / 2 if load_power else load
 
 
-class _Resolved(NamedTuple):
-    """Panels with their series (n, nodes), and what the last coefficients are worth, (n,)."""
+class _PanelSeries(NamedTuple):
+    """Chebyshev series of an integrand on n panels: the panels, the coefficients (n, nodes) and an
+    error (n,) of each integral, by what the last coefficients are worth.
+    """
 
     panels: Panels
     coefficients: Array
-    tails: Array
+    truncation_errors: Array
 
-    def take(self, numbers: Indices) -> _Resolved:
-        """The chosen ones."""
-        return _Resolved(self.panels.take(numbers), self.coefficients[numbers], self.tails[numbers])
+    def take(self, numbers: Indices) -> _PanelSeries:
+        """The series on the panels with these numbers."""
+        return _PanelSeries(
+            self.panels.take(numbers), self.coefficients[numbers], self.truncation_errors[numbers]
+        )
 
 
-def primitive_of(kind: Kind, load_power: int, x: Array, top: float, law: ContactLaw) -> Primitive:
-    """An integral over flat punches as a function of its upper end, the advance d = a - a_0 of the
-    edge of contact, from 0 to `top` [length].
+def primitive_of(
+    kind: Kind, load_power: int, x: Array, largest_advance: float, law: ContactLaw
+) -> Primitive:
+    """An integral over flat punches at points `x` as a function of its upper end, the advance
+    d = a - a_0 of the edge of contact, from 0 to `largest_advance` [length].
 
-    The integrand is a Chebyshev series on each panel, a range of a variable v that makes it smooth.
-    The integral is the sum over the panels before. Its error is the sum of their last coefficients.
+    The range is cut into panels, ranges of a variable v in which the integrand is smooth. On each
+    the integral is a Chebyshev series, with the sum over the panels before as its constant. Its
+    error is the sum of the last coefficients of the integrands so far.
 
     Parameters
     ----------
@@ -996,31 +1108,51 @@ def primitive_of(kind: Kind, load_power: int, x: Array, top: float, law: Contact
         P(d) of the profile
     """
     # Octaves, so that a small advance has digits of its own.
-    octaves = top / law.octave ** np.arange(1, _OCTAVES)
-    corners = law.begins[law.begins < top]
-    ends_of_ranges = np.append(np.union1d(corners, octaves), top)
-    panels_of_points = _panels_of_points(kind, x, law.least_half_width, ends_of_ranges, law.begins)
-    panels_to_resolve = panels_of_points.cut_to(_LONGEST[kind])
-    resolved_panels = _with_empty_panels(_resolved(kind, load_power, panels_to_resolve, law), x)
-    panels = resolved_panels.panels
-    outwards_at_point = np.lexsort((panels.begin, panels.advance_at_v0, panels.point))
-    resolved_panels = resolved_panels.take(outwards_at_point)
-    panels = resolved_panels.panels
+    octaves = largest_advance / law.advance_ratio_of_series ** np.arange(1, _OCTAVES)
+    corners = law.corner_advances[law.corner_advances < largest_advance]
+    ends_of_ranges = np.append(np.union1d(corners, octaves), largest_advance)
+    panels_of_points = _panels_of_points(
+        kind, x, law.least_half_width, ends_of_ranges, law.corner_advances
+    )
+    panels_to_resolve = panels_of_points.cut_to(_LARGEST_PANEL_LENGTH[kind])
+    integrand_series = _with_empty_panels(
+        _resolved_series(kind, load_power, panels_to_resolve, law), x
+    )
+    # From here on panels are in order of their points, and of each point outwards.
+    panels = integrand_series.panels
+    integrand_series = integrand_series.take(
+        np.lexsort((panels.begin_v, panels.advance_at_v0, panels.point_number))
+    )
+    panels = integrand_series.panels
 
-    coefficients = chebyshev.chebint(resolved_panels.coefficients.T, lbnd=-1)
-    coefficients = _without_round_off(coefficients * ((panels.end - panels.begin) / 2))
+    coefficients = chebyshev.chebint(integrand_series.coefficients.T, lbnd=-1)
+    coefficients = _without_round_off(coefficients * ((panels.end_v - panels.begin_v) / 2))
     integrals_of_panels = np.sum(coefficients, axis=0)
-    below_first_panel = _at_the_bottom(kind, load_power, x, float(ends_of_ranges[1]), law)
-    coefficients[0] += _sums_before(panels.point, integrals_of_panels, below_first_panel)
-    tails = resolved_panels.tails
-    error = _sums_before(panels.point, tails, np.zeros(len(x))) + tails
-    first_advances = panels.advance_at_v0 + panels.advance(kind, panels.begin)
+    integral_before_panels = _pressure_of_smallest_punches(
+        kind, load_power, x, float(ends_of_ranges[1]), law
+    )
+    coefficients[0] += _sums_of_panels_before(
+        panels.point_number, integrals_of_panels, integral_before_panels
+    )
+    truncation_errors = integrand_series.truncation_errors
+    error_before_panel = _sums_of_panels_before(
+        panels.point_number, truncation_errors, np.zeros(len(x))
+    )
     return Primitive(
-        kind, x, x - law.least_half_width, top, panels, first_advances, coefficients, error
+        kind,
+        x,
+        x - law.least_half_width,
+        largest_advance,
+        panels,
+        begin_advances=panels.advance_at_v0 + panels.advance_beyond_v0(kind, panels.begin_v),
+        coefficients=coefficients,
+        error=error_before_panel + truncation_errors,
     )
 
 
-def _sums_before(point: Indices, values: Array, below_first: Array) -> Array:
+def _sums_of_panels_before(
+    point_number: Indices, values: Array, value_before_first: Array
+) -> Array:
     """For each panel, the sum of the values of the panels before it at its point, (n,), panels in
     order of their points.
 
@@ -1028,89 +1160,103 @@ def _sums_before(point: Indices, values: Array, below_first: Array) -> Array:
 
     Parameters
     ----------
-    point
+    point_number
         (n,) number of the point that a panel belongs to
     values
         (n,) one for each panel
-    below_first
-        (k,) what lies below the first panel of each point
+    value_before_first
+        (k,) value before the first panel of each point
     """
-    number_at_point = np.arange(len(point)) - np.searchsorted(point, point)
-    # Rows: points; columns: what lies below the first panel, then the panels.
-    terms = np.zeros((len(below_first), int(np.max(number_at_point, initial=0)) + 2))
-    terms[:, 0] = below_first
-    terms[point, number_at_point + 1] = values
-    return np.cumsum(terms, axis=1)[point, number_at_point]
+    number_at_point = np.arange(len(point_number)) - np.searchsorted(point_number, point_number)
+    # Rows: points; columns: the value before the first panel, then the panels.
+    n_columns = int(np.max(number_at_point, initial=0)) + 2
+    values_of_points = np.zeros((len(value_before_first), n_columns))
+    values_of_points[:, 0] = value_before_first
+    values_of_points[point_number, number_at_point + 1] = values
+    return np.cumsum(values_of_points, axis=1)[point_number, number_at_point]
 
 
-def _resolved(kind: Kind, load_power: int, panels: Panels, law: ContactLaw) -> _Resolved:
+def _resolved_series(kind: Kind, load_power: int, panels: Panels, law: ContactLaw) -> _PanelSeries:
     """Chebyshev series of an integrand on panels, ranges of the variable v, which are halved until
-    the last coefficients of each series no longer count.
+    the last coefficients of each series are negligible.
 
-    What halving does not make smaller is noise of P(d) and dP/dd themselves: it stays, and counts
-    as error. `kind` and `load_power` name the integral, `law` is P(d) of the profile. Panels come
-    back in any order.
+    Last coefficients that halving does not make smaller are round-off of P(d) and dP/dd: they
+    count as error. `kind` and `load_power` name the integral, `law` is P(d) of the profile. Panels
+    come back in any order.
     """
-    finished_panels: list[_Resolved] = []
-    last_terms_before = np.full(len(panels.point), np.inf)
-    for halvings in range(_HALVINGS + 1):
-        series_of_chunks = [np.empty((0, len(NODES)))]
-        for k in range(0, len(panels.point), _AT_ONCE):
-            chunk = panels.take(np.arange(k, min(k + _AT_ONCE, len(panels.point))))
-            v = chunk.begin[:, None] + (chunk.end - chunk.begin)[:, None] * (1 + NODES) / 2
-            series_of_chunks.append(series(_integrand(kind, load_power, chunk, v, law)))
-        coefficients = np.concatenate(series_of_chunks)
-        half_length = (panels.end - panels.begin) / 2
-        last_terms = tail(coefficients)
-        integral_size = np.abs(coefficients[:, 0]) * half_length
+    finished_series: list[_PanelSeries] = []
+    last_coefficients_before = np.full(len(panels.point_number), np.inf)
+    for n_halvings in range(_LARGEST_NUMBER_OF_HALVINGS + 1):
+        coefficients = _series_of_integrand(kind, load_power, panels, law)
+        half_length = (panels.end_v - panels.begin_v) / 2
+        last_coefficients = tail(coefficients)
+        size_of_integral = np.abs(coefficients[:, 0]) * half_length
         if kind != "pressure":
             # By parts W stands there too: where that is larger, its last digit counts.
-            load_at_end = law.load(panels.advance_at_v0 + panels.advance(kind, panels.end))
-            integral_size = np.maximum(integral_size, _load_to_power(load_power, load_at_end))
-        is_small = last_terms * half_length <= _RESOLVED * integral_size
-        is_noise = last_terms > _NOISE * last_terms_before
-        is_done = is_small | is_noise | (halvings == _HALVINGS)
-        chebyshev_panels = _Resolved(panels, coefficients, last_terms * half_length)
-        finished_panels.append(chebyshev_panels.take(np.flatnonzero(is_done)))
-        if np.all(is_done):
+            end_advance = panels.advance_at_v0 + panels.advance_beyond_v0(kind, panels.end_v)
+            term_at_end = _load_to_power(load_power, law.load(end_advance))
+            size_of_integral = np.maximum(size_of_integral, term_at_end)
+        truncation_errors = last_coefficients * half_length
+        is_small = truncation_errors <= _NEGLIGIBLE_SHARE * size_of_integral
+        is_round_off = last_coefficients > _LEAST_GAIN * last_coefficients_before
+        is_finished = is_small | is_round_off | (n_halvings == _LARGEST_NUMBER_OF_HALVINGS)
+        series_of_panels = _PanelSeries(panels, coefficients, truncation_errors)
+        finished_series.append(series_of_panels.take(np.flatnonzero(is_finished)))
+        if np.all(is_finished):
             break
-        panels = panels.take(np.flatnonzero(~is_done)).halved()
-        last_terms_before = np.tile(last_terms[~is_done], 2)
-    return _Resolved(
-        Panels.together([group.panels for group in finished_panels]),
-        np.concatenate([group.coefficients for group in finished_panels]),
-        np.concatenate([group.tails for group in finished_panels]),
+        panels = panels.take(np.flatnonzero(~is_finished)).halved()
+        last_coefficients_before = np.tile(last_coefficients[~is_finished], 2)
+    return _PanelSeries(
+        Panels.together([group.panels for group in finished_series]),
+        np.concatenate([group.coefficients for group in finished_series]),
+        np.concatenate([group.truncation_errors for group in finished_series]),
     )
 
 
-def _with_empty_panels(resolved_panels: _Resolved, x: Array) -> _Resolved:
+def _series_of_integrand(kind: Kind, load_power: int, panels: Panels, law: ContactLaw) -> Array:
+    """Coefficients (n, nodes) of the Chebyshev series of an integrand over v on n panels, in chunks
+    that bound the memory.
+    """
+    series_of_chunks = [np.empty((0, len(NODES)))]
+    for k in range(0, len(panels.point_number), _PANELS_AT_ONCE):
+        chunk = panels.take(np.arange(k, min(k + _PANELS_AT_ONCE, len(panels.point_number))))
+        v = chunk.begin_v[:, None] + (chunk.end_v - chunk.begin_v)[:, None] * (1 + NODES) / 2
+        series_of_chunks.append(series(_integrand(kind, load_power, chunk, v, law)))
+    return np.concatenate(series_of_chunks)
+
+
+def _with_empty_panels(series_of_panels: _PanelSeries, x: Array) -> _PanelSeries:
     """Panels with their Chebyshev series, such that every point of `x` (k,) has at least one.
 
     A point without a panel, whose integral is 0 everywhere, gets one with zero coefficients:
     look-ups by point then need no special case.
     """
-    missing_points = np.setdiff1d(np.arange(len(x)), resolved_panels.panels.point)
-    if not len(missing_points):
-        return resolved_panels
-    zeros = np.zeros(len(missing_points))
+    points_without_panel = np.setdiff1d(np.arange(len(x)), series_of_panels.panels.point_number)
+    if not len(points_without_panel):
+        return series_of_panels
+    zeros = np.zeros(len(points_without_panel))
     empty_panels = Panels(
-        point=missing_points,
-        x=x[missing_points],
+        point_number=points_without_panel,
+        x=x[points_without_panel],
         advance_at_v0=zeros,
         scale=zeros + 1,
-        begin=zeros,
-        end=zeros + 1,
+        begin_v=zeros,
+        end_v=zeros + 1,
     )
-    no_terms = np.zeros((len(missing_points), resolved_panels.coefficients.shape[1]))
-    return _Resolved(
-        Panels.together([resolved_panels.panels, empty_panels]),
-        np.concatenate([resolved_panels.coefficients, no_terms]),
-        np.append(resolved_panels.tails, zeros),
+    zero_coefficients = np.zeros(
+        (len(points_without_panel), series_of_panels.coefficients.shape[1])
+    )
+    return _PanelSeries(
+        Panels.together([series_of_panels.panels, empty_panels]),
+        np.concatenate([series_of_panels.coefficients, zero_coefficients]),
+        np.append(series_of_panels.truncation_errors, zeros),
     )
 
 
 def _without_round_off(coefficients: Array) -> Array:
-    """Series (m, n) without the orders that are round-off of all of them."""
+    """Coefficients (m, n) of n Chebyshev series without those orders at the end that are round-off
+    in all series.
+    """
     largest_coefficient = np.maximum(np.max(np.abs(coefficients), axis=0), 1e-300)
     size_of_order = np.max(np.abs(coefficients) / largest_coefficient, axis=1, initial=0.0)
     last_order = int(np.max(np.flatnonzero(size_of_order > _EPS), initial=0))
@@ -1118,21 +1264,29 @@ def _without_round_off(coefficients: Array) -> Array:
 
 
 class _AdvanceRanges(NamedTuple):
-    """Ranges of the advance of the edge for each of k points, (k, n) each: their ends; the advance
-    at which the variable v is 0, and the scale of v, the root of a length or 1.
+    """Ranges of the advance d of the edge of contact for each of k points, (k, n) each [length].
+
+    Attributes
+    ----------
+    begin, end
+        advances between which to integrate; empty where the end is not above the begin
+    advance_at_v0
+        advance at which the integration variable v is 0
+    scale
+        factor of v: the root of a length, or 1
     """
 
     begin: Array
     end: Array
-    at_v0: Array
+    advance_at_v0: Array
     scale: Array
 
 
 def _panels_of_points(
-    kind: Kind, x: Array, least_half_width: float, ends_of_ranges: Array, begins: Array
+    kind: Kind, x: Array, least_half_width: float, ends_of_ranges: Array, corner_advances: Array
 ) -> Panels:
-    """Panels of the integration variable v for each point of `x` (k,), on which its integrand is
-    smooth and not 0.
+    """Panels, ranges of the integration variable v, for each point of `x` (k,), on which its
+    integrand is smooth and not 0.
 
     v takes away the roots of the integrand, at the point itself and behind each corner of the
     profile. A panel lies between two successive `ends_of_ranges`.
@@ -1142,47 +1296,56 @@ def _panels_of_points(
     kind
         which integral
     least_half_width
-        contact half-width without load [length]
+        contact half-width a_0 without load [length]
     ends_of_ranges
-        (n + 1,) ascending advances of the edge of contact [length]
-    begins
-        advances at which the edge passes a corner of the profile, from 0 up [length]
+        (n + 1,) ascending advances a - a_0 of the edge of contact [length]
+    corner_advances
+        advances at which the edge is at a corner of the profile, ascending [length]
     """
-    number_of_corner = np.searchsorted(begins, ends_of_ranges[:-1], side="right") - 1
-    corner_advance = begins[np.clip(number_of_corner, 0, None)]
-    beyond_flat = x - least_half_width
-    column_of_zeros = 0 * beyond_flat[:, None]
+    corner_below = np.searchsorted(corner_advances, ends_of_ranges[:-1], side="right") - 1
+    corner_advance = corner_advances[np.clip(corner_below, 0, None)]  # (n,), one for each range
+    distance_beyond_flat = x - least_half_width
+    column_of_zeros = 0 * distance_beyond_flat[:, None]
     ranges = _AdvanceRanges(
         begin=ends_of_ranges[:-1] + column_of_zeros,
         end=ends_of_ranges[1:] + column_of_zeros,
-        at_v0=corner_advance + column_of_zeros,
+        advance_at_v0=corner_advance + column_of_zeros,
         scale=np.ones((len(x), len(corner_advance))),
     )
     if kind == "pressure":
         ranges = _ranges_of_pressure(ranges, x, least_half_width, ends_of_ranges)
     elif kind == "outside":
-        advance_to_point = beyond_flat[:, None]
+        advance_to_x = distance_beyond_flat[:, None]
         ranges = ranges._replace(
-            end=np.minimum(ranges.end, advance_to_point),
-            scale=np.sqrt(np.maximum(advance_to_point - corner_advance, 0.0)),
+            end=np.minimum(ranges.end, advance_to_x),
+            scale=np.sqrt(np.maximum(advance_to_x - corner_advance, 0.0)),
         )
-    nonempty_places = np.nonzero(ranges.end > ranges.begin)
-    point, _ = nonempty_places
-    at_v0 = ranges.at_v0[nonempty_places]
-    scale = ranges.scale[nonempty_places]
-    begin_v = _variable(kind, ranges.begin[nonempty_places], beyond_flat[point], at_v0, scale)
-    end_v = _variable(kind, ranges.end[nonempty_places], beyond_flat[point], at_v0, scale)
-    return Panels(point, x[point], at_v0, scale, begin_v, end_v)
+    nonempty_ranges = np.nonzero(ranges.end > ranges.begin)
+    point_number, _ = nonempty_ranges
+    advance_at_v0 = ranges.advance_at_v0[nonempty_ranges]
+    scale = ranges.scale[nonempty_ranges]
+    begin_v, end_v = (
+        _integration_variable(
+            kind,
+            end_of_range[nonempty_ranges],
+            distance_beyond_flat[point_number],
+            advance_at_v0,
+            scale,
+        )
+        for end_of_range in (ranges.begin, ranges.end)
+    )
+    return Panels(point_number, x[point_number], advance_at_v0, scale, begin_v, end_v)
 
 
 def _ranges_of_pressure(
     ranges: _AdvanceRanges, x: Array, least_half_width: float, ends_of_ranges: Array
 ) -> _AdvanceRanges:
-    """Ranges of integration for the pressure at points x (k,): flat punches contribute only from
-    where the edge of contact passes the point.
+    """Ranges of integration for the pressure at points x (k,): only flat punches that reach beyond
+    a point press there.
 
-    v, the variable that takes away the root of the integrand, is 0 there, or at the last corner of
-    the profile before, whichever is farther out.
+    The integration variable v is 0 where the edge of contact reaches the point, or at the corner of
+    the profile before the range if that is farther out. Its scale is the root of the distance
+    between point and corner.
 
     Parameters
     ----------
@@ -1191,82 +1354,90 @@ def _ranges_of_pressure(
     x
         |x| of the points [length]
     least_half_width
-        of the flat in the middle of the profile, 0 without one [length]
+        half-length of the flat in the middle of the profile, 0 without one [length]
     ends_of_ranges
         advances of the half-width at which ranges begin and end, ascending [length]
     """
-    advance_to_point = (x - least_half_width)[:, None]
-    corner_advance = ranges.at_v0
-    at_v0 = np.maximum(advance_to_point, corner_advance)
-    # From the middle itself, x = b = 0 with no flat there, the law is a power up to the first end
-    # of a range: see `_at_the_bottom`.
+    advance_to_x = (x - least_half_width)[:, None]
+    corner_advance = ranges.advance_at_v0
+    advance_at_v0 = np.maximum(advance_to_x, corner_advance)
+    # Behind the middle itself, a corner at 0 without a flat, P goes as a power of a: twice the
+    # distance of the point suits it as a scale.
     squared_scale = np.where(
         corner_advance + least_half_width > 0,
-        np.abs(advance_to_point - corner_advance),
-        2 * advance_to_point,
+        np.abs(advance_to_x - corner_advance),
+        2 * advance_to_x,
     )
-    least_square = max(_CLOSEST * ends_of_ranges[-1], 1e-300)
-    first_advance = np.where(x[:, None] + least_half_width > 0, at_v0, ends_of_ranges[1])
+    least_squared_scale = max(_LEAST_DISTANCE_RATIO * ends_of_ranges[-1], 1e-300)
+    # At x = 0 without a flat the first range is integrated as a power of a, by
+    # `_pressure_of_smallest_punches`.
+    first_advance = np.where(x[:, None] + least_half_width > 0, advance_at_v0, ends_of_ranges[1])
     return _AdvanceRanges(
         begin=np.maximum(ranges.begin, first_advance),
         end=ranges.end,
-        at_v0=at_v0,
-        scale=np.sqrt(np.maximum(squared_scale, least_square)),
+        advance_at_v0=advance_at_v0,
+        scale=np.sqrt(np.maximum(squared_scale, least_squared_scale)),
     )
 
 
 def _integrand(kind: Kind, load_power: int, panels: Panels, v: Array, law: ContactLaw) -> Array:
-    """Integrand over the variable v, at nodes v (n, nodes) of panels, for an integral over flat
-    punches, (n, nodes).
+    """Integrand over the integration variable v of an integral over flat punches, at nodes v (n,
+    nodes) of n panels; (n, nodes).
 
         pressure     g/(pi sqrt(a^2 - x^2)) da/dv        g = dP/da
         outside      W x/(a sqrt(x^2 - a^2)) da/dv
         logarithm    W/a da/dv
 
     a is the half-width of a punch, P = `law.load` of its advance a - a_0, a_0 the half-width
-    without load. W = P, or P^2/2 with `load_power` 1; with 1 of the pressure P stands in front of
-    g. In v the root of the integrand is smooth; a panel is a range of v for one point x.
+    without load. W = P; with `load_power` 1 it is P^2/2, and of the pressure P stands in front of
+    g. A panel is a range of v for one point x, on which the integrand is smooth.
     """
     x = panels.x[:, None]
     advance_at_v0 = panels.advance_at_v0[:, None]
     scale = panels.scale[:, None]
-    advance_beyond_v0 = panels.advance(kind, v)
+    advance_beyond_v0 = panels.advance_beyond_v0(kind, v)
     advance = advance_at_v0 + advance_beyond_v0
-    root = np.sqrt(advance_beyond_v0)
+    # sqrt(d - d0), which da/dv has as a factor
+    root_of_distance = np.sqrt(advance_beyond_v0)
     half_width = law.least_half_width + advance
     if kind == "pressure":
-        weight_of_kind = law.stiffness(advance) * (law.load(advance) if load_power else 1.0)
-        distance_beyond_x = (
+        load_per_width = law.stiffness(advance) * (law.load(advance) if load_power else 1.0)
+        half_width_beyond_x = (
             np.maximum(advance_at_v0 - (x - law.least_half_width), 0.0) + advance_beyond_v0
         )
         return (
-            weight_of_kind
+            load_per_width
             * 2
-            * root
+            * root_of_distance
             * scale
             * np.cosh(v)
-            / np.sqrt(distance_beyond_x * (half_width + x))
+            / np.sqrt(half_width_beyond_x * (half_width + x))
             / np.pi
         )
-    load = law.load(advance)
-    weight_over_width = _load_to_power(load_power, load) / np.where(half_width > 0, half_width, 1.0)
-    weight_of_kind = np.where(half_width > 0, weight_over_width, 0.0)
-    return weight_of_kind * 2 * root * (x / np.sqrt(x + half_width) if kind == "outside" else 1.0)
+    weight = _load_to_power(load_power, law.load(advance))  # W
+    weight_over_width = np.where(
+        half_width > 0, weight / np.where(half_width > 0, half_width, 1.0), 0.0
+    )
+    # sqrt(x - a) of the root of squares cancels against da/dv
+    outside_factor = x / np.sqrt(x + half_width) if kind == "outside" else 1.0
+    return weight_over_width * 2 * root_of_distance * outside_factor
 
 
-def _at_the_bottom(kind: Kind, load_power: int, x: Array, advance: float, law: ContactLaw) -> Array:
-    """What the integral for the pressure gathers over the smallest punches, below `advance`, at
-    points x (k,); 0 of other integrals and at x > 0.
+def _pressure_of_smallest_punches(
+    kind: Kind, load_power: int, x: Array, advance: float, law: ContactLaw
+) -> Array:
+    """Contribution of flat punches narrower than `advance` to the pressure at points x (k,)
+    [stress]: 0 at x > 0, and 0 for the other integrals over punches.
 
-    At x = 0 the integrand g/alpha, g = dP/d alpha, goes as a power of the half-width alpha. It is
-    integrated by that power. With `load_power` 1 the load stands in front.
+    At x = 0 the integrand g/(pi alpha), g = dP/d alpha, goes as a power of the half-width alpha and
+    is integrated as that. With `load_power` 1 the load stands in front of g.
     """
     if kind != "pressure" or law.least_half_width > 0:
         return np.zeros(len(x))
-    rate = float(law.stiffness(np.array(advance)))
-    power = law.power - 1
+    load_per_width = float(law.stiffness(np.array(advance)))
+    power_of_width = law.power - 1
     if load_power:
-        rate = rate * float(law.load(np.array(advance)))
-        power = 2 * law.power - 1
-    at_middle = rate / (np.pi * power) if power > 0 else 0.0
-    return np.where(x == 0, at_middle, 0.0)
+        load_per_width = load_per_width * float(law.load(np.array(advance)))
+        power_of_width = 2 * law.power - 1
+    pressure_at_middle = load_per_width / (np.pi * power_of_width) if power_of_width > 0 else 0.0
+    return np.where(x == 0, pressure_at_middle, 0.0)

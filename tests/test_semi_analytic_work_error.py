@@ -310,9 +310,11 @@ def test_what_the_kernel_loses_is_stated(monkeypatch):
     """Of the slip area by a rule of two nodes, not twelve: the two routes to W differ, and that
     counts.
     """
-    monkeypatch.setattr("semi_analytic.punch_superposition._BETWEEN", 2)
+    monkeypatch.setattr("semi_analytic.punch_superposition._NODES_BETWEEN_CORNERS", 2)
     monkeypatch.setattr(
-        PunchSuperposition, "_is_far", lambda self, load, slipped: np.zeros(load.shape, dtype=bool)
+        PunchSuperposition,
+        "_is_exact_as_difference",
+        lambda self, load, load_above_stick: np.zeros(load.shape, dtype=bool),
     )
     error, stated = judged(LOOPS["a corner within"])
     assert 1e-9 < error <= stated < 1.0
