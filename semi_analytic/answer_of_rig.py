@@ -39,7 +39,7 @@ from semi_analytic.corrected import (
     permanent_stick,
     series_at,
     table_of,
-    work_truncation_error,
+    work_uncertainty_by_bodies,
 )
 from semi_analytic.corrected_memory import Curvatures, PunchTable, follow
 from semi_analytic.driven import (
@@ -408,7 +408,7 @@ class _SameLoads(NamedTuple):
         return cls(
             of_curvatures=bodies.work(rows) / work_of_half_planes - 1,
             of_next_order=bodies.work(rows) - work_by_curvatures,
-            uncertainty=work_truncation_error(bodies, half_planes, rows, rig.effects)
+            uncertainty=work_uncertainty_by_bodies(bodies, half_planes, rows, rig.effects)
             * work_of_half_planes,
         )
 

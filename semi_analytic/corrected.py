@@ -1,35 +1,38 @@
 """Corrected half-plane theory: the answer with what finite bodies add to the compliance of
 half-planes, as `Findings`.
 
-Taken are the even numbers of `BodyEffects`, exact but for the step of the path: curvatures N, N_Q
-of the gap and T, T_P of the faces and their next order N_4, T_4, N_22, T_22 (`corrected_memory`),
-compliances c_n and c_t. With p_2, p_4 and q_2, q_4 the moments int x^2 p dx, int x^4 p dx and those
-of q, and half-planes whose datum is that of the effects::
+Effects of the bodies that are even in x are exact but for the straight steps of the load path:
+
+- curvatures N, N_Q of the gap and T, T_P of the faces per P and Q, and those of the next order,
+  N_4, T_4, N_22, T_22 (`corrected_memory`);
+- compliances c_n and c_t.
+
+With the moments p_k = int x^k p dx and q_k = int x^k q dx, and with half-planes whose datum is that
+of the effects::
 
     approach = (A/pi) int ln(2 L/c) dP + c_n P + N p_2/2 + T_P q_2/2 + N_4 p_4/24
     U        = (A/pi) int ln(2 L/c) dM + c_t Q + T q_2/2 + N_Q p_2/2 + T_4 q_4/24
 
-The fractions are those of reciprocity: a force at s moves x as a force at x moves s. What the order
-after the next may leave is in the errors of the dissipation, of the pressure and of the half-width
-(`next_order`).
+The fractions follow from reciprocity: a force at s moves x as a force at x moves s. What higher
+orders may change is in the errors of dissipation, pressure and half-width (`next_order`).
 
-Where a slip zone does not reach the edge, q of the memory curve is beyond f p by the second order;
-points slip further there until it is not (`inner_slip`). This is in shear, slip and state, and in
-neither U nor W.
+Where a slip zone does not reach the edge, |q| of the memory curve exceeds f p by a share of second
+order in the curvatures. Points slip further there until it does not (`inner_slip`). This extra slip
+is in shear, slip and state, and in neither U nor W.
 
-The odd numbers o = (alpha_P, alpha_Q, e_P, e_Q) P0/(a0/R), tilt and bulk strain, move dissipation,
-pressure and half-widths of a symmetric profile by the second order of o, the places of edges by the
-first. Of a parabola (`odd_memory`) both are in the dissipation, in the edges of contact and stick,
-and in the permanent stick half-width; in no field at points. A note says how large they are, and
-why they are left out where they are. Of unlike materials (Dundurs' beta) they count in the first
-order.
+Tilt and bulk strain are odd in x: o = (alpha_P, alpha_Q, e_P, e_Q) P0/(a0/R). They change the
+dissipation, pressure and half-widths of a symmetric profile in the second order of o, and move the
+edges in the first. For a parabola (`odd_memory`) they are in the dissipation, in the edges of
+contact and stick, and in the permanent stick half-width; in no field at points. A note says how
+large they are, or why they are left out. Of unlike materials (Dundurs' beta) they count in the
+first order.
 
-A path is followed by straight steps, some 400 a cycle. What the same steps make of half-planes is
-compared with exact theory: W and W(x) are exact theory's plus the difference of two paths of these
-steps, and from the difference of both answers of half-planes the error is stated.
+A path is followed by straight steps, some 400 a cycle, with the bodies and with half-planes. W and
+W(x) are those of exact half-plane theory plus the difference of the two paths. The difference of
+the path of half-planes from exact theory gives the error of the steps.
 
-# notation: A = 2/E*, a contact half-width, eta load of the profile's punches, G that of a
-#           parabola's per curvature
+# notation: A = 2/E*, a contact half-width, c half-width of a flat punch, eta normal load that the
+#           profile's punches up to c carry, G that of a parabola's per curvature, G_4 of x^4/24
 """
 
 from __future__ import annotations
@@ -1565,7 +1568,7 @@ def _density_of(
         return density, step_error
     effects = paths.question.effects
     assert effects is not None  # for the type checker
-    return density, step_error + work_truncation_error(
+    return density, step_error + work_uncertainty_by_bodies(
         paths.bodies, half_planes, last_cycle, effects
     )
 
@@ -1614,24 +1617,28 @@ def _works_of_cycles(
     error_of_tilt_and_strain = works_of_tilt_and_strain[-1].uncertainty / last_work
     effects = paths.question.effects
     assert effects is not None  # for the type checker
-    truncation_error = work_truncation_error(bodies, half_planes, paths.last_cycle, effects)
-    errors = {"dissipation": step_error + error_of_tilt_and_strain + truncation_error}
+    uncertainty_by_bodies = work_uncertainty_by_bodies(
+        bodies, half_planes, paths.last_cycle, effects
+    )
+    errors = {"dissipation": step_error + error_of_tilt_and_strain + uncertainty_by_bodies}
     if tilt_and_strain.left_out:
         errors["dissipation"] = math.nan  # how much tilt and strain add is not known
     if has_loop_work:
         loop_work_of_half_planes = half_planes.loop_work(paths.last_cycle)
-        errors["loop_work"] = abs(loop_work_of_half_planes / last_work - 1) + truncation_error
+        errors["loop_work"] = abs(loop_work_of_half_planes / last_work - 1) + uncertainty_by_bodies
     return friction_works, loop_work, errors
 
 
-def work_truncation_error(
+def work_uncertainty_by_bodies(
     bodies: PathSeries, half_planes: PathSeries, rows: slice, effects: BodyEffects
 ) -> float:
-    """Truncation error of the friction work of a cycle, relative to that of half-planes: the
-    series of the bodies' effects in x ends after the terms of fourth order.
+    """Uncertainty of the friction work of a cycle that the effects of finite bodies leave, relative
+    to the work of half-planes.
 
-    Each curvature changes the work of half-planes. `left_of_curvatures` states which fraction of
-    the change is uncertain. Curvatures that may cancel each other are followed one kind at a time.
+    The curvatures of the bodies are uncertain themselves, and their series in x ends after the
+    fourth order. `left_of_curvatures` states which fraction of a change of work that makes
+    uncertain. Curvatures that may cancel each other, per P and per Q, are followed one kind at a
+    time.
 
     Parameters
     ----------
@@ -1647,7 +1654,7 @@ def work_truncation_error(
     change_by_bodies = bodies.work(rows) / work_of_half_planes - 1
     curvatures = curvatures_of(effects)
     if curvatures.are_of_mirrored_bodies and curvatures.normal >= 0 and curvatures.tangential >= 0:
-        # Both change W in one direction.
+        # Both kinds change W in one direction: nothing cancels.
         return abs(change_by_bodies) * max(uncertain_fractions.values()) + LEFT_IN_ANY_CASE
     followed = bodies.followed
     loads = (followed.normal_load, followed.tangential_load)
@@ -1667,11 +1674,11 @@ def work_truncation_error(
 
 
 def _errors_of_contact(paths: _Paths) -> dict[str, float]:
-    """Relative truncation errors of the largest pressure and of the contact half-width: the series
-    of the bodies' effects in x ends after the terms of fourth order.
+    """Relative uncertainty that the effects of finite bodies leave in the largest pressure and in
+    the contact half-width, by their names; see `work_uncertainty_by_bodies`.
 
-    Each error is a fraction of what the bodies change: the ratio of values with and without them,
-    minus 1, at the largest load of the last cycle. Empty where there is no contact.
+    Each is a fraction of what the bodies change: the ratio of values with and without them, minus
+    1, at the largest load of the last cycle. Empty where there is no contact.
     """
     effects = paths.question.effects
     assert effects is not None  # for the type checker

@@ -655,16 +655,17 @@ class Followed:
     normal_fourth, tangential_fourth
         (n,) n4, t4 there
     edge_s, stick_edge_s
-        (n,) s of the edges of contact and of stick; the same where nothing slips
+        (n,) coordinate s in the table of the edge of contact and of the stick edge; the same where
+        nothing slips
     direction
         (n,) direction of slip in the step that ends at the row, 0 in full stick
     inner_zone_s, inner_zone_direction
-        (n, 2) s of the ends of a slip zone further in, where a stroke goes on while the edge rests
-        or slips the other way; (n,) its direction, 0 where there is none
+        (n, 2) s of the ends of an inner slip zone, where slip continues while the edge sticks or
+        slips the other way; (n,) its direction, 0 where there is none
     uppermost_piece
-        (n,) uppermost piece of the memory curve
+        (n,) number of the outermost piece of the memory curve, the locked-in tangential force
     pieces
-        all pieces
+        pieces of the memory curves of all instants
     """
 
     table: PunchTable
@@ -685,7 +686,7 @@ class Followed:
 
     @property
     def innermost_slip_s(self) -> Array:
-        """s of the innermost punch that slips, (n,); the edge of contact where none does."""
+        """s of the inner end of all slip, (n,); of the edge of contact where nothing slips."""
         return np.where(self.inner_zone_direction != 0, self.inner_zone_s[:, 0], self.stick_edge_s)
 
     @property
