@@ -54,14 +54,14 @@ from semi_analytic.steady_ellipse import (
     LEAST_LOAD,
     Ellipses,
     LamTable,
-    by_largest_load,
-    careful_bracket,
-    density_of,
+    careful_power_law_kernel,
     dissipation_and_error,
     ellipses_of,
+    groups_by_largest_load,
     lam_error,
     quadrature_error,
-    quick_bracket,
+    quick_power_law_kernel,
+    work_density_of,
     works_by_lam,
 )
 
@@ -119,7 +119,7 @@ def maxima_of(ellipses: Ellipses, contact: SymmetricContact) -> Array:
         return np.concatenate(maxima_of_blocks, axis=1)
 
     def density(ellipse_numbers: Indices, x: Array, node_stride: int = 1) -> Array:
-        forward, reverse = density_of(ellipses.take(ellipse_numbers), contact, x, node_stride)
+        forward, reverse = work_density_of(ellipses.take(ellipse_numbers), contact, x, node_stride)
         return forward + reverse
 
     points = _sample_points(ellipses, contact)
@@ -228,7 +228,7 @@ def _largest_maximum(
     """
     stick_edge = points[:, 0]
     largest_half_width = points[:, -1]
-    largest_slip_load = ellipses.deepest_slip  # P - P_c
+    largest_slip_load = ellipses.largest_slip_zone_load  # P - P_c
     share_of_last_digits = (
         LAST_DIGITS
         * (ellipses.mean_load + ellipses.load_amplitude)
@@ -731,7 +731,9 @@ def _works_of_members(members: Members) -> Array:
     kind = members.kind
     works = np.empty((3, len(members.is_mirrored)))
     if kind in ("hertz", "power_law"):
-        works[:2] = works_by_lam(ellipses, quick_bracket, careful_bracket, _DEEP_SLIP)
+        works[:2] = works_by_lam(
+            ellipses, quick_power_law_kernel, careful_power_law_kernel, _DEEP_SLIP
+        )
         works[2] = lam_error(ellipses, works[0] + works[1], _DEEP_SLIP, 1.0)
         # The brackets are Lam of ln P. Of a profile |x|^n it is 1/n of that: a goes as P^(1/n).
         exponent = members.parameters[0] if kind == "power_law" else 2
@@ -904,12 +906,12 @@ def _works_on_table(ellipses: Ellipses, load_unit: Array) -> Array:
     """
     scaled_ellipses = ellipses.over(load_unit)
     works = np.empty((3, len(load_unit)))
-    for numbers, first_octave, last_octave in by_largest_load(scaled_ellipses):
+    for numbers, first_octave, last_octave in groups_by_largest_load(scaled_ellipses):
         table = _kernel_table(first_octave, last_octave)
         ellipses_of_table = scaled_ellipses.take(numbers)
-        quick_kernel = table.quick  # to round-off of P - P_c
-        careful_kernel = table.careful  # to round-off of itself
-        largest_log_half_width = table.largest
+        quick_kernel = table.quick_kernel  # to round-off of P - P_c
+        careful_kernel = table.careful_kernel  # to round-off of itself
+        largest_log_half_width = table.largest_log_half_width
         forward_work, reverse_work = works_by_lam(
             ellipses_of_table, quick_kernel, careful_kernel, _DEEP_SLIP_ON_TABLE, LEAST_LOAD
         )

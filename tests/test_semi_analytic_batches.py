@@ -35,7 +35,7 @@ from semi_analytic import (
 )
 from semi_analytic.measured_friction import sliding_limit
 from semi_analytic.profiles import contact_of
-from semi_analytic.steady_ellipse import density_of, ellipses_of
+from semi_analytic.steady_ellipse import ellipses_of, work_density_of
 from semi_analytic_cases import EXTREMES, REFERENCE, UNIT, ellipse, make_scene
 
 MATERIAL = Materials(upper=UNIT, lower=UNIT)
@@ -210,7 +210,7 @@ def test_batch_and_marching_agree(ratio, use, phase, friction, flat, part):
         float(contact.half_width(load)) for load in (loop.permanent_stick_load[0], 1 + ratio)
     )
     x = np.array([inner + part * (outer - inner)])
-    density = sum(density_of(loop, contact, x)) * 2 * friction**2 / math.pi
+    density = sum(work_density_of(loop, contact, x)) * 2 * friction**2 / math.pi
     assert float(density[0]) == pytest.approx(
         float(pointwise_dissipation(contact, 1.0, spans, x).total[0]),
         rel=1e-8,
@@ -463,8 +463,8 @@ def test_bad_parameters_are_the_members_own():
 
 
 def test_work_that_has_not_converged_has_a_reason(monkeypatch):
-    monkeypatch.setattr(steady_ellipse, "_SETTLED", -1.0)
-    monkeypatch.setattr(steady_ellipse, "_NOTHING", -1.0)
+    monkeypatch.setattr(steady_ellipse, "_COEFFICIENT_SHARE", -1.0)
+    monkeypatch.setattr(steady_ellipse, "_NEGLIGIBLE_CHECK", -1.0)
     batch = dissipation(profile=PROFILES["polynomial"], **question(LOADS[:1]))
     assert batch.reason.tolist() == [Reason.UNSETTLED]
     assert np.isnan(batch.value[0])
@@ -699,7 +699,7 @@ def test_a_load_outside_a_table_is_never_read():
     )
     for load in (0.5, 256.0):
         with pytest.raises(AssertionError, match="outside the table"):
-            table._place(np.array([2.0, load]))
+            table._cell_and_position(np.array([2.0, load]))
 
 
 @pytest.mark.parametrize(
