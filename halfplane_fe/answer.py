@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from halfplane_fe.between_nodes import NO_ZONE, StickZone
+from halfplane_fe.between_nodes import NO_ZONE, StickOnItsWay, StickZone
 from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
 from halfplane_fe.edges import (
     NodalAnswer,
@@ -120,7 +120,12 @@ def _edges_of_run(
         cone = 1.0 if scene.bodies.half_planes else _CONE_OF_BODIES
         has_no_slip_zone = _grows_within_cone(loads, imposed, cone * scene.friction.coefficient)
     edges = _edges_of_all(
-        problem, states, surface_states[run.stored], has_no_slip_zone[run.stored], scene
+        problem,
+        states,
+        surface_states[run.stored],
+        has_no_slip_zone[run.stored],
+        run.stick_by_load.at(run.stored),
+        scene,
     )
     permanent_edges = _permanent_stick(scene, problem, run, surface_states, edges["stick_edges"])
     if edges_are_sharp(scene, problem):
@@ -209,6 +214,7 @@ def _edges_of_all(
     states: Sequence[InterfaceState],
     surface_states: States,
     has_no_slip_zone: Mask,
+    stick_by_load: StickOnItsWay,
     scene: Scene,
 ) -> dict[str, Array]:
     """Edges of the contact and of the stick zone at k instants and their uncertainties, by name,
@@ -222,6 +228,8 @@ def _edges_of_all(
         (k, n) open, stick or slip of the nodes
     has_no_slip_zone
         (k,) instants at which the whole contact sticks by half-plane theory
+    stick_by_load
+        of these instants
     scene
         its profile (roughness of tabulated heights) and whether it is symmetric
     """
@@ -229,7 +237,14 @@ def _edges_of_all(
     for first_step in range(0, len(states), _INSTANTS_PER_BLOCK):
         block = slice(first_step, first_step + _INSTANTS_PER_BLOCK)
         blocks.append(
-            _edges(problem, states[block], surface_states[block], has_no_slip_zone[block], scene)
+            _edges(
+                problem,
+                states[block],
+                surface_states[block],
+                has_no_slip_zone[block],
+                stick_by_load.at(block),
+                scene,
+            )
         )
     edges: dict[str, Array] = {}
     for name in blocks[0]:
@@ -242,6 +257,7 @@ def _edges(
     states: Sequence[InterfaceState],
     surface_states: States,
     has_no_slip_zone: Mask,
+    stick_by_load: StickOnItsWay,
     scene: Scene,
 ) -> dict[str, Array]:
     """Left and right edge of the contact and of the stick zone, between the nodes of the mesh, and
@@ -259,6 +275,8 @@ def _edges(
         stick
     has_no_slip_zone
         (n_steps,) instants at which the whole contact sticks by half-plane theory
+    stick_by_load
+        of these instants
     scene
         its profile, and whether it is symmetric
     """
@@ -278,7 +296,9 @@ def _edges(
     )
     are_alike = problem.interface.coupling is None
     contact = contact_with_uncertainty(answer, roughness_of(scene.profile) if are_alike else None)
-    stick = stick_with_uncertainty(answer, problem.friction, contact, has_no_slip_zone)
+    stick = stick_with_uncertainty(
+        answer, problem.friction, contact, has_no_slip_zone, stick_by_load
+    )
     for row in np.flatnonzero([not state.normal_load > 0 for state in states]):
         closed_nodes = answer.x[answer.is_closed[row]]
         outermost_nodes = (

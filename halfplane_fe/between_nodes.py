@@ -49,7 +49,7 @@ from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
 from halfplane_fe.interface import Interface
 from halfplane_fe.law import force_to_limit, slip_sign
 from scenes import OPEN, STICK
-from scenes.array_types import Array, Mask, States
+from scenes.array_types import Array, Indices, Mask, States
 
 # D and V, and the distance of an edge from a corner node outwards when it meets that, in elements:
 # least squares on Hertz' compression pressed through 40 elements.
@@ -63,6 +63,15 @@ _RMS = 0.0155
 # Share of the distance of two nodes by which an edge of permanent stick between them, placed by the
 # loads, is uncertain: 0.02 rms on 159 random half-planes, seeds 301 to 303, both presets.
 _PLACED = 0.06
+# Shares of that distance by which a stick edge on its way is uncertain: one always, and one by how
+# unevenly the load takes it on. Of random half-planes, seed 301, both presets, where it errs by
+# 0.015 in the median.
+_ON_ITS_WAY = 0.04
+_BY_UNEVENNESS = 0.4
+# Places of the stuck nodes that show that, behind the last one, whose force is the mesh's own.
+_BEHIND = np.array([1, 2, 3])
+# Share of the even load that counts as none.
+_LEAST_SHARE = 1e-3
 # Distances of nodes from the middle between two beyond which an edge is not theirs.
 _SAME_EDGE = 4.0
 # Weight of a mid-side node over that of its neighbours, in elements of one size: 2, from one size
@@ -84,8 +93,8 @@ class Edge:
 
     Forces, gap and slip of both nodes place it to a fiftieth of their distance. Which of them slips
     or touches places it to half of that. It takes the rates by the load, which only states of the
-    run have, so that edges of every instant are fitted to the tractions instead (`edges`). An
-    increment has no sides: it lands on the first of all nodes (`stepping.next_event`).
+    run have. An increment has no sides: it lands on the first of all nodes
+    (`stepping.next_event`).
 
     Attributes
     ----------
@@ -152,10 +161,22 @@ class Edge:
     @property
     def place(self) -> float:
         """Where it is, over the half-width."""
-        place_at_node, place_at_next = (
-            place_when_met(self.interface, node, self.side) for node in (self.node, self.next_node)
-        )
+        place_at_node, place_at_next = self._ends
         return place_at_node + self.share() * (place_at_next - place_at_node)
+
+    @property
+    def spacing(self) -> float:
+        """From where it meets the one node to where it meets the other, over the half-width."""
+        place_at_node, place_at_next = self._ends
+        return abs(place_at_next - place_at_node)
+
+    @property
+    def _ends(self) -> tuple[float, float]:
+        """Where it meets the one node and the other."""
+        return (
+            place_when_met(self.interface, self.node, self.side),
+            place_when_met(self.interface, self.next_node, self.side),
+        )
 
     def excess_per_work(self, share: ArrayLike) -> Array:
         """g of the module, the dimensionless work in excess, at a share of the way."""
@@ -185,16 +206,16 @@ class Edge:
 
 
 class TurnOfSlip(NamedTuple):
-    """Where slip beside an edge of permanent stick turns round.
+    """How far slip beside an edge of stick has come, or where it turns round.
 
     Attributes
     ----------
     sense
-        of the slip that ends, 1 or -1
+        of the slip, 1 or -1
     slip
-        of the first sliding node, from one turn to the other
+        of the first sliding node since it began, or from one turn to the other
     force_to_limit
-        f p - s q of the last stuck node, the sum of both turns
+        f p - s q of the last stuck node, or the sum of both turns
     """
 
     sense: int
@@ -212,6 +233,115 @@ def place_when_met(interface: Interface, node: int, side: int) -> float:
 def _is_corner(interface: Interface, node: int) -> bool:
     """Whether a node of quadratic elements is a corner, not a mid-side one."""
     return bool(interface.weights[node] < interface.weights[node - 1])
+
+
+class StickOnItsWay(NamedTuple):
+    """Stick edges of k instants that a load takes inwards, left and right, by that load.
+
+    Attributes
+    ----------
+    last_node
+        (k, 2) last node that sticks; -1 where no load places an edge
+    places
+        (k, 2) of the edge between it and the first one that slips, scaled
+    uncertainty
+        (k, 2) how far each may be from the true one, by the mesh
+    """
+
+    last_node: Indices
+    places: Array
+    uncertainty: Array
+
+    @classmethod
+    def nowhere(cls, n_instants: int) -> StickOnItsWay:
+        """No edge at any instant."""
+        shape = (n_instants, 2)
+        return cls(np.full(shape, -1), np.full(shape, np.nan), np.full(shape, np.nan))
+
+    @classmethod
+    def joined(cls, parts: Sequence[StickOnItsWay]) -> StickOnItsWay:
+        """Those of instants that follow each other."""
+        return cls(*(np.concatenate(values) for values in zip(*parts, strict=True)))
+
+    def at(self, rows: Indices | slice) -> StickOnItsWay:
+        """Those of some instants."""
+        return StickOnItsWay(self.last_node[rows], self.places[rows], self.uncertainty[rows])
+
+    def mirrored(self, middle: int) -> StickOnItsWay:
+        """Both edges by the right one of a half, whose first node is number `middle` of all."""
+        right_node = self.last_node[:, 1:]
+        outwards = np.array([-1, 1])
+        return StickOnItsWay(
+            last_node=np.where(right_node < 0, -1, middle + outwards * right_node),
+            places=outwards * self.places[:, 1:],
+            uncertainty=np.repeat(self.uncertainty[:, 1:], 2, axis=1),
+        )
+
+
+def stick_on_its_way(
+    problem: ContactProblem, states: Sequence[InterfaceState], travels: Array
+) -> StickOnItsWay:
+    """Stick edges of k states that a load takes inwards, by that load.
+
+    `travels` (k, n) is what each node has slipped since it last stuck or turned round.
+    """
+    edges = StickOnItsWay.nowhere(len(states))
+    if not problem.tangential:
+        return edges
+    for row, (state, travel) in enumerate(zip(states, travels, strict=True)):
+        for column, side in enumerate((-1, 1)):
+            last_stuck = _behind_slip_zone(problem, state, side)
+            if last_stuck is not None:
+                place, uncertainty = _placed_by_load(problem, state, travel, side, last_stuck)
+                edges.last_node[row, column] = -1 if math.isnan(place) else last_stuck
+                edges.places[row, column] = place
+                edges.uncertainty[row, column] = uncertainty
+    return edges
+
+
+def _behind_slip_zone(problem: ContactProblem, state: InterfaceState, side: int) -> int | None:
+    """The last node that sticks behind the outermost slip zone on one side of x = 0; None where
+    either has too few nodes, or the elements there are of several sizes.
+    """
+    inwards = np.flatnonzero(state.closed)[::-side]
+    slides = slip_sign(state.state[inwards]) != 0
+    outermost = int(np.argmax(slides))  # nodes that have just come to touch stick
+    n_sliding = int(np.argmin(slides[outermost:]))  # 0 where all slide, or none
+    first_stuck = outermost + n_sliding
+    stuck = inwards[first_stuck : first_stuck + _BEHIND[-1] + 1]
+    if n_sliding < _ZONE or len(stuck) <= _BEHIND[-1] or slides[first_stuck:][: len(stuck)].any():
+        return None
+    last_stuck = int(stuck[0])
+    return last_stuck if _regular(problem, last_stuck + side) else None
+
+
+def _placed_by_load(
+    problem: ContactProblem, state: InterfaceState, travel: Array, side: int, last_stuck: int
+) -> tuple[float, float]:
+    """Place of the stick edge that slip takes inwards to the node `last_stuck`, and how far it may
+    be from the true one, scaled; NaN where no load takes it there.
+
+    Behind the edge f p - s q grows as the root of the distance d, and its rate falls as that. Over
+    its rate it is twice the load that takes the edge on by d, wherever the load does so evenly.
+    Beside an older stick edge or a kink of the profile it does not, and the edge is less certain.
+    """
+    node = last_stuck + side
+    sense = int(slip_sign(state.state[node]))
+    by_load = nodal(problem.rates(state.state, len(state.loads))[1])
+    to_limit = force_to_limit(state.pressure, state.shear, sense, problem.friction)
+    edge = Edge.of_stick(
+        problem, side, last_stuck, TurnOfSlip(sense, travel[node], to_limit[last_stuck]), by_load
+    )
+    if not edge.is_moved:
+        return math.nan, math.nan
+    _, pressure_rates, shear_rates, _ = by_load
+    rates_to_limit = force_to_limit(pressure_rates, shear_rates, sense, problem.friction)
+    behind = last_stuck - side * _BEHIND
+    loads_behind = np.maximum(to_limit[behind], 0.0) / np.abs(rates_to_limit[behind])
+    distances = np.abs(problem.interface.x[behind] - edge.place)
+    even_loads = 2 * edge.load * distances / edge.spacing
+    unevenness = float(np.max(np.abs(np.log(np.maximum(loads_behind / even_loads, _LEAST_SHARE)))))
+    return edge.place, edge.spacing * min(_ON_ITS_WAY + _BY_UNEVENNESS * unevenness, 1.0)
 
 
 class StickZone(NamedTuple):

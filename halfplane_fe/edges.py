@@ -1,8 +1,8 @@
 """Contact and stick edges of many instants at once, from nodal answers.
 
-Towards an edge the square of the pressure, or of what the shear lacks of the Coulomb limit, goes to
-zero as the distance from it. Where that is not seen, the gap of the next node or the states of the
-nodes tell. The ends of the permanent stick zone are nearer by the loads: `between_nodes.Edge`.
+Stick edges that slip takes inwards are placed by the load: `between_nodes.Edge`. Of all others the
+square of the pressure, or of what the shear lacks of the Coulomb limit, goes to zero as the
+distance from it. Where that is not seen, the gap of the next node or the states of the nodes tell.
 
 Arrays are (k, n): k instants, n nodes at ascending x. Edges and their uncertainties are (k, 2),
 left and right.
@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from halfplane_fe.between_nodes import StickOnItsWay
 from halfplane_fe.law import force_to_limit
 from scenes import Profile, Tabulated
 from scenes.array_types import Array, Indices, Mask
@@ -153,10 +154,14 @@ def contact_with_uncertainty(answer: NodalAnswer, roughness: float | None) -> Ed
 
 
 def stick_with_uncertainty(
-    answer: NodalAnswer, friction: float, contact: Edges, sticks_in_full: Mask
+    answer: NodalAnswer,
+    friction: float,
+    contact: Edges,
+    sticks_in_full: Mask,
+    by_load: StickOnItsWay,
 ) -> Edges:
-    """Ends of the stick zone by the distance of q from the Coulomb limit, where that is smooth, or
-    else by the states of the nodes.
+    """Ends of the stick zone by the load that takes them inwards, or else by the distance of q from
+    the Coulomb limit, where that is smooth, or else by the states of the nodes.
 
     Parameters
     ----------
@@ -166,9 +171,19 @@ def stick_with_uncertainty(
         ends of the contact
     sticks_in_full
         (k,) instants at which theory has no slip zone
+    by_load
+        edges that a load places, where the reported states end the stick zone at the same nodes
     """
     stick = fitted_stick_edges(answer, contact.places, friction)
-    return Edges(stick.places, _stick_uncertainty(answer, contact, stick, sticks_in_full))
+    uncertainty = _stick_uncertainty(answer, contact, stick, sticks_in_full)
+    next_node = by_load.last_node + np.array([-1, 1])
+    is_same = (by_load.last_node >= 0) & (
+        stick.by_states == (answer.x[by_load.last_node] + answer.x[next_node]) / 2
+    )
+    return Edges(
+        places=np.where(is_same, by_load.places, stick.places),
+        uncertainty=np.where(is_same, by_load.uncertainty, uncertainty),
+    )
 
 
 def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: float) -> Array:

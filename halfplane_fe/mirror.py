@@ -166,4 +166,5 @@ def unfolded(run: PathRun, faces: Interface) -> PathRun:
         states=[unfolded_state(state) for state in run.states],
         cycle_density=[density[images.place] * images.share for density in run.cycle_density],
         excess=[excess._replace(stick_zone=excess.stick_zone.mirrored()) for excess in run.excess],
+        stick_on_its_way=[run.stick_by_load.mirrored(len(faces.x) // 2)],
     )

@@ -128,7 +128,7 @@ def visible_states(
         sense = slip_sign(states_in_block).astype(float)
         slip = _slip_increments(states, steps)
         slip[np.abs(slip) <= _ROUNDING * largest_slip] = 0.0
-        travels = _travels(slip, travel)
+        travels = slip_since_stop(slip, travel)
         travel = travels[-1]
         rise_of_p = load_increments[steps, 0, None]
         rise_of_q = load_increments[steps, 1, None]
@@ -192,14 +192,14 @@ def _slip_limits(
     return largest_slip, _LEAST_SPEED_SHARE * fastest[revolution] * load_changes
 
 
-def _travels(slip: Array, travel_before: Array) -> Array:
+def slip_since_stop(slip: Array, travel_before: Array | float) -> Array:
     """Distance (k, n) that each node has slipped in one direction without a stop, with a sign, open
     or closed, after each of k increments.
 
     `slip` (k, n) is that of the increments, `travel_before` (n,) the distance before the first.
     """
     travels = slip.copy()
-    travel = travel_before
+    travel = np.asarray(travel_before)
     for step in range(len(travels)):
         travels[step] += np.where(travel * travels[step] > 0, travel, 0.0)
         travel = travels[step]

@@ -21,10 +21,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from halfplane_fe.between_nodes import Excess, excess
+from halfplane_fe.between_nodes import Excess, StickOnItsWay, excess, stick_on_its_way
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.energy import certificates, increment_energies
+from halfplane_fe.law import slip_sign
 from halfplane_fe.path import Stretch, enclosed, scaled_loads, straight, stretches
+from halfplane_fe.reported_states import slip_since_stop
 from halfplane_fe.stepping import Increment, StepTolerance, follow
 from scenes import ConvergenceError, Interrupted, LoadPath, LoadSegment, freeze
 from scenes.array_types import Array, Indices
@@ -223,6 +225,10 @@ class PathRun:
     cycle_change
         per revolution, largest change of a nodal p or q/f (f < 1) from its start to its end,
         over the largest p
+    stick_on_its_way
+        stick edges by the load, of the first state and of each batch of increments
+    slip_since_stop
+        (n,) of each node at the last state, in one direction without a stop
     failure
         what stopped the run, or None
     """
@@ -237,6 +243,10 @@ class PathRun:
     excess: list[Excess] = field(default_factory=list)
     steady_from: int | None = None
     cycle_change: list[float] = field(default_factory=list)
+    stick_on_its_way: list[StickOnItsWay] = field(
+        default_factory=lambda: [StickOnItsWay.nowhere(1)]
+    )
+    slip_since_stop: Array | float = 0.0
     failure: ConvergenceError | Interrupted | None = None
     _thinning: _Thinning = field(default_factory=_Thinning)
     _first_of_stretch: int = 0
@@ -246,6 +256,11 @@ class PathRun:
         return (
             np.concatenate([block[name] for block in self.blocks]) if self.blocks else np.zeros(0)
         )
+
+    @property
+    def stick_by_load(self) -> StickOnItsWay:
+        """Stick edges of all states by the load."""
+        return StickOnItsWay.joined(self.stick_on_its_way)
 
     @property
     def trend(self) -> Trend:
@@ -312,12 +327,20 @@ class PathRun:
         energies = vars(increment_energies(problem, states, solved_states, area)).copy()
         dissipation = energies.pop("dissipation")  # of each increment and node
         block = certificates(problem, states) | energies | {"dissipation": dissipation.sum(axis=1)}
+        slip = np.diff([state.slip for state in states], axis=0)
+        slides_on = slip * slip_sign(np.stack([state.state for state in states[1:]])) > 0
+        travels = slip_since_stop(np.where(slides_on, slip, 0.0), self.slip_since_stop)
         # All attributes at once: Ctrl-C comes before or after it.
         vars(self).update(
             states=self.states + states[1:],
             blocks=[*self.blocks, block],
             iterations=self.iterations + [increment.iterations for increment in increments],
             density=self.density + dissipation.sum(axis=0),
+            stick_on_its_way=[
+                *self.stick_on_its_way,
+                stick_on_its_way(problem, states[1:], travels),
+            ],
+            slip_since_stop=travels[-1],
         )
 
     def end_stretches(self, last_states: list[int]) -> None:
