@@ -387,7 +387,8 @@ def _hold_permanent_stick(
     edges: dict[str, Array], permanent_edges: Array, zone: StickZone, time: Array, in_cycle: Mask
 ) -> None:
     """Give the stick edges (k, 2) of the last cycle the permanent zone where slip turns, and no
-    less at other instants.
+    less at other instants. Beyond a turn all of the contact sticks, though its nodes may still be
+    on the cone: such an instant is none.
 
     Parameters
     ----------
@@ -406,7 +407,8 @@ def _hold_permanent_stick(
     uncertainty_of_placed = zone.uncertainty(permanent_edges, np.full(2, np.inf))
     for column, outermost in enumerate((np.fmin, np.fmax)):
         if is_placed[column]:
-            turns = in_cycle & np.isin(time, zone.turns[column])
+            slips = stick_edges[:, column] != edges["contact_edges"][:, column]
+            turns = in_cycle & slips & np.isin(time, zone.turns[column])
             stick_edges[turns, column] = permanent_edges[column]
             uncertainty[turns, column] = uncertainty_of_placed[column]
         sticks = in_cycle & np.isfinite(stick_edges[:, column])

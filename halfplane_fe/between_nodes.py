@@ -63,13 +63,15 @@ _RMS = 0.0155
 # Share of the distance of two nodes by which an edge of permanent stick between them, placed by the
 # loads, is uncertain: 0.02 rms on 159 random half-planes, seeds 301 to 303, both presets.
 _PLACED = 0.06
-# Shares of that distance by which a stick edge on its way is uncertain: one always, and one by how
-# unevenly the load takes it on. Of random half-planes, seed 301, both presets, where it errs by
-# 0.015 in the median.
-_ON_ITS_WAY = 0.04
+# Shares of that distance by which a stick edge on its way is uncertain: one of wide slip zones,
+# twice as large where one node slips, and one by how unevenly the load takes it on. It errs by
+# 0.015 in the median. Random half-planes, seeds 301, 302 and 310.
+_ON_ITS_WAY = 0.035
 _BY_UNEVENNESS = 0.4
-# Places of the stuck nodes that show that, behind the last one, whose force is the mesh's own.
+# Places of the stuck nodes that show that, behind the last one, whose force is the mesh's own,
 _BEHIND = np.array([1, 2, 3])
+# and nodes that must stick.
+_STICK_ZONE = 8
 # Share of the even load that counts as none.
 _LEAST_SHARE = 1e-3
 # Distances of nodes from the middle between two beyond which an edge is not theirs.
@@ -290,58 +292,61 @@ def stick_on_its_way(
         return edges
     for row, (state, travel) in enumerate(zip(states, travels, strict=True)):
         for column, side in enumerate((-1, 1)):
-            last_stuck = _behind_slip_zone(problem, state, side)
-            if last_stuck is not None:
-                place, uncertainty = _placed_by_load(problem, state, travel, side, last_stuck)
-                edges.last_node[row, column] = -1 if math.isnan(place) else last_stuck
-                edges.places[row, column] = place
-                edges.uncertainty[row, column] = uncertainty
+            last_stuck, n_sliding = _behind_slip_zone(state, side)
+            if not n_sliding or not _regular(problem, last_stuck + side):
+                continue
+            edge, unevenness = _placed_by_load(problem, state, travel, side, last_stuck)
+            if edge.is_moved:
+                share = _ON_ITS_WAY * (1 + 1 / n_sliding) + _BY_UNEVENNESS * unevenness
+                edges.last_node[row, column] = last_stuck
+                edges.places[row, column] = edge.place
+                edges.uncertainty[row, column] = edge.spacing * min(share, 1.0)
     return edges
 
 
-def _behind_slip_zone(problem: ContactProblem, state: InterfaceState, side: int) -> int | None:
-    """The last node that sticks behind the outermost slip zone on one side of x = 0; None where
-    either has too few nodes, or the elements there are of several sizes.
+def _behind_slip_zone(state: InterfaceState, side: int) -> tuple[int, int]:
+    """The last node that sticks behind the outermost slip zone on one side of x = 0, and how many
+    nodes slide there: none where too few stick.
     """
     inwards = np.flatnonzero(state.closed)[::-side]
     slides = slip_sign(state.state[inwards]) != 0
+    if not slides.any():
+        return -1, 0
     outermost = int(np.argmax(slides))  # nodes that have just come to touch stick
-    n_sliding = int(np.argmin(slides[outermost:]))  # 0 where all slide, or none
-    first_stuck = outermost + n_sliding
-    stuck = inwards[first_stuck : first_stuck + _BEHIND[-1] + 1]
-    if n_sliding < _ZONE or len(stuck) <= _BEHIND[-1] or slides[first_stuck:][: len(stuck)].any():
-        return None
-    last_stuck = int(stuck[0])
-    return last_stuck if _regular(problem, last_stuck + side) else None
+    n_sliding = int(np.argmin(slides[outermost:]))  # 0 where all slide
+    stick_zone = slice(outermost + n_sliding, outermost + n_sliding + _STICK_ZONE)
+    if len(inwards[stick_zone]) < _STICK_ZONE or slides[stick_zone].any():
+        return -1, 0
+    return int(inwards[stick_zone][0]), n_sliding
 
 
 def _placed_by_load(
     problem: ContactProblem, state: InterfaceState, travel: Array, side: int, last_stuck: int
-) -> tuple[float, float]:
-    """Place of the stick edge that slip takes inwards to the node `last_stuck`, and how far it may
-    be from the true one, scaled; NaN where no load takes it there.
+) -> tuple[Edge, float]:
+    """The stick edge that slip takes inwards to the node `last_stuck`, and how unevenly a load
+    takes it on: 0 where it does so evenly.
 
     Behind the edge f p - s q grows as the root of the distance d, and its rate falls as that. Over
     its rate it is twice the load that takes the edge on by d, wherever the load does so evenly.
-    Beside an older stick edge or a kink of the profile it does not, and the edge is less certain.
+    Beside an older stick edge or a kink of the profile it does not. The logarithm of the ratio of
+    both tells, the largest of some nodes.
     """
     node = last_stuck + side
     sense = int(slip_sign(state.state[node]))
     by_load = nodal(problem.rates(state.state, len(state.loads))[1])
-    to_limit = force_to_limit(state.pressure, state.shear, sense, problem.friction)
-    edge = Edge.of_stick(
-        problem, side, last_stuck, TurnOfSlip(sense, travel[node], to_limit[last_stuck]), by_load
-    )
-    if not edge.is_moved:
-        return math.nan, math.nan
     _, pressure_rates, shear_rates, _ = by_load
+    to_limit = force_to_limit(state.pressure, state.shear, sense, problem.friction)
     rates_to_limit = force_to_limit(pressure_rates, shear_rates, sense, problem.friction)
+    turn = TurnOfSlip(sense, float(travel[node]), float(to_limit[last_stuck]))
+    edge = Edge.of_stick(problem, side, last_stuck, turn, by_load)
+    if not edge.is_moved:
+        return edge, math.inf
     behind = last_stuck - side * _BEHIND
-    loads_behind = np.maximum(to_limit[behind], 0.0) / np.abs(rates_to_limit[behind])
+    loads = np.maximum(to_limit[behind], 0.0) / np.abs(rates_to_limit[behind])
     distances = np.abs(problem.interface.x[behind] - edge.place)
     even_loads = 2 * edge.load * distances / edge.spacing
-    unevenness = float(np.max(np.abs(np.log(np.maximum(loads_behind / even_loads, _LEAST_SHARE)))))
-    return edge.place, edge.spacing * min(_ON_ITS_WAY + _BY_UNEVENNESS * unevenness, 1.0)
+    ratios = np.maximum(loads / even_loads, _LEAST_SHARE)
+    return edge, float(np.max(np.abs(np.log(ratios))))
 
 
 class StickZone(NamedTuple):
@@ -561,12 +566,14 @@ def _at_stick_edge(
     slip_range = float(np.ptp(slip_of_node))
     signs = slip_sign(np.array([state.state[node] for state in states]))
     states_at_turns: dict[int, InterfaceState] = {}
+    turns: list[float] = []
     for sign in (1, -1):
         is_at_turn = sign * slip_of_node >= np.max(sign * slip_of_node) - _TURNED * slip_range
         turning_numbers = np.flatnonzero((signs == sign) & is_at_turn)
         if not len(turning_numbers) or not states[turning_numbers[-1]].is_complete:
             return None
         states_at_turns[sign] = states[turning_numbers[-1]]
+        turns += [states[number].time for number in turning_numbers.tolist()]
     friction = problem.friction
     distance_to_limit = sum(
         float(force_to_limit(state.pressure[last_stuck], state.shear[last_stuck], sign, friction))
@@ -605,7 +612,7 @@ def _at_stick_edge(
     return _AtTurns(
         work=_EdgeWork(work_in_excess, scatter),
         place=sum(places) / len(places),
-        turns=tuple(state.time for state in states_at_turns.values()),
+        turns=tuple(turns),
     )
 
 

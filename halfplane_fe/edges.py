@@ -70,8 +70,10 @@ _UNSEEN = 2.0
 # Nodes inside the stick zone that the two fits take, counted from its last one, which the
 # singularity spoils.
 _FITTED = (7, 4)
-# Distances of nodes that a stick edge moves in one increment above which it jumps.
+# Distances of nodes that a stick edge moves in one increment above which it jumps,
 _JUMP = 6.0
+# and the share of one up to which an edge is known well enough not to have jumped inwards.
+_ON_ITS_WAY = 0.2
 # Elements by which two fits of a stick edge may differ.
 _AGREE = 0.1
 
@@ -491,43 +493,38 @@ def _stick_uncertainty(
     return np.where(is_full, of_full_stick, uncertainty)
 
 
-def uncertainty_at_jumps(
-    edges: Array, contact: Array, step_index: Indices, spacing: float
-) -> Array:
-    """(k, 2) by how much an edge may be wrong because an increment is wrong about when it jumps.
+def uncertainty_at_jumps(edges: Edges, step_index: Indices, spacing: float) -> Array:
+    """(k, 2) by how much an edge of stick may be wrong because an increment is wrong about when it
+    jumps.
 
-    Where a slip zone reaches an older edge of stick, the edge jumps. The mesh may see that too
-    early or too late: by an increment, or by as long as neither edge moves by a node. So the edge
-    of an instant around the jump may be that of the other side of it. Moves of a few nodes are
-    none. A stick zone that vanishes or appears ends in its middle.
+    Where a slip zone reaches an older edge of stick, the edge jumps inwards. Where slip ends, it
+    jumps outwards. The mesh may see that an increment too early or too late. So the edge of an
+    instant before or after the jump may be that of the other side of it. Inwards an edge also goes
+    far in one increment, without a jump: one that is known well beside it is on its way. Moves of a
+    few nodes are none. A stick zone that vanishes or appears ends in its middle.
 
     Parameters
     ----------
-    edges, contact
-        (k, 2) stick edges, NaN where nothing sticks, and contact edges
+    edges
+        of stick; NaN where nothing sticks
     step_index
         (k,) index of the instants in the run: of instants between which others were dropped nothing
         is known
     spacing
         of the nodes at the edges of contact [length]
     """
-    uncertainty = np.zeros(edges.shape)
+    uncertainty = np.zeros(edges.places.shape)
     follows = np.diff(step_index) == 1
-    middle = _middle_of_zone(edges)
-    for column in range(2):
-        places = np.where(np.isnan(edges[:, column]), middle, edges[:, column])
-        moves = np.where(follows, np.abs(np.diff(places)), 0.0)
-        stick_and_contact_edge = np.stack([places, contact[:, column]])
-        for last_before in np.flatnonzero(moves > _JUMP * spacing):
-            steps_before = _hardly_moving(
-                stick_and_contact_edge[:, last_before::-1], follows[:last_before][::-1], spacing
-            )
-            steps_after = _hardly_moving(
-                stick_and_contact_edge[:, last_before + 1 :], follows[last_before + 1 :], spacing
-            )
-            steps_around = slice(last_before + 1 - steps_before, last_before + 1 + steps_after)
-            uncertainty[steps_around, column] = np.maximum(
-                uncertainty[steps_around, column], moves[last_before]
+    middle = _middle_of_zone(edges.places)
+    is_on_its_way = edges.uncertainty < _ON_ITS_WAY * spacing
+    for column, outwards in enumerate((-1, 1)):
+        places = np.where(np.isnan(edges.places[:, column]), middle, edges.places[:, column])
+        moves = outwards * np.where(follows, np.diff(places), 0.0)
+        jumps = np.where(np.abs(moves) > _JUMP * spacing, np.abs(moves), 0.0)
+        for beside in (slice(None, -1), slice(1, None)):
+            is_uncertain = (moves > 0) | ~is_on_its_way[beside, column]
+            uncertainty[beside, column] = np.maximum(
+                uncertainty[beside, column], np.where(is_uncertain, jumps, 0.0)
             )
     return uncertainty
 
@@ -542,13 +539,6 @@ def _middle_of_zone(edges: Array) -> Array:
         return middle
     nearest = np.searchsorted(sticks, np.arange(len(middle)), side="right") - 1
     return np.asarray(middle[sticks[np.maximum(nearest, 0)]])
-
-
-def _hardly_moving(places: Array, follows: Mask, spacing: float) -> int:
-    """How many instants from the first on have all places (m, k) within a distance of the first."""
-    is_near = np.all(np.abs(places - places[:, :1]) < spacing, axis=0)
-    is_near[1:] &= follows
-    return len(is_near) if is_near.all() else int(np.argmin(is_near))
 
 
 class _Side(NamedTuple):

@@ -26,7 +26,7 @@ from halfplane_fe.answer_uncertainty import (
 )
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.dundurs import dundurs
-from halfplane_fe.edges import uncertainty_at_jumps
+from halfplane_fe.edges import Edges, uncertainty_at_jumps
 from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.interface import (
     Interface,
@@ -545,9 +545,8 @@ def _solution(
         np.maximum(
             arrays["stick_edge_uncertainty"],
             uncertainty_at_jumps(
-                arrays["stick_edges"],
-                arrays["contact_edges"],
-                np.asarray(run.stored),
+                Edges(arrays["stick_edges"], arrays["stick_edge_uncertainty"]),
+                run.stored,
                 spacing=task.element * scales.half_width / task.mesh.order,
             ),
         )
