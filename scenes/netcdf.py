@@ -87,10 +87,8 @@ def netcdf_of(content: StoredArrays) -> memoryview:
                 data=values.astype(object) if holds_words else values,
                 fillvalue=fill_value,
             )
-            for key, text in stored_array.attributes.items():
-                variable.attrs[key] = text
-        for key, value in content.attributes.items():
-            file.attrs[key] = value
+            variable.attrs.update(stored_array.attributes)
+        file.attrs.update(content.attributes)
     return buffer.getbuffer()
 
 
