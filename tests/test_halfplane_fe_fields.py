@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import functools
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,8 +18,10 @@ from halfplane_fe.body_fields import profile_kinks
 from halfplane_fe.contact import InterfaceState
 from halfplane_fe.edges import NodalAnswer, StickEdges, fitted_stick_edges, stick_edges
 from halfplane_fe.face_stress import (
+    _USUAL_FIT,
     NodalTractions,
     _change_by_stick_edges,
+    _fitted_edge,
     _pressure_form,
     fitted_size_effect,
     sampled_tractions,
@@ -306,6 +309,30 @@ def test_the_tension_of_coupled_bodies_is_less_certain(unlike: bool, factor: flo
     of_coupling = coupled.tension_uncertainty - alike.tension_uncertainty
     # factor r^(3/2) of the tension 2 f p0, r = 0.05
     np.testing.assert_allclose(of_coupling, factor * 0.05**1.5 * 0.6, rtol=0.01)
+
+
+@pytest.mark.parametrize(("skew", "n_fits"), [(0.0, 1), (1e-15, 1), (1e-9, 2), (0.1, 2)])
+def test_both_edges_of_a_mirrored_pressure_are_one_fit(
+    monkeypatch: pytest.MonkeyPatch, skew: float, n_fits: int
+) -> None:
+    x_on_right = np.linspace(0.05, 0.95, 19)
+    x = np.concatenate([-x_on_right[::-1], x_on_right])
+    pressure = np.sqrt(1 - x**2) * (1 + skew * x)
+    nodal = NodalTractions(
+        x, pressure, 0 * x, (-0.5, 0.5), (-1.0, 1.0), 0.3, 0.0, load_grows_in_stick=False
+    )
+    left = _fitted_edge(x, pressure, _USUAL_FIT)
+    right = _fitted_edge(-x[::-1], pressure[::-1], _USUAL_FIT)
+    fits = []
+
+    def counted(*arguments: Any) -> Any:
+        fits.append(arguments)
+        return _fitted_edge(*arguments)
+
+    monkeypatch.setattr("halfplane_fe.face_stress._fitted_edge", counted)
+    edges = sampled_tractions(nodal).edges
+    assert len(fits) == n_fits
+    np.testing.assert_allclose(edges, [left.edge, -right.edge], rtol=1e-12)
 
 
 def test_the_shear_of_a_few_nodes_goes_through_those_that_stick():
