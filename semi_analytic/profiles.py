@@ -1,8 +1,8 @@
-"""The law P(a) of every profile by the Abel transform of its slope: load, its inverse and its
-slope, with the corners.
+"""The contact law P(a) of every profile by the Abel transform of its slope: load, its inverse and
+its slope dP/da, and the corners, at which dP/da is not smooth.
 
 # notation: a half-width, a_0 that of no load, d = a - a_0, P normal load per unit thickness, E*
-composite modulus, h(x) profile
+composite modulus, h(x) profile, b half-width at a corner
 
 As functions of the advance d of the edge; of any symmetric profile (Abel transform of the slope
 h'):
@@ -62,8 +62,8 @@ Contact = SymmetricContact | TiltedProfile
 
 
 def contact_of(profile: Profile, materials: Materials) -> SymmetricContact:
-    """Normal contact P(a) of a profile between half-planes of two materials, and all that follows
-    from it.
+    """Normal contact of a symmetric profile between half-planes of two materials: the contact law
+    P(a), and pressure, approach and slip integrals that follow from it.
 
     Raises
     ------
@@ -76,12 +76,13 @@ def contact_of(profile: Profile, materials: Materials) -> SymmetricContact:
             "profile: its two sides are unequal: this takes symmetric profiles, `solve` takes both"
         )
     modulus = composite_modulus(materials)
-    datum = getattr(profile, "datum_length", 0.0)
-    return _kind_of(profile).contact(modulus, profile, datum)
+    datum_length = getattr(profile, "datum_length", 0.0)
+    return _kind_of(profile).contact(modulus, profile, datum_length)
 
 
 def convex_profile(profile: Profile) -> ConvexProfile:
-    """The profile under any tilt: in closed form where it is made of parabolas, else by quadrature.
+    """A profile as a convex curve that can be tilted: its contact in closed form where it is made
+    of parabolas, else by quadrature.
 
     Raises
     ------
@@ -104,16 +105,20 @@ class _Kind(NamedTuple):
     def by_law(
         cls, law: Callable[[float, Any], ContactLaw], convex: Callable[[Any], ConvexProfile]
     ) -> _Kind:
-        """Of a kind whose P(a) for E* is a law."""
+        """A kind of profile whose contact is the superposition of flat punches for P(a) = `law`, a
+        function of E* and the profile.
+        """
 
-        def contact(modulus: float, profile: Any, datum: float) -> SymmetricContact:
-            return PunchSuperposition(law(modulus, profile), datum)
+        def contact(modulus: float, profile: Any, datum_length: float) -> SymmetricContact:
+            return PunchSuperposition(law(modulus, profile), datum_length)
 
         return cls(contact, convex)
 
 
 def _kind_of(profile: Profile) -> _Kind:
-    """InputError for a kind of profile that this engine does not know."""
+    """The functions that make contacts of profiles of this type; InputError for a type that this
+    engine does not know.
+    """
     kind = _KINDS.get(type(profile))
     if kind is None:
         raise InputError(
@@ -146,10 +151,10 @@ def _convex_wedge(profile: Wedge) -> ConvexProfile:
 
 
 def _convex_table(profile: Tabulated) -> ConvexProfile:
-    """A profile given by a table of heights, as parabolas from row to row, so that it can be
-    tilted; straight beyond the ends. InputError where it bends down somewhere.
+    """A profile given by a table of heights as a convex curve that can be tilted: parabolas from
+    row to row, straight beyond the ends. InputError where it bends down somewhere.
     """
-    left_side, right_side = profile.sides()
+    left_side, right_side = profile.sides()  # x of the left side is counted to the left
     curvatures = np.concatenate([[0.0], left_side.curvature[::-1], right_side.curvature, [0.0]])
     if np.min(curvatures) < -1e-12 * np.max(curvatures):
         raise InputError(
@@ -167,7 +172,7 @@ def _convex_table(profile: Tabulated) -> ConvexProfile:
 
 def _convex_power(profile: PowerLaw) -> ConvexProfile:
     """The profile h = rise (|x|/length)^n as a convex curve that can be tilted; a parabola where n
-    is 2. InputError for a tip that is too sharp.
+    is 2. InputError for n below 1.01, where the tip is all but a sharp wedge.
 
     The curve has h', h'' and a quadrature rule that suits its exponent.
     """
@@ -183,7 +188,8 @@ def _convex_power(profile: PowerLaw) -> ConvexProfile:
         )
 
     def derivative(derivative_order: int, x: Array) -> Array:
-        factor = (
+        """h' (order 1) or h'' (order 2) at x of any sign; 0 at x = 0."""
+        derivative_at_length = (
             height_at_length
             / length**derivative_order
             * math.prod(exponent - k for k in range(derivative_order))
@@ -193,7 +199,10 @@ def _convex_power(profile: PowerLaw) -> ConvexProfile:
             exponent - derivative_order
         )
         return np.asarray(
-            factor * np.sign(x) ** derivative_order * power_of_distance * (relative_distance > 0)
+            derivative_at_length
+            * np.sign(x) ** derivative_order
+            * power_of_distance
+            * (relative_distance > 0)
         )
 
     # A high power is a peak at the end: with the usual steps |x|^20 would lose 2e-10 of the load,
@@ -211,28 +220,34 @@ def _convex_power(profile: PowerLaw) -> ConvexProfile:
 
 
 def _convex_polynomial(profile: EvenPolynomial) -> ConvexProfile:
-    """The profile h = sum of c_k (x/length)^(2 k) as a convex curve that can be tilted. InputError
-    where it bends down somewhere.
+    """The profile h = sum of c_k (x/length)^(2 k), k from 1, as a convex curve that can be tilted.
+    InputError where it bends down somewhere.
 
-    The curve has h', h'' and a quadrature rule that is exact for its degree.
+    The curve has h, h', h'' and a quadrature rule that is exact for its degree.
     """
     length = profile.length
-    coefficients_of_squares = np.array(profile.rises)
+    coefficients_of_squares = np.array(profile.rises)  # c_k
     if not np.any(coefficients_of_squares[1:]):
         return _parabolas([0.0], [2 * float(coefficients_of_squares[0]) / length**2] * 2, 0.0)
     k = np.arange(1.0, len(coefficients_of_squares) + 1)
     squared_ratio_at_fall = first_fall(k * (2 * k - 1) * coefficients_of_squares)
     if squared_ratio_at_fall is not None:
-        raise _bends_down(length * math.sqrt(squared_ratio_at_fall))
+        raise _bends_down_error(length * math.sqrt(squared_ratio_at_fall))
     coefficients_of_powers = np.zeros(2 * len(coefficients_of_squares) + 1)
     coefficients_of_powers[2::2] = coefficients_of_squares
     height = Polynomial(coefficients_of_powers, domain=[-length, length])
-    # Equal steps of theta are exact for polynomials of twice as many degrees.
+    # The rule averages over theta, x = m + c cos(theta). Its n equal steps, each with the weight
+    # 1/n, are exact for polynomials of degree below 2 n.
     n_nodes = len(coefficients_of_squares) + 2
     nodes = (np.arange(n_nodes) + 0.5) / n_nodes
     quadrature_rule = LogisticRule(nodes, nodes[::-1], np.full(n_nodes, 1 / n_nodes))
     return CurvedProfile(
-        np.zeros(0), length, height, height.deriv(), height.deriv(2), quadrature_rule
+        knots=np.zeros(0),
+        size=length,
+        height=height,
+        gradient=height.deriv(),
+        bend=height.deriv(2),
+        rule=quadrature_rule,
     )
 
 
@@ -240,26 +255,28 @@ def _convex_function(profile: CallableProfile) -> ConvexProfile:
     """A profile given by a Python function as a convex curve that can be tilted. InputError where
     it bends down somewhere within its extent.
 
-    Bending is looked for at a thousand places, denser towards the middle. Corners of the slope
-    become knots of the curve.
+    h'' is evaluated at a thousand places, denser towards the middle. Corners of the slope become
+    knots of the curve.
     """
     least_distance = profile.extent * 1e-15
 
-    def bend(x: Array) -> Array:
+    def second_derivative(x: Array) -> Array:
+        """h'' at x of any sign."""
         distance = np.maximum(np.abs(x), least_distance)
-        return np.asarray(profile.bend(distance) / distance)
+        return np.asarray(profile.bend(distance) / distance)  # `bend` is x h''
 
     sample_places = np.unique(np.linspace(0, 1, 1001)[1:-1] ** 2 * profile.extent)
-    falling_places = sample_places[bend(sample_places) < -1e-7 * np.max(bend(sample_places))]
+    sample_values = second_derivative(sample_places)
+    falling_places = sample_places[sample_values < -1e-7 * np.max(sample_values)]
     if len(falling_places):
-        raise _bends_down(float(falling_places[0]))
+        raise _bends_down_error(float(falling_places[0]))
     corners = np.array(_corners(profile))
     return CurvedProfile(
         knots=np.unique(np.concatenate([-corners, [0.0], corners])),
         size=profile.extent / 4,
         height=profile.height,
         gradient=lambda x: np.sign(x) * profile.slope(np.abs(x)),
-        bend=bend,
+        bend=second_derivative,
         exponent=max(profile.exponent, _SHARPEST),
         extent=(-profile.extent, profile.extent),
         noise=1e-11,
@@ -270,31 +287,36 @@ def _convex_function(profile: CallableProfile) -> ConvexProfile:
 _SHARPEST = 1.01
 
 
-def _parabolas(knots: list[float], bends: list[float], inner_curvature: float) -> PiecewiseParabola:
-    """Symmetric: h'' between and beyond the knots, `inner_curvature` where h' at the first knot,
-    -b inner, follows from it.
+def _parabolas(
+    knots: list[float], curvatures: list[float], inner_curvature: float
+) -> PiecewiseParabola:
+    """A symmetric convex profile made of parabolas that join at the `knots` -b and b, or at 0.
+
+    `curvatures` are h'' from left to right, one more than knots. Of two knots `inner_curvature` is
+    h'' between them: slope and height at the first follow from it.
     """
     b = -knots[0]
     return PiecewiseParabola(
-        np.array(knots), np.array(bends), -b * inner_curvature, b * b * inner_curvature / 2
+        np.array(knots), np.array(curvatures), -b * inner_curvature, b * b * inner_curvature / 2
     )
 
 
-def _bends_down(x: float) -> InputError:
+def _bends_down_error(x: float) -> InputError:
+    """The error for a profile that bends down near x and so is not convex."""
     return InputError(
         f"profile: it bends down near x = {x:.6g}: under bulk stress or tilt half-plane theory"
         " takes profiles that bend down nowhere; finite elements take others too"
     )
 
 
-# Of ln d between two places at which an inverse is known, and how far they reach beside the unit of
-# length.
-_STEP = 0.05
-_BELOW = 1e-22
-_ABOVE = 1e15
-# Of ln d: the next step of Newton's method would be about the square of this one, less than
+# Step of ln d between two rows of the table of an inverse, and its least and largest d over the
+# unit of length.
+_LOG_STEP_OF_TABLE = 0.05
+_LEAST_RATIO_TO_UNIT = 1e-22
+_LARGEST_RATIO_TO_UNIT = 1e15
+# Newton's method ends at this step of ln d: the next would be about its square, less than
 # round-off.
-_STILL = 3e-9
+_CONVERGED_LOG_STEP = 3e-9
 
 
 def inverse_of(
@@ -336,7 +358,7 @@ def inverse_of(
         largest_d] the bracket is halved instead.
         """
         positive_loads = np.where(loads > 0, loads, 1.0)
-        d, least_d, largest_d = table().start(np.log(positive_loads))
+        d, least_d, largest_d = table().first_guess(np.log(positive_loads))
         for _ in range(60):
             load_at_d = load(d)
             least_d = np.where(load_at_d < positive_loads, d, least_d)
@@ -346,7 +368,9 @@ def inverse_of(
             newton_d = d * np.exp(np.clip(log_step, -1.0, 1.0))
             is_in_bracket = (newton_d >= least_d) & (newton_d <= largest_d)
             d = np.where(is_in_bracket, newton_d, np.sqrt(least_d * largest_d))
-            if np.all((np.abs(log_step) < _STILL) | (largest_d <= least_d * (1 + 1e-15))):
+            if np.all(
+                (np.abs(log_step) < _CONVERGED_LOG_STEP) | (largest_d <= least_d * (1 + 1e-15))
+            ):
                 break
         return np.where(loads > 0, d, 0.0)
 
@@ -354,14 +378,16 @@ def inverse_of(
 
 
 class _LogTable(NamedTuple):
-    """An inverse at places (n,): ln P, d, the cubic of ln d over ln P and its slopes."""
+    """Table of the inverse d(P) of a contact law, n rows ascending: ln P, d [length], and a cubic
+    of ln d over ln P through them with its slopes d ln d/d ln P.
+    """
 
     log_load: Array
     advance: Array
     cubic: scipy.interpolate.CubicHermiteSpline
     slope: Array
 
-    def start(self, log_load: Array) -> tuple[Array, Array, Array]:
+    def first_guess(self, log_load: Array) -> tuple[Array, Array, Array]:
         """First guess of the inverse d(P) at the logarithms of loads, and bounds of d from below
         and above.
 
@@ -369,8 +395,8 @@ class _LogTable(NamedTuple):
         """
         log_below = np.minimum(log_load - self.log_load[0], 0.0)
         log_above = np.maximum(log_load - self.log_load[-1], 0.0)
-        log_d = self.cubic(log_load - log_below - log_above)
-        d = np.exp(log_d + self.slope[0] * log_below + self.slope[-1] * log_above)
+        log_d_in_table = self.cubic(log_load - log_below - log_above)
+        d = np.exp(log_d_in_table + self.slope[0] * log_below + self.slope[-1] * log_above)
         row_below = np.searchsorted(self.log_load[1:-1], log_load)
         is_in_table = log_below == log_above
         least_d = np.where(is_in_table, self.advance[row_below], d / 2)
@@ -381,36 +407,40 @@ class _LogTable(NamedTuple):
 def _log_table(
     load: Function, stiffness: Function, unit: float, corner: float, extent: float
 ) -> _LogTable:
-    """Table of the inverse d(P) of a rising law P = load(d), dP/dd = stiffness(d): a cubic of ln d
-    over ln P.
+    """Table of the inverse d(P) of a rising contact law P = load(d), dP/dd = stiffness(d): a cubic
+    of ln d over ln P.
 
-    The slopes of the cubic are limited so that it rises everywhere.
+    The slopes of the cubic are limited so that it rises everywhere. Rows whose load would overflow
+    or vanish are left out.
 
     Parameters
     ----------
     unit
-        a d of the size that is asked for: the table covers so many decades below and above it
+        a d of the expected size; the table covers so many decades below and above it [length]
     corner
-        a d at which the law is not smooth, which is a row of the table
+        a d at which the law is not smooth; it is a row of the table [length]
     extent
-        largest d
+        largest d [length]
     """
-    largest_d = min(_ABOVE * unit, extent)
-    logs = np.arange(math.log(_BELOW * unit), math.log(largest_d), _STEP)
-    d = np.append(np.exp(logs), [corner, extent])
+    least_d = _LEAST_RATIO_TO_UNIT * unit
+    largest_d = min(_LARGEST_RATIO_TO_UNIT * unit, extent)
+    log_d = np.arange(math.log(least_d), math.log(largest_d), _LOG_STEP_OF_TABLE)
+    d = np.append(np.exp(log_d), [corner, extent])
     d = np.unique(d[(d > 0) & np.isfinite(d)])
     with np.errstate(all="ignore"):
         loads = load(d)
         usable_numbers = np.flatnonzero((loads > 1e-290) & (loads < 1e290))
         log_loads, first_numbers = np.unique(np.log(loads[usable_numbers]), return_index=True)
         d = d[usable_numbers[first_numbers]]
-        slopes = np.exp(log_loads) / (d * stiffness(d))
-        chords = np.diff(np.log(d)) / np.diff(log_loads)
-    # As long as no slope is more than three times a chord beside it the cubic rises.
-    least_chords = np.minimum(np.append(chords, np.inf), np.append(np.inf, chords))
-    slopes = np.fmin(slopes, 3 * least_chords)
-    cubic = scipy.interpolate.CubicHermiteSpline(log_loads, np.log(d), slopes)
-    return _LogTable(log_loads, d, cubic, slopes)
+        log_slopes = np.exp(log_loads) / (d * stiffness(d))
+        chord_slopes = np.diff(np.log(d)) / np.diff(log_loads)
+    # As long as no slope is more than three times that of a chord beside it the cubic rises.
+    least_chord_slopes = np.minimum(
+        np.append(chord_slopes, np.inf), np.append(np.inf, chord_slopes)
+    )
+    log_slopes = np.fmin(log_slopes, 3 * least_chord_slopes)
+    cubic = scipy.interpolate.CubicHermiteSpline(log_loads, np.log(d), log_slopes)
+    return _LogTable(log_loads, d, cubic, log_slopes)
 
 
 # --- power laws and their sums
@@ -452,8 +482,8 @@ def power_law(modulus: float, exponent: float, length: float, rise: float) -> Co
 
 
 def even_polynomial(modulus: float, length: float, rises: tuple[float, ...]) -> ContactLaw:
-    """Contact law P(a) of the profile h = sum c_k (x/length)^(2 k), c_k = `rises` [length]: the sum
-    of the loads of its powers. `modulus` is E*.
+    """Contact law P(a) of the profile h = sum c_k (x/length)^(2 k), k from 1, c_k = `rises`
+    [length]: P is the sum of the loads that each power alone would carry. `modulus` is E*.
 
     Raises
     ------
@@ -581,61 +611,76 @@ def two_curvatures(
     1.0
     """
     b = inner_half_length
-    tip_modulus = modulus / inner_radius
-    outer_load = modulus / outer_radius * b * b / 2
+    inner_stiffness = modulus / inner_radius  # E* h'' inside of b
+    outer_stiffness = modulus / outer_radius  # E* h'' beyond
+    load_unit = outer_stiffness * b * b / 2
 
     def load(a: Array) -> Array:
-        end = np.minimum(a, b)
-        t = np.sqrt((a - end) * (a + end))
-        return tip_modulus / 2 * (
-            end * t + a * a * np.arctan2(end, t)
-        ) + outer_load * load_function(t / b)
+        inner_end = np.minimum(a, b)
+        t = np.sqrt((a - inner_end) * (a + inner_end))
+        inner_load = inner_stiffness / 2 * (inner_end * t + a * a * np.arctan2(inner_end, t))
+        return inner_load + load_unit * load_function(t / b)
 
     def stiffness(a: Array) -> Array:
-        end = np.minimum(a, b)
-        t = np.sqrt((a - end) * (a + end))
-        return a * (tip_modulus * np.arctan2(end, t) + modulus / outer_radius * np.arctan2(t, end))
+        inner_end = np.minimum(a, b)
+        t = np.sqrt((a - inner_end) * (a + inner_end))
+        return a * (
+            inner_stiffness * np.arctan2(inner_end, t) + outer_stiffness * np.arctan2(t, inner_end)
+        )
 
     return ContactLaw(load, inverse_of(load, stiffness, b, b), stiffness, breaks=(b,))
 
 
-# --- measured rows
+# --- tables of heights
 
-# Pieces whose knots are summed one by one.
-_TOGETHER = 32
+# Intervals in a group at most, when the sums over near knots are taken knot by knot.
+_LARGEST_GROUP = 32
 
 
 @dataclass(frozen=True, eq=False)
-class _Series:
-    """Chebyshev series of P and dP/da on pieces [low, high] (n,) of u = sqrt(a - begin); `edges`
-    (n,) are the half-widths at which the pieces begin.
+class _TableSeries:
+    """P and dP/da of a table of heights as Chebyshev series on n intervals of u = sqrt(a - knot),
+    one series each.
+
+    Attributes
+    ----------
+    knots
+        (n,) the knot of the profile behind which the interval lies [length]
+    begin_roots, end_roots
+        (n,) ends of the interval, values of u
+    begin_half_widths
+        (n,) half-width a at which the interval begins, ascending [length]
+    load, stiffness
+        the series of P and of dP/da
     """
 
-    begin: Array
-    low: Array
-    high: Array
-    edges: Array
+    knots: Array
+    begin_roots: Array
+    end_roots: Array
+    begin_half_widths: Array
     load: Powers
-    rate: Powers
+    stiffness: Powers
 
-    def on(self, piece_number: Indices, u: Array, values: Powers) -> Array:
-        """Value of one of the two at u on pieces of these numbers."""
-        low = self.low[piece_number]
-        high = self.high[piece_number]
-        return values(piece_number, np.minimum((2 * u - low - high) / (high - low), 1.0))
+    def value(self, interval_number: Indices, u: Array, load_or_stiffness: Powers) -> Array:
+        """P or dP/da, that of the given series, at u on the intervals with these numbers."""
+        begin_root = self.begin_roots[interval_number]
+        end_root = self.end_roots[interval_number]
+        place_in_interval = (2 * u - begin_root - end_root) / (end_root - begin_root)
+        return load_or_stiffness(interval_number, np.minimum(place_in_interval, 1.0))
 
     def sample_half_widths(self) -> Array:
-        """Half-widths at the nodes and both ends of every piece, (n, nodes): where dP/da falls
-        behind a knot it is least at the next one.
+        """Half-widths at the nodes and both ends of every interval, (n, nodes) [length], at which
+        dP/da is tested: where it falls behind a knot it is least at the next one.
         """
-        node = np.concatenate([[-1.0], NODES, [1.0]])
-        u = self.low[:, None] + (self.high - self.low)[:, None] * (1 + node) / 2
-        return np.asarray(self.begin[:, None] + np.square(u))
+        nodes_and_ends = np.concatenate([[-1.0], NODES, [1.0]])
+        root_length = (self.end_roots - self.begin_roots)[:, None]
+        u = self.begin_roots[:, None] + root_length * (1 + nodes_and_ends) / 2
+        return np.asarray(self.knots[:, None] + np.square(u))
 
 
 def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
-    """Contact law P(a) of a profile given by rows of x and h: its curvature kappa is constant
-    between knots b_j, so that P and dP/da are sums of flats with rounded edges. `modulus` is E*.
+    """Contact law P(a) of a profile given by a table of heights h(x): its curvature kappa is
+    constant between knots b_j, so that P is a sum of flats with rounded edges. `modulus` is E*.
 
         dP/da = E* a [kappa_0 pi/2 + sum over b_j < a of (kappa_j - kappa_(j-1)) arccos(b_j/a)]
 
@@ -659,21 +704,25 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
     spline = profile.spline()
     first_knot = int(np.flatnonzero(spline.curvature > 0)[0])
     knots = spline.x[first_knot:]
-    curvature_stiffness = modulus * spline.curvature[first_knot:]
-    least_width = float(knots[0])
+    scaled_curvatures = modulus * spline.curvature[first_knot:]  # E* h'' behind each knot
+    least_half_width = float(knots[0])
     extent = float(knots[-1])
-    # The first piece is Hertz, or flat and rounded with 1/R the first curvature.
-    first_piece = (
-        flat_and_rounded(curvature_stiffness[0], 1.0, least_width)
-        if least_width > 0
-        else power_law(curvature_stiffness[0], 2.0, 1.0, 0.5)
+    # Up to the second knot it is Hertz, or flat and rounded, with E*/R the first of these.
+    law_to_second_knot = (
+        flat_and_rounded(scaled_curvatures[0], 1.0, least_half_width)
+        if least_half_width > 0
+        else power_law(scaled_curvatures[0], 2.0, 1.0, 0.5)
     )
-    law = _LawOfRows(first_piece, _series_of_rows(knots, curvature_stiffness), least_width)
-    largest_load = float(law.load(np.array(extent - least_width)))
-    inverse = first_piece.advance
+    law = _TableLaw(
+        law_to_second_knot, _series_of_table(knots, scaled_curvatures), least_half_width
+    )
+    largest_load = float(law.load(np.array(extent - least_half_width)))
+    advance_under_load = law_to_second_knot.advance
     if law.has_series:
-        corner = float(knots[1]) - least_width
-        inverse = inverse_of(law.load, law.stiffness, extent, corner, extent - least_width)
+        corner_advance = float(knots[1]) - least_half_width
+        advance_under_load = inverse_of(
+            law.load, law.stiffness, extent, corner_advance, extent - least_half_width
+        )
 
     def advance(loads: Array) -> Array:
         needed_load = float(np.max(loads, initial=0.0))
@@ -682,119 +731,141 @@ def tabulated(modulus: float, profile: Tabulated) -> ContactLaw:
                 f"profile: the normal load {needed_load:.6g} needs a contact wider than the table,"
                 f" whose last x = {extent:.6g} carries {largest_load:.6g}"
             )
-        return np.asarray(inverse(loads))
+        return np.asarray(advance_under_load(loads))
 
     if law.has_series:
-        half_width = law.row_series.sample_half_widths()
-        rate = law.stiffness(half_width - least_width)
+        half_widths = law.table_series.sample_half_widths()
+        stiffness = law.stiffness(half_widths - least_half_width)
         # Round-off may leave that much below 0 where the profile is straight.
-        falls = rate < -1e-12 * np.max(rate)
-        if np.any(falls):
-            raise _splits(profile, float(np.min(half_width[falls])))
+        is_negative = stiffness < -1e-12 * np.max(stiffness)
+        if np.any(is_negative):
+            raise _contact_splits_error(profile, float(np.min(half_widths[is_negative])))
     inner_knots = tuple(knots[1:-1].tolist())
-    return ContactLaw(law.load, advance, law.stiffness, least_width, inner_knots, extent=extent)
+    return ContactLaw(
+        law.load, advance, law.stiffness, least_half_width, inner_knots, extent=extent
+    )
 
 
-class _LawOfRows(NamedTuple):
-    """P and dP/da of a table of rows: by series in the half-width, but for the first piece, which
-    has a closed form.
+class _TableLaw(NamedTuple):
+    """P and dP/da of a profile given by a table of heights: in closed form up to its second knot,
+    by Chebyshev series behind it.
 
     Attributes
     ----------
-    first_piece
+    law_to_second_knot
         law of the contact up to the second knot, Hertz or flat and rounded
-    row_series
+    table_series
         Chebyshev series of P and dP/da behind every knot from the second on
-    least_width
+    least_half_width
         contact half-width without load [length]
     """
 
-    first_piece: ContactLaw
-    row_series: _Series
-    least_width: float
+    law_to_second_knot: ContactLaw
+    table_series: _TableSeries
+    least_half_width: float
 
     @property
     def has_series(self) -> bool:
         """Whether the table has more than two knots."""
-        return len(self.row_series.begin) > 0
+        return len(self.table_series.knots) > 0
 
     def load(self, d: Array) -> Array:
         """P at advances d of the edge [force per thickness]."""
-        return self._value(d, self.row_series.load, self.first_piece.load)
+        return self._load_or_stiffness(d, self.table_series.load, self.law_to_second_knot.load)
 
     def stiffness(self, d: Array) -> Array:
         """dP/da at advances d of the edge [stress]."""
-        return self._value(d, self.row_series.rate, self.first_piece.stiffness)
+        return self._load_or_stiffness(
+            d, self.table_series.stiffness, self.law_to_second_knot.stiffness
+        )
 
-    def _value(
-        self, d: Array, values: Powers, law_of_first_piece: Callable[[Array], Array]
+    def _load_or_stiffness(
+        self, d: Array, series_behind: Powers, closed_form_before: Callable[[Array], Array]
     ) -> Array:
         """P or dP/da at advances d of the edge of contact beyond the half-width without load.
 
         Parameters
         ----------
-        values
+        series_behind
             the series of P or of dP/da, for half-widths behind the second knot
-        law_of_first_piece
+        closed_form_before
             closed form of it in d, for half-widths before that knot
         """
-        row_series = self.row_series
+        table_series = self.table_series
         if not self.has_series:
-            return law_of_first_piece(d)
-        half_widths = d + self.least_width
-        piece_number = np.searchsorted(row_series.edges, half_widths, side="right") - 1
-        root_distances = np.sqrt(np.maximum(half_widths - row_series.begin[piece_number], 0.0))
-        values_at_widths = row_series.on(np.maximum(piece_number, 0), root_distances, values)
-        is_in_first_piece = piece_number < 0
-        if np.any(is_in_first_piece):
+            return closed_form_before(d)
+        half_widths = d + self.least_half_width
+        interval_number = (
+            np.searchsorted(table_series.begin_half_widths, half_widths, side="right") - 1
+        )
+        distance_from_knot = np.maximum(half_widths - table_series.knots[interval_number], 0.0)
+        values = table_series.value(
+            np.maximum(interval_number, 0), np.sqrt(distance_from_knot), series_behind
+        )
+        is_before_second_knot = interval_number < 0
+        if np.any(is_before_second_knot):
             # of d itself, which keeps its digits beside a flat
-            values_at_widths[is_in_first_piece] = law_of_first_piece(d[is_in_first_piece])
-        return values_at_widths
+            values[is_before_second_knot] = closed_form_before(d[is_before_second_knot])
+        return values
 
 
-class _Piece(NamedTuple):
-    """A piece [low, high] of u = sqrt(a - begin), behind the knot at `begin`."""
+class _RootInterval(NamedTuple):
+    """An interval [begin_root, end_root] of u = sqrt(a - knot) behind the knot of a table."""
 
-    begin: float
-    low: float
-    high: float
+    knot: float
+    begin_root: float
+    end_root: float
 
 
-class _Range(NamedTuple):
-    """Pieces `first` to `last` of a table, whose sums over the knots below `known` are taken.
+class _IntervalGroup(NamedTuple):
+    """Successive intervals of half-widths a, and what the far knots of the table below all of them
+    add to P and dP/da there, as one Chebyshev series.
 
-    `smooth` (nodes, 2) are the series of these sums, of P and of dP/da/a, in a on `ends`.
+    Attributes
+    ----------
+    first, stop
+        number of the first interval of the group, and of the first behind it
+    n_far_knots
+        number of knots, from the first on, whose sums the series hold
+    half_width_range
+        least and largest a on which the series hold [length]
+    far_series
+        (nodes, 2) series in a of the sums over the far knots, of P and of dP/da/a
     """
 
     first: int
-    last: int
-    known: int
-    ends: tuple[float, float]
-    smooth: Array
+    stop: int
+    n_far_knots: int
+    half_width_range: tuple[float, float]
+    far_series: Array
 
 
-def _pieces_of_rows(knots: Array) -> list[_Piece]:
-    """Ranges of the contact half-width a that one Chebyshev series each can serve, behind every
-    knot of a table from the second on.
+def _root_intervals(knots: Array) -> list[_RootInterval]:
+    """Intervals of u = sqrt(a - knot), behind every knot of a table from the second on, on each of
+    which one Chebyshev series can serve for P(a), a the contact half-width.
 
-    A range is given in u = sqrt(a - knot), in which P is smooth there. A short first one is
-    followed by octaves: what the knot before leaves is singular at a distance in u^2 below 0.
-    `knots` (k,) are half- widths at which the curvature of the profile jumps.
+    P is smooth in u. But the knot before leaves a singularity below, at u^2 = -(its distance). So a
+    first interval as long as the root of that distance is followed by octaves. `knots` (k,) are
+    half-widths at which the curvature of the profile jumps.
     """
-    pieces: list[_Piece] = []
-    for knot_before, begin, end in zip(
+    intervals: list[_RootInterval] = []
+    for knot_before, knot, next_knot in zip(
         knots[:-2].tolist(), knots[1:-1].tolist(), knots[2:].tolist(), strict=True
     ):
-        length = (end - begin) ** 0.5
-        first_length = (begin - knot_before) ** 0.5
-        octaves = range(math.ceil(math.log2(length / first_length)))
-        ends_of_pieces = [0.0, *(first_length * 2.0**k for k in octaves), length]
-        if len(ends_of_pieces) > 2 and length - ends_of_pieces[-2] < 0.1 * (
-            ends_of_pieces[-2] - ends_of_pieces[-3]
+        last_root = (next_knot - knot) ** 0.5
+        first_root = (knot - knot_before) ** 0.5
+        octaves = range(math.ceil(math.log2(last_root / first_root)))
+        interval_ends = [0.0, *(first_root * 2.0**k for k in octaves), last_root]
+        # A last interval that would be a small part of the one before is joined to it.
+        if len(interval_ends) > 2 and last_root - interval_ends[-2] < 0.1 * (
+            interval_ends[-2] - interval_ends[-3]
         ):
-            del ends_of_pieces[-2]
-        pieces += [_Piece(begin, begin_u, end_u) for begin_u, end_u in pairwise(ends_of_pieces)]
-    return pieces
+            del interval_ends[-2]
+        intervals += [
+            _RootInterval(knot, begin_root, end_root)
+            for begin_root, end_root in pairwise(interval_ends)
+        ]
+    return intervals
 
 
 class _KnotSums(NamedTuple):
@@ -812,142 +883,165 @@ class _KnotSums(NamedTuple):
     jumps: Array
 
     def over_knots(
-        self, a: Array, begin_of_piece: Array, distances: Array, numbers: slice
+        self, half_width: Array, origin: Array, distance: Array, knot_numbers: slice
     ) -> Array:
-        """P and dP/da/a of the knots of these numbers at contact half-widths a, the last axis
-        being the two.
+        """Sums of P and of dP/da/a over the knots with these numbers at contact half-widths a; the
+        last axis holds the two.
 
             P = (1/2) sum over b < a of jump (a^2 arccos(b/a) - b sqrt(a^2 - b^2)),
             dP/da = a sum of jump arccos(b/a)
 
-        a is `begin_of_piece` + `distances`, so that a - b is known without cancellation; all three
-        have a last axis of length 1.
+        b are the knots, jump those of E* h''. a = `half_width` is also `origin` + `distance`, so
+        that a - b is known without cancellation; all three have a last axis of length 1.
         """
-        b = self.knots[numbers]
-        distance_from_knots = np.maximum((begin_of_piece - b) + distances, 0.0)
-        tau = np.sqrt(distance_from_knots * (a + b))
-        angle = np.where(distance_from_knots > 0, np.arctan2(tau, b), 0.0)
-        twice_load = np.where(distance_from_knots > 0, a * a * angle - b * tau, 0.0)
-        load = twice_load @ self.jumps[numbers] / 2
-        rate_over_width = angle @ self.jumps[numbers]
-        return np.stack([load, rate_over_width], axis=-1)
-
-    def with_far_knots(self, range_before: _Range, range_ends: tuple[float, float]) -> _Range:
-        """A range of half-widths whose smooth part has taken in more knots: those farther below
-        the range than it is long.
-
-        Their sums are smooth on the range: one Chebyshev series holds them, with those of the
-        knots that the wider `range_before` had taken in. `range_ends` are the least and the
-        largest half-width of the range.
-        """
-        length = range_ends[1] - range_ends[0]
-        places = range_ends[0] + length * (1 + NODES) / 2
-        far_knots = int(np.searchsorted(self.knots, 2 * range_ends[0] - range_ends[1]))
-        known = max(far_knots, range_before.known)
-        place_in_series = (places - range_before.ends[0]) * (
-            2 / (range_before.ends[1] - range_before.ends[0])
-        ) - 1
-        sums_at_places = chebyshev.chebval(place_in_series, range_before.smooth).T
-        column_of_places = places[:, None]
-        sums_at_places = sums_at_places + self.over_knots(
-            column_of_places,
-            column_of_places,
-            np.zeros((1, 1)),
-            slice(range_before.known, known),
+        b = self.knots[knot_numbers]
+        distance_from_knots = np.maximum((origin - b) + distance, 0.0)
+        # sqrt(a^2 - b^2)
+        root_of_squares = np.sqrt(distance_from_knots * (half_width + b))
+        angle = np.where(distance_from_knots > 0, np.arctan2(root_of_squares, b), 0.0)
+        twice_load_per_jump = np.where(
+            distance_from_knots > 0, half_width * half_width * angle - b * root_of_squares, 0.0
         )
-        smooth = series(sums_at_places.T).T
-        return _Range(range_before.first, range_before.last, known, range_ends, smooth)
+        load = twice_load_per_jump @ self.jumps[knot_numbers] / 2
+        stiffness_over_width = angle @ self.jumps[knot_numbers]
+        return np.stack([load, stiffness_over_width], axis=-1)
+
+    def with_far_knots(
+        self, wider_group: _IntervalGroup, half_width_range: tuple[float, float]
+    ) -> _IntervalGroup:
+        """The group of intervals with a series over more far knots: those farther below its least
+        half-width than the range of its half-widths is long.
+
+        Sums over these knots are smooth on the range, and one Chebyshev series holds them. The
+        group still has the series of the `wider_group` it was a half of, over fewer knots.
+        `half_width_range` is the least and the largest half-width of the group itself.
+        """
+        least_half_width, largest_half_width = half_width_range
+        half_widths = least_half_width + (largest_half_width - least_half_width) * (1 + NODES) / 2
+        n_knots_far_below = int(
+            np.searchsorted(self.knots, 2 * least_half_width - largest_half_width)
+        )
+        n_far_knots = max(n_knots_far_below, wider_group.n_far_knots)
+        wider_least, wider_largest = wider_group.half_width_range
+        place_in_wider_range = (half_widths - wider_least) * (2 / (wider_largest - wider_least)) - 1
+        far_sums = chebyshev.chebval(place_in_wider_range, wider_group.far_series).T
+        half_width_column = half_widths[:, None]
+        far_sums = far_sums + self.over_knots(
+            half_width_column,
+            half_width_column,
+            np.zeros((1, 1)),
+            slice(wider_group.n_far_knots, n_far_knots),
+        )
+        return wider_group._replace(
+            n_far_knots=n_far_knots,
+            half_width_range=half_width_range,
+            far_series=series(far_sums.T).T,
+        )
 
 
-def _series_of_rows(knots: Array, curvature_stiffness: Array) -> _Series:
+def _series_of_table(knots: Array, scaled_curvatures: Array) -> _TableSeries:
     """Chebyshev series of P(a) and dP/da behind every knot b of a table of heights, from the second
     knot on; none where there are no more than two.
-
-    Both are sums over all knots below a. Sums over knots that are farther below a range of
-    half-widths than it is long are smooth there: one series serves for all of the range. Halves of
-    the range then add knots that are farther than they are long themselves. So the time grows as
-    the number of rows, not as its square. What is left in the end is summed knot by knot.
 
     Parameters
     ----------
     knots
         (k,) half-widths at which h'' jumps, ascending
-    curvature_stiffness
+    scaled_curvatures
         (k,) E* h'' behind each knot [stress/length]
     """
-    pieces = _pieces_of_rows(knots)
-    begin_of_pieces = np.array([piece.begin for piece in pieces])
-    begin_root = np.array([piece.low for piece in pieces])
-    end_root = np.array([piece.high for piece in pieces])
-    # The ends too: loads there are where pieces begin and end.
-    node = np.concatenate([[-1.0], NODES, [1.0]])
-    root_of_distance = begin_root[:, None] + (end_root - begin_root)[:, None] * (1 + node) / 2
-    distances = np.square(root_of_distance)
-    half_widths = begin_of_pieces[:, None] + np.square(root_of_distance)
-    load_and_rate = np.zeros((*half_widths.shape, 2))
-    sums = _KnotSums(knots, np.diff(curvature_stiffness, prepend=0.0))
-
-    ranges: list[_Range] = []
-    if pieces:
-        ranges.append(_Range(0, len(begin_of_pieces), 0, (0.0, 1.0), np.zeros((len(NODES), 2))))
-    while ranges:
-        range_before = ranges.pop()
-        range_ends = (half_widths[range_before.first, 0], half_widths[range_before.last - 1, -1])
-        range_of_pieces = sums.with_far_knots(range_before, range_ends)
-        if range_of_pieces.last - range_of_pieces.first > _TOGETHER:
-            middle = (range_of_pieces.first + range_of_pieces.last) // 2
-            ranges.append(range_of_pieces._replace(last=middle))
-            ranges.append(range_of_pieces._replace(first=middle))
-            continue
-        numbers = slice(range_of_pieces.first, range_of_pieces.last)
-        knots_reached = int(np.searchsorted(knots[:-1], range_ends[1]))
-        range_length = range_ends[1] - range_ends[0]
-        place_in_series = (half_widths[numbers] - range_ends[0]) * 2 / range_length - 1
-        far_sums = chebyshev.chebval(place_in_series, range_of_pieces.smooth)
-        load_and_rate[numbers] = np.moveaxis(far_sums, 0, -1)
-        load_and_rate[numbers] += sums.over_knots(
-            half_widths[numbers, :, None],
-            begin_of_pieces[numbers, None, None],
-            distances[numbers, :, None],
-            slice(range_of_pieces.known, knots_reached),
-        )
-    load = load_and_rate[..., 0]
-    rate = load_and_rate[..., 1] * half_widths
-    return _Series(
-        begin_of_pieces,
-        begin_root,
-        end_root,
-        edges=begin_of_pieces + begin_root * begin_root,
+    intervals = _root_intervals(knots)
+    knot_of_interval = np.array([interval.knot for interval in intervals])
+    begin_roots = np.array([interval.begin_root for interval in intervals])
+    end_roots = np.array([interval.end_root for interval in intervals])
+    # The ends too: loads there are where intervals begin and end.
+    nodes_and_ends = np.concatenate([[-1.0], NODES, [1.0]])
+    roots = begin_roots[:, None] + (end_roots - begin_roots)[:, None] * (1 + nodes_and_ends) / 2
+    distances = np.square(roots)
+    sums = _KnotSums(knots, np.diff(scaled_curvatures, prepend=0.0))
+    load, stiffness_over_width = np.moveaxis(
+        _sums_over_all_knots(sums, knot_of_interval, distances), -1, 0
+    )
+    stiffness = stiffness_over_width * (knot_of_interval[:, None] + distances)
+    return _TableSeries(
+        knot_of_interval,
+        begin_roots,
+        end_roots,
+        begin_half_widths=knot_of_interval + begin_roots * begin_roots,
         load=Powers(series(load[:, 1:-1]).T),
-        rate=Powers(series(rate[:, 1:-1]).T),
+        stiffness=Powers(series(stiffness[:, 1:-1]).T),
     )
 
 
-def _splits(profile: Tabulated, half_width: float) -> InputError:
-    """The error message for a table of heights under which the contact would split near a
-    `half_width`: the row, the cause and what to do.
+def _sums_over_all_knots(sums: _KnotSums, knot_of_interval: Array, distances: Array) -> Array:
+    """P and dP/da/a of a table at half-widths a, (n, nodes, 2), as sums over all knots below a: at
+    distances (n, nodes) from the knots (n,) of n intervals of a, ascending.
 
-    Heights that are written with few digits rise by stairs; no engine has an answer for those.
+    Over knots that are farther below a range of half-widths than it is long the sums are smooth:
+    one Chebyshev series serves for the range. It is halved, and each half adds knots farther below
+    than it is long itself. So the time grows as the number of rows, not as its square. Near knots
+    of the last, short ranges are summed one by one.
     """
-    row = profile.row_before(half_width)
-    step = profile.step_of_heights()
-    x, h = profile.points.values[row].tolist()
+    half_widths = knot_of_interval[:, None] + distances
+    sums_at_nodes = np.zeros((*half_widths.shape, 2))
+    groups: list[_IntervalGroup] = []
+    if len(knot_of_interval):
+        no_far_knots = np.zeros((len(NODES), 2))
+        groups.append(_IntervalGroup(0, len(knot_of_interval), 0, (0.0, 1.0), no_far_knots))
+    while groups:
+        wider_group = groups.pop()
+        half_width_range = (
+            half_widths[wider_group.first, 0],
+            half_widths[wider_group.stop - 1, -1],
+        )
+        group = sums.with_far_knots(wider_group, half_width_range)
+        if group.stop - group.first > _LARGEST_GROUP:
+            middle = (group.first + group.stop) // 2
+            groups.append(group._replace(stop=middle))
+            groups.append(group._replace(first=middle))
+            continue
+        numbers = slice(group.first, group.stop)
+        least_half_width, largest_half_width = half_width_range
+        range_length = largest_half_width - least_half_width
+        place_in_range = (half_widths[numbers] - least_half_width) * 2 / range_length - 1
+        far_sums = chebyshev.chebval(place_in_range, group.far_series)
+        sums_at_nodes[numbers] = np.moveaxis(far_sums, 0, -1)
+        n_knots_reached = int(np.searchsorted(sums.knots[:-1], largest_half_width))
+        sums_at_nodes[numbers] += sums.over_knots(
+            half_widths[numbers, :, None],
+            knot_of_interval[numbers, None, None],
+            distances[numbers, :, None],
+            slice(group.n_far_knots, n_knots_reached),
+        )
+    return sums_at_nodes
+
+
+def _contact_splits_error(profile: Tabulated, half_width: float) -> InputError:
+    """The error for a table of heights under which the contact would split near a `half_width`; its
+    message has the row, the cause and what to do.
+
+    Heights that are rounded to few digits rise by equal steps: with those no engine can do
+    anything, and the error is a ProfileDataError.
+    """
+    row_number = profile.row_before(half_width)
+    height_step = profile.step_of_heights()
+    x, h = profile.points.values[row_number].tolist()
     cause = "the curve through the rows bends down there"
     advice = "smooth the rows until it does not"
-    if step is not None:
+    if height_step is not None:
         cause = (
-            f"h is written in steps of {step:.6g}, and the curve through such rows goes up by"
-            " stairs"
+            f"h is written in steps of {height_step:.6g}, and the curve through such rows goes up"
+            " by stairs"
         )
         advice = (
             "write h with more digits, leave rows out until each rises by many steps, or give a"
             " formula that fits them"
         )
-    place = f"{profile.place(row)}, x = {x:.6g} and h = {h:.6g}"
+    place = f"{profile.place(row_number)}, x = {x:.6g} and h = {h:.6g}"
     message = (
         f"{place}: the contact would split near a half-width of {half_width:.6g}: {cause}; {advice}"
     )
-    return InputError(message) if step is None else ProfileDataError(message)
+    return InputError(message) if height_step is None else ProfileDataError(message)
 
 
 # --- Python functions
@@ -955,42 +1049,42 @@ def _splits(profile: Tabulated, half_width: float) -> InputError:
 
 # Octaves of a half-width that have series; below them P is a power of a.
 _OCTAVES = 54
+# Relative errors of P and of dP/da to which their series are resolved, where no height is rounded.
+_NEGLIGIBLE_OF_LOAD = 4e-15
+_NEGLIGIBLE_OF_STIFFNESS = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class _Stretch:
-    """P and dP/da between two corners as functions of a distance u: u = a - begin from the middle,
-    else u^2 = a - begin.
+class _SeriesBehindCorner:
+    """P and dP/da as piecewise Chebyshev series in u, for half-widths a from one corner of the
+    profile, at `begin`, to the next.
 
-    Behind a corner of the profile, and beside a flat, both are smooth functions of the root only.
+    From the middle on u = a - begin. Behind a corner of the profile, and beside a flat, P is smooth
+    in the root only: `is_in_root`, u = sqrt(a - begin).
     """
 
     begin: float
-    rooted: bool
-    loads: Pieces
-    rates: Pieces
+    is_in_root: bool
+    load: Pieces
+    stiffness: Pieces
 
     @property
     def power(self) -> float:
-        """Power of u that P follows below the least octave."""
-        first_edge = np.array(self.loads.edges[0])
-        return float(
-            first_edge
-            * self.rates(first_edge)
-            / self.loads(first_edge)
-            * (2 * first_edge if self.rooted else 1.0)
-        )
+        """Power n of P ~ u^n below the least u that has a series, (u/P) dP/du there."""
+        first_u = np.array(self.load.edges[0])
+        width_per_u = 2 * first_u if self.is_in_root else 1.0  # da/du
+        return float(first_u * self.stiffness(first_u) / self.load(first_u) * width_per_u)
 
-    def at(self, u: Array, derivative_order: int) -> Array:
-        """P (order 0) or dP/da (1); below the least octave as a power."""
-        pieces = (self.loads, self.rates)[derivative_order]
-        first_edge = float(pieces.edges[0])
-        values_inside = pieces(np.maximum(u, first_edge))
-        if first_edge == 0:
-            return values_inside
+    def value(self, u: Array, derivative_order: int) -> Array:
+        """P (order 0) or dP/da (1) at u; below the least u that has a series as a power of u."""
+        pieces = (self.load, self.stiffness)[derivative_order]
+        first_u = float(pieces.edges[0])
+        values_of_series = pieces(np.maximum(u, first_u))
+        if first_u == 0:
+            return values_of_series
         # of dP/da of a sharp wedge 0, to round-off
-        power = max(self.power - derivative_order * (2 if self.rooted else 1), 0.0)
-        return values_inside * np.minimum(u / first_edge, 1.0) ** power
+        power = max(self.power - derivative_order * (2 if self.is_in_root else 1), 0.0)
+        return values_of_series * np.minimum(u / first_u, 1.0) ** power
 
 
 def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
@@ -1012,19 +1106,23 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     1.0
     """
     corners = _corners(profile)
-    least_width = _flat_half_length(profile, corners)
-    begins_of_stretches = [least_width, *(b for b in corners if least_width < b < profile.extent)]
-    ranges = list(pairwise([*begins_of_stretches, profile.extent]))
-    cuts_behind = tuple(reversed(begins_of_stretches if least_width else begins_of_stretches[1:]))
-    stretches = [_stretch(modulus, profile, begin, end, cuts_behind) for begin, end in ranges]
-    largest_load = float(stretches[-1].loads(stretches[-1].loads.edges[-1]))
+    least_half_width = _flat_half_length(profile, corners)
+    corners_beyond = [b for b in corners if least_half_width < b < profile.extent]
+    begins = [least_half_width, *corners_beyond]
+    half_width_ranges = list(pairwise([*begins, profile.extent]))
+    corners_descending = tuple(reversed(begins if least_half_width else corners_beyond))
+    series_of_ranges = [
+        _series_behind_corner(modulus, profile, begin, end, corners_descending)
+        for begin, end in half_width_ranges
+    ]
+    last_load = series_of_ranges[-1].load
+    largest_load = float(last_load(last_load.edges[-1]))
 
-    value_at = partial(_value_on_stretches, stretches, least_width)
-    inverse = inverse_of(
-        partial(value_at, derivative_order=0),
-        partial(value_at, derivative_order=1),
-        profile.extent,
-        extent=profile.extent - least_width,
+    load_or_stiffness = partial(_load_or_stiffness, series_of_ranges, least_half_width)
+    load = partial(load_or_stiffness, derivative_order=0)
+    stiffness = partial(load_or_stiffness, derivative_order=1)
+    advance_under_load = inverse_of(
+        load, stiffness, profile.extent, extent=profile.extent - least_half_width
     )
 
     def advance(loads: Array) -> Array:
@@ -1034,25 +1132,25 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
                 f"profile.extent = {profile.extent:.6g}: the normal load {needed_load:.6g} needs a"
                 f" wider contact, the extent carries {largest_load:.6g}"
             )
-        return inverse(loads)
+        return advance_under_load(loads)
 
     sample_half_widths = np.unique(
-        np.concatenate([np.linspace(begin, end, 200) for begin, end in ranges])
+        np.concatenate([np.linspace(begin, end, 200) for begin, end in half_width_ranges])
     )
-    sample_rates = value_at(sample_half_widths - least_width, 1)
-    falls = sample_rates < -1e-10 * np.max(sample_rates)
-    if np.any(falls):
-        first_fall_width = sample_half_widths[falls][0]
+    sample_stiffness = stiffness(sample_half_widths - least_half_width)
+    is_negative = sample_stiffness < -1e-10 * np.max(sample_stiffness)
+    if np.any(is_negative):
+        half_width_at_split = sample_half_widths[is_negative][0]
         raise InputError(
-            f"profile: the contact would split near a half-width of {first_fall_width:.6g}"
+            f"profile: the contact would split near a half-width of {half_width_at_split:.6g}"
         )
     return ContactLaw(
-        load=partial(value_at, derivative_order=0),
+        load=load,
         advance=advance,
-        stiffness=partial(value_at, derivative_order=1),
-        least_half_width=least_width,
-        breaks=tuple(begins_of_stretches[1:]),
-        power=stretches[0].power if not least_width else 2.0,
+        stiffness=stiffness,
+        least_half_width=least_half_width,
+        breaks=tuple(corners_beyond),
+        power=series_of_ranges[0].power if not least_half_width else 2.0,
         extent=profile.extent,
         bends_anywhere=True,
         # A derivative was taken of h', and two of h.
@@ -1060,42 +1158,47 @@ def slope_function(modulus: float, profile: CallableProfile) -> ContactLaw:
     )
 
 
-def _value_on_stretches(
-    stretches: list[_Stretch], least_width: float, d: Array, derivative_order: int
+def _load_or_stiffness(
+    series_of_ranges: list[_SeriesBehindCorner],
+    least_half_width: float,
+    d: Array,
+    derivative_order: int,
 ) -> Array:
     """P (order 0) or dP/da (order 1) of a contact whose edge is d beyond the half-width without
-    load, `least_width`.
+    load, `least_half_width`; an array like d.
 
-    The stretches between the corners of the profile hold series of both, ascending.
+    Each range of half-widths between two corners of the profile has series of both; ranges ascend.
     """
-    half_width = least_width + d
+    half_width = least_half_width + d
     values = np.zeros(d.shape)
-    begins = [stretch.begin for stretch in stretches]
-    stretch_number = np.maximum(np.searchsorted(begins, half_width, side="right") - 1, 0)
-    for k, stretch in enumerate(stretches):
-        in_stretch = stretch_number == k
-        if np.any(in_stretch):
+    begins = [range_series.begin for range_series in series_of_ranges]
+    range_number = np.maximum(np.searchsorted(begins, half_width, side="right") - 1, 0)
+    for k, range_series in enumerate(series_of_ranges):
+        is_in_range = range_number == k
+        if np.any(is_in_range):
             # d itself has more digits beside a flat.
-            distance = (d if k == 0 else half_width - stretch.begin)[in_stretch]
-            series_argument = np.sqrt(distance) if stretch.rooted else distance
-            values[in_stretch] = stretch.at(series_argument, derivative_order)
+            distance = (d if k == 0 else half_width - range_series.begin)[is_in_range]
+            u = np.sqrt(distance) if range_series.is_in_root else distance
+            values[is_in_range] = range_series.value(u, derivative_order)
     return values
 
 
-def _stretch(
-    modulus: float, profile: CallableProfile, begin: float, end: float, cuts: tuple[float, ...]
-) -> _Stretch:
+def _series_behind_corner(
+    modulus: float, profile: CallableProfile, begin: float, end: float, corners: tuple[float, ...]
+) -> _SeriesBehindCorner:
     """Chebyshev series of P and dP/da for contact half-widths between two corners of a profile,
     begin < a < end, by quadrature of its slope.
 
     The series run in u = a - begin, or in u = sqrt(a - begin) behind a corner, where P is smooth in
-    the root only. The first ranges of u are octaves.
+    the root only. u is first cut into octaves, which are then halved until the series are resolved.
 
     Parameters
     ----------
     modulus
         E* [stress]
-    cuts
+    begin, end
+        half-widths [length]
+    corners
         places where the slope has corners, descending [length]
 
     Raises
@@ -1103,35 +1206,37 @@ def _stretch(
     InputError
         Where the function of the profile is too rough.
     """
-    is_rooted = begin > 0
-    length = np.sqrt(end - begin) if is_rooted else end - begin
-    edges_of_pieces = length * 0.5 ** np.arange(_OCTAVES - 1, -1.0, -1.0)
-    if is_rooted and profile.slope(np.array(begin)) > 0:
-        edges_of_pieces = np.concatenate([[0.0], edges_of_pieces[-4:]])
-    elif is_rooted:
-        edges_of_pieces = edges_of_pieces[edges_of_pieces > 1e-5 * np.sqrt(begin)]
+    is_in_root = begin > 0
+    largest_u = np.sqrt(end - begin) if is_in_root else end - begin
+    interval_ends = largest_u * 0.5 ** np.arange(_OCTAVES - 1, -1.0, -1.0)
+    if is_in_root and profile.slope(np.array(begin)) > 0:
+        # P and dP/da are positive at a corner inside the contact: a few octaves resolve them.
+        interval_ends = np.concatenate([[0.0], interval_ends[-4:]])
+    elif is_in_root:
+        interval_ends = interval_ends[interval_ends > 1e-5 * np.sqrt(begin)]
 
-    def integral(u: Array, derivative_order: int) -> Array:
-        distance = u**2 if is_rooted else u
-        return _abel_integral(modulus, profile, begin, distance, cuts, derivative_order)
+    def load_or_stiffness(u: Array, derivative_order: int) -> Array:
+        distance = u**2 if is_in_root else u
+        return _abel_integral(modulus, profile, begin, distance, corners, derivative_order)
 
-    # Beside a flat, or behind a corner, the slope is known to round-off of its largest value and
-    # its bend jumps within round-off of the corner: 4e-15 of the scale can be had for the load,
-    # 1e-12 for its derivative. From the middle on that is so of every octave by itself. What the
-    # values of a height leave uncertain is no more than noise either.
-    sample_places = edges_of_pieces[-1:] if is_rooted else edges_of_pieces[1:]
-    floors = (
-        max(4e-15, profile.rounding_of_height.load),
-        max(1e-12, profile.rounding_of_height.stiffness),
+    # Beside a flat, or behind a corner, the slope is known to round-off of its largest value, and
+    # its derivative jumps within round-off of the corner. So errors are compared with the values at
+    # the end. From the middle on each octave is compared with its own. What the values of a height
+    # leave uncertain is no more than noise either.
+    places_of_scale = interval_ends[-1:] if is_in_root else interval_ends[1:]
+    negligible_shares = (
+        max(_NEGLIGIBLE_OF_LOAD, profile.rounding_of_height.load),
+        max(_NEGLIGIBLE_OF_STIFFNESS, profile.rounding_of_height.stiffness),
     )
     try:
-        loads, rates = (
+        # `halved` resolves to 4e-15 of the scale that it is given.
+        load, stiffness = (
             halved(
-                partial(integral, derivative_order=k),
-                edges_of_pieces,
-                floors[k] / 4e-15 * integral(sample_places, k),
+                partial(load_or_stiffness, derivative_order=order),
+                interval_ends,
+                negligible_shares[order] / 4e-15 * load_or_stiffness(places_of_scale, order),
             )
-            for k in (0, 1)
+            for order in (0, 1)
         )
     except Unresolved as fault:
         raise InputError(
@@ -1139,7 +1244,7 @@ def _stretch(
             " of this half-width carries is no smooth function; give `breaks`, or a smoother"
             " function"
         ) from fault
-    return _Stretch(begin, is_rooted, loads, rates)
+    return _SeriesBehindCorner(begin, is_in_root, load, stiffness)
 
 
 def _abel_integral(
@@ -1147,11 +1252,11 @@ def _abel_integral(
     profile: CallableProfile,
     begin: float,
     distance: Array,
-    cuts: tuple[float, ...],
+    corners: tuple[float, ...],
     derivative_order: int,
 ) -> Array:
-    """Load P (order 0) or stiffness dP/da (order 1) of a contact of half-width a, by quadrature of
-    the profile's slope.
+    """Load P [force per thickness] (order 0) or stiffness dP/da [stress] (order 1) of a contact of
+    half-width a, an array like `distance`, by quadrature of the profile's slope h'.
 
         P     = E* a int cos(angle) h'(x) d angle,    x = a cos(angle), 0 < angle < pi/2
         dP/da = E* int cos(angle) (x h')' d angle
@@ -1162,61 +1267,67 @@ def _abel_integral(
         E* [stress]
     begin, distance
         a = begin + distance: the distance from a corner keeps its digits [length]
-    cuts
-        places b of corners of the slope, at which the integral is split [length]
+    corners
+        places b of corners of the slope, at which the integral is split [length], descending
     """
     half_width = begin + distance
-    distances_to_cuts = [np.maximum(distance + (begin - b), 0.0) for b in cuts]
-    angles = [
-        np.arctan2(np.sqrt(distance_to_cut * (half_width + b)), b)
-        for distance_to_cut, b in zip(distances_to_cuts, cuts, strict=True)
-    ]
-    nodes = panels(np.zeros(half_width.shape), np.pi / 2, angles)
-    cosine = np.sin(np.where(nodes.at < 0.7, np.pi / 2 - nodes.at, nodes.below))
-    x = half_width[..., None, None] * cosine
-    slopes = (
-        profile.slope(x) + profile.bend(x)
-        if derivative_order
-        else profile.slope(x) * half_width[..., None, None]
-    )
-    return np.asarray(modulus * np.sum(nodes.weight * cosine * slopes, axis=(-2, -1)))
+    # cos(angle) = b/a; angle 0 for a corner outside of the contact
+    angles_of_corners = []
+    for b in corners:
+        distance_to_corner = np.maximum(distance + (begin - b), 0.0)
+        root_of_squares = np.sqrt(distance_to_corner * (half_width + b))
+        angles_of_corners.append(np.arctan2(root_of_squares, b))
+    nodes = panels(np.zeros(half_width.shape), np.pi / 2, angles_of_corners)
+    # cos(angle) as the sine of pi/2 - angle, which keeps its digits near pi/2
+    complement_of_angle = np.where(nodes.at < 0.7, np.pi / 2 - nodes.at, nodes.below)
+    cosine = np.sin(complement_of_angle)
+    half_width_column = half_width[..., None, None]
+    x = half_width_column * cosine
+    if derivative_order:
+        kernel = profile.slope(x) + profile.bend(x)  # (x h')', `bend` is x h''
+    else:
+        kernel = profile.slope(x) * half_width_column
+    return np.asarray(modulus * np.sum(nodes.weight * cosine * kernel, axis=(-2, -1)))
 
 
 def _flat_half_length(profile: CallableProfile, corners: tuple[float, ...]) -> float:
-    """Half-length of the flat in the middle of a profile given by a function; 0 if there is none.
+    """Half-length of the flat in the middle of a profile given by a function [length]; 0 if there
+    is none.
 
     A flat ends at one of the `corners` of the slope, ascending, within which the slope is 0. Slopes
     that fall towards 0 without a corner are not flat.
     """
     sample_places = np.array([*profile.corners, profile.extent])
-    is_flat_there = profile.slope(sample_places * 0.999) <= 1e-15 * float(
-        np.max(profile.slope(sample_places))
-    )
-    flat_places = sample_places[is_flat_there]
-    # Slopes fall towards 0 without being flat: a flat is one whose edge is a corner of the profile.
-    inner_corners = [b for b in corners if len(flat_places) and b <= flat_places[-1] * (1 + 1e-9)]
-    if not inner_corners:
+    largest_slope = np.max(profile.slope(sample_places))
+    has_no_slope_within = profile.slope(sample_places * 0.999) <= 1e-15 * float(largest_slope)
+    flat_places = sample_places[has_no_slope_within]
+    corners_of_flat = [b for b in corners if len(flat_places) and b <= flat_places[-1] * (1 + 1e-9)]
+    if not corners_of_flat:
         return 0.0
-    edge_of_flat = inner_corners[-1]
-    is_flat = profile.slope(edge_of_flat * 0.9) <= 1e-13 * np.max(profile.slope(sample_places))
-    return float(edge_of_flat) if is_flat else 0.0
+    last_corner = corners_of_flat[-1]
+    is_flat = profile.slope(last_corner * 0.9) <= 1e-13 * largest_slope
+    return float(last_corner) if is_flat else 0.0
 
 
 def _corners(profile: CallableProfile) -> tuple[float, ...]:
-    """Distances b at which the curvature jumps: h'' a little on either side differs by more than a
-    millionth.
+    """Distances b at which the curvature h'' of a profile jumps, ascending [length]: x h'' a little
+    on either side differs by more than a millionth.
     """
     corners = []
     for b in profile.corners:
-        left, right = profile.bend(np.array([b * (1 - 1e-9), b * (1 + 1e-9)]))
-        size = abs(left) + abs(right) + float(profile.slope(np.array(b)))
-        if abs(left - right) > 1e-6 * size + 1e-300:
+        # `bend` is x h''
+        bend_before, bend_behind = profile.bend(np.array([b * (1 - 1e-9), b * (1 + 1e-9)]))
+        size = abs(bend_before) + abs(bend_behind) + float(profile.slope(np.array(b)))
+        if abs(bend_before - bend_behind) > 1e-6 * size + 1e-300:
             corners.append(b)
     return tuple(corners)
 
 
 _KINDS: dict[type, _Kind] = {
-    Hertz: _Kind(lambda modulus, p, datum: HertzContact(modulus, p.radius, datum), _convex_hertz),
+    Hertz: _Kind(
+        lambda modulus, p, datum_length: HertzContact(modulus, p.radius, datum_length),
+        _convex_hertz,
+    ),
     FlatRounded: _Kind.by_law(
         lambda modulus, p: flat_and_rounded(modulus, p.radius, p.flat_half_length),
         _convex_flat_rounded,
@@ -1240,4 +1351,4 @@ _KINDS: dict[type, _Kind] = {
     Tabulated: _Kind.by_law(tabulated, _convex_table),
     CallableProfile: _Kind.by_law(slope_function, _convex_function),
 }
-"""Each kind of profile: the one place that tells them apart."""
+"""The functions that make contacts of each type of profile: the one place that tells them apart."""
