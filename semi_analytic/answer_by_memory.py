@@ -83,10 +83,10 @@ from semi_analytic.opposite_slip import OppositeSlip
 from semi_analytic.profiles import Contact, SymmetricContact, contact_of
 from semi_analytic.quadrature import NODES
 from semi_analytic.stated_errors import (
-    Route,
+    LoopIntegral,
     Sums,
     error_by_slipped_load,
-    error_of_shift,
+    error_of_displacement,
     error_of_work,
     errors_of_sums,
 )
@@ -1026,7 +1026,7 @@ def _errors(
         "slip", path_answer.slipped_share
     )
     if request.wants("tangential_displacement"):
-        errors["tangential_displacement"] = error_of_shift(
+        errors["tangential_displacement"] = error_of_displacement(
             path_answer.snapshot.friction,
             contact.log_distance(loads_and_edges["normal_load"]),
             loads_and_edges["tangential_displacement"] / request.unit_compliance,
@@ -1036,7 +1036,7 @@ def _errors(
             contact,
             path_answer.spans,
             float(path_answer.works[-1]) / request.unit_compliance,
-            _route_of(request, path_answer, loop_work),
+            _loop_integral_of(request, path_answer, loop_work),
         )
         error_of_last = float(path_answer.work_errors[-1])
         loop_error = error_of_last + difference
@@ -1054,10 +1054,10 @@ def _errors(
     return {name: error for name, error in errors.items() if error and name in allowed_names}
 
 
-def _route_of(request: Request, path_answer: PathResult, loop_work: float) -> Route:
+def _loop_integral_of(request: Request, path_answer: PathResult, loop_work: float) -> LoopIntegral:
     """The closed integral of Q dU, over A/pi."""
     roundoff = path_answer.loop.rounding if path_answer.loop is not None else 0.0
-    return Route(loop_work / request.unit_compliance, roundoff / request.unit_compliance)
+    return LoopIntegral(loop_work / request.unit_compliance, roundoff / request.unit_compliance)
 
 
 def _sums_of(

@@ -17,8 +17,14 @@ _STEP = 0.375
 
 
 class LogisticRule(NamedTuple):
-    """Trapezoidal rule in s of 1/(1 + exp(-s)) on [0, 1]: distances `up` and `down` of the nodes
-    from 0 and from 1, and weights, (n,) each.
+    """Quadrature rule on [0, 1]: the trapezoidal rule in s, for nodes 1/(1 + exp(-s)).
+
+    Attributes
+    ----------
+    up, down
+        distances of the nodes from 0 and from 1, (n,) each
+    weight
+        (n,)
     """
 
     up: Array
@@ -27,7 +33,7 @@ class LogisticRule(NamedTuple):
 
 
 def logistic(low: float, high: float, step: float = _STEP) -> LogisticRule:
-    """The rule between s = `low` and s = `high`."""
+    """The trapezoidal rule from s = `low` to s = `high`, for nodes 1/(1 + exp(-s)) on [0, 1]."""
     s = np.arange(low, high + step / 2, step)
     up = 1 / (1 + np.exp(-s))
     down = 1 / (1 + np.exp(s))
@@ -54,11 +60,11 @@ _FROM_NEARER_END = np.minimum(ROOTS.up, ROOTS.down)
 
 def graded(begin: ArrayLike, end: ArrayLike, every: int = 1) -> tuple[Array, Array]:
     """Quadrature nodes and weights on [begin, end], a new last axis, for integrands singular at or
-    next to the ends: the trapezoidal rule in s of begin + (end - begin)/(1 + exp(-s)).
+    next to the ends: the trapezoidal rule in s, for nodes begin + (end - begin)/(1 + exp(-s)).
 
-    A singularity beyond an end lies on the line Im s = pi, however near the end it is, so that
-    roots and logarithms at the ends and next to them cost nothing: about 1e-14 of the largest value
-    of the integrand times the range. With `every` = 2 every second node, and half the digits.
+    A singularity beyond an end lies on the line Im s = pi, however near the end it is. Roots and
+    logarithms there cost no digits: the error is about 1e-14 of the largest value times the range.
+    With `every` = 2 every second node is taken, which halves the number of digits.
 
     >>> nodes, weights = graded(0.0, 4.0)
     >>> round(float(np.sum(weights * np.sqrt(nodes))), 12)  # 2/3 4^(3/2)
@@ -90,10 +96,10 @@ def gauss(count: int) -> tuple[Array, Array]:
 
 def crowded(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
     """Quadrature nodes and weights on [begin, end], a new last axis, for integrands with roots at
-    the ends: Gauss' rule of 24 nodes in t of 3 t^2 - 2 t^3, which crowd to both ends.
+    the ends: Gauss' rule of 24 nodes in t, for nodes begin + (end - begin) (3 t^2 - 2 t^3).
 
-    An eighth of the nodes of a rule for any singular ends; for ranges that are halved until that
-    changes nothing.
+    The nodes crowd to both ends; they are an eighth of those of `graded`. The rule is for ranges
+    that are halved until the integral has converged.
 
     >>> nodes, weights = crowded(0.0, 4.0)
     >>> round(float(np.sum(weights * np.sqrt(nodes))), 12)  # 2/3 4^(3/2)
@@ -106,8 +112,16 @@ def crowded(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
 
 
 class Nodes(NamedTuple):
-    """Nodes of panels between `begin` and `end`, distances from both without cancellation, weights:
-    (..., panels, nodes).
+    """Quadrature nodes of a range that is cut into panels, (..., panels, nodes) each.
+
+    Attributes
+    ----------
+    at
+        the nodes
+    above, below
+        their distances from the begin and from the end of the range, without cancellation
+    weight
+        of each node
     """
 
     at: Array
@@ -117,19 +131,21 @@ class Nodes(NamedTuple):
 
 
 def panels(begin: ArrayLike, end: ArrayLike, breaks: Iterable[ArrayLike] = ()) -> Nodes:
-    """Quadrature nodes and weights on [begin, end] for integrands singular at both ends and at
-    `breaks`, where the range is cut.
+    """Quadrature nodes and weights on [begin, end], (..., panels, nodes), for integrands singular
+    at both ends and at `breaks`; distances from both ends are free of cancellation.
 
-    Those breaks count that lie inside; they ascend, arrays like `end`. Distances of the nodes from
-    both ends of the range come without cancellation.
+    The range is cut into panels at the breaks that lie inside. `breaks` ascend, each an array like
+    `end`.
     """
     begin_places, end_places = np.broadcast_arrays(
         np.asarray(begin, dtype=float), np.asarray(end, dtype=float)
     )
-    inner_breaks = [b for b in breaks if np.any((begin_places < b) & (b < end_places))]
+    inner_breaks = [
+        place for place in breaks if np.any((begin_places < place) & (place < end_places))
+    ]
     panel_ends = [
         begin_places,
-        *(np.clip(b, begin_places, end_places) for b in inner_breaks),
+        *(np.clip(place, begin_places, end_places) for place in inner_breaks),
         end_places,
     ]
     panel_begin = np.stack(panel_ends[:-1], axis=-1)[..., None]

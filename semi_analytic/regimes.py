@@ -75,7 +75,7 @@ def fretting_map(
     -------
     FrettingMap
         At constant P without an error of the steps; else as with about 200 steps a cycle. The
-        dissipation is without what tilt, bulk strain and the next order of bodies add.
+        dissipation leaves out tilt, bulk strain and the next order of the bodies' compliance.
 
     Raises
     ------
@@ -121,25 +121,27 @@ def fretting_map(
             load_or_approach=load_factor * rows.load_or_approach,
             displacement=stroke_factor * rows.displacement,
         )
-        driven = rig.follow_rows(scaled_rows)
-        steady_from = steady_cycle(driven)
-        if steady_from is None:
+        history = rig.follow_rows(scaled_rows)
+        cycle_number = steady_cycle(history)
+        if cycle_number is None:
             raise InputError(
                 f"fretting_map: no steady cycle among the first {cycles} with stroke ="
                 f" {stroke_factor:.6g}, normal_load = {load_factor:.6g}: raise cycles of the scene"
             )
-        first_row = driven.ends[steady_from]
-        cycle = slice(first_row, driven.ends[steady_from + 1] + 1)
-        slides_of_cycle = slides_of(driven, cycle)
+        first_row = history.ends[cycle_number]
+        rows_of_cycle = slice(first_row, history.ends[cycle_number + 1] + 1)
+        slides_of_cycle = slides_of(history, rows_of_cycle)
         regime = Regime.PARTIAL
         if slides_of_cycle:
             regime = Regime.GROSS
-        elif slides_of(driven, slice(0, first_row + 1)):
+        elif slides_of(history, slice(0, first_row + 1)):
             regime = Regime.MIXED
         regimes[index_in_map] = regime
-        dissipation[index_in_map] = driven.work(cycle)
+        dissipation[index_in_map] = history.work(rows_of_cycle)
         slide_distances[index_in_map] = sum(abs(slide.distance) for slide in slides_of_cycle)
-        largest_forces[index_in_map] = np.max(np.abs(driven.followed.tangential_load[cycle]))
+        largest_forces[index_in_map] = np.max(
+            np.abs(history.followed.tangential_load[rows_of_cycle])
+        )
     return FrettingMap(
         freeze(regimes, np.int8),
         freeze(dissipation, float),

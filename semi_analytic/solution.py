@@ -39,11 +39,13 @@ def solve(
     straight_steps: bool = False,
     effects: BodyEffects | None = None,
 ) -> ContactSolution:
-    """The half-plane answer to a scene, exact to rounding at every point and instant asked for.
+    """Half-plane solution of a scene, exact to round-off at every point and instant asked for:
+    loads, edges of contact and of stick, tractions, slip and friction work.
 
-    Bulk stress and tilt are taken where the memory of friction stays one curve, see
-    `bulk_and_tilt.one_curve`. The loop is then that of Q over U minus that of m_q over the bulk
-    strain, and edges need not be mirrored.
+    Bulk stress and tilt are exact where the memory of friction is one curve, see
+    `bulk_and_tilt.one_curve`; elsewhere they are solved on grids. With them the loop is that of Q
+    over U minus that of the moment of the shear, m_q, over the bulk strain. Edges need not be
+    symmetric then.
 
     Parameters
     ----------
@@ -120,11 +122,12 @@ def solve(
 
 
 def _findings(question: Question) -> Findings:
-    """What half-plane theory finds for a question: values, errors and notes, by the cheapest method
+    """Values, stated errors and notes of half-plane theory for a question, by the cheapest method
     that holds for its scene.
 
-    In this order: rigs; finite bodies; one memory curve; the steady cycle alone; grids. A memory
-    curve is the tangential force, or the bulk strain, locked in up to each load.
+    In this order: rigs, with a prescribed displacement; finite bodies; one memory curve; the steady
+    cycle alone; a numerical solution on grids. A memory curve is the tangential force, or the bulk
+    strain, locked in up to each load.
     """
     scene = question.scene
     if scene.load.is_driven:
@@ -146,17 +149,18 @@ def _findings(question: Question) -> Findings:
             " leave it out"
         )
     if question.wants_last_cycle_alone and question.fields <= STEADY_FIELDS:
-        steady_cycle = _steady_alone(question)
+        steady_cycle = _findings_of_steady_cycle(question)
         if steady_cycle is not None:
             return steady_cycle
-    return _on_grids(question)
+    return _findings_on_grids(question)
 
 
-def _on_grids(question: Question) -> Findings:
-    """The answer to a question by a numerical solution on grids, for scenes without a single memory
-    curve. A memory curve is the tangential force, or the bulk strain, locked in up to each load.
+def _findings_on_grids(question: Question) -> Findings:
+    """Values, stated errors and notes for a question by a numerical solution on grids of points in
+    the contact, for scenes without a single memory curve.
 
-    The work of the steady cycle is taken from a method without grids where there is one.
+    A memory curve is the tangential force, or the bulk strain, locked in up to each load. The work
+    of the steady cycle is taken from a method without grids where there is one.
     """
     from semi_analytic.answer_on_grids import (  # noqa: PLC0415 - for other memories alone
         OF_WORK,
@@ -167,19 +171,18 @@ def _on_grids(question: Question) -> Findings:
     fields_of_work = question.fields & (OF_WORK | {"loop_work"})
     steady_cycle = None
     if answer.followed.steady_from is not None and fields_of_work:
-        steady_cycle = _steady_alone(
+        steady_cycle = _findings_of_steady_cycle(
             replace(question, fields=fields_of_work, x=answer.x, time=None, cycles="steady")
         )
     return answer.findings(steady_cycle)
 
 
-def _steady_alone(question: Question) -> Findings | None:
-    """The steady cycle of a question without its initial loading, where one memory curve holds for
-    that cycle, or the loads are in phase; None for others. A memory curve is the tangential force,
-    or the bulk strain, locked in up to each load.
+def _findings_of_steady_cycle(question: Question) -> Findings | None:
+    """Values, stated errors and notes for the steady cycle of a question, without following its
+    initial loading; None where neither one memory curve holds in the cycle nor loads are in phase.
 
-    A steady cycle does not depend on how it was reached. What does, like the moment of the shear,
-    is NaN.
+    A memory curve is the tangential force, or the bulk strain, locked in up to each load. Values
+    that depend on how the steady cycle was reached, like the moment of the shear, are NaN.
     """
     scene = question.scene
     cycle_with_one_curve = steady_curve(scene)
@@ -216,15 +219,16 @@ def _steady_alone(question: Question) -> Findings | None:
 
 
 def require_followable(scene: Scene) -> None:
-    """Nothing for a scene with bulk stress, tilt or unequal sides that half-plane theory takes; its
-    history is not followed here.
+    """Check that half-plane theory can solve a scene with bulk stress, tilt or unequal sides,
+    without solving it: returns nothing, or raises.
 
     Raises
     ------
     InputError
-        For a profile that theory does not know so, and for a contact that leaves the profile.
+        For a profile that theory does not know with bulk stress, tilt or unequal sides, and for a
+        contact that leaves the profile.
     """
     if one_curve(scene) is None:
         from semi_analytic.grid import edges_along  # noqa: PLC0415 - for other memories alone
 
-        edges_along(*leaning_profile(scene))
+        edges_along(*leaning_profile(scene))  # for its InputError

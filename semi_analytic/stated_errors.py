@@ -41,61 +41,65 @@ from semi_analytic.tilted_profile import TiltedProfile
 _EPS = float(np.finfo(float).eps)
 _TINY = float(np.finfo(float).tiny)
 # Share of a half-width within which a point is at an edge.
-_NEAR = 0.01
+_NEAR_EDGE = 0.01
 # Last digits of a half-width by which it may be wrong.
 _DIGITS_OF_EDGE = 40
 # Relative error of each quantity over that of d: one and a half for slip and three for work by
 # their power of d, the rest by the digits of kernels that cancel. Measured: up to 4.5 times of
 # slip, on a short flat face.
-_BY_SLIPPED_LOAD = {"slip": 8, "dissipation": 3, "dissipation_density": 3}
-# Places, and times within a span, at which kernels are looked at.
-_PLACES = 25
-_TIMES = 7
+_ERROR_BY_SLIPPED_LOAD = {"slip": 8, "dissipation": 3, "dissipation_density": 3}
+# Places, and times within a span of slip, at which the errors of kernels are sampled.
+_SAMPLED_PLACES = 25
+_SAMPLED_TIMES = 7
 # So many times that round-off may be in the loop of Q over U where U is no closed form: fifty last
 # digits of each primitive in a difference of two.
-_OF_LOOP = 100.0
+_ROUNDOFF_OF_LOOP = 100.0
 # Below this share of P in P - P_c the integral of Q dU has been 1e-3 to 0.1 of W off where P nearly
 # vanishes, more than its rounding: there Lam is an integral of positive terms over a range on which
 # P(a) is a line, and needs no second route.
-_SLIPS_ENOUGH = 1e-6
+_LEAST_SLIPPED_SHARE = 1e-6
 
 
 def error_by_slipped_load(quantity: str, share: float) -> float:
     """Relative error of "slip", "dissipation" or "dissipation_density" by the last digits of the
-    load at the stick edge, where d = `share` P slips; 0 where that is below what closed forms
-    promise, or nothing slips.
+    load P_c at the stick edge, with the load P - P_c of the slip zones = `share` P.
+
+    0 where it is below the accuracy of closed forms, or nothing slips.
     """
     error = LAST_DIGITS / share if share > 0 else 0.0
-    if max(_BY_SLIPPED_LOAD.values()) * error <= PROMISED:
+    if max(_ERROR_BY_SLIPPED_LOAD.values()) * error <= PROMISED:
         return 0.0
-    return _BY_SLIPPED_LOAD[quantity] * error
+    return _ERROR_BY_SLIPPED_LOAD[quantity] * error
 
 
-def error_of_shift(friction: float, moments: Array, shifts: Array) -> float:
-    """Relative error of the tangential displacement by round-off of its logarithmic integrals, sums
-    that cancel; 0 where it is below what closed forms promise, or nothing moves.
+def error_of_displacement(friction: float, approaches: Array, displacements: Array) -> float:
+    """Relative error of the tangential displacement over all instants, by round-off of its
+    logarithmic integrals, sums that cancel.
+
+    0 where it is below the accuracy of closed forms, or nothing moves.
 
     Parameters
     ----------
     friction
         f
-    moments
-        (n,) int ln(2 L/a) d eta up to the load of each instant
-    shifts
-        (n,) int M' ln(2 L/a) d eta along the memory curve, the displacement in the unit of
-        `moments`. That curve is M(eta), the tangential force of the flat punches up to the load eta
+    approaches
+        (n,) int_0^P ln(2 L/a) d eta at each instant: the normal approach over A/pi [force per
+        thickness]
+    displacements
+        (n,) int_0^P M' ln(2 L/a) d eta: the tangential displacement over A/pi [force per
+        thickness]. M(eta) is the tangential force of the flat punches up to the load eta
     """
-    largest_shift = float(np.max(np.abs(shifts)))
-    if largest_shift <= 0:
+    largest_displacement = float(np.max(np.abs(displacements)))
+    if largest_displacement <= 0:
         return 0.0
-    largest_moment = float(np.max(np.abs(moments)))
-    error = 2 * LAST_DIGITS * friction * largest_moment / largest_shift
+    largest_approach = float(np.max(np.abs(approaches)))
+    error = 2 * LAST_DIGITS * friction * largest_approach / largest_displacement
     return error if error > PROMISED else 0.0
 
 
-class Route(NamedTuple):
-    """The closed integral of Q dU of a cycle, and its round-off, over A/pi [force^2 per
-    thickness^2]; NaN where there is none.
+class LoopIntegral(NamedTuple):
+    """The friction work of a cycle as the closed integral of Q dU, and its round-off error, over
+    A/pi [force^2 per thickness^2], A = 2/E*; NaN where the loop is not known.
     """
 
     work: float
@@ -103,13 +107,14 @@ class Route(NamedTuple):
 
 
 def error_of_work(
-    contact: Contact, spans: Sequence[Span], work: float, route: Route
+    contact: Contact, spans: Sequence[Span], work: float, loop_integral: LoopIntegral
 ) -> tuple[float, float]:
-    """Relative errors of the friction work W of a cycle and of its other route, the closed integral
-    of Q dU, by the kernel Lam and by what the two differ by.
+    """Relative error of the friction work W of a cycle, and relative difference of the closed
+    integral of Q dU from W.
 
-    W keeps more digits where slip is tiny, so that the difference is the integral's own error. It
-    counts for W too where neither round-off nor a tiny slip explains it.
+    The error of W is that of its kernel Lam = int ln(a/c) d eta. Where slip is tiny W keeps more
+    digits than the closed integral, whose error the difference then is. Elsewhere the difference
+    counts for W too, unless round-off of the integral explains it.
 
     Parameters
     ----------
@@ -117,28 +122,30 @@ def error_of_work(
         of the cycle, times in full stick or with slip in one direction; none of a load series,
         whose records have the error of Lam in W already
     work
-        W over A/pi [force^2 per thickness^2]
-    route
-        the closed integral
+        W over A/pi, A = 2/E* [force^2 per thickness^2]
+    loop_integral
+        the closed integral of Q dU over A/pi
     """
-    difference = abs(route.work / work - 1) if math.isfinite(route.work) and work > 0 else 0.0
+    difference = 0.0
+    if math.isfinite(loop_integral.work) and work > 0:
+        difference = abs(loop_integral.work / work - 1)
     if contact.closed_form or not work > 0:
         return 0.0, difference
     error = math.fsum(_error_of_span(contact, span) for span in spans) / work
-    # What the last digits of U leave in the loop says nothing of W.
-    is_unexplained = difference > _OF_LOOP * route.roundoff / work
-    if is_unexplained and slipped_share(spans) > _SLIPS_ENOUGH:
+    # Round-off of U in the loop is no error of W.
+    is_unexplained = difference > _ROUNDOFF_OF_LOOP * loop_integral.roundoff / work
+    if is_unexplained and slipped_share(spans) > _LEAST_SLIPPED_SHARE:
         error += difference
     return error, difference
 
 
 def _error_of_span(contact: Contact, span: Span) -> float:
-    """Error of the friction work f int Lam dw of a span by its kernel Lam, w = +-Q - f P; over
-    A/pi [force^2 per thickness^2].
+    """Error of the friction work f int Lam dw in one span of slip by the error of its kernel Lam,
+    over A/pi [force^2 per thickness^2]. w = +-Q - f P grows in slip.
     """
     if not span.direction or span.sticking_piece is None:
         return 0.0
-    times = np.linspace(span.begin.time, span.end.time, _TIMES + 2)[1:-1]
+    times = np.linspace(span.begin.time, span.end.time, _SAMPLED_TIMES + 2)[1:-1]
     load, _ = span.leg.loads(times)
     error = contact.quadrature_error("dissipation_kernel", load, span.slipped(times))
     growth = np.maximum(span.leg.rate_of(level(span.direction, span.friction), times), 0.0)
@@ -147,20 +154,21 @@ def _error_of_span(contact: Contact, span: Span) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Sums:
-    """Pressure, shear and slip as sums of kernels: where, and how large they are.
+    """Places, loads and sizes from which the errors of pressure, shear and slip follow. Each of
+    these fields is a sum of kernels of the normal contact, one for each part of the memory curve.
 
     Attributes
     ----------
     distance
         (k,) points |x|, ascending [length]
     load
-        (n,) of a sample of instants [force per thickness]
+        (n,) normal load P at a sample of instants [force per thickness]
     half_widths, stick_half_widths
         (m,) of contact and of stick, of all instants; NaN where there is none [length]
     friction
         f
     largest_slip
-        over A/pi [force per thickness]
+        largest slip over A/pi [force per thickness]
     n_kernels
         how many kernels the sums of shear and of slip have at most
     arc_errors
@@ -178,68 +186,72 @@ class Sums:
 
 
 def errors_of_sums(contact: Contact, sums: Sums) -> dict[str, float]:
-    """Relative errors of pressure, shear and slip: 1 % of a half-width away from edges, and, with
-    "at the edge" behind the name, at the points themselves, however near.
+    """Relative errors of the sums of kernels that are pressure, shear and slip, by name.
 
-    Pressure is left out where there is none, slip where nothing slips.
+    They hold farther than 1 % of a half-width from the edges of contact and of stick. With "at the
+    edge" behind the name they hold at the points themselves, however near. Pressure and shear are
+    over the largest p and f p, slip over the largest slip; without pressure or slip they are left
+    out.
     """
-    places = sums.distance[_evenly_spread(len(sums.distance), _PLACES)]
+    places = sums.distance[_evenly_spread(len(sums.distance), _SAMPLED_PLACES)]
     load = sums.load[:, None]
     largest_pressure = _largest_finite(contact.pressure(places, load))
     largest = {"shear": sums.friction * largest_pressure, "slip": sums.largest_slip}
-    of_arcs = {
+    errors_of_arcs = {
         name: largest_error(sums.arc_errors[name]) / size if size > _TINY else 0.0
         for name, size in largest.items()
     }
     if contact.closed_form or isinstance(contact, TiltedProfile):
-        return {name: error for name, error in of_arcs.items() if error > PROMISED}
+        return {name: error for name, error in errors_of_arcs.items() if error > PROMISED}
     errors: dict[str, float] = {}
     if largest_pressure <= _TINY:
         return errors
     half_width = contact.half_width(load)
-    is_away = np.abs(places - half_width) > _NEAR * half_width
+    is_off_edge = np.abs(places - half_width) > _NEAR_EDGE * half_width
     kernel_errors = contact.quadrature_error("pressure", places, load)
-    of_pressure = largest_error(np.where(is_away, kernel_errors, 0.0)) / largest_pressure
-    for suffix, nearest in (("", _NEAR), (" at the edge", 0.0)):
-        of_edge, of_stick_edge = (
-            _error_beside_edges(contact, sums.distance, edges, nearest) / largest_pressure
-            for edges in (sums.half_widths, sums.stick_half_widths)
+    kernel_error = largest_error(np.where(is_off_edge, kernel_errors, 0.0)) / largest_pressure
+    for suffix, nearest_share in (("", _NEAR_EDGE), (" at the edge", 0.0)):
+        error_by_edge, error_by_stick_edge = (
+            _error_beside_edges(contact, sums.distance, half_widths, nearest_share)
+            / largest_pressure
+            for half_widths in (sums.half_widths, sums.stick_half_widths)
         )
-        errors[f"pressure{suffix}"] = of_pressure + of_edge
-        of_sum = of_arcs["shear"] + sums.n_kernels * of_pressure
-        errors[f"shear{suffix}"] = of_sum + of_edge + 2 * of_stick_edge
+        errors[f"pressure{suffix}"] = kernel_error + error_by_edge
+        error_of_shear_sum = errors_of_arcs["shear"] + sums.n_kernels * kernel_error
+        errors[f"shear{suffix}"] = error_of_shear_sum + error_by_edge + 2 * error_by_stick_edge
     if sums.largest_slip > _TINY:
-        kernel_errors = contact.quadrature_error("slip_integral", places, load)
-        of_slip = sums.friction * largest_error(kernel_errors) / sums.largest_slip
-        errors["slip"] = of_arcs["slip"] + sums.n_kernels * of_slip
+        slip_kernel_errors = contact.quadrature_error("slip_integral", places, load)
+        slip_kernel_error = sums.friction * largest_error(slip_kernel_errors) / sums.largest_slip
+        errors["slip"] = errors_of_arcs["slip"] + sums.n_kernels * slip_kernel_error
     return errors
 
 
 def _evenly_spread(count: int, most: int) -> Indices:
-    """Numbers of at most so many of `count` things, evenly spread, ascending."""
+    """Indices of at most `most` of `count` values, evenly spread, ascending."""
     return np.unique(np.linspace(0, count - 1, most).astype(int))
 
 
 def _largest_finite(values: Array) -> float:
-    """The largest number; p is infinite at the tip of a sharp wedge."""
+    """The largest finite value; pressure is infinite at the tip of a sharp wedge."""
     return float(np.max(values, where=np.isfinite(values), initial=_TINY))
 
 
 def _error_beside_edges(
-    contact: SymmetricContact, x: Array, half_widths: Array, nearest: float
+    contact: SymmetricContact, x: Array, half_widths: Array, nearest_share: float
 ) -> float:
     """Largest error of the pressure next to an edge of contact or of stick [stress], by the error
-    of its half-width a: (g/pi) sqrt(2 d/a) at the distance d, g = dP/da.
+    of its half-width a.
 
-    d is that of the nearest of the points x (k,) ascending, and at least `nearest` times a. The
-    half-widths (n,) may be NaN.
+    At the distance d from the edge p = (g/pi) sqrt(2 d/a), g = dP/da. d is that of the nearest of
+    the points x (k,) ascending, and at least `nearest_share` times a. The `half_widths` a (n,) may
+    be NaN.
     """
     a = half_widths[np.isfinite(half_widths) & (half_widths > 0)]
     last_point = len(x) - 1
     point_after = np.clip(np.searchsorted(x, a), 1, max(last_point, 1))
     distance_before = np.abs(x[point_after - 1] - a)
     distance_after = np.abs(x[np.minimum(point_after, last_point)] - a)
-    distance = np.maximum(np.minimum(distance_before, distance_after), nearest * a)
+    distance = np.maximum(np.minimum(distance_before, distance_after), nearest_share * a)
     stiffness = contact.stiffness(a)
     error_of_load = contact.noise * contact.load(a)
     positive_stiffness = np.where(stiffness > 0, stiffness, np.inf)

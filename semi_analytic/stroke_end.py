@@ -35,16 +35,17 @@ from scenes.array_types import Array
 
 
 class LeftOver(NamedTuple):
-    """T over (pi/A)^2 a^2 a_s'^2/N'' at punches c', with panels of c' about them.
+    """Tangential load of flat punches that the smooth end of a slip stroke leaves behind, by panels
+    of punch half-width c'.
 
     Attributes
     ----------
     half_width
-        c'/a, (n,) ascending from c/a to 1
+        c'/a at the middles of the panels, (n,) ascending from c/a to 1
     width
-        of the panels, (n,)
+        of the panels over a, (n,)
     force
-        T, (n,)
+        T(c') over (pi/A)^2 a^2 a_s'^2/N'', (n,)
     """
 
     half_width: Array
@@ -54,11 +55,12 @@ class LeftOver(NamedTuple):
 
 @lru_cache(maxsize=256)
 def left_over(stick_ratio: float, panels: int) -> LeftOver:
-    """Tangential force that the smooth end of a slip stroke leaves where tilt or bulk strain still
-    changes: its odd memory, over half-widths c' of flat punches from the stick edge to the edge.
+    """Tangential load of flat punches that the smooth end of a slip stroke leaves behind where tilt
+    or bulk strain still changes, over punch half-widths c' from the stick edge to the edge.
 
-    One side of the slip zone comes to rest before the other. The even part of the shear left there
-    is integrated as int r x/sqrt(x^2 - c'^2) dx.
+    One side of the slip zone then comes to rest before the other, and shear r(x) is left. Its even
+    part carries the load T(c') = 2 int_c'^a r x/sqrt(x^2 - c'^2) dx, dimensionless as in
+    `LeftOver`.
 
     Parameters
     ----------
@@ -74,24 +76,26 @@ def left_over(stick_ratio: float, panels: int) -> LeftOver:
     # in the order in which panels come to rest
     panel_begin = np.concatenate([-outer_border[::-1], inner_border])
     panel_end = np.concatenate([-inner_border[::-1], outer_border])
-    density = _density(stick_ratio, panel_begin, panel_end)
-    even_density = (density[panels:] + density[:panels][::-1]) / 2
+    shear = _shear_left(stick_ratio, panel_begin, panel_end)
+    even_shear = (shear[panels:] + shear[:panels][::-1]) / 2
     panel_middles = (inner_border + outer_border) / 2
+    # int x/sqrt(x^2 - c'^2) dx over each panel, with c' at the middles
     upper_root = np.sqrt(np.maximum(outer_border**2 - panel_middles[:, None] ** 2, 0.0))
     lower_root = np.sqrt(np.maximum(inner_border**2 - panel_middles[:, None] ** 2, 0.0))
     return LeftOver(
-        panel_middles, outer_border - inner_border, 2 * (upper_root - lower_root) @ even_density
+        panel_middles, outer_border - inner_border, 2 * (upper_root - lower_root) @ even_shear
     )
 
 
-def _density(stick_ratio: float, panel_begin: Array, panel_end: Array) -> Array:
-    """Density of the force that a stroke of slip leaves, on panels (n,) of the slip zone in the
-    order in which they come to rest.
+def _shear_left(stick_ratio: float, panel_begin: Array, panel_end: Array) -> Array:
+    """Shear that the smooth end of a slip stroke leaves on each panel of the slip zone, (n,), in
+    the order in which the panels come to rest; over (pi/A)^2 a a_s'^2/N'' (the module's text).
 
         L^-T (y^2/z)/2,    y = L^-1 sgn(x) sqrt(x^2 - c^2),    z = L^-1 arccosh(|x|/c)
 
-    L is the Cholesky factor of the influence ln|(1 - w w')/(w - w')| of shear outside of a stretch
-    |x| < c that sticks, integrated over panels; w = sgn(x) exp(-arccosh(|x|/c)) is the image of x.
+    L is the Cholesky factor of the influence matrix ln|(1 - w w')/(w - w')| of shear outside of a
+    stick zone |x| < c, integrated over panels. w = sgn(x) exp(-arccosh(|x|/c)) is the image of x.
+
     Panels go from `panel_begin` to `panel_end`, over the half-width of contact; `stick_ratio` is c
     over it.
     """
@@ -100,7 +104,8 @@ def _density(stick_ratio: float, panel_begin: Array, panel_end: Array) -> Array:
     arccosh_of_x = np.arccosh(np.abs(panel_x) / stick_ratio)
     signed_root = np.sign(panel_x) * np.sqrt(panel_x**2 - stick_ratio**2)
     image_of_x = np.sign(panel_x) * np.exp(-arccosh_of_x)
-    # ln |w - w'| - ln |x - xi| is smooth; dw/dx on the diagonal
+    # ln |w - w'| - ln |x - xi| is smooth, on the diagonal ln |dw/dx|; ln |x - xi| is integrated in
+    # closed form.
     image_distance = np.abs(image_of_x[:, None] - image_of_x)
     distance = np.abs(panel_x[:, None] - panel_x)
     np.fill_diagonal(image_distance, np.abs(image_of_x / signed_root))
@@ -111,15 +116,13 @@ def _density(stick_ratio: float, panel_begin: Array, panel_end: Array) -> Array:
     )
     influence = (smooth_part * width - log_integrals) * width[:, None]
     cholesky_factor = scipy.linalg.cholesky((influence + influence.T) / 2, lower=True)
-    solved_root = scipy.linalg.solve_triangular(cholesky_factor, signed_root * width, lower=True)
-    solved_arc = scipy.linalg.solve_triangular(cholesky_factor, arccosh_of_x * width, lower=True)
+    y = scipy.linalg.solve_triangular(cholesky_factor, signed_root * width, lower=True)
+    z = scipy.linalg.solve_triangular(cholesky_factor, arccosh_of_x * width, lower=True)
     return np.asarray(
-        scipy.linalg.solve_triangular(
-            cholesky_factor, solved_root**2 / solved_arc / 2, lower=True, trans="T"
-        )
+        scipy.linalg.solve_triangular(cholesky_factor, y**2 / z / 2, lower=True, trans="T")
     )
 
 
 def _log_primitive(distance: Array) -> Array:
-    """Primitive of ln |t|."""
+    """Primitive t ln|t| - t of ln|t| at t = `distance`, which is not 0; shape of `distance`."""
     return np.asarray(distance * np.log(np.abs(distance)) - distance)

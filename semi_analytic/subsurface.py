@@ -50,29 +50,29 @@ Complex = NDArray[np.complex128]
 Slope = Callable[[Array], Array]
 Body = Literal["lower", "upper"]
 
-# Kernels that are held at a time.
-_AT_ONCE = 1_000_000
+# Kernels 1/sqrt(z^2 - a^2) that are held at a time.
+_KERNELS_AT_ONCE = 1_000_000
 # Memory curves that are summed together, of some ten panels each.
 _CURVES_AT_ONCE = 128
-# Where there is no one memory curve: places across a contact at which q is asked for, and contacts
-# of which; terms of the series.
-_PLACES = 601
-_CONTACTS = 4
+# Where there is no one memory curve: places across a contact at which q is asked for, contacts that
+# are taken of those of all instants, and terms of the sine series.
+_PLACES_ACROSS = 601
+_CONTACTS_CHOSEN = 4
 _TERMS = 2048
-# Instants that are solved together; places within a contact that are enough to take p and q from an
-# answer that is there.
-_TOGETHER = 20
-_ENOUGH = 60
+# Instants that are solved together; places within a contact that are enough to take p and q from a
+# given answer.
+_INSTANTS_AT_ONCE = 20
+_PLACES_ENOUGH = 60
 # Shares of a contact from its edges at which q is asked for too: slip has just begun there where a
 # load has turned.
-_RIM = 10.0 ** np.arange(-7, -1.5, 0.2)
+_SHARES_FROM_EDGE = 10.0 ** np.arange(-7, -1.5, 0.2)
 # What straight lines of q/p between places leave of the tension, as share of f times the largest
 # pressure: measured 5e-4.
-_BETWEEN = 1e-3
-# Powers of omega below it are left out.
-_NEGLIGIBLE = 1e-17
-# What quadrature leaves of a tension, as share of P/a.
-_ROUNDING = 1e-11
+_ERROR_BETWEEN_PLACES = 1e-3
+# Powers of omega below this are left out.
+_NEGLIGIBLE_POWER = 1e-17
+# Error of a tension by quadrature, as share of P/a.
+_ROUNDOFF_OF_TENSION = 1e-11
 
 
 def stress(
@@ -83,7 +83,8 @@ def stress(
     *,
     body: Body = "lower",
 ) -> Array:
-    """Stress inside one body, or on its face, at instants of the load path: s_xx, s_yy, s_xy, s_zz.
+    """Stress s_xx, s_yy, s_xy, s_zz inside one half-plane, or on its face, at instants of the load
+    path.
 
     Parameters
     ----------
@@ -133,26 +134,26 @@ def stress(
             f"y: {side * float(np.max(side * y_places)):.6g} is outside the {body} body; y points"
             " out of the lower one"
         )
-    depth = side * y_places
+    depth = side * y_places  # <= 0: the upper body as the mirror image of a lower one
     poisson_ratio = getattr(scene.material, body).poisson_ratio
     stresses = np.zeros((len(times), len(x_places), 4))
     if scene.unsymmetric:
-        answers = _with_tractions(source, times)
+        answers = _answers_with_tractions(source, times)
         _, profile = leaning_profile(scene)
         for k, (answer, row) in enumerate(answers):
-            stresses[k, :, :3] = _from_sines(answer, row, profile, x_places, depth, side)
-        stresses[..., 0] += _bulk(answers)[:, int(body == "upper"), None]
+            stresses[k, :, :3] = _stress_by_sine_series(answer, row, profile, x_places, depth, side)
+        stresses[..., 0] += _bulk_stresses(answers)[:, int(body == "upper"), None]
     else:
         contact, snapshot = memory_at(scene, times)
         for k in np.flatnonzero(snapshot.load > 0).tolist():
-            normal_potential, tangential_potential, normal_slope, tangential_slope = _potentials(
-                contact, _lines(snapshot, k), x_places, depth
+            normal_potential, tangential_potential, normal_derivative, tangential_derivative = (
+                _potentials(contact, _curve_parts(snapshot, k), x_places, depth)
             )
-            stresses[k, :, :3] = _from_potentials(
+            stresses[k, :, :3] = _stress_from_potentials(
                 normal_potential,
                 side * tangential_potential,
-                depth * normal_slope,
-                depth * side * tangential_slope,
+                depth * normal_derivative,
+                depth * side * tangential_derivative,
             )
     stresses[..., 2] *= side
     stresses[..., 3] = poisson_ratio * (stresses[..., 0] + stresses[..., 1])
@@ -162,8 +163,8 @@ def stress(
 def _places_and_times(
     x: ArrayLike, y: ArrayLike, instants: ArrayLike
 ) -> tuple[Array, Array, Array]:
-    """Places x and y as arrays of one length, (n,) each [length], and instants as an array (m,);
-    InputError for what is missing or does not go together.
+    """Checked places x and y, broadcast to one length (n,) [length], and times (m,) of the
+    instants; InputError where one is missing or the lengths differ.
     """
     x_places = vector(x, "x")
     y_places = vector(y, "y")
@@ -181,13 +182,13 @@ def _places_and_times(
 def edge_tension(
     source: ContactSolution | Scene | str | Path, instants: ArrayLike
 ) -> tuple[Array, Array]:
-    """Stress s_xx along both faces at the edges of contact, where fretting cracks start, and its
-    uncertainty [stress], tension positive.
+    """Stress s_xx along the faces of both bodies at the edges of contact, where fretting cracks
+    start, and its uncertainty, at instants of the load path [stress]; tension is positive.
 
     Without bulk stress, tilt and unequal sides it is +-(2/pi) int_0^P M'(eta) d eta / sqrt(a(P)^2 -
-    a(eta)^2), M(eta) the tangential force carried up to the load eta. For Q > 0 at constant P that
-    is tension at the left edge of the lower body and at the right one of the upper. Otherwise the
-    bulk stress is in it.
+    a(eta)^2). M(eta) is the tangential force carried by the flat punches up to the load eta. For Q
+    > 0 at constant P that is tension at the left edge of the lower body and at the right one of the
+    upper. With bulk stress, tilt or unequal sides the bulk stress is in it.
 
     Parameters
     ----------
@@ -221,29 +222,31 @@ def edge_tension(
         raise InputError("edge_tension: instants are needed")
     values = np.zeros((len(times), 2, 2))
     uncertainties = np.zeros((len(times), 2, 2))
-    sign_of_body = np.array([[1.0], [-1.0]])
+    sign_of_body = np.array([[1.0], [-1.0]])  # lower, upper
     if scene.unsymmetric:
-        answers = _with_tractions(source, times)
+        answers = _answers_with_tractions(source, times)
         for k, (answer, row) in enumerate(answers):
-            tension, uncertainties[k] = _tensions(answer, row)
+            tension, uncertainties[k] = _edge_tensions_of_answer(answer, row)
             values[k] = sign_of_body * tension
-        return values + _bulk(answers)[..., None], uncertainties
+        return values + _bulk_stresses(answers)[..., None], uncertainties
     contact, snapshot = memory_at(scene, times)
-    in_contact = np.flatnonzero(snapshot.load > 0)
-    signs = sign_of_body * [1.0, -1.0]
-    for begin in range(0, len(in_contact), _CURVES_AT_ONCE):
-        rows = in_contact[begin : begin + _CURVES_AT_ONCE]
-        edges = np.atleast_1d(contact.half_width(snapshot.load[rows]))
-        tensions = _tensions_of_curves(contact, snapshot, rows, edges)
-        values[rows] = signs * tensions[:, None, None]
-        uncertainties[rows] = (_ROUNDING * snapshot.load[rows] / edges)[:, None, None]
+    instants_in_contact = np.flatnonzero(snapshot.load > 0)
+    signs = sign_of_body * [1.0, -1.0]  # (bodies, edges)
+    for begin in range(0, len(instants_in_contact), _CURVES_AT_ONCE):
+        numbers = instants_in_contact[begin : begin + _CURVES_AT_ONCE]
+        load = snapshot.load[numbers]
+        half_width = np.atleast_1d(contact.half_width(load))
+        tensions = _edge_tensions_of_curves(contact, snapshot, numbers, half_width)
+        values[numbers] = signs * tensions[:, None, None]
+        uncertainties[numbers] = (_ROUNDOFF_OF_TENSION * load / half_width)[:, None, None]
     return values, uncertainties
 
 
 # ------------------------------------------------- from memory curves: all instants in one sum
 class _Panel(NamedTuple):
-    """The punches of half-widths `first` to `last` [length] of the memory curve of an instant, with
-    M' of their loads.
+    """Flat punches of half-widths `first` to `last` [length] at one instant, with their tangential
+    load per normal load, M' as a function of the load eta. `instant` is its number among those in
+    contact.
     """
 
     instant: int
@@ -252,27 +255,31 @@ class _Panel(NamedTuple):
     slope: Slope
 
 
-def _tensions_of_curves(
-    contact: SymmetricContact, snapshot: Snapshot, in_contact: Indices, edges: Array
+def _edge_tensions_of_curves(
+    contact: SymmetricContact,
+    snapshot: Snapshot,
+    instants_in_contact: Indices,
+    contact_half_widths: Array,
 ) -> Array:
-    """Tension along the face at an edge of contact at instants in contact, (n,) [stress]: (2/pi)
-    int_0^P M'(eta) d eta / sqrt(a(P)^2 - a(eta)^2).
+    """Stress s_xx of the lower face at its left edge of contact at instants in contact, without the
+    bulk stress, (n,) [stress]: (2/pi) int_0^P M'(eta) d eta / sqrt(a(P)^2 - a(eta)^2).
 
-    M(eta) is the tangential force carried up to the load eta, the friction memory at each instant.
-    The integral is summed over panels of half-widths between kinks of M and corners of the profile.
+    M(eta) is the tangential force carried by the flat punches up to the load eta, the friction
+    memory of each instant. The integral is summed over panels of half-widths between kinks of M and
+    corners of the profile.
 
     Parameters
     ----------
-    in_contact
-        (n,) numbers of the instants of the `snapshot`, which has M at several instants
-    edges
-        (n,) their half-widths a(P) [length]
+    instants_in_contact
+        (n,) numbers of the instants in the `snapshot`, which holds M of several instants
+    contact_half_widths
+        (n,) half-widths a(P) of the contact then [length]
     """
-    panels = _panels_of_curves(contact, snapshot, in_contact, edges)
-    instants = np.array([panel.instant for panel in panels])
+    panels = _panels_of_curves(contact, snapshot, instants_in_contact, contact_half_widths)
+    instant_numbers = np.array([panel.instant for panel in panels])
     panel_begin = np.array([panel.first for panel in panels])[:, None]
     panel_end = np.array([panel.last for panel in panels])[:, None]
-    edge = edges[instants, None]
+    edge = contact_half_widths[instant_numbers, None]
     half_widths = _nodes_from(0.0, panel_begin, panel_end)
     distance_from_edge = _nodes_from(edge, panel_begin, panel_end)  # a(eta) - a(P)
     loads = contact.load(half_widths)
@@ -287,60 +294,62 @@ def _tensions_of_curves(
         * slopes_at_nodes
         / np.sqrt(-distance_from_edge * (2 * edge + distance_from_edge))
     ).sum(axis=1)
-    sums = np.bincount(instants, weights=panel_integrals, minlength=len(in_contact))
+    sums = np.bincount(instant_numbers, weights=panel_integrals, minlength=len(instants_in_contact))
     return np.asarray(2 / math.pi * sums)
 
 
 def _panels_of_curves(
-    contact: SymmetricContact, snapshot: Snapshot, in_contact: Indices, edges: Array
+    contact: SymmetricContact,
+    snapshot: Snapshot,
+    instants_in_contact: Indices,
+    contact_half_widths: Array,
 ) -> list[_Panel]:
-    """Ranges of half-widths over which the memory curves of the instants in contact are integrated:
-    from kink to kink, cut at corners of the profile. A memory curve M(eta) is the tangential force
-    of the flat punches up to the load eta.
+    """Panels of half-widths between kinks of the memory curve M(eta) of each instant in contact,
+    also cut at corners of the profile. M is the tangential force of the flat punches up to the load
+    eta.
 
     Parameters
     ----------
-    in_contact
-        (m,) numbers of the instants of the `snapshot`, which has the memory curves at several
-        instants; a panel has the place of its instant among these
-    edges
-        (m,) half-width of contact at each [length]
+    instants_in_contact
+        (m,) numbers of the instants in the `snapshot`, which holds M of several instants; a panel
+        counts its instant among these
+    contact_half_widths
+        (m,) half-widths a(P) of the contact then [length]
     """
-    instants: list[int] = []
-    bottoms: list[float] = []
-    tops: list[float] = []
+    instant_numbers: list[int] = []
+    lower_loads: list[float] = []
+    upper_loads: list[float] = []
     slopes: list[Slope] = []
-    for instant_number, k in enumerate(in_contact.tolist()):
-        for bottom, top, slope in _lines(snapshot, k):
-            instants.append(instant_number)
-            bottoms.append(bottom)
-            tops.append(top)
+    for instant_number, snapshot_number in enumerate(instants_in_contact.tolist()):
+        for lower_load, upper_load, slope in _curve_parts(snapshot, snapshot_number):
+            instant_numbers.append(instant_number)
+            lower_loads.append(lower_load)
+            upper_loads.append(upper_load)
             slopes.append(slope)
-    begin_widths = np.atleast_1d(contact.half_width(np.array(bottoms)))
+    begin_widths = np.atleast_1d(contact.half_width(np.array(lower_loads)))
     # The half-width at P is the edge to the last digit: one digit more or less would move the
     # integral of the root by 1e-8.
-    edge_of_line = edges[instants]
-    reaches_edge = np.array(tops) == snapshot.load[in_contact][instants]
-    half_width_at_top = np.minimum(contact.half_width(np.array(tops)), edge_of_line)
-    end_widths = np.where(reaches_edge, edge_of_line, half_width_at_top)
+    edge = contact_half_widths[instant_numbers]
+    reaches_edge = np.array(upper_loads) == snapshot.load[instants_in_contact][instant_numbers]
+    half_width_at_upper_load = np.minimum(contact.half_width(np.array(upper_loads)), edge)
+    end_widths = np.where(reaches_edge, edge, half_width_at_upper_load)
     return [
-        _Panel(instant, panel_begin, panel_end, slope)
-        for instant, least_width, largest_width, slope in zip(
-            instants, begin_widths.tolist(), end_widths.tolist(), slopes, strict=True
+        _Panel(instant_number, panel_begin, panel_end, slope)
+        for instant_number, least_width, largest_width, slope in zip(
+            instant_numbers, begin_widths.tolist(), end_widths.tolist(), slopes, strict=True
         )
-        for panel_begin, panel_end in _cut(contact, least_width, largest_width)
+        for panel_begin, panel_end in _panels_between(contact, least_width, largest_width)
     ]
 
 
 # ----------------------------------------------- from tractions, where there is no one memory curve
-def _with_tractions(
+def _answers_with_tractions(
     source: ContactSolution | Scene | str | Path, times: Array
 ) -> list[tuple[ContactSolution, int]]:
-    """For each of some instants a half-plane answer that has pressure and shear there, and the row
-    of that instant: the source itself where it has points enough, or new answers.
+    """For each time a half-plane solution that has pressure and shear then, and the number of its
+    instant: the source itself where it has enough points in the contact, or a new solution.
 
-    New ones have points at quadrature nodes of several of the contacts, and close to the edges of
-    all.
+    New solutions have points across several of the contacts, and close to the edges of all.
     """
     answers: dict[float, tuple[ContactSolution, int]] = {}
     if isinstance(source, ContactSolution):
@@ -350,9 +359,11 @@ def _with_tractions(
         scene = scene_of(source)
     missing_times = np.array(sorted(set(times.tolist()) - answers.keys()))
     if len(missing_times):
-        for times_at_once in np.array_split(missing_times, -(-len(missing_times) // _TOGETHER)):
+        block_count = math.ceil(len(missing_times) / _INSTANTS_AT_ONCE)
+        for times_at_once in np.array_split(missing_times, block_count):
             edges = solve(scene, x=0.0, time=times_at_once, fields=()).contact_edges
-            places = _places_in(edges[np.argsort(edges[:, 1] - edges[:, 0])])
+            order_by_length = np.argsort(edges[:, 1] - edges[:, 0])
+            places = _places_for_tractions(edges[order_by_length])
             answer = solve(scene, x=places, time=times_at_once, fields=("pressure", "shear"))
             answers |= {time: (answer, row) for row, time in enumerate(times_at_once.tolist())}
     return [answers[time] for time in times.tolist()]
@@ -361,36 +372,36 @@ def _with_tractions(
 def _rows_with_tractions(
     answer: ContactSolution, times: Array
 ) -> dict[float, tuple[ContactSolution, int]]:
-    """Rows of an answer for those of the instants `times` at which it holds pressure and shear at
-    enough points of the contact, by instant.
-
-    Empty where it has no tractions.
+    """The answer and the number of its instant, by time, for those `times` at which it holds
+    pressure and shear at enough points of the contact; empty where it has no tractions.
     """
     if not (np.isfinite(answer.pressure).all() and np.isfinite(answer.shear).all()):
         return {}
     rows = np.argmin(np.abs(answer.time[:, None] - times), axis=0)
     places_in_contact = np.sum(answer.pressure[rows] > 0, axis=1)
-    is_enough = (places_in_contact >= _ENOUGH) | (answer.normal_load[rows] <= 0)
-    is_held = np.abs(answer.time[rows] - times) <= 1e-9 * np.abs(times)
-    time_numbers = np.flatnonzero(is_enough & is_held)
+    has_enough_places = (places_in_contact >= _PLACES_ENOUGH) | (answer.normal_load[rows] <= 0)
+    has_instant = np.abs(answer.time[rows] - times) <= 1e-9 * np.abs(times)
+    time_numbers = np.flatnonzero(has_enough_places & has_instant)
     return {float(times[k]): (answer, int(rows[k])) for k in time_numbers}
 
 
-def _places_in(edges: Array) -> Array:
-    """Places at the nodes of several contacts (n, 2), ascending in length, and close to the edges
-    of all.
+def _places_for_tractions(edges: Array) -> Array:
+    """Places x, ascending [length]: across several of the contacts with the edges (n, 2), which
+    ascend in length, and close to the edges of all.
     """
-    numbers = np.unique(np.linspace(0, len(edges) - 1, _CONTACTS).round().astype(int))
+    numbers = np.unique(np.linspace(0, len(edges) - 1, _CONTACTS_CHOSEN).round().astype(int))
     chosen_edges = edges[numbers]
-    cosines = np.cos(np.linspace(0, math.pi, _PLACES))
+    cosines = np.cos(np.linspace(0, math.pi, _PLACES_ACROSS))
     nodes = chosen_edges.mean(axis=1)[:, None] - np.diff(chosen_edges) / 2 * cosines
     inwards = np.array([[1.0], [-1.0]])
-    rims = edges[:, :, None] + np.diff(edges)[:, :, None] * inwards * _RIM
-    return np.unique(np.concatenate([nodes.ravel(), rims.ravel()]))
+    places_at_edges = edges[:, :, None] + np.diff(edges)[:, :, None] * inwards * _SHARES_FROM_EDGE
+    return np.unique(np.concatenate([nodes.ravel(), places_at_edges.ravel()]))
 
 
-def _bulk(answers: list[tuple[ContactSolution, int]]) -> Array:
-    """Bulk stress of the lower and the upper body, (n, 2)."""
+def _bulk_stresses(answers: list[tuple[ContactSolution, int]]) -> Array:
+    """Bulk stress of the lower and the upper body at the instant of each answer, (n, 2) [stress],
+    tension positive.
+    """
     stresses = np.zeros((len(answers), 2))
     for k, (answer, row) in enumerate(answers):
         if answer.bulk_stress_lower is not None:
@@ -400,16 +411,16 @@ def _bulk(answers: list[tuple[ContactSolution, int]]) -> Array:
     return stresses
 
 
-def _tensions(answer: ContactSolution, row: int) -> tuple[Array, float]:
-    """Stress s_xx of the lower body at its left and right edge of contact at the instant number
+def _edge_tensions_of_answer(answer: ContactSolution, row: int) -> tuple[Array, float]:
+    """Stress s_xx of the lower face at its left and right edge of contact at the instant number
     `row` of an answer, without the bulk stress, (2,), and its uncertainty [stress].
 
-    It is +-(2/pi) int q/|x - edge| dx. With the distance to the edge = width sin^2(phi/2) the
-    integral is int q cot(phi/2) d phi: straight between the points, and constant from the outermost
-    one to the edge.
+    It is +-(2/pi) int q/|x - edge| dx; tension is positive. With the distance to the edge = width
+    sin^2(phi/2) it is int q cot(phi/2) d phi, by the trapezoidal rule between the points; the
+    integrand is constant from the outermost point to the edge.
 
-    The uncertainty is three times what half of the points changes, plus four times the stated error
-    of the shear, plus what straight lines between points leave. The last two are shares of f times
+    The uncertainty is three times the change by half of the points, four times the stated error of
+    the shear, and the error of straight lines between points. The last two are shares of f times
     the largest pressure.
     """
     left_edge, right_edge = answer.contact_edges[row]
@@ -440,22 +451,22 @@ def _tensions(answer: ContactSolution, row: int) -> tuple[Array, float]:
             changes = np.abs(tensions_by(half_of_points) - tension)
             largest_change = max(largest_change, float(changes.max()))
     largest_friction = answer.scene.friction.coefficient * float(answer.pressure[row].max())
-    share_of_error = 4 * answer.record.errors.get("shear", 0.0) + _BETWEEN
+    share_of_error = 4 * answer.record.errors.get("shear", 0.0) + _ERROR_BETWEEN_PLACES
     return tension, 3 * largest_change + share_of_error * largest_friction
 
 
-def _from_sines(
+def _stress_by_sine_series(
     answer: ContactSolution, row: int, profile: TiltedProfile, x: Array, y: Array, side: float
 ) -> Array:
-    """Stress s_xx, s_yy, s_xy of a body below y = 0 at places (n,), (n, 3), from the tractions of
-    an answer at the instant number `row`, without the bulk stress.
+    """Stress s_xx, s_yy, s_xy of a body below y = 0 at places x, y (n,), (n, 3), by sine series of
+    the tractions of an answer at the instant number `row`; without the bulk stress.
 
     # notation: zeta = (x + i y - middle)/half-width, omega = zeta - sqrt(zeta^2 - 1); N, T
     #           potentials of pressure and shear, N = pi sum A_k omega^k for p = sum A_k sin(k phi)
 
-    p is exact, q/p straight between the points of the answer. Both are sine series across the
-    contact, summed by Horner's rule. `side` is 1 for the lower body and -1 for the upper one, whose
-    shear acts the other way.
+    p is exact, q/p linear between the points of the answer. The series of p and q across the
+    contact are summed by Horner's rule. `side` is 1 for the lower body and -1 for the upper one,
+    whose shear acts the other way.
     """
     is_in_contact = answer.pressure[row] > 0
     if not is_in_contact.any():
@@ -468,38 +479,45 @@ def _from_sines(
     ratio_at_points = answer.shear[row, is_in_contact] / answer.pressure[row, is_in_contact]
     shear_ratio = np.interp(places, answer.x[is_in_contact], ratio_at_points)
     sine_series = scipy.fft.dst(np.stack([pressure, side * shear_ratio * pressure]), 2) / _TERMS
-    # In the mirror image, from above the cut of the root: the series have real coefficients.
+    # Summed at the mirror image x - i y, above the cut of the root. The coefficients are real, so
+    # that the conjugate of the sum is its value at x + i y.
     zeta = (x - middle + 0j) / half_width
     zeta.imag = np.abs(y) / half_width
     root_of_zeta = np.sqrt(zeta - 1) * np.sqrt(zeta + 1)
     omega = zeta - root_of_zeta
-    sums = np.zeros((4, len(x)), dtype=complex)
+    series_sums = np.zeros((4, len(x)), dtype=complex)  # N, T and the same with k A_k
     with np.errstate(divide="ignore"):
         log_of_omega = np.log(np.minimum(np.abs(omega), 1 - 1e-12))
-        terms_needed = np.minimum(np.ceil(math.log(_NEGLIGIBLE) / log_of_omega), _TERMS)
-    longest_first = np.argsort(-terms_needed, kind="stable")
-    omega = omega[longest_first]
+        terms_needed = np.minimum(np.ceil(math.log(_NEGLIGIBLE_POWER) / log_of_omega), _TERMS)
+    order_by_terms = np.argsort(-terms_needed, kind="stable")
+    omega = omega[order_by_terms]
     points_with_term = np.searchsorted(
-        -terms_needed[longest_first], -np.arange(1, _TERMS + 1), side="right"
+        -terms_needed[order_by_terms], -np.arange(1, _TERMS + 1), side="right"
     )
     for k in range(_TERMS, 0, -1):  # Horner's rule, from where omega^k counts
         n_points = points_with_term[k - 1]
-        sums[:2, :n_points] = (sums[:2, :n_points] + sine_series[:, k - 1, None]) * omega[:n_points]
-        sums[2:, :n_points] = (sums[2:, :n_points] + k * sine_series[:, k - 1, None]) * omega[
-            :n_points
-        ]
-    sums[:, longest_first] = sums.copy()
+        series_sums[:2, :n_points] = (
+            series_sums[:2, :n_points] + sine_series[:, k - 1, None]
+        ) * omega[:n_points]
+        series_sums[2:, :n_points] = (
+            series_sums[2:, :n_points] + k * sine_series[:, k - 1, None]
+        ) * omega[:n_points]
+    series_sums[:, order_by_terms] = series_sums.copy()
     with np.errstate(divide="ignore", invalid="ignore"):
         # y N', y T'; d omega/dz = -omega/(h root)
-        slopes = np.where(y == 0, 0.0, -y * (sums[2:] / (half_width * root_of_zeta)).conj())
-    return _from_potentials(*math.pi * sums[:2].conj(), *math.pi * slopes)
+        derivatives_times_y = np.where(
+            y == 0, 0.0, -y * (series_sums[2:] / (half_width * root_of_zeta)).conj()
+        )
+    return _stress_from_potentials(
+        *math.pi * series_sums[:2].conj(), *math.pi * derivatives_times_y
+    )
 
 
-def _from_potentials(
+def _stress_from_potentials(
     normal_potential: Complex,
     tangential_potential: Complex,
-    y_normal_slope: Complex,
-    y_tangential_slope: Complex,
+    y_normal_derivative: Complex,
+    y_tangential_derivative: Complex,
 ) -> Array:
     """Stresses s_xx, s_yy, s_xy of a body below y = 0 at points (n,), (n, 3), by Muskhelishvili's
     potentials N of the pressure and T of the shear.
@@ -508,75 +526,86 @@ def _from_potentials(
         pi s_yy = -Im N          + y (Re N' - Im T')
         pi s_xy =  Im T          + y (Im N' + Re T')
 
-    `y_normal_slope` is y N', `y_tangential_slope` y T', (n,) complex each.
+    `y_normal_derivative` is y N', `y_tangential_derivative` y T', (n,) complex each.
     """
-    part_of_depth = y_normal_slope.real - y_tangential_slope.imag
-    part_of_pressure = -normal_potential.imag
+    stress_by_depth = y_normal_derivative.real - y_tangential_derivative.imag
+    stress_by_pressure = -normal_potential.imag
     components = (
-        part_of_pressure - 2 * tangential_potential.real - part_of_depth,
-        part_of_pressure + part_of_depth,
-        tangential_potential.imag + y_normal_slope.imag + y_tangential_slope.real,
+        stress_by_pressure - 2 * tangential_potential.real - stress_by_depth,
+        stress_by_pressure + stress_by_depth,
+        tangential_potential.imag + y_normal_derivative.imag + y_tangential_derivative.real,
     )
     return np.stack(components, axis=-1) / math.pi
 
 
-def _lines(snapshot: Snapshot, k: int) -> Iterator[tuple[float, float, Slope]]:
-    """Lower load, upper load and slope M' of each part of the memory curve at instant number k,
-    from the load P down to 0.
+def _curve_parts(snapshot: Snapshot, instant_number: int) -> Iterator[tuple[float, float, Slope]]:
+    """Lower load, upper load and slope M' of each smooth part of the memory curve at one instant of
+    the snapshot, from the normal load P down to 0.
 
-    The memory curve M(eta) is the tangential force carried up to the load eta. Its uppermost part,
-    from the stick edge to P, is at the Coulomb limit.
+    The memory curve M(eta) is the tangential force carried by the flat punches up to the load eta.
+    Its uppermost part, from the load at the stick edge to P, is at the Coulomb limit.
     """
-    load = float(snapshot.load[k])
-    stick_edge_load = float(snapshot.load[k] - snapshot.slipped[k])
+    load = float(snapshot.load[instant_number])
+    stick_edge_load = float(snapshot.load[instant_number] - snapshot.slipped[instant_number])
     if stick_edge_load < load:
-        slope = float(snapshot.direction[k] * snapshot.friction)
+        slope = float(snapshot.direction[instant_number] * snapshot.friction)
         yield max(stick_edge_load, 0.0), load, lambda eta: np.full(eta.shape, slope)
-    for piece in pieces(snapshot.uppermost_pieces[snapshot.piece_number[k]]):
-        if piece.bottom < stick_edge_load:
-            top = min(piece.top, stick_edge_load)
-            yield piece.bottom, top, _slope_of(piece, snapshot.friction)
+    for part in pieces(snapshot.uppermost_pieces[snapshot.piece_number[instant_number]]):
+        if part.bottom < stick_edge_load:
+            upper_load = min(part.top, stick_edge_load)
+            yield part.bottom, upper_load, _slope_of_part(part, snapshot.friction)
 
 
-def _slope_of(piece: CurvePart, friction: float) -> Slope:
-    """M'(eta) on a piece, |M'| <= f."""
-    if piece.arc is None:
-        return piece.slope_at
-    return lambda eta: np.asarray(np.clip(piece.slope_at(eta), -friction, friction))
+def _slope_of_part(part: CurvePart, friction: float) -> Slope:
+    """Slope M'(eta) on a part of the memory curve M, the tangential force of the flat punches up to
+    the load eta; |M'| <= f.
+    """
+    if part.arc is None:
+        return part.slope_at
+    return lambda eta: np.asarray(np.clip(part.slope_at(eta), -friction, friction))
 
 
 def _potentials(
-    contact: SymmetricContact, lines: Iterator[tuple[float, float, Slope]], x: Array, y: Array
+    contact: SymmetricContact,
+    curve_parts: Iterator[tuple[float, float, Slope]],
+    x: Array,
+    y: Array,
 ) -> Complex:
     """Muskhelishvili's potentials N of pressure and T of shear, and their derivatives, at x + i y,
     y <= 0: complex (4, n), summed over the flat punches of a contact.
 
-    `lines` are the parts of the memory curve M(eta), the tangential force of the punches up to the
-    load eta. Their slopes say what tangential load each punch has per normal load. The derivatives
-    are left 0 on the face, where they only occur times y. Places with x < 0 follow by symmetry.
+    `curve_parts` are lower load, upper load and slope of each smooth part of the memory curve
+    M(eta), the tangential force of the punches up to the load eta. The slope is the tangential load
+    of a punch per normal load. The derivatives are left 0 on the face, where they only occur times
+    y. Places with x < 0 follow by symmetry.
     """
     potentials = np.zeros((4, len(x)), dtype=complex)
     distance = np.abs(x)
-    for bottom, top, slope in lines:
-        begin_width, end_width = (float(contact.half_width(load)) for load in (bottom, top))
-        for panel_ends in _cut(contact, begin_width, end_width):
-            _add_panel(potentials, contact, slope, panel_ends, distance, y)
+    for lower_load, upper_load, slope in curve_parts:
+        begin_width = float(contact.half_width(lower_load))
+        end_width = float(contact.half_width(upper_load))
+        for panel_ends in _panels_between(contact, begin_width, end_width):
+            _add_panel_of_punches(potentials, contact, slope, panel_ends, distance, y)
     potentials[:2, x < 0] = -potentials[:2, x < 0].conj()
     potentials[2:, x < 0] = potentials[2:, x < 0].conj()
     return potentials
 
 
-def _cut(contact: SymmetricContact, low: float, high: float) -> Iterator[tuple[float, float]]:
-    """Panels between two half-widths, cut where the profile has a break."""
-    marks = [low, *(place for place in contact.breaks if low < place < high), high]
-    for first, last in pairwise(marks):
+def _panels_between(
+    contact: SymmetricContact, least_width: float, largest_width: float
+) -> Iterator[tuple[float, float]]:
+    """First and last half-width [length] of panels between two half-widths, cut where the profile
+    has a corner.
+    """
+    inner_breaks = (place for place in contact.breaks if least_width < place < largest_width)
+    for first, last in pairwise([least_width, *inner_breaks, largest_width]):
         if last > first:
             yield first, last
 
 
 def _nodes_from(place: ArrayLike, begin: ArrayLike, end: ArrayLike) -> Array:
-    """Nodes of the rule for inverse roots between `begin` and `end`, minus `place`, without
-    cancellation at either end; a new last axis is that of the nodes.
+    """Distances from `place` of the quadrature nodes for inverse roots between `begin` and `end`,
+    without cancellation at either end; a new last axis is that of the nodes.
     """
     rule = INVERSE_ROOTS
     span_length = np.subtract(end, begin)
@@ -585,7 +614,7 @@ def _nodes_from(place: ArrayLike, begin: ArrayLike, end: ArrayLike) -> Array:
     return np.where(rule.up < 0.5, distance_from_begin, distance_from_end)
 
 
-def _add_panel(
+def _add_panel_of_punches(
     potentials: Complex,
     contact: SymmetricContact,
     slope: Slope,
@@ -593,25 +622,25 @@ def _add_panel(
     x: Array,
     y: Array,
 ) -> None:
-    """Add to the potentials (4, n) at places x >= 0, y the flat punches with half-widths between
-    the two `ends`, whose share of Q per load is `slope`.
+    """Add to Muskhelishvili's potentials (4, n) at places x >= 0, y <= 0 (n,) the flat punches with
+    half-widths between the two `ends` [length].
 
-    The potential of a punch has a root at |x| equal to its half-width: where that lies between the
-    ends the range is cut there.
+    `slope` is their tangential load per normal load, M'(eta). The potential of a punch is singular
+    at |x| equal to its half-width. The panel is cut there for points x between its ends.
     """
     begin_width, end_width = ends
     panel_width = end_width - begin_width
     rule = INVERSE_ROOTS
     in_lower_half = rule.up < 0.5
     half_widths = _nodes_from(0.0, begin_width, end_width)
-    panel_weights = _weights(contact, slope, half_widths, panel_width * rule.weight)
-    is_cut = (x > begin_width) & (x < end_width)
-    points_at_once = _AT_ONCE // len(rule.up)
-    points_beside = np.flatnonzero(~is_cut)
+    loads_of_panel = _loads_of_punches(contact, slope, half_widths, panel_width * rule.weight)
+    is_in_panel = (x > begin_width) & (x < end_width)
+    points_at_once = _KERNELS_AT_ONCE // len(rule.up)
+    points_beside = np.flatnonzero(~is_in_panel)
     for point_numbers in np.array_split(points_beside, 1 + len(points_beside) // points_at_once):
         distance_to_punch = _nodes_from(x[point_numbers, None], begin_width, end_width)
-        _add(potentials, point_numbers, panel_weights, distance_to_punch, x, y)
-    points_in_panel = np.flatnonzero(is_cut)
+        _add_punches(potentials, point_numbers, loads_of_panel, distance_to_punch, x, y)
+    points_in_panel = np.flatnonzero(is_in_panel)
     for point_numbers in np.array_split(
         points_in_panel, 1 + len(points_in_panel) // points_at_once
     ):
@@ -624,39 +653,41 @@ def _add_panel(
                 x_of_points + distance_to_punch,
                 part_end - sign * part_width * rule.down,
             )
-            weights_of_part = _weights(contact, slope, half_widths, part_width * rule.weight)
-            _add(potentials, point_numbers, weights_of_part, distance_to_punch, x, y)
+            loads_of_part = _loads_of_punches(contact, slope, half_widths, part_width * rule.weight)
+            _add_punches(potentials, point_numbers, loads_of_part, distance_to_punch, x, y)
 
 
-def _weights(
+def _loads_of_punches(
     contact: SymmetricContact, slope: Slope, half_widths: Array, node_weights: Array
 ) -> Array:
-    """d eta and M' d eta of the nodes, (2, ...)."""
+    """Normal load d eta and tangential load M' d eta of the flat punches at quadrature nodes, (2,
+    ...) [force per thickness].
+    """
     rise = contact.stiffness(half_widths) * node_weights
     return np.stack([rise, rise * slope(contact.load(half_widths))])
 
 
-def _add(
+def _add_punches(
     potentials: Complex,
     point_numbers: NDArray[np.intp],
-    weights: Array,
+    punch_loads: Array,
     distance_to_punch: Array,
     x: Array,
     y: Array,
 ) -> None:
-    """Add the sums over flat punches, the last axis of `weights`, to the potentials (4, n) at some
-    points: N of pressure, T of shear, and their derivatives.
+    """Add flat punches to Muskhelishvili's potentials (4, n) at some points: N of pressure, T of
+    shear, and their derivatives with respect to z = x + i y.
 
-    A punch of half-width a and unit load adds 1/sqrt(z^2 - a^2), z = x + i y.
+    A punch of half-width a and unit load adds 1/sqrt(z^2 - a^2).
 
     Parameters
     ----------
     point_numbers
         (m,) numbers of the points
-    weights
-        (2, nodes), or (2, m, nodes): load, and share of Q, of the punches at the nodes
+    punch_loads
+        (2, nodes), or (2, m, nodes): normal and tangential load of the punches at the nodes
     distance_to_punch
-        (m, nodes) a - x, of which z^2 - a^2 is formed without cancellation
+        (m, nodes) a - x [length], of which z^2 - a^2 is formed without cancellation
     x, y
         (n,) places of all points [length]
     """
@@ -670,13 +701,13 @@ def _add(
     squared_root.imag = 2 * x_of_points * -np.abs(y_of_points)
     kernel = 1 / np.sqrt(squared_root)
     potentials[:2, point_numbers] += np.einsum(
-        "...mn,mn->...m" if weights.ndim == 3 else "kn,mn->km", weights, kernel
+        "...mn,mn->...m" if punch_loads.ndim == 3 else "kn,mn->km", punch_loads, kernel
     )
-    in_body = np.flatnonzero(y_of_points[:, 0] != 0)
-    if len(in_body):
-        kernel = kernel[in_body] / squared_root[in_body]
-        weights_in_body = weights[:, in_body] if weights.ndim == 3 else weights
-        z = (x_of_points + 1j * y_of_points)[in_body, 0]
-        potentials[2:, point_numbers[in_body]] -= z * np.einsum(
-            "...mn,mn->...m" if weights.ndim == 3 else "kn,mn->km", weights_in_body, kernel
+    numbers_in_body = np.flatnonzero(y_of_points[:, 0] != 0)
+    if len(numbers_in_body):
+        kernel = kernel[numbers_in_body] / squared_root[numbers_in_body]
+        loads_in_body = punch_loads[:, numbers_in_body] if punch_loads.ndim == 3 else punch_loads
+        z = (x_of_points + 1j * y_of_points)[numbers_in_body, 0]
+        potentials[2:, point_numbers[numbers_in_body]] -= z * np.einsum(
+            "...mn,mn->...m" if punch_loads.ndim == 3 else "kn,mn->km", loads_in_body, kernel
         )

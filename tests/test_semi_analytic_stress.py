@@ -13,7 +13,12 @@ from semi_analytic import edge_tension, stress
 from semi_analytic.answer_by_memory import memory_at
 from semi_analytic.bulk_and_tilt import leaning_profile
 from semi_analytic.quadrature import graded
-from semi_analytic.subsurface import _from_sines, _lines, _tensions, _with_tractions
+from semi_analytic.subsurface import (
+    _answers_with_tractions,
+    _curve_parts,
+    _edge_tensions_of_answer,
+    _stress_by_sine_series,
+)
 from semi_analytic_cases import extreme
 
 
@@ -115,7 +120,9 @@ def test_stress_is_the_integral_of_the_tractions(profile, load):
     ]:
         contact, snapshot = memory_at(scene, np.array([time]))
         a = float(contact.half_width(snapshot.load[0]))
-        knots = [float(contact.half_width(end)) for line in _lines(snapshot, 0) for end in line[:2]]
+        knots = [
+            float(contact.half_width(end)) for line in _curve_parts(snapshot, 0) for end in line[:2]
+        ]
         knots += [b for b in contact.breaks if b < a]
         x = a * np.array([-1.7, -0.93, -0.4, 0.1, 0.61, 0.87, 1.2])
         y = -a * np.array([0.2, 0.5, 0.11, 2.0, 0.3, 0.08, 0.15])
@@ -171,7 +178,7 @@ def test_stress_from_tractions_is_that_of_the_memory_curve(name):
     """
     scene = load_scene(name)
     time = semi_analytic.solve(scene, x=0.0, fields=()).time[[30, 60, 90, 150, 210, 290]]
-    pairs = _with_tractions(scene, time)
+    pairs = _answers_with_tractions(scene, time)
     x = np.array([-1.3, -0.4, 0.0, 0.6, 1.1, -1.5, 1.5])
     y = np.array([-0.2, -0.05, -2.0, -0.3, -0.01, 0.0, 0.0])
     exact = edge_tension(scene, time)[0]
@@ -179,10 +186,12 @@ def test_stress_from_tractions_is_that_of_the_memory_curve(name):
     profile = leaning_profile(scene)[1]
     p0 = max(float(answer.pressure.max()) for answer, _ in pairs)
     for k, (answer, row) in enumerate(pairs):
-        tensions, uncertain = _tensions(answer, row)
+        tensions, uncertain = _edge_tensions_of_answer(answer, row)
         assert np.abs(tensions - exact[k, 0]).max() < uncertain < 1e-2 * p0
         np.testing.assert_allclose(
-            _from_sines(answer, row, profile, x, y, 1.0), inside[k, :, :3], atol=2e-4 * p0
+            _stress_by_sine_series(answer, row, profile, x, y, 1.0),
+            inside[k, :, :3],
+            atol=2e-4 * p0,
         )
 
 
