@@ -35,7 +35,7 @@ from semi_analytic.history import Span, corner_times, snapshot_of
 from semi_analytic.load_series import Records, StepBlock
 from semi_analytic.memory import change_from, level, level_on
 from semi_analytic.profiles import Contact
-from semi_analytic.quadrature import NODES, crowded, gauss, graded
+from semi_analytic.quadrature import NODES, crowded_nodes, gauss, graded
 from semi_analytic.tilted_profile import TiltedProfile
 
 Indices = NDArray[np.intp]
@@ -190,7 +190,7 @@ def _over_spans(
     integrals = np.zeros((len(ranges), n_integrals))
     errors = np.zeros((len(ranges), n_integrals))
     # The rule for any singular ends takes 193 nodes; ranges that are halved take one of 24.
-    for rule, takes_rule in ((graded, ~needs_halving), (crowded, needs_halving)):
+    for rule, takes_rule in ((graded, ~needs_halving), (crowded_nodes, needs_halving)):
         span_numbers = [
             k for k in np.flatnonzero(takes_rule).tolist() if len(ranges[k].integral_number)
         ]
@@ -274,7 +274,7 @@ def _integrals_of_parts(
     ]
     integrals = np.zeros(len(range_number))
     for part_numbers, integrals_in_span in zip(
-        parts_of_spans, integrals_along(part_ranges, crowded), strict=True
+        parts_of_spans, integrals_along(part_ranges, crowded_nodes), strict=True
     ):
         integrals[part_numbers] = integrals_in_span
     return integrals
@@ -559,7 +559,7 @@ def _gauss_rule(count: int) -> QuadratureRule:
 _RULES: tuple[tuple[QuadratureRule, int], ...] = (
     *((_gauss_rule(count), count) for count in _COUNTS),
     (graded, NODES),
-    (crowded, len(crowded(0.0, 1.0)[0])),
+    (crowded_nodes, len(crowded_nodes(0.0, 1.0)[0])),
 )
 """Rules for records of slip and their numbers of nodes."""
 

@@ -57,7 +57,7 @@ from semi_analytic.memory import (
     pieces,
     value_on,
 )
-from semi_analytic.stroke_end import left_over
+from semi_analytic.stroke_end import loads_left_at_stroke_end
 
 ODD_NUMBERS = (
     "tilt_under_pressure",
@@ -604,7 +604,7 @@ class _SmoothEnd:
         ratio = float(np.sqrt(self.front / self.load))
         if ratio < _LEAST_STICK:
             raise Declined("all but the middle of the contact slides")
-        left = left_over(ratio, panels)
+        left = loads_left_at_stroke_end(ratio, panels)
         eta = self.load * left.half_width**2
         # d eta/eta is 2 dc'/c'
         return eta, 2 * self.load * left.force * left.width / left.half_width

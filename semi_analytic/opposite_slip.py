@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike
 
 from scenes.array_types import Array
 from scenes.chebyshev import Pieces, halved
-from semi_analytic.quadrature import crowded, gauss, graded
+from semi_analytic.quadrature import crowded_nodes, gauss, graded
 from semi_analytic.tilted_profile import TiltedProfile
 
 # Parts in which loads grow from nothing to those asked for, and steps of Newton's method in each at
@@ -342,5 +342,5 @@ class OppositeSlip(TiltedProfile):
         )
         rate = self._as_loop.log_ratio
         front = load - slipped
-        eta, weight = crowded(front, load)
+        eta, weight = crowded_nodes(front, load)
         return np.asarray(np.sum(weight * (rate(front)[..., None] - rate(eta)), axis=-1))

@@ -48,7 +48,7 @@ from scenes.profiles import first_fall
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.hertz import HertzContact
 from semi_analytic.punch_superposition import ContactLaw, Function, PunchSuperposition
-from semi_analytic.quadrature import ROOTS, LogisticRule, logistic, panels
+from semi_analytic.quadrature import ROOTS, LogisticRule, logistic, panel_nodes
 from semi_analytic.tilted_profile import (
     ConvexProfile,
     CurvedProfile,
@@ -1277,7 +1277,7 @@ def _abel_integral(
         distance_to_corner = np.maximum(distance + (begin - b), 0.0)
         root_of_squares = np.sqrt(distance_to_corner * (half_width + b))
         angles_of_corners.append(np.arctan2(root_of_squares, b))
-    nodes = panels(np.zeros(half_width.shape), np.pi / 2, angles_of_corners)
+    nodes = panel_nodes(np.zeros(half_width.shape), np.pi / 2, angles_of_corners)
     # cos(angle) as the sine of pi/2 - angle, which keeps its digits near pi/2
     complement_of_angle = np.where(nodes.at < 0.7, np.pi / 2 - nodes.at, nodes.below)
     cosine = np.sin(complement_of_angle)

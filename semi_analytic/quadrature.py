@@ -94,14 +94,14 @@ def gauss(count: int) -> tuple[Array, Array]:
     return rule
 
 
-def crowded(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
+def crowded_nodes(begin: ArrayLike, end: ArrayLike) -> tuple[Array, Array]:
     """Quadrature nodes and weights on [begin, end], a new last axis, for integrands with roots at
     the ends: Gauss' rule of 24 nodes in t, for nodes begin + (end - begin) (3 t^2 - 2 t^3).
 
     The nodes crowd to both ends; they are an eighth of those of `graded`. The rule is for ranges
     that are halved until the integral has converged.
 
-    >>> nodes, weights = crowded(0.0, 4.0)
+    >>> nodes, weights = crowded_nodes(0.0, 4.0)
     >>> round(float(np.sum(weights * np.sqrt(nodes))), 12)  # 2/3 4^(3/2)
     5.333333333333
     """
@@ -130,7 +130,7 @@ class Nodes(NamedTuple):
     weight: Array
 
 
-def panels(begin: ArrayLike, end: ArrayLike, breaks: Iterable[ArrayLike] = ()) -> Nodes:
+def panel_nodes(begin: ArrayLike, end: ArrayLike, breaks: Iterable[ArrayLike] = ()) -> Nodes:
     """Quadrature nodes and weights on [begin, end], (..., panels, nodes), for integrands singular
     at both ends and at `breaks`; distances from both ends are free of cancellation.
 

@@ -61,10 +61,11 @@ _LEAST_SLIPPED_SHARE = 1e-6
 
 
 def error_by_slipped_load(quantity: str, share: float) -> float:
-    """Relative error of "slip", "dissipation" or "dissipation_density" by the last digits of the
-    load P_c at the stick edge, with the load P - P_c of the slip zones = `share` P.
+    """Relative error of "slip", "dissipation" or "dissipation_density" by the last digits of P_c,
+    the load at the stick edge.
 
-    0 where it is below the accuracy of closed forms, or nothing slips.
+    `share` is the load P - P_c of the slip zones over P. The error is 0 where it is below the
+    accuracy of closed forms, or nothing slips.
     """
     error = LAST_DIGITS / share if share > 0 else 0.0
     if max(_ERROR_BY_SLIPPED_LOAD.values()) * error <= PROMISED:

@@ -149,9 +149,9 @@ def ellipses_of(
     """Loads and angles at which slip begins and ends in the steady cycle of m elliptic load loops
     P = P0 + P1 cos t, Q = Q0 + Q1 cos(t - phase).
 
-    Among them are the amplitudes u, v of (Q -+ f P)/f, the time t_E at which reverse slip begins,
-    the angle through which it lasts, and the load P_T of the permanent stick zone. Q0 does not
-    change the steady state.
+    Among them are the amplitudes u, v of (Q -+ f P)/f and the load P_T of the permanent stick zone.
+    Reverse slip begins at the time t_E and lasts through the angle D. Q0 does not change the steady
+    state.
 
     Parameters
     ----------
@@ -365,9 +365,8 @@ def _work_density_of_phases(
         )
         stick_edge_load = np.maximum(load - slip_zone_load, 0.0)
         load_excess = np.maximum(load_at_x[ellipse_of_piece] - stick_edge_load, 0.0)
-        arccosh_ratio = contact.arccosh_ratio(
-            x[ellipse_of_piece], load_excess, contact.advance(stick_edge_load)
-        )
+        advance = contact.advance(stick_edge_load)  # of the stick edge beyond the least half-width
+        arccosh_ratio = contact.arccosh_ratio(x[ellipse_of_piece], load_excess, advance)
         works_at_nodes = (
             weights * rate * contact.pressure(x[ellipse_of_piece], load) * arccosh_ratio
         )
@@ -594,7 +593,7 @@ def roundoff_error(ellipses: Ellipses, work: Array) -> Array:
 
 def digits_of_loop(ellipses: Ellipses) -> Array:
     """Upper bound of the relative error of the friction work W of each load loop, (m,), by the last
-    digits of P0, P1, Q1 and the phase, where all else is exact.
+    digits of its loads and phase alone.
 
     W goes as a power of the amplitudes u and v of (Q -+ f P)/f, three where slip is small. u is the
     difference of Q1/f and P1 where the loads are nearly in phase. Where the phase is near pi,
@@ -712,12 +711,12 @@ def _dissipation_of_group(
     ellipses: Ellipses, contact: SymmetricContact, first_octave: int, last_octave: int
 ) -> Array:
     """Friction work of forward and of reverse slip times pi E*/(2 f^2), and an upper bound of the
-    error of their sum, (3, m), of ellipses with loads from 2^`first_octave` to 2^(`last_octave` +
-    1).
+    error of their sum, (3, m).
 
-    The method follows from the largest load P - P_c of the slip zones over P0. Deep slip: integrals
-    over the loads P and P_c. Shallow slip: a table of ln a. The least slip: the kernel Lam = int
-    ln(a(eta)/a(P_c)) d eta of the normal contact, slow but with all digits.
+    Loads of the ellipses lie from 2^`first_octave` to 2^(`last_octave` + 1). The method follows
+    from the largest load P - P_c of the slip zones over P0. Deep slip: integrals over the loads P
+    and P_c. Shallow slip: a table of ln a. The least slip: the kernel Lam = int ln(a(eta)/a(P_c)) d
+    eta of the normal contact, slow but with all digits.
     """
     works = np.empty((3, len(ellipses.mean_load)))
     slip_zone_share = ellipses.largest_slip_zone_load / ellipses.mean_load
@@ -766,12 +765,12 @@ def _work_over_phases(
     converged_share: float,
 ) -> Array:
     """Friction work of forward and of reverse slip times pi E*/(2 f^2), and the error of their sum,
-    (3, m), by integration over the time of each phase of slip.
+    (3, m), by integrals over time.
 
-    The integrand is w'/f `kernel`(P, P - P_c), the kernel int ln(a(eta)/a(P_c)) d eta over P_c <
-    eta < P. w = +-Q - f P grows in slip; P_c is the load at the stick edge. Phases are cut where an
-    edge passes a corner of the profile. Each interval is integrated by one of the `rules` and
-    halved until its error is below `converged_share` of W.
+    The integrand in each phase of slip is w'/f `kernel`(P, P - P_c), the kernel int
+    ln(a(eta)/a(P_c)) d eta over P_c < eta < P. w = +-Q - f P grows in slip; P_c is the load at the
+    stick edge. Phases are cut where an edge passes a corner of the profile. Each interval is
+    integrated by one of the `rules` and halved until its error is below `converged_share` of W.
     """
     corners = contact.break_loads
     # A corner that is nearly met counts too.
@@ -796,6 +795,7 @@ def _work_over_phases(
         )
 
     def work_rate(phase: Indices, ellipse_of_piece: Indices, angle_in_phase: Array) -> Array:
+        """w'/f Lam at angles (nodes, n) in the given phases (n,) of the given ellipses (n,)."""
         rate, slip_zone_load, load = np.empty((3, *angle_in_phase.shape))
         for phase_number, name in enumerate(PHASES):
             columns = slice(*np.searchsorted(phase, [phase_number, phase_number + 1]))
@@ -832,6 +832,7 @@ def _work_over_loads(
     log_at_mean = log_half_width(ellipses.mean_load[None])[0]
 
     def weighted_log(course: Indices, ellipse_of_piece: Indices, angle: Array) -> Array:
+        """Weight times ln(a/a(P0)) at angles (nodes, n) along the courses (n,) of ellipses (n,)."""
         weight, load = np.empty((2, *angle.shape))
         for course_number, name in enumerate(_COURSES):
             columns = slice(*np.searchsorted(course, [course_number, course_number + 1]))
@@ -983,7 +984,7 @@ def _log_weight_and_stick_edge_load(
     sine: Array,
 ) -> tuple[Array, Array]:
     """Weight of ln a per rad in the friction work W pi E*/(2 f^2), and the load P_c at the stick
-    edge, as P_c moves in reverse slip or in the second part of forward slip.
+    edge, along P_c in reverse slip (E-G) or in later forward slip (J-M).
 
         P_c = P_T + `stick_amplitude` `squared_half_sine`
         P - P_c = `slip_amplitude`/2 (1 - cos(angle - `angle_at_no_slip`))
@@ -1129,9 +1130,11 @@ class LogHalfWidth:
         log_half_width = _log_half_width_of(contact)
 
         def corner_below(coordinates: Array) -> Indices:
+            """Number of the corner from which v is measured at each coordinate."""
             return np.searchsorted(corner_coordinates[1:-1], coordinates, side="right")
 
         def log_at(coordinates: Array) -> Array:
+            """L = ln a at coordinates of any shape."""
             corner_number = corner_below(coordinates)
             v = coordinates - corner_coordinates[corner_number]
             return log_half_width(corner_loads[corner_number] + np.square(v))
@@ -1206,6 +1209,9 @@ class LogHalfWidth:
 def _cached_log_half_width(
     contact: SymmetricContact, first_octave: int, last_octave: int
 ) -> LogHalfWidth:
+    """`LogHalfWidth` of a contact for loads from 2^first_octave to 2^last_octave, kept for the next
+    group of ellipses.
+    """
     return LogHalfWidth(contact, first_octave, last_octave)
 
 
@@ -1226,11 +1232,11 @@ def works_by_lam(
     least_share: float = _LEAST_SHARE,
 ) -> tuple[Array, Array]:
     """Friction work W of forward and of reverse slip in a steady cycle, times pi E*/(2 f^2), (m,)
-    each [force^2 per thickness^2], for profiles whose kernel of the work is cheap.
+    each [force^2 per thickness^2].
 
-    The kernel is Lam = int_{P_c}^P [ln a(eta) - ln a(P_c)] d eta, or a multiple of it. Each ellipse
-    gets as few nodes as it needs. Ellipses of one rule and one formula for Lam are integrated
-    together.
+    For profiles whose kernel of the work is cheap. The kernel is Lam = int_{P_c}^P [ln a(eta) - ln
+    a(P_c)] d eta, or a multiple of it. Each ellipse gets as few nodes as it needs. Ellipses of one
+    rule and one formula for Lam are integrated together.
 
     Parameters
     ----------

@@ -34,7 +34,7 @@ import scipy
 from scenes.array_types import Array
 
 
-class LeftOver(NamedTuple):
+class LoadsLeft(NamedTuple):
     """Tangential load of flat punches that the smooth end of a slip stroke leaves behind, by panels
     of punch half-width c'.
 
@@ -54,22 +54,22 @@ class LeftOver(NamedTuple):
 
 
 @lru_cache(maxsize=256)
-def left_over(stick_ratio: float, panels: int) -> LeftOver:
-    """Tangential load of flat punches that the smooth end of a slip stroke leaves behind where tilt
-    or bulk strain still changes, over punch half-widths c' from the stick edge to the edge.
+def loads_left_at_stroke_end(stick_ratio: float, panel_count: int) -> LoadsLeft:
+    """Tangential load T that the smooth end of a slip stroke leaves on flat punches, over their
+    half-widths c' from the edge of stick to that of contact.
 
-    One side of the slip zone then comes to rest before the other, and shear r(x) is left. Its even
-    part carries the load T(c') = 2 int_c'^a r x/sqrt(x^2 - c'^2) dx, dimensionless as in
-    `LeftOver`.
+    Where tilt or bulk strain still changes, one side of the slip zone comes to rest before the
+    other, and shear r(x) is left. Its even part carries the load T(c') = 2 int_c'^a r x/sqrt(x^2 -
+    c'^2) dx, dimensionless as in `LoadsLeft`.
 
     Parameters
     ----------
     stick_ratio
         c/a, stick over contact half-width, above 0 and below 1
-    panels
+    panel_count
         number of panels of the slip zone on each side, finer at both ends
     """
-    angles = np.linspace(0.0, np.pi, panels + 1)
+    angles = np.linspace(0.0, np.pi, panel_count + 1)
     borders = stick_ratio + (1 - stick_ratio) * (1 - np.cos(angles)) / 2
     inner_border = borders[:-1]
     outer_border = borders[1:]
@@ -77,19 +77,19 @@ def left_over(stick_ratio: float, panels: int) -> LeftOver:
     panel_begin = np.concatenate([-outer_border[::-1], inner_border])
     panel_end = np.concatenate([-inner_border[::-1], outer_border])
     shear = _shear_left(stick_ratio, panel_begin, panel_end)
-    even_shear = (shear[panels:] + shear[:panels][::-1]) / 2
+    even_shear = (shear[panel_count:] + shear[:panel_count][::-1]) / 2
     panel_middles = (inner_border + outer_border) / 2
     # int x/sqrt(x^2 - c'^2) dx over each panel, with c' at the middles
     upper_root = np.sqrt(np.maximum(outer_border**2 - panel_middles[:, None] ** 2, 0.0))
     lower_root = np.sqrt(np.maximum(inner_border**2 - panel_middles[:, None] ** 2, 0.0))
-    return LeftOver(
+    return LoadsLeft(
         panel_middles, outer_border - inner_border, 2 * (upper_root - lower_root) @ even_shear
     )
 
 
 def _shear_left(stick_ratio: float, panel_begin: Array, panel_end: Array) -> Array:
-    """Shear that the smooth end of a slip stroke leaves on each panel of the slip zone, (n,), in
-    the order in which the panels come to rest; over (pi/A)^2 a a_s'^2/N'' (the module's text).
+    """Shear that the smooth end of a slip stroke leaves on each panel of the slip zone, (n,), over
+    (pi/A)^2 a a_s'^2/N'' (the module's text). The panels are in the order in which they stop.
 
         L^-T (y^2/z)/2,    y = L^-1 sgn(x) sqrt(x^2 - c^2),    z = L^-1 arccosh(|x|/c)
 

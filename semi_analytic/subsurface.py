@@ -182,8 +182,8 @@ def _places_and_times(
 def edge_tension(
     source: ContactSolution | Scene | str | Path, instants: ArrayLike
 ) -> tuple[Array, Array]:
-    """Stress s_xx along the faces of both bodies at the edges of contact, where fretting cracks
-    start, and its uncertainty, at instants of the load path [stress]; tension is positive.
+    """Stress s_xx along both faces at the edges of contact, where fretting cracks start, and its
+    uncertainty [stress], at instants of the load path; tension is positive.
 
     Without bulk stress, tilt and unequal sides it is +-(2/pi) int_0^P M'(eta) d eta / sqrt(a(P)^2 -
     a(eta)^2). M(eta) is the tangential force carried by the flat punches up to the load eta. For Q
@@ -372,8 +372,10 @@ def _answers_with_tractions(
 def _rows_with_tractions(
     answer: ContactSolution, times: Array
 ) -> dict[float, tuple[ContactSolution, int]]:
-    """The answer and the number of its instant, by time, for those `times` at which it holds
-    pressure and shear at enough points of the contact; empty where it has no tractions.
+    """The answer and the number of its instant, by time, where that is in the answer with enough
+    points of the contact.
+
+    Empty where the answer has no pressure and shear.
     """
     if not (np.isfinite(answer.pressure).all() and np.isfinite(answer.shear).all()):
         return {}
@@ -412,16 +414,17 @@ def _bulk_stresses(answers: list[tuple[ContactSolution, int]]) -> Array:
 
 
 def _edge_tensions_of_answer(answer: ContactSolution, row: int) -> tuple[Array, float]:
-    """Stress s_xx of the lower face at its left and right edge of contact at the instant number
-    `row` of an answer, without the bulk stress, (2,), and its uncertainty [stress].
+    """Stress s_xx of the lower face at the left and the right edge of contact, without the bulk
+    stress, (2,), and its uncertainty [stress].
 
-    It is +-(2/pi) int q/|x - edge| dx; tension is positive. With the distance to the edge = width
-    sin^2(phi/2) it is int q cot(phi/2) d phi, by the trapezoidal rule between the points; the
-    integrand is constant from the outermost point to the edge.
+    `row` is the number of the answer's instant. The stress is +-(2/pi) int q/|x - edge| dx; tension
+    is positive. With the distance to the edge = width sin^2(phi/2) it is int q cot(phi/2) d phi, by
+    the trapezoidal rule between the points; the integrand is constant from the outermost point to
+    the edge.
 
-    The uncertainty is three times the change by half of the points, four times the stated error of
-    the shear, and the error of straight lines between points. The last two are shares of f times
-    the largest pressure.
+    The uncertainty is a sum: three times the change by half of the points, four times the stated
+    error of the shear, and the error of straight lines between points. The last two are shares of f
+    times the largest pressure.
     """
     left_edge, right_edge = answer.contact_edges[row]
     points_in_contact = np.flatnonzero(
@@ -431,6 +434,7 @@ def _edge_tensions_of_answer(answer: ContactSolution, row: int) -> tuple[Array, 
         return np.zeros(2), 0.0
 
     def integral_from_edge(distance_to_edge: Array, shear: Array) -> float:
+        """int q/|x - edge| dx [stress], from shear q at distances that ascend."""
         phi = 2 * np.arcsin(np.sqrt(distance_to_edge / (right_edge - left_edge)))
         weighted_shear = shear / np.tan(phi / 2)
         return float(
@@ -438,6 +442,7 @@ def _edge_tensions_of_answer(answer: ContactSolution, row: int) -> tuple[Array, 
         )
 
     def tensions_by(points: NDArray[np.intp]) -> Array:
+        """The stress at both edges from the shear at some of the points, (2,) [stress]."""
         x = answer.x[points]
         shear = answer.shear[row, points]
         left_integral = integral_from_edge(x - left_edge, shear)
@@ -539,8 +544,8 @@ def _stress_from_potentials(
 
 
 def _curve_parts(snapshot: Snapshot, instant_number: int) -> Iterator[tuple[float, float, Slope]]:
-    """Lower load, upper load and slope M' of each smooth part of the memory curve at one instant of
-    the snapshot, from the normal load P down to 0.
+    """Lower load, upper load and slope M' of each smooth part of the memory curve M(eta) at one
+    instant, from the normal load P down to 0.
 
     The memory curve M(eta) is the tangential force carried by the flat punches up to the load eta.
     Its uppermost part, from the load at the stick edge to P, is at the Coulomb limit.
@@ -574,9 +579,9 @@ def _potentials(
     """Muskhelishvili's potentials N of pressure and T of shear, and their derivatives, at x + i y,
     y <= 0: complex (4, n), summed over the flat punches of a contact.
 
-    `curve_parts` are lower load, upper load and slope of each smooth part of the memory curve
-    M(eta), the tangential force of the punches up to the load eta. The slope is the tangential load
-    of a punch per normal load. The derivatives are left 0 on the face, where they only occur times
+    The memory curve M(eta) is the tangential force of the punches up to the load eta. `curve_parts`
+    are lower load, upper load and slope M' of its smooth parts; M' is the tangential load of a
+    punch per normal load. The derivatives are left 0 on the face, where they only occur times
     y. Places with x < 0 follow by symmetry.
     """
     potentials = np.zeros((4, len(x)), dtype=complex)

@@ -54,7 +54,7 @@ from numpy.typing import ArrayLike
 from scenes import InputError, NotFoundError, ProfileDataError
 from scenes.array_types import Array
 from scenes.chebyshev import Pieces, Unresolved, halved
-from semi_analytic.quadrature import ROOTS, LogisticRule, crowded, gauss, graded, panels
+from semi_analytic.quadrature import ROOTS, LogisticRule, crowded_nodes, gauss, graded, panel_nodes
 
 # Steps of Newton's method, kept in a bracket: about ten are taken, sixty halvings would do.
 _STEPS = 120
@@ -1184,7 +1184,7 @@ class TiltedProfile:
         """
         if not len(self.break_loads):
             return graded(begin, end)
-        nodes = panels(begin, end, self.break_loads)
+        nodes = panel_nodes(begin, end, self.break_loads)
         shape = (*np.shape(end), -1)
         return nodes.at.reshape(shape), nodes.weight.reshape(shape)
 
@@ -1316,7 +1316,7 @@ class TiltedProfile:
         )
         is_close = slipped < _APART * load
         if np.any(is_close):
-            eta, weights = crowded(edge_load[is_close], load[is_close])
+            eta, weights = crowded_nodes(edge_load[is_close], load[is_close])
             difference = rate_at_edge[is_close][:, None] - loop.log_ratio(eta)
             kernel[is_close] = np.sum(weights * difference, axis=-1)
         return np.maximum(kernel, 0.0)
