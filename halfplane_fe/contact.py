@@ -509,7 +509,7 @@ class ContactProblem:
         """
         rates = self._rates.get(states.tobytes())
         if rates is None:
-            rates = self._store_rates(states, self._systems.answers(states, n_loads))
+            rates = self._store_rates(states, self._systems.value_derivatives(states, n_loads))
         return rates
 
     def _store_rates(self, states: States, rates_by_load: Array) -> Array:
@@ -574,7 +574,7 @@ class ContactProblem:
         equation_numbers = (np.abs(residual) > self._last_digit).nonzero()[0]
         value_changes: Array | float = 0.0
         if len(equation_numbers):
-            solution_vectors = self._systems.answers(
+            solution_vectors = self._systems.value_derivatives(
                 states, len(start.loads), equation_numbers, -residual[equation_numbers]
             )
             value_changes = solution_vectors[-1]

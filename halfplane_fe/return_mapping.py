@@ -16,8 +16,8 @@ The multipliers start from the tractions of the increment before. In the values 
 iterated, gap and slip are G = g + c (p - l) and S = s - c (q - m), c = 1/e, so that the trial is p
 - G/c and q + dS/c. Penalty method: c is the layer between the faces, there is no multiplier, and
 one inner loop is all. Where an inner loop cycles, the increment is solved again from the same start
-with a softer penalty. Between faces with a layer the softness comes on top of the layer, and its
-multipliers take it away again.
+with a softer penalty. Between faces with a layer the compliance of the penalty is added to that of
+the layer, and the multipliers take its effect away again.
 
 Source: Simo and Laursen (1992), Computers and Structures; see `law.project`.
 """
@@ -38,27 +38,27 @@ from halfplane_fe.systems import Layer, SingularSet, Systems
 from scenes import OPEN, STICK
 from scenes.array_types import Array, States
 
-# Change of multipliers, and what the law makes of the tractions less these, over the largest nodal
-# force.
+# Tolerated change of a multiplier, and tolerated difference of mapped and iterated tractions, over
+# the largest nodal pressure.
 _TOLERANCE = 1e-10
 # Where Newton's method cycles, the penalty of the next try over that of the one before.
 _PENALTY_RATIO = 0.1
 _MOST_PENALTIES = 5
-# Of an increment: softer penalties take more of them.
+# Updates of the multipliers in an increment, at most: softer penalties take more of them.
 _MOST_UPDATES = 2000
 # Pressure of a node that touches without force, from which the sense of its slip is read.
 _TOUCHING_PRESSURE = 1e-11
 
 
 class Tractions(NamedTuple):
-    """What is iterated, and what the law makes of it.
+    """Nodal tractions before and after the return mapping of `law.project`; scaled.
 
     Attributes
     ----------
     trial_pressure, trial_shear
         (n,) before the return mapping
     pressure, shear, states
-        (n,) after it
+        (n,) after it: admissible tractions, and open, stick or slip
     error
         largest difference of the mapped tractions from the iterated ones, over the tolerance
     """
@@ -72,8 +72,8 @@ class Tractions(NamedTuple):
 
 
 class Equilibrium(NamedTuple):
-    """The values of an interface state that meet the law, the states of its nodes, and the Newton
-    steps that were taken.
+    """Values (3 + 4 n,) of the contact that meet the laws of contact and friction, states (n,) of
+    its nodes, and the number of Newton steps taken.
     """
 
     values: Array
@@ -82,8 +82,8 @@ class Equilibrium(NamedTuple):
 
 
 class Start(NamedTuple):
-    """Values (3 + 4 n,) and states (n,) at the start of an increment, and the change of its loads;
-    the moment at its end, where it is given.
+    """Start of an increment: values (3 + 4 n,) and node states (n,) there, the change (n_loads,) of
+    the loads over the increment, and the moment at its end, where it is given; scaled.
     """
 
     values: Array
@@ -104,7 +104,7 @@ class ReturnMapping:
         (n,) normal and tangential e of the augmented Lagrangian; None for the penalty method,
         whose penalty is the stiffness of the layer
     shear_scale
-        of a nodal shear over a nodal pressure
+        size of a nodal shear over that of a nodal pressure
     """
 
     interface: Interface
@@ -119,9 +119,7 @@ class ReturnMapping:
 
     def equilibrium(self, start: Start, most_steps: int) -> Equilibrium | None:
         """Nodal values and states of the contact at the end of an increment, by return mapping;
-        None where it converges with no penalty.
-
-        Penalties are tried from the stiffest one on, each a tenth of the one before.
+        None where it converges with no penalty. Penalties are tried from the stiffest one on.
 
         Parameters
         ----------
@@ -131,57 +129,59 @@ class ReturnMapping:
             most Newton steps at constant multipliers
         """
         newton_steps = 0
-        for number, softness in enumerate(self._softnesses()):
-            systems = self._systems_with(number, softness)
-            iteration = _Iteration(self, systems, softness, start)
+        for penalty_number, penalty_compliance in enumerate(self._penalty_compliances()):
+            systems = self._systems_at_penalty(penalty_number, penalty_compliance)
+            iteration = _Iteration(self, systems, penalty_compliance, start)
             try:
                 has_converged = iteration.converges(most_steps)
             except SingularSet:
                 has_converged = False
             newton_steps += iteration.newton_steps
             self.work["Newton steps"] += iteration.newton_steps
-            self.work["multiplier updates"] += iteration.updates
+            self.work["multiplier updates"] += iteration.multiplier_updates
             if has_converged:
-                return Equilibrium(*iteration.answer(), newton_steps)
+                values, states = iteration.values_and_states()
+                return Equilibrium(values, states, newton_steps)
             self.work["penalties softened"] += 1
         return None
 
-    def _softnesses(self) -> Iterator[Layer]:
-        """Compliances (inverse penalties) of the nodes for the trial tractions, in the order in
-        which they are tried, each ten times as soft as the one before.
+    def _penalty_compliances(self) -> Iterator[Layer]:
+        """Compliances of the nodes by the penalty, which are its inverse, (n,) normal and
+        tangential [displacement / nodal force, scaled]; each is ten times the one before.
 
-        The first is that of the augmented Lagrangian's penalty. The penalty method has a layer of
-        springs between the faces already: its first is zero.
+        The first is that of the augmented Lagrangian's own penalty. In the penalty method the
+        springs of the layer between the faces are the penalty: the first compliance added is zero.
         """
         if self.penalty is None:
             yield Layer(np.zeros_like(self.layer.normal), np.zeros_like(self.layer.tangential))
-            stiffest = self.layer
+            least_compliance = self.layer
         else:
             normal_penalty, tangential_penalty = self.penalty
-            stiffest = Layer(1 / normal_penalty, 1 / tangential_penalty)
-            yield stiffest
-        for number in range(1, _MOST_PENALTIES):
-            factor = _PENALTY_RATIO**-number
-            yield Layer(stiffest.normal * factor, stiffest.tangential * factor)
+            least_compliance = Layer(1 / normal_penalty, 1 / tangential_penalty)
+            yield least_compliance
+        for penalty_number in range(1, _MOST_PENALTIES):
+            factor = _PENALTY_RATIO**-penalty_number
+            yield Layer(least_compliance.normal * factor, least_compliance.tangential * factor)
 
-    def _systems_with(self, number: int, softness: Layer) -> Systems:
-        """The linear systems of the contact with a compliance of the nodes, the layer's plus
-        `softness`; cached under the `number` of that softness.
+    def _systems_at_penalty(self, penalty_number: int, penalty_compliance: Layer) -> Systems:
+        """The linear systems of the contact between faces with the compliance of the layer plus
+        that of a penalty; cached under the number of the penalty, 0 for the stiffest.
         """
-        systems = self._systems.get(number)
+        systems = self._systems.get(penalty_number)
         if systems is None:
-            compliance = Layer(
-                self.layer.normal + softness.normal, self.layer.tangential + softness.tangential
+            total_compliance = Layer(
+                self.layer.normal + penalty_compliance.normal,
+                self.layer.tangential + penalty_compliance.tangential,
             )
             systems = Systems(
                 self.interface,
-                compliance,
+                total_compliance,
                 self.friction,
                 self.work,
                 self.tangential,
                 self.actuators,
             )
-            self._systems[number] = systems
+            self._systems[penalty_number] = systems
         return systems
 
 
@@ -191,31 +191,38 @@ class _Iteration:
 
     Attributes
     ----------
-    faces, systems, softness, start
-        what is solved
+    contact
+        the bodies, friction and layer between the faces
+    systems
+        linear systems whose `layer` is the compliance of that layer and of the penalty together
+    penalty_compliance
+        inverse of the penalty, (n,) normal and tangential
+    start
+        of the increment, with the change of its loads
     values
-        (3 + 4 n,) as iterated, G and S in the place of gap and slip
-    newton_steps, updates
-        counts
+        (3 + 4 n,) as iterated: approach, U and tilt, then slip, pressure, shear and gap of the n
+        nodes, with G and S of the module in the place of gap and slip
+    newton_steps, multiplier_updates
+        numbers of them so far
     """
 
-    faces: ReturnMapping
+    contact: ReturnMapping
     systems: Systems
-    softness: Layer
+    penalty_compliance: Layer
     start: Start
     newton_steps: int = 0
-    updates: int = 0
+    multiplier_updates: int = 0
 
     def __post_init__(self) -> None:
         self.values = self.start.values.copy()
-        # views of `values`
+        # (n,) views of `values`: what changes them changes `values`
         self._slip, self._pressure, self._shear, self._gap = self.values[3:].reshape(4, -1)
         self._slip_at_start = self._slip.copy()
         self._latest_states = self.start.states
 
     def converges(self, most_steps: int) -> bool:
-        """Run both loops of the augmented Lagrangian from the start of the increment; whether they
-        converge. The nodal values are left in `self.values`.
+        """Run both loops of the augmented Lagrangian from the start of the increment, and return
+        whether they converge. The result is left in `self.values`.
 
         The inner loop is Newton's method at constant multipliers, `most_steps` steps at most. The
         outer loop replaces the multipliers by the tractions found, until these change no more. The
@@ -230,43 +237,45 @@ class _Iteration:
         shear = self._shear.copy()
         tractions_at_start = Tractions(pressure, shear, pressure, shear, self.start.states, np.inf)
         self._newton_step(tractions_at_start, self.start.change_of_loads)
-        multipliers = self.start.values[3:].reshape(4, -1)[1:3].copy()  # p and q of the nodes
-        without_multipliers = not (self.softness.normal.any() or self.softness.tangential.any())
-        while self.updates < _MOST_UPDATES:
+        multipliers = np.stack([pressure, shear])
+        has_multipliers = (
+            self.penalty_compliance.normal.any() or self.penalty_compliance.tangential.any()
+        )
+        while self.multiplier_updates < _MOST_UPDATES:
             mapped_tractions = self._inner_loop(most_steps)
             if mapped_tractions is None:
                 return False
-            if without_multipliers:
+            if not has_multipliers:
                 return True
-            self.updates += 1
-            change_of_multipliers = self._updated(multipliers, mapped_tractions)
-            if change_of_multipliers <= 1.0 and self._mapped().error <= 1.0:
+            self.multiplier_updates += 1
+            change_over_tolerance = self._update_multipliers(multipliers, mapped_tractions)
+            if change_over_tolerance <= 1.0 and self._mapped_tractions().error <= 1.0:
                 return True
         return False
 
     def _inner_loop(self, most_steps: int) -> Tractions | None:
-        """Newton's method at constant multipliers: the tractions on which it converges; None where
-        a set of node states comes back (it would go round for ever), or after `most_steps`.
+        """Newton's method at constant multipliers: the mapped tractions on which it converges. None
+        where a set of node states comes back (the steps would cycle), or after `most_steps`.
         """
-        sets_met: set[bytes] = set()  # node states of all steps so far
+        earlier_states: set[bytes] = set()  # sets of node states of all steps so far
         for _ in range(most_steps):
-            mapped_tractions = self._mapped()
+            mapped_tractions = self._mapped_tractions()
             if mapped_tractions.error <= 1.0:
                 return mapped_tractions
             states_as_bytes = mapped_tractions.states.tobytes()
-            if states_as_bytes in sets_met:
+            if states_as_bytes in earlier_states:
                 return None
-            sets_met.add(states_as_bytes)
-            mapped_tractions = self._with_sticking(mapped_tractions)
+            earlier_states.add(states_as_bytes)
+            mapped_tractions = self._tractions_with_more_stick(mapped_tractions)
             self._newton_step(mapped_tractions, np.zeros_like(self.start.change_of_loads))
         return None
 
-    def _with_sticking(self, mapped_tractions: Tractions) -> Tractions:
-        """Let some nodes stick in the next Newton step that are to slide by their trial tractions,
-        so that the steps converge; the mapped tractions with their states and shear changed.
+    def _tractions_with_more_stick(self, mapped_tractions: Tractions) -> Tractions:
+        """Mapped tractions for the next Newton step in which some nodes stick, with their trial
+        shear, that should slide by the return mapping, so that the steps converge.
 
-        - A node that slides one way and is to slide the other way sticks first: changed at one
-          go, it would be changed back.
+        - A node that slides one way and is to slide the other way sticks first: if it changed its
+          direction at once, the next step would change it back.
         - Where all nodes are to slide, the one least beyond the Coulomb limit sticks: Q < f P, so
           one has to.
         """
@@ -277,13 +286,14 @@ class _Iteration:
             & (mapped_tractions.states != self._latest_states)
         )
         nothing_sticks = not np.any((mapped_tractions.states == STICK) | is_sticking_first)
+        # Then no stick is needed to balance Q.
         may_slide_freely = (
-            self.faces.interface.has_odd_shear or self.faces.actuators.tangential is not None
+            self.contact.interface.has_odd_shear or self.contact.actuators.tangential is not None
         )
-        if self.faces.tangential and nothing_sticks and not may_slide_freely:
+        if self.contact.tangential and nothing_sticks and not may_slide_freely:
             force_beyond_limit = (
                 np.abs(mapped_tractions.trial_shear)
-                - self.faces.friction * mapped_tractions.pressure
+                - self.contact.friction * mapped_tractions.pressure
             )
             is_sticking_first[np.argmin(np.where(is_sliding, force_beyond_limit, np.inf))] = True
         return mapped_tractions._replace(
@@ -291,20 +301,20 @@ class _Iteration:
             shear=np.where(is_sticking_first, mapped_tractions.trial_shear, mapped_tractions.shear),
         )
 
-    def _mapped(self) -> Tractions:
-        """Return mapping at the present values of the nodes: trial tractions p - g/c_n and
-        q + s/c_t, moved into p >= 0 and |q| <= f p, with the states of the nodes that follow.
+    def _mapped_tractions(self) -> Tractions:
+        """Tractions and states of the nodes by the return mapping at their present values: the
+        trial tractions p - G/c_n and q + (S - S_start)/c_t, moved into p >= 0 and |q| <= f p.
 
-        # notation: g gap and s slip of the increment as iterated (with what the multipliers add);
-        c_n, c_t compliances of the nodes, the inverse penalties
+        # notation: G and S the iterated gap and slip (see the module), S_start at the start of the
+        increment; c_n, c_t compliances of the nodes, of layer and penalty together
         """
         compliance = self.systems.layer
         trial_pressure = self._pressure - self._gap / compliance.normal
         trial_shear = self._shear
-        if self.faces.tangential:
+        if self.contact.tangential:
             slip_increment = self._slip - self._slip_at_start
             trial_shear = self._shear + slip_increment / compliance.tangential
-        pressure, shear, states = project(trial_pressure, trial_shear, self.faces.friction)
+        pressure, shear, states = project(trial_pressure, trial_shear, self.contact.friction)
         return Tractions(
             trial_pressure,
             trial_shear,
@@ -314,18 +324,20 @@ class _Iteration:
             self._over_tolerance(pressure - self._pressure, shear - self._shear),
         )
 
-    def _over_tolerance(self, normal_forces: Array, tangential_forces: Array) -> float:
-        """The largest of these differences of nodal forces, over what is tolerated."""
+    def _over_tolerance(self, pressure_changes: Array, shear_changes: Array) -> float:
+        """Largest of some changes (n,) of nodal forces, over the tolerated one: 1e-10 of the
+        largest nodal pressure.
+        """
         tolerance = _TOLERANCE * float(np.abs(self._pressure).max())
-        largest_force = float(np.abs(normal_forces).max())
-        if self.faces.tangential:
-            largest_shear = float(np.abs(tangential_forces).max())
-            largest_force = max(largest_force, largest_shear / self.faces.shear_scale)
-        return largest_force / tolerance if tolerance > 0 else np.inf
+        largest_change = float(np.abs(pressure_changes).max())
+        if self.contact.tangential:
+            largest_shear_change = float(np.abs(shear_changes).max())
+            largest_change = max(largest_change, largest_shear_change / self.contact.shear_scale)
+        return largest_change / tolerance if tolerance > 0 else np.inf
 
     def _newton_step(self, mapped_tractions: Tractions, change_of_loads: Array) -> None:
-        """One Newton step: change the values of the nodes so that the linearised return mapping is
-        met, and the loads have changed by `change_of_loads`.
+        """One Newton step: change `values` so that the linearised equations of the return mapping
+        are met, with loads that differ by `change_of_loads` from those before the step.
 
         With p_m, q_m the mapped tractions and p_t, q_t the trial ones, a node has to meet
 
@@ -334,7 +346,8 @@ class _Iteration:
             stick    slip increment = c_t (q_m - q_t)
             slip     q -+ f p = q_m -+ f p_m
 
-        # notation: c_n, c_t compliances of the nodes (inverse penalties), f coefficient of friction
+        # notation: gap and slip as iterated; c_n, c_t compliances of the nodes, of layer and
+        penalty together; f coefficient of friction
         """
         compliance = self.systems.layer
         states = mapped_tractions.states
@@ -343,84 +356,94 @@ class _Iteration:
         gap_under_pressure = compliance.normal * (
             mapped_tractions.pressure - mapped_tractions.trial_pressure
         )
-        # One equation of each node in either direction: what its left side still has to change by.
-        normal_changes = np.where(
+        # One equation of each node in either direction: right side minus present left side.
+        normal_residuals = np.where(
             is_open, mapped_tractions.pressure - self._pressure, gap_under_pressure - self._gap
         )
-        tangential_changes = np.zeros_like(normal_changes)
-        signed_friction = slip_sign(states) * self.faces.friction
-        if self.faces.tangential:
+        tangential_residuals = np.zeros_like(normal_residuals)
+        signed_friction = slip_sign(states) * self.contact.friction
+        if self.contact.tangential:
             slip_in_stick = self._slip_at_start + compliance.tangential * (
                 mapped_tractions.shear - mapped_tractions.trial_shear
             )
-            shear_beyond_cone = mapped_tractions.shear - signed_friction * mapped_tractions.pressure
-            tangential_changes = np.where(
+            shear_beyond_limit = (
+                mapped_tractions.shear - signed_friction * mapped_tractions.pressure
+            )
+            tangential_residuals = np.where(
                 states == STICK,
                 slip_in_stick - self._slip,
-                shear_beyond_cone - (self._shear - signed_friction * self._pressure),
+                shear_beyond_limit - (self._shear - signed_friction * self._pressure),
             )
-        *values_by_loads, values_by_changes = self.systems.corrections(
-            states, len(change_of_loads), np.concatenate([normal_changes, tangential_changes])
+        *derivatives_by_load, correction = self.systems.newton_correction(
+            states, len(change_of_loads), np.concatenate([normal_residuals, tangential_residuals])
         )
         self.newton_steps += 1
-        self.values += values_by_changes
+        self.values += correction
         moment = self.start.moment
         if moment is None:
-            self.values += change_of_loads @ np.array(values_by_loads)
+            self.values += change_of_loads @ np.array(derivatives_by_load)
         else:
-            self.values += change_of_loads[:-1] @ np.array(values_by_loads[:-1])
-            self._turn(values_by_loads[-1], moment)
-        # The equations are met to the last digit: the penalty would magnify their rounding.
+            self.values += change_of_loads[:-1] @ np.array(derivatives_by_load[:-1])
+            self._tilt_to_moment(derivatives_by_load[-1], moment)
+        # Set once more without round-off error: the next trial tractions divide gap and slip by
+        # small compliances.
         self._gap[~is_open] = gap_under_pressure[~is_open]
         self._pressure[is_open] = mapped_tractions.pressure[is_open]
-        if self.faces.tangential:
+        if self.contact.tangential:
             is_stuck = states == STICK
             self._slip[is_stuck] = slip_in_stick[is_stuck]
             self._shear[:] = np.where(
-                is_stuck, self._shear, signed_friction * self._pressure + shear_beyond_cone
+                is_stuck, self._shear, signed_friction * self._pressure + shear_beyond_limit
             )
 
-    def _turn(self, values_by_tilt: Array, moment: float) -> None:
-        """Turn the upper body until the nodal forces have the moment."""
-        moment_by_tilt = self._moment(values_by_tilt)
+    def _tilt_to_moment(self, derivatives_by_tilt: Array, moment: float) -> None:
+        """Tilt the upper body until the nodal forces have the given moment; scaled.
+
+        `derivatives_by_tilt` (3 + 4 n,) are those of `values` at constant node states.
+        """
+        moment_by_tilt = self._moment(derivatives_by_tilt)
         if not moment_by_tilt < -1e-12:
             raise SingularSet("one node alone holds no moment")
-        self.values += (moment - self._moment(self.values)) / moment_by_tilt * values_by_tilt
+        tilt_change = (moment - self._moment(self.values)) / moment_by_tilt
+        self.values += tilt_change * derivatives_by_tilt
 
     def _moment(self, values: Array) -> float:
-        """Of the nodal forces in some values."""
+        """Moment of the nodal forces in `values` (3 + 4 n,), in the sense of the load M; scaled."""
         _, pressure, shear, _ = values[3:].reshape(4, -1)
-        return -float(self.faces.interface.work_of_imposed(pressure, shear)[2])
+        return -float(self.contact.interface.work_of_imposed(pressure, shear)[2])
 
-    def _updated(self, multipliers: Array, mapped_tractions: Tractions) -> float:
-        """Update the multipliers (2, n) of pressure and shear in place, to the tractions that the
-        return mapping onto contact and Coulomb's cone gave; returns the largest change, over what
-        is tolerated.
+    def _update_multipliers(self, multipliers: Array, mapped_tractions: Tractions) -> float:
+        """Replace the multipliers (2, n) of pressure and shear, in place, by the mapped tractions;
+        returns their largest change, over the tolerated one.
 
-        The iterated values are gap − softness · pressure and slip + softness · shear, with the
-        softness 1/stiffness of the penalty: they change with the multipliers.
+        With multipliers l of p and m of q, the iterated gap G = g + c_n (p - l) and slip
+        S = s - c_t (q - m) change too.
+
+        # notation: g gap, s slip, p and q tractions, c_n and c_t compliances of the penalty
         """
         pressure_change = mapped_tractions.pressure - multipliers[0]
         shear_change = mapped_tractions.shear - multipliers[1]
-        self._gap -= self.softness.normal * pressure_change
-        self._slip += self.softness.tangential * shear_change
+        self._gap -= self.penalty_compliance.normal * pressure_change
+        self._slip += self.penalty_compliance.tangential * shear_change
         multipliers[0] = mapped_tractions.pressure
         multipliers[1] = mapped_tractions.shear
         return self._over_tolerance(pressure_change, shear_change)
 
-    def answer(self) -> tuple[Array, States]:
-        """Values (3 + 4 n,) and states (n,) of the contact after the loops have converged, with
-        round-off removed: no gap of closed nodes, no force on open ones.
+    def values_and_states(self) -> tuple[Array, States]:
+        """Values (3 + 4 n,) and node states (n,) at the end of the increment, after both loops have
+        converged. Round-off errors are removed: closed nodes have no gap, open ones no force.
 
-        A node within the tolerance of two states has the one that it had at the start of the
-        increment. Its tractions are the same in both, but later events (a node opens or slips) are
+        The values are approach, U and tilt, then slip, pressure, shear and gap of the n nodes. A
+        node within the tolerance of two states keeps the one that it had at the start of the
+        increment: its tractions are the same in both, but later events (a node opens or slips) are
         found by the state that it had.
         """
         compliance = self.systems.layer
-        friction = self.faces.friction
+        friction = self.contact.friction
         tolerance = _TOLERANCE * float(np.abs(self._pressure).max())
         was_open = self.start.states == OPEN
-        mapped_tractions = self._mapped()
+        mapped_tractions = self._mapped_tractions()
+        # Neither a gap nor a pressure: the trial pressure is 0 but for round-off.
         is_touching = np.abs(self._pressure) <= tolerance
         is_touching &= np.abs(self._gap) <= tolerance * compliance.normal
         trial_pressure = np.where(
@@ -429,18 +452,20 @@ class _Iteration:
             mapped_tractions.trial_pressure,
         )
         _, _, states = project(trial_pressure, mapped_tractions.trial_shear, friction)
-        if self.faces.tangential:
-            elastic_shear = mapped_tractions.trial_shear - self._shear
-            shear_tolerance = tolerance * self.faces.shear_scale
-            is_at_cone = np.abs(np.abs(self._shear) - friction * self._pressure) <= shear_tolerance
-            is_at_cone &= np.abs(elastic_shear) <= shear_tolerance
-            is_at_cone &= ~was_open & (states != OPEN)
-            states = np.where(is_at_cone, self.start.states, states)
+        if self.contact.tangential:
+            shear_of_slip = mapped_tractions.trial_shear - self._shear  # slip over compliance
+            shear_tolerance = tolerance * self.contact.shear_scale
+            shear_beyond_limit = np.abs(self._shear) - friction * self._pressure
+            # On the Coulomb limit without slip: between stick and slip.
+            is_at_coulomb_limit = np.abs(shear_beyond_limit) <= shear_tolerance
+            is_at_coulomb_limit &= np.abs(shear_of_slip) <= shear_tolerance
+            is_at_coulomb_limit &= ~was_open & (states != OPEN)
+            states = np.where(is_at_coulomb_limit, self.start.states, states)
             is_stuck = states == STICK
             self._slip[is_stuck] = self._slip_at_start[is_stuck]
         is_open = states == OPEN
-        is_met = np.abs(self._gap) <= tolerance * compliance.normal
-        self._gap[~is_open & is_met] = 0.0
+        has_no_gap = np.abs(self._gap) <= tolerance * compliance.normal
+        self._gap[~is_open & has_no_gap] = 0.0
         self._pressure[is_open] = 0.0
         self._shear[is_open] = 0.0
         return self.values, states.astype(np.int8)

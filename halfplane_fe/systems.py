@@ -63,13 +63,13 @@ _MOST_ROWS = 110
 # Bits of `_equation_bits` by state: OPEN, STICK, SLIP_FORWARD, SLIP_REVERSE.
 _NORMAL_EQUATION_BITS = np.array([1, 2, 2, 2], dtype=np.int8)
 _TANGENTIAL_EQUATION_BITS = np.array([2 + 4, 1, 2, 4], dtype=np.int8)
-# Rows in which a base may differ from one with factors for its answers to be updates of those: of
+# Rows in which a base may differ from one with factors for its values to be updates of those: of
 # 700 nodes updates cost less than factors up to there.
 _MOST_ROWS_APART = 300
-# Sets of which `corrections` keeps the factors: the iterations of an increment go to and fro
+# Sets of which `newton_correction` keeps the factors: the iterations of an increment go to and fro
 # between few of them.
 _MOST_FACTORISED_SETS = 8
-# Rows on either side of one that is needed whose answers are found along with it: edges of contact
+# Rows on either side of one that is needed whose values are found along with it: edges of contact
 # and stick travel from node to node.
 _N_NEIGHBOURS = 16
 # Room for responses of a base over what is needed when it is made.
@@ -353,7 +353,7 @@ class _NestedCompliance:
 
 @dataclass(eq=False)
 class Systems:
-    """Compliance of interface and layer, and the answers of sets of node states.
+    """Compliance of interface and layer, and the linear response of sets of node states.
 
     `shears` is False where there can be no shear: nodes then carry none, whether they stick or not.
 
@@ -400,7 +400,7 @@ class Systems:
         self.matrix = self._assembled_matrix()
         # Sets of node states with cached responses; the one used last comes last.
         self._bases: list[_Base] = []
-        # Sets with factors of their own that `corrections` made, by the bytes of their states.
+        # Sets with factors of their own, from `newton_correction`, by the bytes of their states.
         self._factorised_sets: dict[bytes, _Base] = {}
         self._nested_compliances: list[_NestedCompliance] = []  # normal, then tangential
         # Only then does the pressure not depend on the shear.
@@ -452,7 +452,7 @@ class Systems:
                 row[2 * n + direction] = 1.0
         return matrix
 
-    def answers(
+    def value_derivatives(
         self,
         states: States,
         n_loads: int,
@@ -493,7 +493,7 @@ class Systems:
         >>> none = np.zeros(2)
         >>> places, normals = np.array([0.0, 1.0]), np.array([[0.0, 0.0], [1.0, 1.0]])
         >>> flat = Interface(places, np.ones(2), normals, none, springs, springs, None)
-        >>> by_loads = Systems(flat, Layer(none, none), 0.5).answers(
+        >>> by_loads = Systems(flat, Layer(none, none), 0.5).value_derivatives(
         ...     np.array([1, 2], dtype=np.int8), 2
         ... )
         >>> by_loads[:, 5:9].tolist()  # p and q by P, then by Q: the second node carries q = f p
@@ -721,12 +721,13 @@ class Systems:
         )
         return left_sides
 
-    def corrections(self, states: States, n_loads: int, changes: Array) -> Array:
+    def newton_correction(self, states: States, n_loads: int, changes: Array) -> Array:
         """Derivatives of the contact's values by its loads while the nodes keep their states, and
         the correction of the values by given changes of all equations (a Newton step).
 
-        As `answers`, but each set of states is factorised, or cached, instead of updated from
-        another one. The values are approach, U and tilt, then slip, p, q and gap of the n nodes.
+        As `value_derivatives`, but each set of states is factorised, or cached, instead of updated
+        from another one. The values are approach, U and tilt, then slip, p, q and gap of the n
+        nodes.
 
         Parameters
         ----------

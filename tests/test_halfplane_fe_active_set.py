@@ -271,7 +271,7 @@ def residual(
     """Worst violation of the equations that the states name, written out afresh, `given` being what
     some rows are to have.
     """
-    values = set_systems.answers(states, 2, rows, fixed).T @ [*loads, 1.0]
+    values = set_systems.value_derivatives(states, 2, rows, fixed).T @ [*loads, 1.0]
     faces = set_systems.interface
     n = len(states)
     slip, p, q, gap = nodal(values)
@@ -338,12 +338,12 @@ def test_bodies_that_nothing_holds_are_no_answer():
     near = slides.copy()
     near[3] = STICK
     with pytest.raises(SingularSet):
-        set_systems.answers(slides, 2)
-    set_systems.answers(near, 2)  # a base from which the set above is one row away
+        set_systems.value_derivatives(slides, 2)
+    set_systems.value_derivatives(near, 2)  # a base from which the set above is one row away
     with pytest.raises(SingularSet):
-        set_systems.answers(slides, 2)
+        set_systems.value_derivatives(slides, 2)
     with pytest.raises(SingularSet):
-        set_systems.answers(np.full(N, OPEN, dtype=np.int8), 2)
+        set_systems.value_derivatives(np.full(N, OPEN, dtype=np.int8), 2)
 
 
 def test_a_compliance_that_is_not_positive_definite_is_refused() -> None:

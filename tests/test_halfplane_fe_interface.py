@@ -469,7 +469,7 @@ def test_a_hydrostatic_state_goes_through_the_contact(line, ratio, order, cells)
     lacking = np.concatenate([-rest.gap, n_y * SHIFT - slip - rest.slip])
     systems = Systems(interface, Layer(zero, zero), 0.5)
     loads = interface.carried(expected, 0 * expected)
-    values = rest.values + np.array([*loads, 1.0]) @ systems.answers(
+    values = rest.values + np.array([*loads, 1.0]) @ systems.value_derivatives(
         sticks, 2, np.arange(2 * len(zero)), lacking
     )
     state = InterfaceState(1.0, loads, values, sticks)
