@@ -164,7 +164,7 @@ def sticky() -> Planted:
     """Sliding nodes are recorded with one per cent too little pressure for their shear; what comes
     next follows the right state.
     """
-    take = PathRun.take
+    append = PathRun.append
 
     def short(increment: Increment) -> Increment:
         sliding = slip_sign(increment.state.state) != 0
@@ -177,11 +177,11 @@ def sticky() -> Planted:
     def planted(
         self: PathRun, problem: ContactProblem, increments: list[Increment], *rest: Any
     ) -> None:
-        take(self, problem, [short(increment) for increment in increments], *rest)
+        append(self, problem, [short(increment) for increment in increments], *rest)
         if increments:
             self.states[-1] = increments[-1].state
 
-    return mock.patch.object(PathRun, "take", planted)
+    return mock.patch.object(PathRun, "append", planted)
 
 
 @contextlib.contextmanager

@@ -627,7 +627,7 @@ def record_of(
 
     energy_names = [name for name in _ENERGY_NAMES if note_of_layer is not None or name != "layer"]
     energies = {name: run.column(name) for name in energy_names}
-    all_names = list(run.blocks[0]) if run.blocks else []
+    all_names = list(run.increment_records[0]) if run.increment_records else []
     not_checks = (*_ENERGY_NAMES, "layer", "loop", "bent")
     checks = {name: run.column(name) for name in all_names if name not in not_checks}
     balance = np.abs(energies["external"] - energies["elastic"] - energies["interface"])

@@ -1,8 +1,8 @@
-"""The loads of a path; where its increments end: turning points, regular instants; where it leaves
-the admissible region.
+"""Loads of a load path; instants at which its increments end, which are turning points and regular
+ones; refusal of paths with separation or gross sliding.
 
-The loads are P and Q; where a path has bulk stress or tilt they are five: P, Q, sigma_lower,
-sigma_upper, and tilt or moment.
+A leg is a segment of the path, between two vertices or a whole curve. The loads are P and Q; where
+a path has bulk stress or tilt they are five: P, Q, sigma_lower, sigma_upper, and tilt or moment.
 """
 
 from __future__ import annotations
@@ -28,17 +28,16 @@ from scenes import (
 )
 from scenes.array_types import Array
 
-# Samples a leg, at least, on which a sign change of a rate is looked for; a turning point and its
-# twin closer than that are missed together.
+# Samples of a leg, at least, between which a rate is looked at for changes of sign. Two turning
+# points between neighbouring samples are both missed.
 _N_SAMPLES = 721
 # Share of the largest load below which a load can't be told from none: the nodal forces are known
 # to about so much of it.
 _LEAST_LOAD_RATIO = 1e-12
 # Share of f times the largest load within which |Q| is f P.
 _ROUNDING_OF_LIMIT = 1e-14
-# Secants before a zero is bracketed instead, some more than are taken; and what is left of a gap,
-# force, load or rate, scaled, that is the last digit of it: there secants find nothing but
-# rounding.
+# Secant steps before a zero is bracketed instead, some more than are needed; and the scaled gap,
+# force, load or rate that counts as zero: further steps would follow round-off.
 _MOST_SECANTS = 16
 _LAST_DIGIT = 1e-15
 _ADVICE_ON_LITTLE_LOAD = (
@@ -57,8 +56,8 @@ _ADVICE_ON_SLIDING = (
 
 @dataclass(frozen=True)
 class Stretch:
-    """A piece of a leg between turning points, with the instants at which regular increments
-    end.
+    """Part of a leg between turning points, from the instant `start` on, with the instants at which
+    its regular increments end.
     """
 
     leg: LoadSegment
@@ -72,7 +71,9 @@ def has_bulk_stress(path: LoadPath) -> bool:
 
 
 class _Load(NamedTuple):
-    """One load of a leg: a combination of the pair of loads of a segment, or 0 without one."""
+    """One load of a leg: a linear combination of the two loads that a segment stores, with two
+    factors; 0 without a segment. Bulk stresses and tilt are stored in segments of their own.
+    """
 
     segment: LoadSegment | None
     combination: Combination
@@ -125,12 +126,14 @@ def scaled_loads(leg: LoadSegment, time: float, units: tuple[float, ...]) -> tup
     return tuple(load / unit for load, unit in zip(loads_of(leg, time), units, strict=False))
 
 
-def turns(leg: LoadSegment, normal_weight: float, tangential_weight: float) -> set[float]:
+def turning_points_of(
+    leg: LoadSegment, normal_weight: float, tangential_weight: float
+) -> set[float]:
     """Turning points of the combination w_P P + w_Q Q of the loads inside one segment of a load
     path: instants at which its rate of change is zero and changes sign.
 
-    Changes of sign between samples are refined by secants. A span of time over which the
-    combination rests counts with its begin and end.
+    Changes of sign between samples are located by secants. Where the combination is constant for
+    a while, the begin and end of that time count.
 
     Parameters
     ----------
@@ -152,14 +155,15 @@ def turns(leg: LoadSegment, normal_weight: float, tangential_weight: float) -> s
     sign_changes = np.flatnonzero(rates[:-1] * rates[1:] < 0)
 
     def scaled_rate(time: float) -> float:
-        """The same over its largest value along the segment."""
+        """Rate at an instant, over the largest rate along the segment."""
         return float(rate(time) / largest_rate)
 
     instants = set()
     for k in sign_changes.tolist():
-        share = float(rates[k] / (rates[k] - rates[k + 1]))
+        # of the way between two samples at which a linear rate is zero
+        fraction = float(rates[k] / (rates[k] - rates[k + 1]))
         begin, end = times[k : k + 2].tolist()
-        instants.add(zero_between(scaled_rate, begin, end, share, rates[k] / largest_rate))
+        instants.add(zero_between(scaled_rate, begin, end, fraction, rates[k] / largest_rate))
     is_end_of_rest = (rates[1:-1] == 0) & ((rates[:-2] != 0) | (rates[2:] != 0))
     return instants | {float(times[k]) for k in 1 + np.flatnonzero(is_end_of_rest)}
 
@@ -168,22 +172,28 @@ def zero_between(
     function: Callable[[float], float],
     begin: float,
     end: float,
-    share: float,
+    first_fraction: float,
     value_at_begin: float,
 ) -> float:
-    """Instant between two others, `begin` and `end`, at which a function of time that is nearly
-    linear is zero: a gap, a force, a load or a rate, scaled; `end` where it does not change sign.
+    """Instant between `begin` and `end` at which a nearly linear function of time is zero: a gap, a
+    force, a load or a rate, scaled. `end` where the function does not change sign.
 
-    By secants, and by a bracket where these leave the range or do not end.
+    By secants; by a bracketing method where these leave the range or do not converge.
 
     Parameters
     ----------
-    share
-        of the way from begin to end at which the zero is looked for first
+    function
+        of the time
+    begin, end
+        of the time in which the zero is looked for
+    first_fraction
+        of the way from begin to end: where the first secant starts
+    value_at_begin
+        of the function
     """
     time_before = begin
     value_before = value_at_begin
-    time = begin + share * (end - begin)
+    time = begin + first_fraction * (end - begin)
     value = function(time)
     for _ in range(_MOST_SECANTS):
         if abs(value) <= _LAST_DIGIT or value == value_before:
@@ -210,12 +220,13 @@ def turning_points(leg: LoadSegment, friction: float) -> list[float]:
     `friction` is f. Instants closer than round-off to one another, or to an end of the segment,
     count once.
     """
-    all_times = turns(leg, 1.0, 0.0) | turns(leg, -friction, 1.0) | turns(leg, friction, 1.0)
+    all_times = turning_points_of(leg, 1.0, 0.0)
+    all_times |= turning_points_of(leg, -friction, 1.0)
+    all_times |= turning_points_of(leg, friction, 1.0)
     if leg.bulk is not None or leg.turning is not None:
-        # bulk stresses and tilt are stored as P and Q of segments of their own, with two factors
-        for imposed_segment, factors in _imposed(leg):
-            if imposed_segment is not None:
-                all_times |= turns(imposed_segment, *factors)
+        for imposed_load in _imposed(leg):  # bulk stresses, and tilt or moment
+            if imposed_load.segment is not None:
+                all_times |= turning_points_of(imposed_load.segment, *imposed_load.combination)
     rounding = 1e-9 * (leg.end - leg.start)
     separate_times: list[float] = []
     for time in sorted(all_times):
@@ -225,9 +236,9 @@ def turning_points(leg: LoadSegment, friction: float) -> list[float]:
     return separate_times
 
 
-def stretches(leg: LoadSegment, friction: float, increments: float) -> list[Stretch]:
-    """Cut one segment of a load path at its turning points, and each part into increments of equal
-    duration.
+def stretches(leg: LoadSegment, friction: float, n_increments: float) -> list[Stretch]:
+    """Cut one segment of a load path at its turning points into stretches, and each of these into
+    increments of equal duration.
 
     Parameters
     ----------
@@ -235,17 +246,18 @@ def stretches(leg: LoadSegment, friction: float, increments: float) -> list[Stre
         segment of the load path
     friction
         coefficient f: Q - f P and Q + f P have turning points too
-    increments
-        number of increments of the whole segment; each part gets its share, rounded up, and two at
-        least
+    n_increments
+        of the whole segment; a stretch has a number in proportion to its duration, rounded up, and
+        two at least
     """
-    parts = []
-    cuts = [leg.start, *turning_points(leg, friction), leg.end]
-    for start, end in itertools.pairwise(cuts):
-        increments_of_part = increments * (end - start) / (leg.end - leg.start)
-        n_increments = max(2, int(np.ceil(increments_of_part)))
-        parts.append(Stretch(leg, start, tuple(np.linspace(start, end, n_increments + 1)[1:])))
-    return parts
+    stretches_of_leg = []
+    cut_times = [leg.start, *turning_points(leg, friction), leg.end]
+    for start, end in itertools.pairwise(cut_times):
+        unrounded = n_increments * (end - start) / (leg.end - leg.start)
+        n_of_stretch = max(2, int(np.ceil(unrounded)))
+        ends_of_increments = np.linspace(start, end, n_of_stretch + 1)[1:]
+        stretches_of_leg.append(Stretch(leg, start, tuple(ends_of_increments)))
+    return stretches_of_leg
 
 
 # Gauss points and weights on an increment: the rest of an ellipse's area is below round-off from 24
@@ -253,13 +265,13 @@ def stretches(leg: LoadSegment, friction: float, increments: float) -> list[Stre
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
-def enclosed(leg: LoadSegment, times: Array) -> Array | None:
-    """Areas between a curved load path and its chords, in the plane of each pair of loads, for each
-    of m increments: (k, k, m), k loads; None of a straight path.
+def areas_between_path_and_chords(leg: LoadSegment, times: Array) -> Array | None:
+    """Areas that a curved load path encloses with its chords, in the plane of each pair of k loads,
+    for each of m increments: (k, k, m) [unit of one load times that of the other].
 
     An area is the integral of F_i dF_j along the path minus that along the chord. It changes sign
-    when i and j are exchanged, since the integral of d(F_i F_j) is equal along both. Gauss
-    integration over time.
+    when i and j are exchanged, since the integral of d(F_i F_j) is equal along both. Integrated
+    over time by Gauss points. None of a straight path.
 
     # notation: F_i the i-th load (P, Q; with bulk stress or tilt also these)
 
@@ -279,18 +291,18 @@ def enclosed(leg: LoadSegment, times: Array) -> Array | None:
     instants = (start + end) / 2 + half_duration * _POINTS
     weights = _WEIGHTS * (end - start) / 2
     areas = np.zeros((len(loads), len(loads), len(start)))
-    for i, load in enumerate(loads):
-        if load.segment is None:
+    for i, load_i in enumerate(loads):
+        if load_i.segment is None:
             continue
-        change_since_start = load.segment.change_of(load.combination, instants, start)
-        change_over_increment = load.segment.change_of(load.combination, end, start)
+        change_since_start = load_i.segment.change_of(load_i.combination, instants, start)
+        change_over_increment = load_i.segment.change_of(load_i.combination, end, start)
         # Counted from the mean of both ends, the chord's integral is zero.
-        change_from_middle = change_since_start - change_over_increment / 2
-        for j, earlier_load in enumerate(loads[:i]):
-            if earlier_load.segment is None:
+        change_from_mean = change_since_start - change_over_increment / 2
+        for j, load_j in enumerate(loads[:i]):
+            if load_j.segment is None:
                 continue
-            rate = earlier_load.segment.rate_of(earlier_load.combination, instants)
-            areas[i, j] = (weights * change_from_middle * rate).sum(axis=1)
+            rate_of_load_j = load_j.segment.rate_of(load_j.combination, instants)
+            areas[i, j] = (weights * change_from_mean * rate_of_load_j).sum(axis=1)
             areas[j, i] = -areas[i, j]
     return areas
 
@@ -299,9 +311,9 @@ def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False
     """Refuse a load path on which the bodies separate or slide as a whole, which the finite
     elements do not follow.
 
-    Separation is P <= 0 after the start, or so little load that it cannot be told from none. Gross
-    sliding is |Q| >= f P, but for Q = 0. Both are worst at turning points of P, Q - f P or Q + f P,
-    so that looking there is exact, to 1e-14 of f times the largest load.
+    Separation is P <= 1e-12 of the largest P, after the start. Gross sliding is |Q| >= f P, but for
+    Q = 0. Both are worst at turning points of P, Q - f P or Q + f P, so that looking there is
+    exact, to 1e-14 of f times the largest load.
 
     Parameters
     ----------
@@ -329,7 +341,7 @@ def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False
         if is_separated.any():
             k = int(np.argmin(np.where(is_separated, normal_load, np.inf)))
             worst_instant = LoadedInstant(times[k], normal_load[k], tangential_load[k])
-            raise _separation(worst_instant, largest_load, friction, is_driven)
+            raise _separation_error(worst_instant, largest_load, friction, is_driven)
         if is_driven:
             continue
         force_beyond_limit = np.abs(tangential_load) - friction * normal_load
@@ -346,10 +358,10 @@ def check_admissible(path: LoadPath, friction: float, *, is_driven: bool = False
             )
 
 
-def _separation(
+def _separation_error(
     worst_instant: LoadedInstant, largest_load: float, friction: float, is_driven: bool
 ) -> InadmissibleLoadError | InputError:
-    """The error for a load path on which the bodies separate, with its time, loads and advice.
+    """Error to raise for a load path on which the bodies separate, with time, loads and advice.
 
     `worst_instant` has the least normal load (or approach, where actuators drive the path);
     `largest_load` is the largest |P| of that segment.

@@ -25,7 +25,13 @@ from halfplane_fe.between_nodes import Excess, StickOnItsWay, excess, stick_on_i
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.energy import certificates, increment_energies
 from halfplane_fe.law import slip_sign
-from halfplane_fe.path import Stretch, enclosed, scaled_loads, straight, stretches
+from halfplane_fe.path import (
+    Stretch,
+    areas_between_path_and_chords,
+    scaled_loads,
+    straight,
+    stretches,
+)
 from halfplane_fe.reported_states import slip_since_stop
 from halfplane_fe.stepping import Increment, StepTolerance, follow
 from scenes import ConvergenceError, Interrupted, LoadPath, LoadSegment, freeze
@@ -87,15 +93,15 @@ class Trend:
 
 
 def trend(values: Sequence[float]) -> Trend:
-    """How a quantity that changes from revolution to revolution goes on: steady, geometric or
-    algebraic, with its limit and what is left of the way there, by its last four values.
+    """How a quantity with one value a revolution goes on: steady, geometric or algebraic, with its
+    limit and what is left to it (limit minus last value), from its last four values.
 
-    With d_k the k-th difference, r the ratio of the last two, m the power of the decay k^-m:
+    With d_k the last difference, r its ratio to the one before, m the power of the decay k^-m:
 
         geometric   left = d_k r/(1 - r)
         algebraic   left = d_k/[(k/(k - 1))^m - 1],   r = ((k - 3/2)/(k - 1/2))^(m + 1)
 
-    `values` has one value a revolution, from the first one on.
+    `values` are k in number and start at the first revolution, since k counts revolutions.
 
     >>> trend([5.0, 3.0, 2.5, 2.375]).kind, trend([1.5, 1.25, 1.125, 1.0625])
     ('geometric', Trend(kind='geometric', left=-0.0625, limit=1.0))
@@ -118,11 +124,11 @@ def trend(values: Sequence[float]) -> Trend:
     if ratio <= ratio_before * (1 + _RISE_OF_RATIO / (k * (k - 2))):
         left = last_difference * ratio / (1 - ratio)
         return Trend("geometric", left, values[-1] + left)
-    m = float(np.log(ratio) / np.log((k - 1.5) / (k - 0.5))) - 1
-    m = min(m, _STEEPEST_POWER)
-    if m < _SLOWEST_POWER:
+    power = float(np.log(ratio) / np.log((k - 1.5) / (k - 0.5))) - 1
+    power = min(power, _STEEPEST_POWER)
+    if power < _SLOWEST_POWER:
         return unclear
-    left = last_difference / ((k / (k - 1)) ** m - 1)
+    left = last_difference / ((k / (k - 1)) ** power - 1)
     return Trend("algebraic", left, values[-1] + left)
 
 
@@ -150,42 +156,44 @@ def ratchets(drifts: Sequence[float], travel: float) -> bool:
 
 @dataclass(eq=False)
 class _Thinning:
-    """Which states of a long path keep pressure, shear and gap.
+    """Which states of a long path keep pressure, shear and gap of their nodes.
 
     Attributes
     ----------
-    ends
-        of each state at the end of a stretch, by its index, how many such states were before
-        it: a turning point, a vertex of a polygon, a row of a record
-    largest
-        index of the state with the largest P
+    number_of_end
+        by index of a state at the end of a stretch (at a turning point, a vertex of a polygon or a
+        row of a record): the number of such states before it
+    index_of_largest_load
+        of the state with the largest P
     n_stored
-        states that keep them
+        number of states that keep pressure, shear and gap
     stride
-        of the states between ends, every so many-th keeps them
+        of the states between ends of stretches, each so many-th keeps them
     stride_of_ends
         the same of the ends
     """
 
-    ends: dict[int, int] = field(default_factory=dict)
-    largest: int = 0
+    number_of_end: dict[int, int] = field(default_factory=dict)
+    index_of_largest_load: int = 0
     n_stored: int = 1
     stride: int = 1
     stride_of_ends: int = 1
 
     def keeps(self, index: int) -> bool:
-        """Whether this state is stored, but for the largest P."""
-        if index in self.ends:
-            return self.ends[index] % self.stride_of_ends == 0
+        """Whether the state of this index keeps its pressure, shear and gap by the strides."""
+        if index in self.number_of_end:
+            return self.number_of_end[index] % self.stride_of_ends == 0
         return index % self.stride == 0
 
-    def can_widen(self, n_states: int) -> bool:
-        """Whether there are states between those that are stored."""
+    def can_double(self, n_states: int) -> bool:
+        """Whether a stride can be doubled: whether states beside the first are kept."""
         return max(self.stride, self.stride_of_ends) < n_states
 
-    def widen(self) -> None:
-        """Store half as many; three quarters of the room are for the ends."""
-        if 4 * len(self.ends) > 3 * MOST_INSTANTS * self.stride_of_ends:
+    def double_a_stride(self) -> None:
+        """Keep half as many ends of stretches, or half as many of the states between them: at most
+        three quarters of the stored states are ends.
+        """
+        if 4 * len(self.number_of_end) > 3 * MOST_INSTANTS * self.stride_of_ends:
             self.stride_of_ends *= 2
         else:
             self.stride *= 2
@@ -193,35 +201,38 @@ class _Thinning:
 
 @dataclass(eq=False)
 class PathRun:
-    """What a load path left behind; the first of `states` is the unloaded one.
+    """States, energies and checks of a load path, as far as it is solved; scaled. The first of
+    `states` is the unloaded one.
 
-    A path of straight legs with more than `MOST_INSTANTS` increments is thinned while it is
-    followed. The dropped states are left without pressure, shear and gap. Between the rows every
-    second, fourth, ... state stays; of the rows too, where these alone are too many.
+    A path of straight segments with more than `MOST_INSTANTS` increments is thinned while it is
+    followed: some states lose the pressure, shear and gap of their nodes. Between the rows of a
+    record every second, fourth, ... state keeps them; of the rows too, where these alone are too
+    many.
 
     Attributes
     ----------
     states
         (n_steps + 1)
-    bounded
-        whether states may be dropped
-    blocks
-        energies (but for those of each node) and checks by name, (k,) of k increments of a
-        curved leg, or of straight ones
+    may_thin
+        whether states may lose pressure, shear and gap
+    increment_records
+        energies and admissibility checks by name, in batches: (k,) of k increments of a curved
+        segment, or of straight ones
     iterations
         (n_steps), of each increment
     density
-        (n,) dissipation of each node in the revolution so far
+        (n,) friction work of each node in the revolution so far
     cycle_starts
         index of the state at which each revolution starts
     cycle_density
-        per revolution, (n,) dissipation of each node; one for the whole path where it is not
+        per revolution, (n,) friction work of each node; one for the whole path where it is not
         periodic
     excess
-        per revolution, what edges between nodes would add to it
+        per revolution, the friction work that the mesh adds, since edges of contact and stick
+        jump from node to node
     steady_from
-        index of the first revolution that ended as it started, with what is left of the
-        dissipation's way within its uncertainty
+        index of the first revolution that ended as it started, with a friction work closer to its
+        limit than it is uncertain
     cycle_change
         per revolution, largest change of a nodal p or q/f (f < 1) from its start to its end,
         over the largest p
@@ -234,8 +245,8 @@ class PathRun:
     """
 
     states: list[InterfaceState]
-    bounded: bool = False
-    blocks: list[dict[str, Array]] = field(default_factory=list)
+    may_thin: bool = False
+    increment_records: list[dict[str, Array]] = field(default_factory=list)
     iterations: list[int] = field(default_factory=list)
     density: Array = field(default_factory=lambda: np.zeros(0))
     cycle_starts: list[int] = field(default_factory=list)
@@ -252,10 +263,10 @@ class PathRun:
     _first_of_stretch: int = 0
 
     def column(self, name: str) -> Array:
-        """(n_steps,) one energy or check of all increments."""
-        return (
-            np.concatenate([block[name] for block in self.blocks]) if self.blocks else np.zeros(0)
-        )
+        """One energy or admissibility check of all increments, (n_steps,); scaled."""
+        if not self.increment_records:
+            return np.zeros(0)
+        return np.concatenate([record[name] for record in self.increment_records])
 
     @property
     def stick_by_load(self) -> StickOnItsWay:
@@ -264,7 +275,7 @@ class PathRun:
 
     @property
     def trend(self) -> Trend:
-        """Where the dissipation of the revolutions goes."""
+        """How the friction work of the revolutions goes on, and the limit that it tends to."""
         if self.cycle_change and self.cycle_change[-1] <= _ROUNDING_OF_CHANGE:
             return Trend("steady", 0.0, float(self.cycle_density[-1].sum()))
         return trend([float(density.sum()) for density in self.cycle_density])
@@ -272,7 +283,7 @@ class PathRun:
     @property
     def ratchets(self) -> bool:
         """Whether the contact ratchets: each revolution leaves the upper body further along by the
-        same distance, so that the displacement U grows without end.
+        same distance, so that the tangential displacement U (`shift` of a state) grows without end.
         """
         path_repeats = bool(self.cycle_starts)
         last_revolution_failed = len(self.cycle_change) < len(self.cycle_starts)
@@ -280,7 +291,7 @@ class PathRun:
             return False
         ends_of_cycles = [*self.cycle_starts, len(self.states) - 1]
         drifts = np.diff([self.states[index].shift for index in ends_of_cycles]).tolist()
-        # Where the last revolution is steady to round-off, its drift alone counts, and stays.
+        # Where the last revolution is steady to round-off, the next ones drift as much as it does.
         if self.cycle_change[-1] <= _ROUNDING_OF_CHANGE:
             drifts = [drifts[-1], drifts[-1]]
         last_cycle = self.states[self.cycle_starts[-1] :]
@@ -292,15 +303,15 @@ class PathRun:
         """Indices of the states with pressure, shear and gap, the first and the last among them."""
         return np.flatnonzero([state.is_complete for state in self.states])
 
-    def take(
+    def append(
         self,
         problem: ContactProblem,
         increments: Sequence[Increment],
         leg: LoadSegment | None,
-        units: tuple[float, ...],
+        load_units: tuple[float, ...],
     ) -> None:
-        """Append solved increments to the run, with their energies, checks of the law of contact,
-        and friction work; all of them or, where Ctrl-C comes in between, none.
+        """Append solved increments to the run, with their energies, admissibility checks and
+        friction work; all of them or, where Ctrl-C comes in between, none.
 
         Parameters
         ----------
@@ -311,111 +322,119 @@ class PathRun:
         leg
             the curved segment of the load path that they are on; None on straight ones, where the
             loads enclose no area with their chords
-        units
-            what each load is divided by
+        load_units
+            (5,) what each load is divided by, see `Pace.units`
         """
         if not increments:
             return
         states = [self.states[-1], *(increment.state for increment in increments)]
-        area = None
+        enclosed_areas = None
         if leg is not None:
-            area = enclosed(leg, np.array([state.time for state in states]))
-        if area is not None:
-            load_units = units[: len(area)]
-            area = area / np.multiply.outer(load_units, load_units)[:, :, None]
-        solved_states = [increment.solved for increment in increments]
-        energies = vars(increment_energies(problem, states, solved_states, area)).copy()
-        dissipation = energies.pop("dissipation")  # of each increment and node
-        block = certificates(problem, states) | energies | {"dissipation": dissipation.sum(axis=1)}
+            enclosed_areas = areas_between_path_and_chords(
+                leg, np.array([state.time for state in states])
+            )
+        if enclosed_areas is not None:
+            units = load_units[: len(enclosed_areas)]
+            enclosed_areas = enclosed_areas / np.multiply.outer(units, units)[:, :, None]
+        node_states = [increment.solved for increment in increments]
+        energies = vars(increment_energies(problem, states, node_states, enclosed_areas)).copy()
+        nodal_work = energies.pop("dissipation")  # (k, n) of k increments and n nodes
+        work_of_increments = {"dissipation": nodal_work.sum(axis=1)}
+        record = certificates(problem, states) | energies | work_of_increments
         slip = np.diff([state.slip for state in states], axis=0)
-        slides_on = slip * slip_sign(np.stack([state.state for state in states[1:]])) > 0
-        travels = slip_since_stop(np.where(slides_on, slip, 0.0), self.slip_since_stop)
+        slides = slip * slip_sign(np.stack([state.state for state in states[1:]])) > 0
+        slips_since_stop = slip_since_stop(np.where(slides, slip, 0.0), self.slip_since_stop)
         # All attributes at once: Ctrl-C comes before or after it.
         vars(self).update(
             states=self.states + states[1:],
-            blocks=[*self.blocks, block],
+            increment_records=[*self.increment_records, record],
             iterations=self.iterations + [increment.iterations for increment in increments],
-            density=self.density + dissipation.sum(axis=0),
+            density=self.density + nodal_work.sum(axis=0),
             stick_on_its_way=[
                 *self.stick_on_its_way,
-                stick_on_its_way(problem, states[1:], travels),
+                stick_on_its_way(problem, states[1:], slips_since_stop),
             ],
-            slip_since_stop=travels[-1],
+            slip_since_stop=slips_since_stop[-1],
         )
 
     def end_stretches(self, last_states: list[int]) -> None:
-        """End stretches with the states of these indices: of a long path states of them, or earlier
-        ones, are dropped.
+        """End stretches (parts of the load path between turning points) at the states of these
+        indices: on a long path, states of them or earlier ones lose pressure, shear and gap.
         """
         for last_state in last_states:
-            if self.bounded and last_state > self._first_of_stretch:
+            if self.may_thin and last_state > self._first_of_stretch:
                 self._thin(self._first_of_stretch, last_state)
             self._first_of_stretch = last_state
 
     def close_cycle(self, edge_excess: Excess) -> None:
-        """End a revolution: correct its friction work, of increments and of nodes, by one factor
-        for edges of contact and stick that lie between nodes, and store it.
+        """End a revolution: correct its friction work for the mesh, and store it.
 
-        `edge_excess` is what the mesh adds to the work, since edges jump from node to node.
+        On a mesh the edges of contact and stick jump from node to node, which adds the work
+        `edge_excess.value` to that of edges between the nodes. The work of all increments and of
+        all nodes of the revolution is reduced by one factor.
         """
-        work = float(self.density.sum())
+        nodal_work = self.density
+        work = float(nodal_work.sum())
         factor = 1 - edge_excess.value / work if work > 0 else 1.0
-        first_of_cycle = self.cycle_starts[-1]
-        first_of_block = len(self.iterations)
-        for number in reversed(range(len(self.blocks))):
-            block = self.blocks[number]
-            first_of_block -= len(block["loop"])
-            if first_of_block < first_of_cycle:
+        first_increment_of_cycle = self.cycle_starts[-1]
+        first_increment_of_record = len(self.iterations)
+        for record_number in reversed(range(len(self.increment_records))):
+            record = self.increment_records[record_number]
+            first_increment_of_record -= len(record["loop"])
+            if first_increment_of_record < first_increment_of_cycle:
                 break
-            corrected_sums = {name: block[name] * factor for name in ("dissipation", "loop")}
-            self.blocks[number] = block | corrected_sums
-        self.cycle_density.append(self.density * factor)
+            # friction work, and its integral Q dU
+            corrected_works = {name: record[name] * factor for name in ("dissipation", "loop")}
+            self.increment_records[record_number] = record | corrected_works
+        self.cycle_density.append(nodal_work * factor)
         self.excess.append(edge_excess)
 
-    def _thin(self, first_state: int, last_state: int) -> None:
-        """Free memory on a long path: take pressure, shear and gap off states from `first_state` up
-        to, not including, `last_state`, and off earlier ones where too many are still stored.
+    def _thin(self, first_index: int, last_index: int) -> None:
+        """Free memory on a long path, at the end of a stretch from one state to another: take
+        pressure, shear and gap off the states from the first up to, not including, the last.
 
-        The next increment starts from the last state, which stays complete.
+        Where more than `MOST_INSTANTS` still have them, these are taken off earlier states too. The
+        next increment starts from the last state, which stays complete.
         """
         thinning = self._thinning
-        thinning.ends[last_state] = len(thinning.ends)
-        for index in range(first_state, last_state):
-            if self.states[index].normal_load > self.states[thinning.largest].normal_load:
-                thinning.largest = index
-            if self._drop(index):
+        thinning.number_of_end[last_index] = len(thinning.number_of_end)
+        for index in range(first_index, last_index):
+            largest_load = self.states[thinning.index_of_largest_load].normal_load
+            if self.states[index].normal_load > largest_load:
+                thinning.index_of_largest_load = index
+            if self._drop_forces_and_gap(index):
                 continue
             thinning.n_stored += 1
-            while thinning.n_stored > MOST_INSTANTS and thinning.can_widen(len(self.states)):
-                thinning.widen()
-                earlier_steps = [int(stored) for stored in self.stored[:-1] if stored <= index]
-                thinning.n_stored -= sum(self._drop(stored) for stored in earlier_steps)
+            while thinning.n_stored > MOST_INSTANTS and thinning.can_double(len(self.states)):
+                thinning.double_a_stride()
+                complete_before = [int(stored) for stored in self.stored[:-1] if stored <= index]
+                thinning.n_stored -= sum(map(self._drop_forces_and_gap, complete_before))
 
-    def _drop(self, index: int) -> bool:
-        """Take pressure, shear and gap off the state of this index, unless it is to be stored;
-        whether they were taken off.
+    def _drop_forces_and_gap(self, index: int) -> bool:
+        """Take pressure, shear and gap off the state of this index, to free memory, unless the
+        state is one that keeps them; whether they were taken off.
 
-        Stored are the first state, that of the largest P, the ends of the last cycle, and those
-        that the thinning of a long path keeps.
+        The first state keeps them, that of the largest P, the ends of the last revolution, and
+        those that the strides of the thinning keep.
         """
-        if index in (0, self._thinning.largest, *self.cycle_starts[-2:]):
+        if index in (0, self._thinning.index_of_largest_load, *self.cycle_starts[-2:]):
             return False
         if self._thinning.keeps(index):
             return False
         state = self.states[index]
-        up_to_slip = state.values[: 3 + len(state.state)]
+        up_to_slip = state.values[: 3 + len(state.state)]  # approach, U, tilt, slip of the nodes
         self.states[index] = replace(state, values=freeze(up_to_slip))
         return True
 
 
 @dataclass(frozen=True)
 class Pace:
-    """How finely a path is stepped.
+    """Units of the loads of a path, and how finely it is stepped.
 
     Attributes
     ----------
     load
-        what loads are divided by
+        what P and Q are divided by
     steps_per_cycle
         regular increments of one revolution, or of the longest leg of a polygon
     step_tolerance
@@ -423,9 +442,11 @@ class Pace:
     half_width, modulus
         units of length and of stress; with `load` those of bulk stress, tilt and moment follow
     dissipation
-        expected of a revolution, or of a path that does not repeat, scaled; 0 if unknown
+        expected friction work of a revolution, or of a path that does not repeat, scaled; 0 if
+        unknown
     of_kinks
-        whether the step tolerance is held by what kinks add, see `stepping.StepTolerance`
+        whether the step error is taken for the friction work that nodes add which start to slide
+        within an increment, see `stepping.StepTolerance`
     """
 
     load: float
@@ -437,8 +458,8 @@ class Pace:
     of_kinks: bool = False
 
     def units(self, problem: ContactProblem) -> tuple[float, ...]:
-        """What each load is divided by: P, Q, both bulk stresses, tilt or moment; of P and Q, where
-        an actuator's movement stands in their place, what that is divided by.
+        """What each load is divided by, (5,): P, Q, both bulk stresses, tilt or moment. Where the
+        movement of an actuator stands in the place of P or Q, the unit is that of the movement.
         """
         bulk_stress = self.load / self.half_width
         tilt = bulk_stress / self.modulus
@@ -460,8 +481,8 @@ def run_path(
     uncertainty: Callable[[PathRun], float] = lambda _run: np.inf,
     keep_all: bool = False,
 ) -> PathRun:
-    """Follow a load path increment by increment: initial loading, then at most `cycles`
-    revolutions, until one repeats the one before.
+    """Solve a load path increment by increment: initial loading, then at most `cycles`
+    revolutions, until one repeats the one before. Returns states and friction work; all scaled.
 
     A revolution repeats where its nodal forces do, and the friction work W is closer to its limit
     than W is uncertain. A ConvergenceError or Ctrl-C ends the run and becomes its `failure`;
@@ -483,15 +504,15 @@ def run_path(
     keep_all
         whether all states of a long path stay complete, instead of being thinned out
     """
-    # Thinned only where theory on the straight steps between the instants is theory on the path
-    # itself, whichever of them are kept.
-    bounded = not keep_all and all(straight(leg) for leg in (*path.initial_loading, *path.cycle))
-    run = PathRun([_at_rest(problem, path, pace)], bounded=bounded)
+    # Thinned only where straight lines between the stored instants, on which theory is evaluated,
+    # are the path itself, whichever instants are stored.
+    is_straight = all(straight(leg) for leg in (*path.initial_loading, *path.cycle))
+    run = PathRun([_at_rest(problem, path, pace)], may_thin=is_straight and not keep_all)
     follower = _Follower(problem, run, pace, progress)
     try:
-        follower.follow(path.initial_loading, pace.steps_per_cycle / 8, "initial loading")
+        follower.follow_segments(path.initial_loading, pace.steps_per_cycle / 8, "initial loading")
         if path.period is None:
-            run.cycle_density.append(run.density)
+            run.cycle_density.append(run.density)  # work of each node on the whole path
             return run
         for number in range(cycles):
             follower.follow_revolution(path.cycle_legs(number), number)
@@ -508,8 +529,8 @@ def run_path(
 
 
 def _repeats(run: PathRun, uncertainty: Callable[[PathRun], float]) -> bool:
-    """Whether the last revolution ended as it started, and what is left of the dissipation's way is
-    less than its uncertainty, see `run_path`.
+    """Whether the last revolution ended as it started, and its friction work is closer to the limit
+    than its uncertainty, see `run_path`.
     """
     if run.cycle_change[-1] > REPEATS:
         return False
@@ -520,29 +541,31 @@ def _repeats(run: PathRun, uncertainty: Callable[[PathRun], float]) -> bool:
 
 
 def _at_rest(problem: ContactProblem, path: LoadPath, pace: Pace) -> InterfaceState:
-    """The unloaded state; a line of action is where the resultant is soon after."""
+    """The unloaded state. Where the moment M is given, the line of action of P is at x = M/P of an
+    instant soon after the start: M = P = 0 at the start gives none.
+    """
     leg = path.initial_loading[0]
-    units = pace.units(problem)
-    soon = leg.start + _SHARE_OF_FIRST_LEG * (leg.end - leg.start)
-    normal_load, *_, moment = scaled_loads(leg, soon, units)
-    line = moment / normal_load if problem.moment_given and normal_load > 0 else 0.0
-    return problem.at_rest(path.start, scaled_loads(leg, path.start, units), line)
+    load_units = pace.units(problem)
+    time_soon_after = leg.start + _SHARE_OF_FIRST_LEG * (leg.end - leg.start)
+    normal_load, *_, moment = scaled_loads(leg, time_soon_after, load_units)
+    line_of_action = moment / normal_load if problem.moment_given and normal_load > 0 else 0.0
+    return problem.at_rest(path.start, scaled_loads(leg, path.start, load_units), line_of_action)
 
 
 @dataclass(eq=False)
 class _Follower:
-    """Follows the legs of a path one after the other, and adds their increments to a run.
+    """Solves the segments of a path one after the other, and adds their increments to a run.
 
     Attributes
     ----------
     problem
-        what does not change along the path
+        the contact problem, scaled
     run
-        what the path has left behind so far
+        states, energies and checks of the path so far
     pace
-        how finely the path is stepped
+        units of the loads, and how finely the path is stepped
     progress
-        called with (done, total, text) at the start of each stretch
+        called with (done, total, text) at the start of each part between turning points
     """
 
     problem: ContactProblem
@@ -551,21 +574,22 @@ class _Follower:
     progress: Progress
 
     def follow_revolution(self, legs: tuple[LoadSegment, ...], number: int) -> None:
-        """Follow one revolution, and compare its end with its start."""
+        """Solve one revolution, correct its friction work for the mesh, and compare its end with
+        its start. `number` counts revolutions from 0.
+        """
         start_of_cycle = self.run.states[-1]
         self.run.cycle_starts.append(len(self.run.iterations))
-        self.follow(legs, self.pace.steps_per_cycle, f"revolution {number + 1}")
+        self.follow_segments(legs, self.pace.steps_per_cycle, f"revolution {number + 1}")
         states_of_cycle = self.run.states[self.run.cycle_starts[-1] :]
         self.run.close_cycle(excess(self.problem, states_of_cycle))
         change = _change(start_of_cycle, self.run.states[-1], self.problem.friction)
         self.run.cycle_change.append(change)
 
-    def follow(
+    def follow_segments(
         self, legs: tuple[LoadSegment, ...], n_increments_of_longest: float, title: str
     ) -> None:
-        """Solve the increments along some segments of the load path and append them to the run.
-
-        What was solved before an error or Ctrl-C is appended too.
+        """Solve the increments along consecutive segments of the load path and append them to the
+        run. What was solved before an error or Ctrl-C is appended too.
 
         Parameters
         ----------
@@ -576,124 +600,136 @@ class _Follower:
         title
             of this part of the path, for reports of progress
         """
-        pieces = self._stretches(legs, n_increments_of_longest)
-        units = self.pace.units(self.problem)
-        reference_work = _reference_dissipation(self.run, self.pace, self.problem.friction)
-        duration = legs[-1].end - legs[0].start
-        tolerance = StepTolerance(
-            self.pace.step_tolerance * reference_work / duration, self.pace.of_kinks
-        )
-        self.run.density = np.zeros_like(self.problem.height)
-        batch = _Batch(self.problem, self.run, units)
+        stretches_of_legs = self._stretches(legs, n_increments_of_longest)
+        n_stretches = len(stretches_of_legs)
+        load_units = self.pace.units(self.problem)
+        self.run.density = np.zeros_like(self.problem.height)  # friction work of each node
+        tolerance = self._step_tolerance(duration=legs[-1].end - legs[0].start)
+        batch = _Batch(self.problem, self.run, load_units)
         try:
-            for number, stretch in enumerate(pieces):
-                self._report(number, len(pieces), title)
+            for number, stretch in enumerate(stretches_of_legs):
+                self._report(number, n_stretches, title)
                 batch.begin_stretch(stretch)
                 try:
                     for increment in follow(
-                        self.problem, batch.last_state, stretch, units, tolerance
+                        self.problem, batch.last_state, stretch, load_units, tolerance
                     ):
                         batch.add(increment)
                 finally:
                     batch.end_stretch()
         finally:
-            batch.take()
-        self._report(len(pieces), len(pieces), title)
+            batch.move_to_run()
+        self._report(n_stretches, n_stretches, title)
+
+    def _step_tolerance(self, duration: float) -> StepTolerance:
+        """Step error that is tolerated per unit of time: a share of the friction work of a
+        revolution, over the `duration` of what is to be solved; scaled.
+        """
+        reference_work = _reference_dissipation(self.run, self.pace, self.problem.friction)
+        return StepTolerance(
+            self.pace.step_tolerance * reference_work / duration, self.pace.of_kinks
+        )
 
     def _stretches(
         self, legs: tuple[LoadSegment, ...], n_increments_of_longest: float
     ) -> list[Stretch]:
-        """Cut segments of the load path at their turning points, each part with the ends of its
-        regular increments; a shorter segment has fewer of them, in proportion to its duration.
+        """Cut segments of the load path at their turning points, each part with the instants at
+        which its regular increments end. Shorter segments have fewer increments, in proportion to
+        their duration.
         """
         # Where U is given, U turns round, and not Q - f P.
         tangential_load_given = self.problem.actuators.tangential is None
         friction = self.problem.friction if tangential_load_given else 0.0
-        longest_leg = max(leg.end - leg.start for leg in legs)
-        pieces: list[Stretch] = []
+        longest_duration = max(leg.end - leg.start for leg in legs)
+        stretches_of_legs: list[Stretch] = []
         for leg in legs:
-            share_of_longest = (leg.end - leg.start) / longest_leg
-            pieces += stretches(leg, friction, n_increments_of_longest * share_of_longest)
-        return pieces
+            relative_duration = (leg.end - leg.start) / longest_duration
+            n_increments = n_increments_of_longest * relative_duration
+            stretches_of_legs += stretches(leg, friction, n_increments)
+        return stretches_of_legs
 
-    def _report(self, n_done: int, n_pieces: int, title: str) -> None:
+    def _report(self, n_done: int, n_stretches: int, title: str) -> None:
+        """Tell `progress` how many stretches are done, and the work so far."""
         n_steps = len(self.run.iterations)
         iterations = self.problem.work["contact iterations"]
-        words = f"{title}, {n_steps} steps, {iterations} contact iterations"
-        self.progress(n_done, n_pieces, words)
+        text = f"{title}, {n_steps} steps, {iterations} contact iterations"
+        self.progress(n_done, n_stretches, text)
 
 
 @dataclass(eq=False)
 class _Batch:
     """Increments that are solved and not in the run yet: the energies of up to
-    `_INCREMENTS_PER_BATCH` of them are found together. They are of one curved leg, or of straight
-    legs: the loads of those enclose no area with their chords.
+    `_INCREMENTS_PER_BATCH` of them are computed together. They are of one curved segment of the
+    load path, or of straight segments, whose loads enclose no area with their chords.
 
     Attributes
     ----------
     problem, run
-        what they belong to
-    units
-        of the loads
+        the contact problem, and the run that they are appended to
+    load_units
+        (5,) what each load is divided by
     curved_leg
-        the leg that they are of; None of straight ones
+        the curved segment that they are of; None on straight ones
     increments
         not in the run yet
-    ends
+    ends_of_stretches
         indices of the states at which stretches have ended since the last batch
     """
 
     problem: ContactProblem
     run: PathRun
-    units: tuple[float, ...]
+    load_units: tuple[float, ...]
     curved_leg: LoadSegment | None = None
     increments: list[Increment] = field(default_factory=list)
-    ends: list[int] = field(default_factory=list)
+    ends_of_stretches: list[int] = field(default_factory=list)
 
     @property
     def last_state(self) -> InterfaceState:
-        """From which the path goes on."""
+        """State at the end of the last increment, from which the next one starts."""
         return self.increments[-1].state if self.increments else self.run.states[-1]
 
     def begin_stretch(self, stretch: Stretch) -> None:
-        """Begin a stretch; what was solved of another leg goes into the run, if one is curved."""
+        """Begin a part of the load path between turning points. Increments of another segment are
+        moved into the run first, if that or this one is curved.
+        """
         curved_leg = None if straight(stretch.leg) else stretch.leg
         if curved_leg is not self.curved_leg:
-            self.take()
+            self.move_to_run()
             self.curved_leg = curved_leg
 
     def add(self, increment: Increment) -> None:
-        """Add an increment."""
+        """Add a solved increment; a full batch is moved into the run."""
         self.increments.append(increment)
         if len(self.increments) == _INCREMENTS_PER_BATCH:
-            self.take()
+            self.move_to_run()
 
     def end_stretch(self) -> None:
         """End a stretch at the last state."""
-        self.ends.append(len(self.run.states) - 1 + len(self.increments))
+        self.ends_of_stretches.append(len(self.run.states) - 1 + len(self.increments))
 
-    def take(self) -> None:
-        """Add the increments and the ends of stretches to the run."""
+    def move_to_run(self) -> None:
+        """Append the increments and the ends of stretches to the run, and empty the batch."""
         increments = self.increments
-        ends = self.ends
+        ends_of_stretches = self.ends_of_stretches
+        # Emptied first: an error or Ctrl-C within `append` must not have them appended twice.
         self.increments = []
-        self.ends = []
-        self.run.take(self.problem, increments, self.curved_leg, self.units)
-        self.run.end_stretches(ends)
+        self.ends_of_stretches = []
+        self.run.append(self.problem, increments, self.curved_leg, self.load_units)
+        self.run.end_stretches(ends_of_stretches)
 
 
 def _reference_dissipation(run: PathRun, pace: Pace, friction: float) -> float:
-    """Friction work of a revolution, scaled, that the tolerated error of increments refers to: that
-    of the revolution before, or the one expected, but at least 3e-3 f^2 P^2/E*.
+    """Friction work of a revolution, over P^2/E*, which the tolerated step error is a share of:
+    that of the revolution before, or else the one expected, but at least 3e-3 f^2 P^2/E*.
 
-    It is rounded down to a power of two, so that what little the initial loading left in the
-    revolution before does not change the increments. It is in units of f^2, so that a Q in
-    proportion to f has the same increments, whatever f is. `friction` is f.
+    Rounded down to f^2 times a power of two. Then the little that the initial loading changed in
+    the revolution before does not change the increments. And loads with Q in proportion to f have
+    the same increments at any f. `friction` is f.
     """
-    unit = max(friction**2, 1e-300)  # without friction there is no step error
+    friction_squared = max(friction**2, 1e-300)  # without friction there is no step error
     expected_work = float(run.cycle_density[-1].sum()) if run.cycle_density else pace.dissipation
-    power_of_two = 2.0 ** np.floor(np.log2(max(expected_work / unit, 1e-300)))
-    return float(max(power_of_two, _LEAST_DISSIPATION) * unit)
+    power_of_two = 2.0 ** np.floor(np.log2(max(expected_work / friction_squared, 1e-300)))
+    return float(max(power_of_two, _LEAST_DISSIPATION) * friction_squared)
 
 
 def _change(state_before: InterfaceState, state_after: InterfaceState, friction: float) -> float:

@@ -218,7 +218,7 @@ def test_revolutions_go_on_while_the_dissipation_has_more_to_go_than_its_uncerta
         moved = run.states[-1].pressure + 1e-6  # nodal forces that all but repeat
         run.states.append(run.states[-1].changed(pressure=np.where(moved > 1e-5, moved, 1.0)))
 
-    monkeypatch.setattr("halfplane_fe.run._Follower.follow", revolve)
+    monkeypatch.setattr("halfplane_fe.run._Follower.follow_segments", revolve)
     problem, load = walking(0.7, 0.9)
     outcome = run_path(
         problem,
