@@ -200,9 +200,9 @@ def advise_by_numbers(
     import halfplane_fe
     import semi_analytic
     from semi_analytic.next_order import (
-        LEFT_IN_ANY_CASE,
-        left_of_curvatures,
+        LEAST_UNCERTAIN_FRACTION,
         ratio_of_next_order,
+        uncertain_fraction_of_curvatures,
     )
 
     scene = scene_of(scene)
@@ -226,7 +226,7 @@ def advise_by_numbers(
     largest_values = semi_analytic.extremes(theory)
     half_width = largest_values.half_width
     own_values = {"peak_pressure": largest_values.pressure, "half_width": half_width}
-    uncertainties = left_of_curvatures(effects, half_width)
+    uncertainties = uncertain_fraction_of_curvatures(effects, half_width)
     ratio = ratio_of_next_order(effects, half_width)
     parts = _parts(effects, theory, corrected_solution, uncertainties)
     odd_share = _size_of_odd_part(effects, scene, half_width)
@@ -247,14 +247,14 @@ def advise_by_numbers(
         if key == WORK:
             change = sum(part.value for part in parts.values())
             uncertainty = sum(part.uncertainty for part in parts.values()) + left_out
-            estimate = Estimate(change, uncertainty + LEFT_IN_ANY_CASE)
+            estimate = Estimate(change, uncertainty + LEAST_UNCERTAIN_FRACTION)
         elif is_coupled or odd_share > _MOST_ODD:
             # coupling, or a large tilt, moves it by an amount that is not known
             estimate = Estimate(math.nan, math.nan)
         elif odd_share > 0 and key == "permanent_stick":
             estimate = _change_of_stick(scene, effects, theory_value, uncertainty)
         else:
-            estimate = Estimate(change, uncertainty + LEFT_IN_ANY_CASE)
+            estimate = Estimate(change, uncertainty + LEAST_UNCERTAIN_FRACTION)
         changes[key] = Change(words, own_values.get(key, theory_value), estimate)
     return Advice(scene, effects, changes, parts, left_out, limit)
 
@@ -276,13 +276,15 @@ def _odd_part_of_work(
         size of the neglected next term in the series of the bodies' responses, over the first term
     """
     import semi_analytic
-    from semi_analytic.next_order import left_of_tilt_and_strain
+    from semi_analytic.next_order import uncertain_fraction_of_tilt_and_strain
 
     try:
         odd_change = semi_analytic.change_by_tilt_and_strain(scene, effects)
     except InputError:
         return None
-    uncertainty_left = left_of_tilt_and_strain(even_part, ratio) * abs(odd_change.value)
+    uncertainty_left = uncertain_fraction_of_tilt_and_strain(even_part, ratio) * abs(
+        odd_change.value
+    )
     return Estimate(odd_change.value, odd_change.uncertainty + uncertainty_left)
 
 

@@ -76,8 +76,8 @@ from semi_analytic.memory import (
     PROMISED,
     Piece,
     Snapshot,
+    force_on_piece,
     pieces,
-    value_on,
 )
 from semi_analytic.opposite_slip import OppositeSlip
 from semi_analytic.profiles import Contact, SymmetricContact, contact_of
@@ -729,7 +729,7 @@ def _result_of_history(history: History, request: Request) -> PathResult:
     least_stick_load = math.inf
     for span in last_spans:
         times = np.array([span.begin.time, span.end.time])
-        load, _ = span.leg.loads(times)
+        load, _ = span.segment.loads(times)
         least_of_span = float(np.min(load - span.slipped_at(times, load)))
         least_stick_load = min(least_stick_load, least_of_span)
     n_slipping = sum(span.direction != 0 for span in integrated_spans)
@@ -766,7 +766,7 @@ def _balance_of(snapshot: Snapshot) -> Array:
     edge_load = snapshot.load - snapshot.slipped
     for piece, instants in snapshot.groups:
         assert isinstance(piece, Piece)  # for the type checker: a history has no others
-        force_error[instants] += value_on(piece, edge_load[instants])
+        force_error[instants] += force_on_piece(piece, edge_load[instants])
     return force_error
 
 
@@ -858,7 +858,7 @@ def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
     tangential_load = snapshot.force
     bulk_and_tilt: dict[str, Array] = {}
     if family is not None:
-        tangential_load = tangential_load * family.contact.share
+        tangential_load = tangential_load * family.contact.tangential_fraction
         bulk_and_tilt = family.series(request.time, snapshot.load)
         moment_contact = replace(family.contact, rigid="moment")
         shear_moment = Integrals(moment_contact, np.zeros(1), "shift").over(snapshot)[:, 0]

@@ -53,8 +53,8 @@ from semi_analytic.driven import (
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.next_order import (
     has_next_order,
-    left_of_tilt_and_strain,
     ratio_of_next_order,
+    uncertain_fraction_of_tilt_and_strain,
     without_next_order,
 )
 from semi_analytic.odd_memory import ODD_NUMBERS, Declined
@@ -448,7 +448,9 @@ def _odd_part(
     half_width = float(rig.contact.half_width(np.max(driven.followed.normal_load)))
     ratio_of_orders = ratio_of_next_order(rig.effects, half_width)
     return odd_part._replace(
-        relative_uncertainty=left_of_tilt_and_strain(same_loads.of_curvatures, ratio_of_orders)
+        relative_uncertainty=uncertain_fraction_of_tilt_and_strain(
+            same_loads.of_curvatures, ratio_of_orders
+        )
     )
 
 

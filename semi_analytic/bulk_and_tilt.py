@@ -394,8 +394,8 @@ def _opposite_slip_contact(
         intervals,
         datum_length,
         friction=friction,
-        reach=largest_shear,
-        share=0.0 if is_strain_alone else 1.0,  # of that load, how much is Q
+        largest_tangential_load=largest_shear,
+        tangential_fraction=0.0 if is_strain_alone else 1.0,
     )
     try:
         return contact if contact.is_nested(intervals.largest_load) else None
@@ -693,8 +693,8 @@ def followed_path(scene: Scene) -> LoadPath:
     if not path.has_bulk_or_tilt:
         return path
     curve = one_curve(scene)
-    # Where bulk strain alone shears, the curve is not one of Q: `share`, the part of Q in it, is 0.
-    if curve is None or not curve.contact.share:
+    # Where bulk strain alone shears, the curve is not one of Q: its `tangential_fraction` is 0.
+    if curve is None or not curve.contact.tangential_fraction:
         raise InputError(NO_ONE_CURVE)
     return curve.path
 

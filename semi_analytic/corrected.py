@@ -82,11 +82,11 @@ from semi_analytic.inner_slip import InnerSlip, SlipAtPoints, inner_slip
 from semi_analytic.load_series import LoadSeries
 from semi_analytic.next_order import (
     CURVATURES,
-    LEFT_IN_ANY_CASE,
+    LEAST_UNCERTAIN_FRACTION,
     has_next_order,
-    left_of_curvatures,
-    left_of_tilt_and_strain,
     ratio_of_next_order,
+    uncertain_fraction_of_curvatures,
+    uncertain_fraction_of_tilt_and_strain,
     with_these_alone,
 )
 from semi_analytic.odd_memory import ODD_NUMBERS, Declined, OddAnswer, odd_answer
@@ -1636,9 +1636,9 @@ def work_uncertainty_by_bodies(
     to the work of half-planes.
 
     The curvatures of the bodies are uncertain themselves, and their series in x ends after the
-    fourth order. `left_of_curvatures` states which fraction of a change of work that makes
-    uncertain. Curvatures that may cancel each other, per P and per Q, are followed one kind at a
-    time.
+    fourth order. `uncertain_fraction_of_curvatures` states which fraction of a change of work
+    that makes uncertain. Curvatures that may cancel each other, per P and per Q, are followed one
+    kind at a time.
 
     Parameters
     ----------
@@ -1649,16 +1649,18 @@ def work_uncertainty_by_bodies(
     effects
         curvatures of the bodies
     """
-    uncertain_fractions = left_of_curvatures(effects, float(np.max(half_planes.half_width[rows])))
+    uncertain_fractions = uncertain_fraction_of_curvatures(
+        effects, float(np.max(half_planes.half_width[rows]))
+    )
     work_of_half_planes = half_planes.work(rows)
     change_by_bodies = bodies.work(rows) / work_of_half_planes - 1
     curvatures = curvatures_of(effects)
     if curvatures.are_of_mirrored_bodies and curvatures.normal >= 0 and curvatures.tangential >= 0:
         # Both kinds change W in one direction: nothing cancels.
-        return abs(change_by_bodies) * max(uncertain_fractions.values()) + LEFT_IN_ANY_CASE
+        return abs(change_by_bodies) * max(uncertain_fractions.values()) + LEAST_UNCERTAIN_FRACTION
     followed = bodies.followed
     loads = (followed.normal_load, followed.tangential_load)
-    uncertainty = LEFT_IN_ANY_CASE
+    uncertainty = LEAST_UNCERTAIN_FRACTION
     # What the bodies change beyond the sum of the changes by each kind alone.
     change_by_interaction = change_by_bodies
     for kind in CURVATURES:
@@ -1699,10 +1701,10 @@ def _errors_of_contact(paths: _Paths) -> dict[str, float]:
         pressure_change = abs(pressure_of_bodies / pressure_of_half_planes - 1)
     half_width_ratio = bodies.half_width[row] / half_planes.half_width[row]
     half_width_change = abs(float(half_width_ratio) - 1)
-    uncertain_fraction = max(left_of_curvatures(effects, largest_half_width).values())
+    uncertain_fraction = max(uncertain_fraction_of_curvatures(effects, largest_half_width).values())
     return {
-        "pressure": pressure_change * uncertain_fraction + LEFT_IN_ANY_CASE,
-        "contact_half_width": half_width_change * uncertain_fraction + LEFT_IN_ANY_CASE,
+        "pressure": pressure_change * uncertain_fraction + LEAST_UNCERTAIN_FRACTION,
+        "contact_half_width": half_width_change * uncertain_fraction + LEAST_UNCERTAIN_FRACTION,
     }
 
 
@@ -1765,7 +1767,9 @@ def _odd_part(paths: _Paths) -> OddPart:
     change_by_curvatures = paths.bodies.work(paths.last_cycle) / work_of_half_planes - 1
     ratio_of_fourth_order = ratio_of_next_order(effects, paths.largest_half_width)
     return tilt_and_strain._replace(
-        relative_uncertainty=left_of_tilt_and_strain(change_by_curvatures, ratio_of_fourth_order)
+        relative_uncertainty=uncertain_fraction_of_tilt_and_strain(
+            change_by_curvatures, ratio_of_fourth_order
+        )
     )
 
 

@@ -34,7 +34,7 @@ from scenes import NORMAL_LOAD, TANGENTIAL_LOAD, Combination, InputError, Scene
 from scenes.frozen import validated
 from semi_analytic.bulk_and_tilt import followed_path
 from semi_analytic.history import History, Span, history_of, is_plain_ellipse
-from semi_analytic.memory import Curve, level
+from semi_analytic.memory import Curve, slip_combination
 
 # Time, over itself or 1, within which two events are one.
 _SAME = 1e-9
@@ -204,7 +204,7 @@ def _same_piece(first_piece: Curve, second_piece: Curve) -> bool:
     if (
         first_piece.arc is not None
         and second_piece.arc is not None
-        and first_piece.anchor.leg is second_piece.anchor.leg
+        and first_piece.anchor.segment is second_piece.anchor.segment
     ):
         return True  # an arc that a cycle starts in comes in two pieces
     return (
@@ -221,7 +221,7 @@ def _load_extremes(span: Span) -> Iterator[Event]:
     The turning points of an ellipse are sought a little beyond its ends too: the loads may turn
     smoothly at an end.
     """
-    segment = span.leg
+    segment = span.segment
     time_step = 1e-3 * (segment.end - segment.start)
     searched_segment = segment
     if is_plain_ellipse(segment):
@@ -244,7 +244,7 @@ def _event_at(span: Span, time: float, name: str) -> Event:
     the flat punches up to the stick edge carry; the slip zones carry P - P_c.
     """
     time_in_segment = min(max(time, span.begin.time), span.end.time)
-    normal_load, tangential_load = (float(load) for load in span.leg.loads(time_in_segment))
+    normal_load, tangential_load = (float(load) for load in span.segment.loads(time_in_segment))
     return Event(
         letter="",
         name=name,
@@ -275,8 +275,8 @@ def _time_by_letter(history: History) -> dict[str, float]:
     rotation_sign = 1 if area > 0 else -1
     revolution = 2 * math.pi
     load_combinations = {
-        "u": level(rotation_sign, friction),
-        "-v": level(-rotation_sign, friction),
+        "u": slip_combination(rotation_sign, friction),
+        "-v": slip_combination(-rotation_sign, friction),
         "P": NORMAL_LOAD,
         "Q": Combination(0.0, float(rotation_sign)),
     }

@@ -48,7 +48,7 @@ from numpy.typing import NDArray
 from scenes import NORMAL_LOAD, TANGENTIAL_LOAD, LoadSegment
 from scenes.array_types import Array
 from scenes.chebyshev import DEGREE, NODES, series, tail
-from semi_analytic.memory import CurvePart, Piece, Snapshot, front_time, pieces
+from semi_analytic.memory import CurvePart, Piece, Snapshot, pieces, time_of_load_on_arc
 from semi_analytic.profiles import Contact
 from semi_analytic.punch_superposition import PunchSuperposition
 from semi_analytic.quadrature import gauss, graded
@@ -150,7 +150,7 @@ class Arc:
         assert piece.arc is not None  # for the type checker: only called for arcs
         self._contact = contact
         self._kernel = kernel
-        self._leg = piece.anchor.leg
+        self._leg = piece.anchor.segment
         self._x = np.zeros(1) if kernel == "shift" else x
         # P_x of the points. The displacement takes all loads, whether x = 0 is in contact or not.
         self._edge_loads = np.zeros(1) if kernel == "shift" else contact.load(x)
@@ -162,7 +162,9 @@ class Arc:
         corner_loads = corner_loads[
             (corner_loads > piece.bottom) & (corner_loads < piece.anchor.normal)
         ]
-        corner_times = front_time(piece, corner_loads) if len(corner_loads) else corner_loads
+        corner_times = (
+            time_of_load_on_arc(piece, corner_loads) if len(corner_loads) else corner_loads
+        )
         self._turn_at_begin = _turning_point(self._leg, first_time, last_time)
         self._turn_at_end = _turning_point(self._leg, last_time, first_time)
         # A smooth part lies between two corners. Its panels have equal lengths: one that began just
@@ -182,7 +184,9 @@ class Arc:
         # A smooth part that is hardly longer than round-off has no inner ends.
         panel_ends = np.unique([*np.concatenate(begins_of_panels), last_time])
         # No panel crosses it: integrals near P_x take the turning point of P on their side of it.
-        time_of_middle_load = float(front_time(piece, (piece.bottom + piece.anchor.normal) / 2))
+        time_of_middle_load = float(
+            time_of_load_on_arc(piece, (piece.bottom + piece.anchor.normal) / 2)
+        )
         self._middle_time = float(panel_ends[np.argmin(np.abs(panel_ends - time_of_middle_load))])
         self._integrate_panels(panel_ends)
 
@@ -919,7 +923,7 @@ class Integrals:
         pieces_of_arc: dict[tuple[int, float, float], list[tuple[int, Piece]]] = {}
         for pair_number, (piece, stick_edge_load) in enumerate(pieces_and_edge_loads):
             if isinstance(piece, Piece) and piece.arc is not None:
-                arc_key = (id(piece.anchor.leg), piece.arc[0], piece.anchor.time)
+                arc_key = (id(piece.anchor.segment), piece.arc[0], piece.anchor.time)
                 pieces_of_arc.setdefault(arc_key, []).append((pair_number, piece))
             elif piece.bend:
                 moment_change = self.moment(1, stick_edge_load) - self.moment(
@@ -933,7 +937,7 @@ class Integrals:
             stick_edge_loads = [
                 pieces_and_edge_loads[pair_number][1] for pair_number, _ in numbered_pieces
             ]
-            times_at_stick_edge = front_time(piece, np.concatenate(stick_edge_loads))
+            times_at_stick_edge = time_of_load_on_arc(piece, np.concatenate(stick_edge_loads))
             first_numbers = np.cumsum([len(loads_of_piece) for loads_of_piece in stick_edge_loads])[
                 :-1
             ]

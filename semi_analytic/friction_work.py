@@ -33,7 +33,7 @@ from scenes.segments import LEAST
 from semi_analytic.fields import Integrals
 from semi_analytic.history import Span, corner_times, snapshot_of
 from semi_analytic.load_series import Records, StepBlock
-from semi_analytic.memory import change_from, level, level_on
+from semi_analytic.memory import combination_change, slip_combination, slip_combination_on_piece
 from semi_analytic.profiles import Contact
 from semi_analytic.quadrature import NODES, crowded_nodes, gauss, graded
 from semi_analytic.tilted_profile import TiltedProfile
@@ -106,7 +106,7 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
         """W pi/A of a range of time, (1,)."""
         span = span_range.span
         times, weights = rule(span_range.begin, span_range.end)
-        load, _ = span.leg.loads(times)
+        load, _ = span.segment.loads(times)
         load_of_slip_zones = span.slipped_at(times, load)  # P - P_c
         kernel = contact.dissipation_kernel(load, load_of_slip_zones)
         return np.asarray(np.sum(weights * _scaled_excess_rate(span, times) * kernel, axis=-1))
@@ -285,7 +285,7 @@ def _scaled_excess_rate(span: Span, times: Array) -> Array:
     excess of the tangential force over the friction limit.
     """
     return span.friction * np.maximum(
-        span.leg.rate_of(level(span.direction, span.friction), times), 0.0
+        span.segment.rate_of(slip_combination(span.direction, span.friction), times), 0.0
     )
 
 
@@ -295,11 +295,11 @@ def uneven(contact: Contact, span: Span) -> bool:
     """
     if contact.bends_anywhere:
         return True
-    if span.leg.ellipse is not None:
+    if span.segment.ellipse is not None:
         return False
     if span.sticking_piece is not None and span.sticking_piece.arc is not None:
         return True
-    return not (span.leg.is_straight or span.leg.slope_and_bend(span.leg.end))
+    return not (span.segment.is_straight or span.segment.slope_and_bend(span.segment.end))
 
 
 def pointwise_dissipation(
@@ -343,7 +343,7 @@ def pointwise_dissipation(
         span = span_range.span
         times, weights = rule(span_range.begin, span_range.end)
         x_of_points = x[span_range.integral_number, None]
-        load, _ = span.leg.loads(times)
+        load, _ = span.segment.loads(times)
         stick_edge_load = load - span.slipped_at(times, load)
         edge_load_of_points = edge_loads[span_range.integral_number, None]
         load_outside_stick = np.maximum(edge_load_of_points - stick_edge_load, 0.0)
@@ -368,21 +368,21 @@ def slip_times(span: Span, edge_load: Array) -> tuple[Array, Array]:
     = P_x.
     """
     assert span.sticking_piece is not None
-    leg = span.leg
+    leg = span.segment
     # the combination +-Q - f P of the loads
-    excess = level(span.direction, span.friction)
+    excess = slip_combination(span.direction, span.friction)
     begin_instant = span.begin
     end_instant = span.end
     # The piece of the memory curve that holds the stick edge in this span.
     load_at_piece_top = span.sticking_piece.top
     load_at_piece_bottom = span.sticking_piece.bottom
     clipped_edge_load = np.clip(edge_load, load_at_piece_bottom, load_at_piece_top)
-    excess_on_curve = level_on(
+    excess_on_curve = slip_combination_on_piece(
         span.sticking_piece, span.direction, span.friction, clipped_edge_load
     )
     # From the path's excess at the begin of the span: both count from the instant of the anchor.
     excess_rise = excess_on_curve - float(
-        change_from(span.sticking_piece.anchor, leg, excess, begin_instant.time)
+        combination_change(span.sticking_piece.anchor, leg, excess, begin_instant.time)
     )
     time_of_stick_edge = leg.time_of(excess, excess_rise, begin_instant.time, end_instant.time)
     time_of_stick_edge = np.where(
@@ -448,7 +448,7 @@ def closed_integral(contact: Contact, modulus: float, spans: Sequence[Span]) -> 
     displacement_size = 2 * abs(float(contact.log_distance(largest_load)))
     total_change_of_force = 0.0
     for span in spans:
-        _, force = span.leg.loads(np.linspace(span.begin.time, span.end.time, 5))
+        _, force = span.segment.loads(np.linspace(span.begin.time, span.end.time, 5))
         total_change_of_force += float(np.sum(np.abs(np.diff(force))))
     roundoff = _DIGITS_OF_SHIFT * spans[0].friction * displacement_size * total_change_of_force
 
@@ -478,7 +478,7 @@ def _works_of_ranges(
         ranges, nodes_of_spans, np.split(displacement_at_nodes, first_nodes), strict=True
     ):
         displacement = displacement_in_span.reshape(times.shape)
-        force_rate = span_range.span.leg.rate_of(TANGENTIAL_LOAD, times)
+        force_rate = span_range.span.segment.rate_of(TANGENTIAL_LOAD, times)
         works.append(-np.sum(displacement * force_rate * weights, axis=1))
     return works
 

@@ -38,19 +38,19 @@ from semi_analytic.memory import (
     Instant,
     Piece,
     Snapshot,
-    change_from,
-    flat,
+    combination_change,
+    force_on_piece,
     instant,
-    level,
-    level_on,
+    is_at_coulomb_limit,
+    is_same_memory,
     load_in_stick,
     pieces,
     repeats_within,
-    same,
+    slip_combination,
+    slip_combination_on_piece,
     slip_to,
     slipped_load,
     unload_to,
-    value_on,
 )
 from semi_analytic.profiles import Contact
 
@@ -103,16 +103,16 @@ class Span:
     friction: float
 
     @property
-    def leg(self) -> LoadSegment:
+    def segment(self) -> LoadSegment:
         """The load segment that the span is on."""
-        return self.begin.leg
+        return self.begin.segment
 
     def slipped(self, time: ArrayLike) -> Array:
         """P - P_c >= 0 [force per thickness] at times of the segment, P_c the load at the stick
         edge; 0 where nothing slips.
         """
         t = np.asarray(time, dtype=float)
-        return self.slipped_at(t, self.leg.loads(t)[0])
+        return self.slipped_at(t, self.segment.loads(t)[0])
 
     def slipped_at(self, t: Array, load: Array) -> Array:
         """P - P_c at times t of the segment at which P is `load`."""
@@ -120,7 +120,7 @@ class Span:
             return np.zeros(t.shape)
         if self.sticking_piece is None:
             return load
-        lag = slipped_load(self.sticking_piece, self.direction, self.friction, self.leg, t)
+        lag = slipped_load(self.sticking_piece, self.direction, self.friction, self.segment, t)
         least_lag = np.maximum(load - self.sticking_piece.top, 0.0)
         largest_lag = load - self.sticking_piece.bottom
         # of a single number two calls take a quarter of the time of `clip`
@@ -137,7 +137,7 @@ class Span:
 
     def curve(self, time: float) -> Curve:
         """The memory curve at a time of the segment."""
-        point = instant(self.leg, time)
+        point = instant(self.segment, time)
         if self.direction == 0:
             return unload_to(self.sticking_piece, point.normal)
         return slip_to(
@@ -189,7 +189,7 @@ def _check_part(
     for direction in (1, -1):
         excess_force = direction * end_instant.tangential - friction * end_instant.normal
         excesses_at_end.append(
-            (level(direction, friction), excess_force, "gross sliding", slack * friction)
+            (slip_combination(direction, friction), excess_force, "gross sliding", slack * friction)
         )
     faults = []
     for combination, excess, reason, tolerance in excesses_at_end:
@@ -229,7 +229,7 @@ def monotonic_parts(segment: LoadSegment, friction: float) -> list[tuple[float, 
     >>> [round(begin / pi, 2) for begin, _ in monotonic_parts(circle, 1.0)]
     [0.0, 0.25, 0.75, 1.0, 1.25, 1.75]
     """
-    load_combinations = (NORMAL_LOAD, level(1, friction), level(-1, friction))
+    load_combinations = (NORMAL_LOAD, slip_combination(1, friction), slip_combination(-1, friction))
     turning_times = sorted(
         time for combination in load_combinations for time in segment.turning_points(combination)
     )
@@ -295,8 +295,12 @@ def _spans_of_part(
     middle_time = (begin + end) / 2
     normal_rate, tangential_rate = (float(rate) for rate in segment.rates(middle_time))
     rate_roundoff = _ROUNDING * (abs(tangential_rate) + friction * abs(normal_rate))
-    slips_forward = float(segment.rate_of(level(1, friction), middle_time)) > rate_roundoff
-    slips_in_reverse = float(segment.rate_of(level(-1, friction), middle_time)) > rate_roundoff
+    slips_forward = (
+        float(segment.rate_of(slip_combination(1, friction), middle_time)) > rate_roundoff
+    )
+    slips_in_reverse = (
+        float(segment.rate_of(slip_combination(-1, friction), middle_time)) > rate_roundoff
+    )
     begin_instant = instant(segment, begin)
     end_instant = instant(segment, end)
     if normal_rate > 0 and not (slips_forward or slips_in_reverse):
@@ -344,16 +348,16 @@ def _slip(
     delay
         how much later than the segment itself the spans are: whole periods of the cycle
     """
-    segment = begin_instant.leg
-    slip_level = level(direction, friction)  # the combination s Q - f P of the loads
+    segment = begin_instant.segment
+    slip_level = slip_combination(direction, friction)  # the combination s Q - f P of the loads
     level_growth = float(segment.change_of(slip_level, end_instant.time, begin_instant.time))
     force_roundoff = _LAST_DIGITS * friction * end_instant.normal
     span_begin = begin_instant
     # A piece at the Coulomb limit slips already: the stick edge begins below it.
-    if curve is not None and flat(curve, direction, friction):
+    if curve is not None and is_at_coulomb_limit(curve, direction, friction):
         curve = curve.below
     while curve is not None:
-        if flat(curve, direction, friction):
+        if is_at_coulomb_limit(curve, direction, friction):
             # A piece at the limit is passed at once. If only round-off would take the stick edge
             # through it, the edge stays at its upper end.
             if level_growth <= force_roundoff:
@@ -362,8 +366,10 @@ def _slip(
             curve = curve.below
             continue
         # Both relative to the level at the instant from which the piece is measured.
-        level_at_begin = float(change_from(curve.anchor, segment, slip_level, begin_instant.time))
-        level_at_bottom = float(level_on(curve, direction, friction, curve.bottom))
+        level_at_begin = float(
+            combination_change(curve.anchor, segment, slip_level, begin_instant.time)
+        )
+        level_at_bottom = float(slip_combination_on_piece(curve, direction, friction, curve.bottom))
         growth_to_bottom = level_at_bottom - level_at_begin
         # A stick edge that meets the lower end of the piece at the very end of the step, to
         # round-off, has not passed it: what lies below may be at the limit already, and the edge
@@ -398,8 +404,8 @@ def _unload(
     for begin_time, end_time, direction in slip_directions(
         curve, begin_instant, end_instant, friction
     ):
-        begin_of_part = instant(begin_instant.leg, begin_time)
-        end_of_part = instant(begin_instant.leg, end_time)
+        begin_of_part = instant(begin_instant.segment, begin_time)
+        end_of_part = instant(begin_instant.segment, end_time)
         if direction:
             for span in _slip(curve, direction, begin_of_part, end_of_part, friction, delay):
                 yield span
@@ -422,10 +428,10 @@ def _retrace(
     span_begin = begin_instant
     while curve is not None and curve.bottom > end_instant.normal:
         load_change = curve.bottom - begin_instant.normal
-        time_at_bottom = begin_instant.leg.time_of(
+        time_at_bottom = begin_instant.segment.time_of(
             NORMAL_LOAD, load_change, begin_instant.time, end_instant.time
         )
-        span_end = instant(begin_instant.leg, float(time_at_bottom))
+        span_end = instant(begin_instant.segment, float(time_at_bottom))
         if span_end.time > span_begin.time:
             yield Span(span_begin, span_end, delay, 0, curve, friction)
             span_begin = span_end
@@ -445,7 +451,7 @@ def slip_directions(
     falling. It is cut where P leaves a smooth piece of the curve; neighbouring parts of one
     direction are merged.
     """
-    segment = begin_instant.leg
+    segment = begin_instant.segment
     end_time = end_instant.time
     load_change = float(segment.change_of(NORMAL_LOAD, end_time, begin_instant.time))
     parts: list[tuple[float, float, int]] = []
@@ -488,9 +494,9 @@ def _directions_on(
 
     def force_above_curve(time: ArrayLike) -> Array:
         if is_line:
-            return change_from(piece.anchor, segment, along_line, time)
+            return combination_change(piece.anchor, segment, along_line, time)
         normal_load, tangential_load = segment.loads(time)
-        return tangential_load - value_on(
+        return tangential_load - force_on_piece(
             piece, np.clip(normal_load, piece.bottom, piece.anchor.normal)
         )
 
@@ -671,7 +677,7 @@ def follow(
         spans_of_cycles.append(spans)
         curves_between_cycles.append(curve)
         tolerance = repeats_within(slipped_share(spans))
-        if same(curve_at_begin, curve, friction, tolerance):
+        if is_same_memory(curve_at_begin, curve, friction, tolerance):
             steady_from = cycle_number
             break
     return History(loading_spans, tuple(spans_of_cycles), tuple(curves_between_cycles), steady_from)
@@ -833,7 +839,7 @@ def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
     sticking_pieces: list[Curve] = []
     friction = 0.0
     for span, times_in_segment in parts:
-        normal_load, tangential_load = span.leg.loads(times_in_segment)
+        normal_load, tangential_load = span.segment.loads(times_in_segment)
         # A path that unloads fully may end below 0 by rounding.
         normal_load = np.maximum(normal_load, 0.0)
         times.append(times_in_segment)
@@ -866,7 +872,7 @@ def corner_times(contact: Contact, span: Span) -> Array:
     corner_loads = contact.break_loads
     if not len(corner_loads):
         return corner_loads
-    segment = span.leg
+    segment = span.segment
     begin = span.begin
     end = span.end
     least_load = min(begin.normal, end.normal)
@@ -877,9 +883,11 @@ def corner_times(contact: Contact, span: Span) -> Array:
     if span.direction and piece is not None:
         # The stick edge is at a load of the piece when s Q - f P has grown to s M - f eta there.
         loads_on_piece = corner_loads[(corner_loads > piece.bottom) & (corner_loads < piece.top)]
-        slip_level = level(span.direction, span.friction)
-        level_at_begin = float(change_from(piece.anchor, segment, slip_level, begin.time))
-        levels_at_corners = level_on(piece, span.direction, span.friction, loads_on_piece)
+        slip_level = slip_combination(span.direction, span.friction)
+        level_at_begin = float(combination_change(piece.anchor, segment, slip_level, begin.time))
+        levels_at_corners = slip_combination_on_piece(
+            piece, span.direction, span.friction, loads_on_piece
+        )
         times.append(
             segment.time_of(slip_level, levels_at_corners - level_at_begin, begin.time, end.time)
         )

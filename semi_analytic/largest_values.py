@@ -30,7 +30,7 @@ from scenes.array_types import Array
 from scenes.solution import range_of_slip
 from semi_analytic.bulk_and_tilt import one_curve
 from semi_analytic.history import histories_kept
-from semi_analytic.memory import level
+from semi_analytic.memory import slip_combination
 from semi_analytic.profiles import Contact, contact_of
 from semi_analytic.solution import solve
 from semi_analytic.subsurface import edge_tension
@@ -277,7 +277,7 @@ class _Search:
         friction = self.scene.friction.coefficient
         for segment, begin, end in self.monotonic_parts:
             times += [begin, end]
-            for slip_level in (level(1, friction), level(-1, friction)):
+            for slip_level in (slip_combination(1, friction), slip_combination(-1, friction)):
                 times += [time for time in segment.turning_points(slip_level) if begin < time < end]
         return np.unique(times)
 

@@ -45,7 +45,7 @@ def repeats_within(share: float) -> float:
     return min(_REPEATS, max(_OF_SLIP * share, _LEAST))
 
 
-def level(direction: int, friction: float) -> Combination:
+def slip_combination(direction: int, friction: float) -> Combination:
     """The combination that grows while the surfaces slip in `direction` (+1 forward, -1 reverse):
     +-Q - f P.
     """
@@ -55,29 +55,29 @@ def level(direction: int, friction: float) -> Combination:
 class Instant(NamedTuple):
     """A point of the load path: segment, the segment's own time, and both loads there."""
 
-    leg: LoadSegment
+    segment: LoadSegment
     time: float
     normal: float
     tangential: float
 
 
-def instant(leg: LoadSegment, time: float) -> Instant:
+def instant(segment: LoadSegment, time: float) -> Instant:
     """The point of `leg` at `time`."""
-    normal_load, tangential_load = leg.loads(time)
-    return Instant(leg, float(time), float(normal_load), float(tangential_load))
+    normal_load, tangential_load = segment.loads(time)
+    return Instant(segment, float(time), float(normal_load), float(tangential_load))
 
 
-def change_from(
-    where: Instant, leg: LoadSegment, combination: Combination, time: ArrayLike
+def combination_change(
+    where: Instant, segment: LoadSegment, combination: Combination, time: ArrayLike
 ) -> Array:
     """Change of the combination from any earlier instant of the path to `time` on `leg`."""
-    if where.leg is leg:
-        return leg.change_of(combination, time, where.time)
-    begin = instant(leg, leg.start)
+    if where.segment is segment:
+        return segment.change_of(combination, time, where.time)
+    begin = instant(segment, segment.start)
     jump = combination.normal * (begin.normal - where.normal) + combination.tangential * (
         begin.tangential - where.tangential
     )
-    return leg.change_of(combination, time, leg.start) + jump
+    return segment.change_of(combination, time, segment.start) + jump
 
 
 class CurvePart(Protocol):
@@ -152,7 +152,7 @@ class Piece(NamedTuple):
         """dM/d eta at loads (n,): of an arc dQ/dP of the path, 0 where both loads turn at once."""
         if self.arc is None:
             return self.slope + 2 * self.bend * (eta - self.anchor.normal)
-        normal_rate, tangential_rate = self.anchor.leg.rates(front_time(self, eta))
+        normal_rate, tangential_rate = self.anchor.segment.rates(time_of_load_on_arc(self, eta))
         return np.divide(
             tangential_rate, normal_rate, out=np.zeros(eta.shape), where=normal_rate != 0
         )
@@ -172,13 +172,13 @@ def pieces(curve: _Part | None) -> Iterator[_Part]:
         curve = curve.below
 
 
-def value_on(piece: Piece, eta: ArrayLike) -> Array:
+def force_on_piece(piece: Piece, eta: ArrayLike) -> Array:
     """M(eta) on one piece."""
     step = np.asarray(eta, dtype=float) - piece.anchor.normal
     if piece.arc is None:
         return piece.anchor.tangential + (piece.slope + piece.bend * step) * step
-    return piece.anchor.tangential + piece.anchor.leg.change_of(
-        Combination(0.0, 1.0), front_time(piece, eta), piece.anchor.time
+    return piece.anchor.tangential + piece.anchor.segment.change_of(
+        Combination(0.0, 1.0), time_of_load_on_arc(piece, eta), piece.anchor.time
     )
 
 
@@ -188,23 +188,23 @@ def _whole_arc(piece: Piece) -> tuple[float, float]:
     return piece.arc[0], piece.anchor.time
 
 
-def front_time(piece: Piece, front: ArrayLike) -> Array:
+def time_of_load_on_arc(piece: Piece, front: ArrayLike) -> Array:
     """Time of an arc's leg at which its load is `front`, shape of `front`."""
     begin, end = _whole_arc(piece)
-    return piece.anchor.leg.time_of(
+    return piece.anchor.segment.time_of(
         NORMAL_LOAD, np.asarray(front, dtype=float) - piece.bottom, begin, end
     )
 
 
-def values(curve: Curve, eta: ArrayLike) -> Array:
+def force_up_to(curve: Curve, eta: ArrayLike) -> Array:
     """Tangential force M(eta) that a memory curve carries up to loads eta in [0, P], any shape
     [force per thickness].
 
     >>> from scenes import StraightSegment
-    >>> leg = StraightSegment(
+    >>> segment = StraightSegment(
     ...     0.0, 1.0, (0.0, 0.0), (2.0, 1.0)
     ... )  # full stick: M runs along the path of loads
-    >>> values(load_in_stick(None, leg, 0.0, instant(leg, 1.0)), [0.5, 2.0]).tolist()
+    >>> force_up_to(load_in_stick(None, segment, 0.0, instant(segment, 1.0)), [0.5, 2.0]).tolist()
     [0.25, 1.0]
     """
     loads = np.asarray(eta, dtype=float)
@@ -212,7 +212,7 @@ def values(curve: Curve, eta: ArrayLike) -> Array:
     for piece in pieces(curve):
         is_on_piece = (loads <= piece.top) & (loads > piece.bottom)
         if np.any(is_on_piece):
-            forces[is_on_piece] = value_on(piece, loads[is_on_piece])
+            forces[is_on_piece] = force_on_piece(piece, loads[is_on_piece])
     return forces
 
 
@@ -224,9 +224,9 @@ def unload_to(curve: Curve, load: float) -> Curve:
     arc follows a curved segment of the load path up to a time, and is cut where its load is `load`.
 
     >>> from scenes import StraightSegment
-    >>> leg = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
-    >>> remaining = unload_to(load_in_stick(None, leg, 0.0, instant(leg, 1.0)), 0.5)
-    >>> remaining.top, float(values(remaining, 0.5))
+    >>> segment = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
+    >>> remaining = unload_to(load_in_stick(None, segment, 0.0, instant(segment, 1.0)), 0.5)
+    >>> remaining.top, float(force_up_to(remaining, 0.5))
     (0.5, 0.25)
     """
     while curve is not None and curve.bottom >= load:
@@ -236,21 +236,21 @@ def unload_to(curve: Curve, load: float) -> Curve:
     if curve.arc is None:
         return curve._replace(top=load)
     arc_segment, _ = curve.arc
-    return curve._replace(top=load, arc=(arc_segment, float(front_time(curve, load))))
+    return curve._replace(top=load, arc=(arc_segment, float(time_of_load_on_arc(curve, load))))
 
 
-def load_in_stick(curve: Curve, leg: LoadSegment, begin: float, end: Instant) -> Piece:
+def load_in_stick(curve: Curve, segment: LoadSegment, begin: float, end: Instant) -> Piece:
     """The memory curve M(eta) after loading in full stick: the path of P and Q itself, from the
     time `begin` to `end` on a load segment `leg`, becomes its uppermost piece. M(eta) is the
     tangential force of the flat punches up to the load eta.
 
     >>> from scenes import StraightSegment
-    >>> leg = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
-    >>> piece = load_in_stick(None, leg, 0.0, Instant(leg, 1.0, 2.0, 1.0))
-    >>> piece.top, piece.slope, values(piece, [1.0]).tolist()
+    >>> segment = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
+    >>> piece = load_in_stick(None, segment, 0.0, Instant(segment, 1.0, 2.0, 1.0))
+    >>> piece.top, piece.slope, force_up_to(piece, [1.0]).tolist()
     (2.0, 0.5, [0.5])
     """
-    slope_and_bend = leg.slope_and_bend(end.time)
+    slope_and_bend = segment.slope_and_bend(end.time)
     if slope_and_bend is None:
         return Piece(curve, end.normal, end, 0.0, 0.0, (begin, end.time))
     slope, bend = slope_and_bend  # else an arc, whose slope is that of the path
@@ -277,7 +277,7 @@ def slip_to(curve: Curve, direction: int, friction: float, end: Instant, slipped
     >>> slipped = float(slipped_load(forward, -1, 0.5, back, 2.0))
     >>> (
     ...     round(slipped, 12),
-    ...     values(slip_to(forward, -1, 0.5, instant(back, 2.0), slipped), [0.4, 0.8, 1.0])
+    ...     force_up_to(slip_to(forward, -1, 0.5, instant(back, 2.0), slipped), [0.4, 0.8, 1.0])
     ...     .round(12)
     ...     .tolist(),
     ... )
@@ -290,33 +290,41 @@ def slip_to(curve: Curve, direction: int, friction: float, end: Instant, slipped
     return Piece(curve, end.normal, end, direction * friction)
 
 
-def flat(piece: Piece, direction: int, friction: float) -> bool:
+def is_at_coulomb_limit(piece: Piece, direction: int, friction: float) -> bool:
     """Whether the piece is at the Coulomb limit dM/d eta = +-f, |q| = f p, in `direction` already:
     a front passes it at once.
 
     >>> from scenes import StraightSegment
-    >>> leg = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
-    >>> piece = load_in_stick(None, leg, 0.0, instant(leg, 1.0))  # Q/P = 0.5
-    >>> flat(piece, 1, 0.5), flat(piece, -1, 0.5), flat(piece, 1, 0.6)
+    >>> segment = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
+    >>> piece = load_in_stick(None, segment, 0.0, instant(segment, 1.0))  # Q/P = 0.5
+    >>> (
+    ...     is_at_coulomb_limit(piece, 1, 0.5),
+    ...     is_at_coulomb_limit(piece, -1, 0.5),
+    ...     is_at_coulomb_limit(piece, 1, 0.6),
+    ... )
     (True, False, False)
     """
     return piece.arc is None and piece.bend == 0 and piece.slope == direction * friction
 
 
-def level_on(piece: Piece, direction: int, friction: float, eta: ArrayLike) -> Array:
+def slip_combination_on_piece(
+    piece: Piece, direction: int, friction: float, eta: ArrayLike
+) -> Array:
     """Rise of the level s M(eta) - f eta from the piece's anchor to `eta`; at the lower end a front
     leaves the piece.
     """
     if piece.arc is not None:
-        return piece.anchor.leg.change_of(
-            level(direction, friction), front_time(piece, eta), piece.anchor.time
+        return piece.anchor.segment.change_of(
+            slip_combination(direction, friction),
+            time_of_load_on_arc(piece, eta),
+            piece.anchor.time,
         )
     step = np.asarray(eta, dtype=float) - piece.anchor.normal
     return (direction * (piece.slope + piece.bend * step) - friction) * step
 
 
 def slipped_load(
-    piece: Piece, direction: int, friction: float, leg: LoadSegment, time: ArrayLike
+    piece: Piece, direction: int, friction: float, segment: LoadSegment, time: ArrayLike
 ) -> Array:
     """Load P - P_c of the slip zones at `time` on a load segment, while the stick edge is inside
     one piece of the memory curve M(eta), without cancellation [force per thickness].
@@ -326,17 +334,19 @@ def slipped_load(
     anchor `a` of the piece that gives P - P_c = s [(Q - Q_a) - slope (P - P_a)] / (f - s slope).
 
     >>> from scenes import StraightSegment
-    >>> leg = StraightSegment(0.0, 1.0, (1.0, 0.0), (1.0, 0.3))
-    >>> pressed = Piece(None, 1.0, instant(leg, 0.0), 0.0)  # P = 1, Q = 0
-    >>> round(float(slipped_load(pressed, 1, 0.5, leg, 1.0)), 12)  # Q/f
+    >>> segment = StraightSegment(0.0, 1.0, (1.0, 0.0), (1.0, 0.3))
+    >>> pressed = Piece(None, 1.0, instant(segment, 0.0), 0.0)  # P = 1, Q = 0
+    >>> round(float(slipped_load(pressed, 1, 0.5, segment, 1.0)), 12)  # Q/f
     0.6
     """
     if piece.arc is not None:
-        return _slipped_on_arc(piece, direction, friction, leg, time)
+        return _slipped_on_arc(piece, direction, friction, segment, time)
     if piece.bend == 0:
-        force_lag = change_from(piece.anchor, leg, Combination(-piece.slope, 1.0), time)
+        force_lag = combination_change(piece.anchor, segment, Combination(-piece.slope, 1.0), time)
         return direction * force_lag / (friction - direction * piece.slope)
-    level_rise = change_from(piece.anchor, leg, level(direction, friction), time)
+    level_rise = combination_change(
+        piece.anchor, segment, slip_combination(direction, friction), time
+    )
     steepness = friction - direction * piece.slope
     signed_bend = direction * piece.bend
     distance_back = (
@@ -344,11 +354,11 @@ def slipped_load(
         * level_rise
         / (steepness + np.sqrt(np.maximum(steepness**2 + 4 * signed_bend * level_rise, 0.0)))
     )
-    return change_from(piece.anchor, leg, NORMAL_LOAD, time) + distance_back
+    return combination_change(piece.anchor, segment, NORMAL_LOAD, time) + distance_back
 
 
 def _slipped_on_arc(
-    piece: Piece, direction: int, friction: float, leg: LoadSegment, time: ArrayLike
+    piece: Piece, direction: int, friction: float, segment: LoadSegment, time: ArrayLike
 ) -> Array:
     """Load P - P_c of the slip zones at `time` on a load segment, while the stick edge is inside a
     curved piece of the memory curve, made by loading in full stick.
@@ -358,29 +368,31 @@ def _slipped_on_arc(
     else it is searched for along the arc.
     """
     arc_begin, arc_end = _whole_arc(piece)
-    slip_level = level(direction, friction)
-    arc_segment = piece.anchor.leg
-    if arc_segment is leg:
-        mirrored_time = leg.mirrored(slip_level, time, (arc_begin + arc_end) / 2)
+    slip_level = slip_combination(direction, friction)
+    arc_segment = piece.anchor.segment
+    if arc_segment is segment:
+        mirrored_time = segment.mirrored(slip_level, time, (arc_begin + arc_end) / 2)
         if mirrored_time is not None:
-            return leg.change_of(NORMAL_LOAD, time, mirrored_time)
-    level_rise = change_from(piece.anchor, leg, slip_level, time)
+            return segment.change_of(NORMAL_LOAD, time, mirrored_time)
+    level_rise = combination_change(piece.anchor, segment, slip_level, time)
     # Back from the end of the arc, where the path may have turned: counted from its begin, rounding
     # would leave half the digits.
     time_at_stick_edge = arc_segment.time_of(slip_level, level_rise, arc_end, arc_begin)
-    return change_from(piece.anchor, leg, NORMAL_LOAD, time) - arc_segment.change_of(
+    return combination_change(piece.anchor, segment, NORMAL_LOAD, time) - arc_segment.change_of(
         NORMAL_LOAD, time_at_stick_edge, arc_end
     )
 
 
-def same(curve: Curve, other_curve: Curve, friction: float, tolerance: float = 1e-12) -> bool:
+def is_same_memory(
+    curve: Curve, other_curve: Curve, friction: float, tolerance: float = 1e-12
+) -> bool:
     """Whether two memory curves M(eta) are the same state of friction: within `tolerance` f P of
     each other.
 
     M(eta) is the tangential force of the flat punches up to the load eta. The curves are compared
     at their knots and at three loads between any two; f is `friction`.
 
-    >>> same(None, None, 0.5)
+    >>> is_same_memory(None, None, 0.5)
     True
     """
     if curve is None or other_curve is None:
@@ -397,7 +409,7 @@ def same(curve: Curve, other_curve: Curve, friction: float, tolerance: float = 1
         sorted_knots[:-1] + np.diff(sorted_knots) * share for share in (0.25, 0.5, 0.75, 1.0)
     ]
     loads = np.unique(np.concatenate(points_between))
-    difference = np.abs(values(curve, loads) - values(other_curve, loads))
+    difference = np.abs(force_up_to(curve, loads) - force_up_to(other_curve, loads))
     return bool(np.all(difference <= tolerance * friction * least_top))
 
 

@@ -22,9 +22,9 @@ from semi_analytic.body_numbers import NEXT_ORDER
 from semi_analytic.odd_memory import ODD_NUMBERS
 
 _AFTER_NEXT = (0.02, 0.1)
-_NEXT_OF_ODD = 0.6
+_NEXT_ORDER_OF_TILT_AND_STRAIN = 0.6
 _PRODUCT = 0.5
-LEFT_IN_ANY_CASE = 3e-5
+LEAST_UNCERTAIN_FRACTION = 3e-5
 """Of a value that the bodies change: it is uncertain by this share whatever they are."""
 
 CURVATURES = {
@@ -51,7 +51,7 @@ def ratio_of_next_order(effects: BodyEffects, half_width: float) -> float:
     return max(_ratio(effects, curvature, half_width) for curvature, *_ in CURVATURES.values())
 
 
-def left_of_curvatures(effects: BodyEffects, half_width: float) -> dict[str, float]:
+def uncertain_fraction_of_curvatures(effects: BodyEffects, half_width: float) -> dict[str, float]:
     """What is uncertain of the change that each curvature of finite bodies makes, as a share of
     that change, by the curvature in words.
 
@@ -61,20 +61,23 @@ def left_of_curvatures(effects: BodyEffects, half_width: float) -> dict[str, flo
     >>> effects = BodyEffects(
     ...     datum_length=1.0, normal_curvature=Estimate(1.0, 0.001), normal_fourth=Estimate(-0.5)
     ... )
-    >>> {name: round(left, 6) for name, left in left_of_curvatures(effects, 1.0).items()}
+    >>> {
+    ...     name: round(left, 6)
+    ...     for name, left in uncertain_fraction_of_curvatures(effects, 1.0).items()
+    ... }
     {'curvature under P': 0.036, 'curvature under Q': 0.0}
     """
     return {
-        words: _left_of_curvature(effects, curvature, half_width)
+        words: _uncertain_fraction_of_curvature(effects, curvature, half_width)
         for words, (curvature, *_) in CURVATURES.items()
     }
 
 
-def left_of_tilt_and_strain(of_curvatures: float, ratio: float) -> float:
+def uncertain_fraction_of_tilt_and_strain(of_curvatures: float, ratio: float) -> float:
     """Of what tilt and bulk strain change of the dissipation, in its ratio, what is uncertain
     beside a change `of_curvatures`; `ratio` is that of `ratio_of_next_order`.
     """
-    return _NEXT_OF_ODD * ratio + _PRODUCT * abs(of_curvatures)
+    return _NEXT_ORDER_OF_TILT_AND_STRAIN * ratio + _PRODUCT * abs(of_curvatures)
 
 
 def with_these_alone(effects: BodyEffects, words: str) -> BodyEffects:
@@ -97,7 +100,9 @@ def has_next_order(effects: BodyEffects) -> bool:
     return any(getattr(effects, name).value for name in NEXT_ORDER)
 
 
-def _left_of_curvature(effects: BodyEffects, curvature: str, half_width: float) -> float:
+def _uncertain_fraction_of_curvature(
+    effects: BodyEffects, curvature: str, half_width: float
+) -> float:
     estimate: Estimate = getattr(effects, curvature)
     if not estimate.value:
         return 0.0

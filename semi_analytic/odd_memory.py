@@ -48,14 +48,14 @@ from semi_analytic.elasticity import composite_modulus
 from semi_analytic.history import History, Span, history_of, time_in_followed_path
 from semi_analytic.memory import (
     Piece,
-    change_from,
-    flat,
-    front_time,
+    combination_change,
+    force_on_piece,
     instant,
-    level,
-    level_on,
+    is_at_coulomb_limit,
     pieces,
-    value_on,
+    slip_combination,
+    slip_combination_on_piece,
+    time_of_load_on_arc,
 )
 from semi_analytic.stroke_end import loads_left_at_stroke_end
 
@@ -78,7 +78,7 @@ _NEXT_ORDER = 0.5
 _MOST_ONE_SIDED = 0.8
 # Segments of a path at most: each takes a millisecond.
 _MOST_SEGMENTS = 1000
-# Step of a derivative of rates, over the time of a leg.
+# Step of a derivative of rates, over the time of a segment.
 _STEP = 1e-4
 # Share of a load, or of f, within which two are one.
 _SAME = 1e-9
@@ -295,7 +295,7 @@ def centres(span: Span, radius: float, time: Array) -> tuple[Array, Array]:
     These are the tilt and the bulk strain per normal and per tangential load; first order. The
     centre of stick is that of contact where all of it sticks, NaN where none does.
     """
-    normal_load, tangential_load = span.leg.loads(time)
+    normal_load, tangential_load = span.segment.loads(time)
     contact_rows = -radius * _tilt(normal_load, tangential_load)
     if not span.direction:
         return contact_rows, contact_rows
@@ -418,13 +418,13 @@ def _stick_edge_at(
     strain shift the centre of stick by v = -R (a_s - a_s,m)/mu, a_s = f alpha - s eps. mu = f - s
     M' is the steepness, s the direction of slip, m the instant at which the memory was set.
     """
-    load = span.leg.loads(time)[0]
+    load = span.segment.loads(time)[0]
     memory_slope = piece.slope_at(load - slipped)
     steepness = span.friction - span.direction * memory_slope
     if _is_slipped(piece, span.friction):
         since_set = (
-            change_from(piece.anchor, span.leg, NORMAL_LOAD, time),
-            change_from(piece.anchor, span.leg, TANGENTIAL_LOAD, time),
+            combination_change(piece.anchor, span.segment, NORMAL_LOAD, time),
+            combination_change(piece.anchor, span.segment, TANGENTIAL_LOAD, time),
         )
     else:
         # s M - f eta is the same at the front now and at the edge: Q less M(P_c) is s f (P - P_c)
@@ -435,7 +435,7 @@ def _stick_edge_at(
 
 def _is_slipped(piece: Piece, friction: float) -> bool:
     """Whether the memory was set by slip: the limit M' = f or -f up to the end of a stroke."""
-    return flat(piece, 1, friction) or flat(piece, -1, friction)
+    return is_at_coulomb_limit(piece, 1, friction) or is_at_coulomb_limit(piece, -1, friction)
 
 
 def _set_loads(piece: Piece, friction: float, eta: Array) -> tuple[Array, Array]:
@@ -443,7 +443,7 @@ def _set_loads(piece: Piece, friction: float, eta: Array) -> tuple[Array, Array]
     if _is_slipped(piece, friction):
         ones = np.ones(np.shape(eta))
         return piece.anchor.normal * ones, piece.anchor.tangential * ones
-    return eta, value_on(piece, eta)
+    return eta, force_on_piece(piece, eta)
 
 
 def _slope_rate(piece: Piece, eta: Array) -> Array:
@@ -456,14 +456,14 @@ def _slope_rate(piece: Piece, eta: Array) -> Array:
     """
     if piece.arc is None:
         return np.full(np.shape(eta), 2 * piece.bend)
-    leg = piece.anchor.leg
-    time = front_time(piece, eta)
+    segment = piece.anchor.segment
+    time = time_of_load_on_arc(piece, eta)
     time_step = _STEP * (piece.arc[1] - piece.arc[0])
     slopes = []
     for shifted_time in (time - time_step, time + time_step):
-        normal_rate, tangential_rate = leg.rates(shifted_time)
+        normal_rate, tangential_rate = segment.rates(shifted_time)
         slopes.append(tangential_rate / normal_rate)
-    return np.asarray((slopes[1] - slopes[0]) / (2 * time_step * leg.rates(time)[0]))
+    return np.asarray((slopes[1] - slopes[0]) / (2 * time_step * segment.rates(time)[0]))
 
 
 # ---------------------------------------------------------------------------------- terms of work
@@ -490,8 +490,10 @@ def _of_span(span: Span, radius: float, points: int) -> Array:
     time, weights = _instants(span, points)
     slipped = span.slipped(time)
     stick_edge = _stick_edge_at(span, piece, time, slipped, radius)
-    fall_rate = np.asarray(span.leg.rate_of(level(span.direction, span.friction), time))  # -N'
-    drive_rate = _drive(span.friction, span.direction, *span.leg.rates(time))
+    fall_rate = np.asarray(
+        span.segment.rate_of(slip_combination(span.direction, span.friction), time)
+    )  # -N'
+    drive_rate = _drive(span.friction, span.direction, *span.segment.rates(time))
     distance = stick_edge.distance(radius)
     friction_weights = span.friction * weights
     work_matrix = _products(friction_weights * fall_rate / (2 * radius), distance, distance)
@@ -567,7 +569,9 @@ def _require_no_return(span_before: Span, span: Span, radius: float) -> None:
         load_tolerance = _SAME * max(piece.anchor.normal, begin.normal)
         if piece.bottom < top_of_piece - load_tolerance:
             break
-        if piece.top - piece.bottom <= load_tolerance or not flat(piece, span.direction, friction):
+        if piece.top - piece.bottom <= load_tolerance or not is_at_coulomb_limit(
+            piece, span.direction, friction
+        ):
             continue
         change_of_loads = (
             begin.normal - piece.anchor.normal,
@@ -617,8 +621,8 @@ def _smooth_end(span: Span, time: float, edge_load: float, radius: float) -> _Sm
     At a smooth end the rate of s Q - f P, which grows in slip, vanishes; s is the direction of
     slip. `radius` is R of the parabola [length].
     """
-    segment = span.leg
-    combination = level(span.direction, span.friction)
+    segment = span.segment
+    combination = slip_combination(span.direction, span.friction)
     middle_time = (span.begin.time + span.end.time) / 2
     rates = [
         abs(float(segment.rate_of(combination, rate_time)))
@@ -642,7 +646,7 @@ def _end_of_piece(
 ) -> _SmoothEnd | None:
     """The smooth end of the stroke that left a piece at the limit; None where it was a corner."""
     anchor = piece.anchor
-    start = instant(anchor.leg, anchor.leg.start)
+    start = instant(anchor.segment, anchor.segment.start)
     stroke = Span(start, anchor, 0.0, direction, None, friction)
     return _smooth_end(stroke, anchor.time, piece.bottom, radius)
 
@@ -674,7 +678,7 @@ def _of_passed_end(span: Span, radius: float, panels: int) -> Array:
     quadrature panels.
     """
     piece = span.sticking_piece
-    if piece is None or not flat(piece, -span.direction, span.friction):
+    if piece is None or not is_at_coulomb_limit(piece, -span.direction, span.friction):
         return np.zeros((4, 4))
     smooth_end = _end_of_piece(piece, -span.direction, span.friction, radius)
     if smooth_end is None:
@@ -685,11 +689,13 @@ def _of_passed_end(span: Span, radius: float, panels: int) -> Array:
     edge_load_at_begin = span.begin.normal - float(span.slipped(span.begin.time))
     is_passed = (eta < edge_load_at_begin) & (eta >= edge_load_at_end)
     eta = eta[is_passed]
-    slip_level = level(span.direction, span.friction)
-    level_at_begin = float(change_from(anchor, span.leg, slip_level, span.begin.time))
-    level_rise = level_on(piece, span.direction, span.friction, eta) - level_at_begin
-    time = span.leg.time_of(slip_level, level_rise, span.begin.time, span.end.time)
-    load = span.leg.loads(time)[0]
+    slip_level = slip_combination(span.direction, span.friction)
+    level_at_begin = float(combination_change(anchor, span.segment, slip_level, span.begin.time))
+    level_rise = (
+        slip_combination_on_piece(piece, span.direction, span.friction, eta) - level_at_begin
+    )
+    time = span.segment.time_of(slip_level, level_rise, span.begin.time, span.end.time)
+    load = span.segment.loads(time)[0]
     return np.asarray(
         span.friction * float(np.sum(force_left_at_eta[is_passed] * (load - eta))) * smooth_end.form
     )
@@ -707,8 +713,8 @@ def _one_sided(span: Span, radius: float, modulus: float) -> Iterator[Array]:
     `radius` is that of the parabola, `modulus` E*.
     """
     time, _ = _instants(span, _POINTS // 2)
-    load = span.leg.loads(time)[0]
-    rates = span.leg.rates(time)
+    load = span.segment.loads(time)[0]
+    rates = span.segment.rates(time)
     if not span.direction and np.all(rates[0] <= 0):
         return  # at rest, or unloaded along the memory itself
     half_width = np.sqrt(4 * load * radius / (np.pi * modulus))
@@ -723,7 +729,7 @@ def _one_sided(span: Span, radius: float, modulus: float) -> Iterator[Array]:
         )
         yield centre_distance / (half_width * (1 - width_ratio))[:, None]
     for sense in senses:
-        level_rate = np.abs(span.leg.rate_of(level(sense, span.friction), time))
+        level_rate = np.abs(span.segment.rate_of(slip_combination(sense, span.friction), time))
         ratio_to_slip = edge_function / np.maximum(level_rate, np.finfo(float).tiny)
         drive_rate = _drive(span.friction, sense, *rates)
         yield np.pi * modulus / 2 * ratio_to_slip[:, None] * drive_rate

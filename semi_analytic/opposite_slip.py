@@ -169,15 +169,15 @@ class OppositeSlip(TiltedProfile):
 
     Attributes
     ----------
-    friction, reach
+    friction, largest_tangential_load
         f, and the largest |Q| that is asked for; P is the largest load of `intervals`
-    share
+    tangential_fraction
         1; 0 where Q = 0, and a load T that nobody applies stands in its place: eps = kappa T
     """
 
     friction: float = 1.0
-    reach: float = 1.0
-    share: float = 1.0  # type: ignore[misc]
+    largest_tangential_load: float = 1.0
+    tangential_fraction: float = 1.0  # type: ignore[misc]
 
     @property
     def closed_form(self) -> bool:
@@ -192,7 +192,7 @@ class OppositeSlip(TiltedProfile):
     @property
     def _deepest(self) -> float:
         """P - eta of the largest Q."""
-        return self.reach / self.friction
+        return self.largest_tangential_load / self.friction
 
     @cached_property
     def _zones(self) -> tuple[Pieces, Pieces]:
@@ -200,7 +200,7 @@ class OppositeSlip(TiltedProfile):
         f P), for A P = pi a^2/(2 R).
         """
         largest_load, _, half_width = self._contact
-        forced = -self.share * float(np.sign(self.lean)) / largest_load
+        forced = -self.tangential_fraction * float(np.sign(self.lean)) / largest_load
         return _stick_zones(
             abs(self.lean) * half_width / (2 * largest_load), forced, self._deepest * (1 + 1e-9)
         )

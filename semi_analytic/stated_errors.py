@@ -34,7 +34,7 @@ import numpy as np
 from scenes.array_types import Array, Indices
 from semi_analytic.answer import largest_error
 from semi_analytic.history import Span, slipped_share
-from semi_analytic.memory import LAST_DIGITS, PROMISED, level
+from semi_analytic.memory import LAST_DIGITS, PROMISED, slip_combination
 from semi_analytic.profiles import Contact, SymmetricContact
 from semi_analytic.tilted_profile import TiltedProfile
 
@@ -147,9 +147,11 @@ def _error_of_span(contact: Contact, span: Span) -> float:
     if not span.direction or span.sticking_piece is None:
         return 0.0
     times = np.linspace(span.begin.time, span.end.time, _SAMPLED_TIMES + 2)[1:-1]
-    load, _ = span.leg.loads(times)
+    load, _ = span.segment.loads(times)
     error = contact.quadrature_error("dissipation_kernel", load, span.slipped(times))
-    growth = np.maximum(span.leg.rate_of(level(span.direction, span.friction), times), 0.0)
+    growth = np.maximum(
+        span.segment.rate_of(slip_combination(span.direction, span.friction), times), 0.0
+    )
     return span.friction * largest_error(growth * error) * (span.end.time - span.begin.time)
 
 

@@ -1027,7 +1027,7 @@ class TiltedProfile:
     bends_anywhere: ClassVar[bool] = False
     breaks: ClassVar[tuple[float, ...]] = ()
     least_half_width: ClassVar[float] = 0.0
-    share: ClassVar[float] = 1.0
+    tangential_fraction: ClassVar[float] = 1.0
     """Rise of Q over that of the load in whose terms the memory curve is: 1, or 0 where bulk strain
     alone changes.
     """
@@ -1213,14 +1213,14 @@ class TiltedProfile:
         t = np.asarray(x, dtype=float) - m
         root = np.sqrt(np.maximum((np.abs(t) - c) * (np.abs(t) + c), 0.0))
         arccosh = np.arcsinh(root / np.where(c > 0, c, np.inf))
-        return self.share * arccosh - self.lean * np.sign(t) * root
+        return self.tangential_fraction * arccosh - self.lean * np.sign(t) * root
 
     def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
         """Traction at points x by a unit of load on one contact interval, times pi [1/length]:
-        (share - lean t)/sqrt((c - t)(c + t)), 0 outside.
+        (tangential_fraction - lean t)/sqrt((c - t)(c + t)), 0 outside.
 
-        t is the distance from the middle of the interval, c its half-length. `share` is the part
-        that is symmetric, `lean` the rate at which tilt leans it.
+        t is the distance from the middle of the interval, c its half-length.
+        `tangential_fraction` is the part that is symmetric, `lean` the rate at which tilt leans it.
 
         Parameters
         ----------
@@ -1248,7 +1248,7 @@ class TiltedProfile:
             )
             to_edge = self.intervals.growth(edge_side, upper_load, load_rise)
             difference_of_squares[is_near] = to_edge * (2 * upper_half_width - to_edge)
-        return (self.share - self.lean * t) / np.sqrt(
+        return (self.tangential_fraction - self.lean * t) / np.sqrt(
             np.where(difference_of_squares > 0, difference_of_squares, np.inf)
         )
 
@@ -1259,12 +1259,12 @@ class TiltedProfile:
     def log_ratio(self, load: ArrayLike) -> Array:
         """What `rigid` asks for: ln(2 L/c) + (pi kappa/A) m, with mu added to m, or mu alone."""
         m, c = self.at(load)
-        moment_arm = self.share * m - self.lean * c * c / 2
+        moment_arm = self.tangential_fraction * m - self.lean * c * c / 2
         if self.rigid == "moment":
             return moment_arm
-        displacement_rate = self.share * self.logarithm(c) + self.lean * m
+        displacement_rate = self.tangential_fraction * self.logarithm(c) + self.lean * m
         if self.rigid == "loop":
-            return self.share * displacement_rate + self.lean * moment_arm
+            return self.tangential_fraction * displacement_rate + self.lean * moment_arm
         return displacement_rate
 
     def log_distance(self, load: ArrayLike) -> Array:

@@ -250,7 +250,7 @@ class Punches:
 
 def _slope_on(piece):
     """M' as a function of eta on a piece of the engine's curve."""
-    leg = piece.anchor.leg
+    leg = piece.anchor.segment
     anchor = LONG(piece.anchor.normal)
     if piece.arc is None:
         return lambda eta: LONG(piece.slope) + 2 * LONG(piece.bend) * (eta - anchor)
@@ -308,7 +308,7 @@ class Oracle(Punches):
         upper = front
         for piece in pieces(s.uppermost_pieces[s.piece_number[k]]):
             # What an arc starts from is its time: P0 + P1 cos t may have few digits of a small P.
-            leg = piece.anchor.leg
+            leg = piece.anchor.segment
             slope = _slope_on(piece)
             bottom = (
                 piece.bottom

@@ -258,9 +258,11 @@ def drop_history(monkeypatch):
 
 def flip_change_of_shear(monkeypatch):
     """Slip to the left where it should go to the right."""
-    level = semi_analytic.history.level
+    slip_combination = semi_analytic.history.slip_combination
     monkeypatch.setattr(
-        semi_analytic.history, "level", lambda direction, friction: level(-direction, friction)
+        semi_analytic.history,
+        "slip_combination",
+        lambda direction, friction: slip_combination(-direction, friction),
     )
     slip = semi_analytic.load_series._slip
     monkeypatch.setattr(

@@ -13,9 +13,9 @@ from scenes import InputError, LoadPath, StraightSegment, TimeSeriesLoad, load_s
 from semi_analytic import FIELDS, answer_by_memory, event, events, solve
 from semi_analytic.history import CycleOfPath, follow, history_of
 from semi_analytic.memory import (
+    force_up_to,
+    is_same_memory,
     pieces,
-    same,
-    values,
 )
 from semi_analytic_cases import LOADS, ellipse, extreme, make_scene, polygon
 from semi_analytic_oracle import LONG, Work, memory, phases_of
@@ -54,24 +54,26 @@ def test_the_curve_is_what_stepping_leaves_whatever_the_steps(points, where, par
     phases, _ = phases_of(LoadPath(tuple(straight_legs(points)), ()), FRICTION, 0)
     eta = normal * np.array([1e-3, 0.2, 0.5, 0.8])
     held = [float(memory(phases, len(phases) - 1, phases[-1].end, each, FRICTION)) for each in eta]
-    np.testing.assert_allclose(values(curve, eta), held, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(force_up_to(curve, eta), held, rtol=0, atol=1e-14)
     assert curve.top == pytest.approx(normal, rel=1e-15)
-    assert float(values(curve, curve.top)) == pytest.approx(tangential, abs=1e-14)
+    assert float(force_up_to(curve, curve.top)) == pytest.approx(tangential, abs=1e-14)
     knots = np.array([0.0, *(piece.top for piece in pieces(curve))][1:][::-1])
     eta = np.unique(np.concatenate([np.linspace(0, normal, 50), knots]))
     assert np.all(
-        np.abs(np.diff(values(curve, eta)) / np.maximum(np.diff(eta), 1e-9))
+        np.abs(np.diff(force_up_to(curve, eta)) / np.maximum(np.diff(eta), 1e-9))
         <= FRICTION * (1 + 1e-9) + 1e-6
     )
     np.testing.assert_allclose(
-        values(final_curve([(p, -q) for p, q in points]), eta), -values(curve, eta), atol=1e-14
+        force_up_to(final_curve([(p, -q) for p, q in points]), eta),
+        -force_up_to(curve, eta),
+        atol=1e-14,
     )
     corners = [(0.0, 0.0), *points]
     where = min(where, len(points) - 1)
     extra = tuple(
         a + part * (b - a) for a, b in zip(corners[where], corners[where + 1], strict=True)
     )
-    assert same(
+    assert is_same_memory(
         curve, final_curve([*points[:where], extra, *points[where:]]), FRICTION, tolerance=1e-11
     )
     unloaded = final_curve([*points, (low * normal, low * normal * FRICTION * use)])
@@ -107,7 +109,7 @@ def test_initial_loading_does_not_matter_above_the_permanent_stick_load(
         )
         assert history.steady_from in (0, 1)
         fronts = [
-            span.leg.loads(time)[0] - span.slipped(time)
+            span.segment.loads(time)[0] - span.slipped(time)
             for span in history.cycles[-1]
             for time in (span.begin.time, span.end.time)
         ]
@@ -115,7 +117,7 @@ def test_initial_loading_does_not_matter_above_the_permanent_stick_load(
     eta = np.linspace(ends[0][1], ends[0][0].top, 40)
     for curve, permanent in ends[1:]:
         assert permanent == pytest.approx(ends[0][1], rel=1e-9, abs=1e-12)
-        np.testing.assert_allclose(values(curve, eta), values(ends[0][0], eta), atol=1e-9)
+        np.testing.assert_allclose(force_up_to(curve, eta), force_up_to(ends[0][0], eta), atol=1e-9)
 
 
 # ---------------------------------------------------------- edges of slip and memory by brute force
@@ -126,10 +128,12 @@ def slipped_at(work, span, time):
     phases = [
         k
         for k, phase in enumerate(work.phases)
-        if phase.leg == span.leg and phase.begin <= time <= phase.end
+        if phase.leg == span.segment and phase.begin <= time <= phase.end
     ]
     slips = [
-        slip for slip in work.slips if slip.phase.leg == span.leg and slip.begin <= time <= slip.end
+        slip
+        for slip in work.slips
+        if slip.phase.leg == span.segment and slip.begin <= time <= slip.end
     ]
     # A path along the limit of friction moves no front: rounding of Q - f P says whether there is
     # one.
@@ -165,10 +169,10 @@ def test_fronts_and_the_memory_curve_straight_from_the_path(load):
                 span.begin.time,
                 part,
             )
-            eta = float(span.leg.loads(float(time))[0]) * np.array([1e-3, 0.3, 0.9])
+            eta = float(span.segment.loads(float(time))[0]) * np.array([1e-3, 0.3, 0.9])
             exact = [float(memory(work.phases, number, time, each, 0.5)) for each in eta]
             np.testing.assert_allclose(
-                values(span.curve(float(time)), eta), exact, rtol=0, atol=1e-15 * 0.5 * top
+                force_up_to(span.curve(float(time)), eta), exact, rtol=0, atol=1e-15 * 0.5 * top
             )
             checked += 1
     assert checked >= 12
