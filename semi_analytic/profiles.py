@@ -411,7 +411,8 @@ def _log_table(
     of ln d over ln P.
 
     The slopes of the cubic are limited so that it rises everywhere. Rows whose load would overflow
-    or vanish are left out.
+    or vanish are left out, and those up to where the round-off of the loads ends: below its first
+    row the table goes on as a power of the load.
 
     Parameters
     ----------
@@ -432,6 +433,10 @@ def _log_table(
         usable_numbers = np.flatnonzero((loads > 1e-290) & (loads < 1e290))
         log_loads, first_numbers = np.unique(np.log(loads[usable_numbers]), return_index=True)
         d = d[usable_numbers[first_numbers]]
+        # Where the loads of neighbouring rows differ by round-off, d may fall as the load rises.
+        first_rising = int(np.max(np.flatnonzero(np.diff(d) <= 0), initial=-1)) + 1
+        d = d[first_rising:]
+        log_loads = log_loads[first_rising:]
         log_slopes = np.exp(log_loads) / (d * stiffness(d))
         chord_slopes = np.diff(np.log(d)) / np.diff(log_loads)
     # As long as no slope is more than three times that of a chord beside it the cubic rises.

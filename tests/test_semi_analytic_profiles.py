@@ -419,6 +419,23 @@ def test_friction_work_kernel_from_the_smallest_front_to_the_whole_contact(flat,
             assert float(log_excess(ratio)) == pytest.approx(exact, rel=1e-15)
 
 
+@pytest.mark.parametrize("load", [1e-5, 1e-3, 1e-2, 1.0])
+def test_a_flat_given_by_its_slopes_has_a_finite_kernel_from_zero_load(load):
+    """Its loads from round-off upwards are not monotonic in the half-width; gross sliding takes the
+    inverse there. Against the closed form of the same flat.
+    """
+    by_slopes = contact_on(
+        CallableProfile(
+            extent=3.0, slope_function=lambda x: np.sign(x) * np.maximum(np.abs(x) - 0.5, 0.0)
+        ),
+        3.0,
+    )
+    closed_form = contact_on(FlatRounded(radius=1.0, flat_half_length=0.5), 3.0)
+    assert np.isfinite(by_slopes.half_width(1e-20))
+    kernel = float(by_slopes.dissipation_kernel(load, load))
+    assert kernel == pytest.approx(float(closed_form.dissipation_kernel(load, load)), rel=1e-8)
+
+
 @pytest.mark.parametrize("n", [1.01, 1.3, 2.0, 3.0, 3.5, 6.0, 20.0])
 def test_pressure_of_power_laws_to_the_very_middle(n):
     """Where its series change: 40 digits."""
