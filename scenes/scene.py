@@ -7,8 +7,6 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
-from importlib import resources
-from importlib.resources.abc import Traversable
 from numbers import Real
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, get_args
@@ -495,7 +493,7 @@ class Scene(Frozen):
             ) from reason
 
 
-_LIBRARY = resources.files("scenes") / "library"
+_LIBRARY = Path(__file__).parent / "library"
 
 
 def scene_names() -> tuple[str, ...]:
@@ -517,13 +515,13 @@ def rig_names() -> tuple[str, ...]:
     return _names_in(_LIBRARY / "rigs")
 
 
-def _names_in(folder: Traversable) -> tuple[str, ...]:
+def _names_in(folder: Path) -> tuple[str, ...]:
     """Names of the scene files of a folder, in alphabetical order."""
     files = [entry.name for entry in folder.iterdir() if entry.name.endswith(".toml")]
     return tuple(sorted(name.removesuffix(".toml") for name in files))
 
 
-def _folder_of(name: str) -> Traversable | None:
+def _folder_of(name: str) -> Path | None:
     """The folder of a library scene; None for an unknown name."""
     for folder in (_LIBRARY, _LIBRARY / "rigs"):
         if name in _names_in(folder):

@@ -12,8 +12,8 @@ import re
 import zlib
 from collections.abc import Callable, Iterable, Mapping, MutableMapping, Sequence
 from functools import cache
-from importlib import resources
 from importlib.machinery import SourceFileLoader
+from pathlib import Path
 from types import CodeType
 from typing import Any, TypeAlias
 
@@ -33,6 +33,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from reports.units import minus, number, signed
 from scenes import SurfaceState
+
+_TEMPLATES = Path(__file__).parents[1] / "templates"
 
 # -------------------------------------------------------------------------------------------- looks
 STATE_NAMES = {
@@ -101,7 +103,7 @@ def _rules() -> list[tuple[frozenset[str], bool, Mapping[str, str]]]:
     that an element must have, whether the rule is for texts, and its declarations (name -> value).
     Colours are those of light pages.
     """
-    sheet = (resources.files("reports") / "templates" / "charts.css").read_text("utf-8")
+    sheet = (_TEMPLATES / "charts.css").read_text("utf-8")
     sheet = re.sub(r"/\*.*?\*/", "", sheet, flags=re.DOTALL)
     sheet = re.sub(r"@media[^{]*\{(?:[^{}]*\{[^{}]*\})*[^{}]*\}", "", sheet)
     colours = dict(re.findall(r"--([\w-]+): (#\w+)", sheet))
@@ -152,8 +154,7 @@ class _CompiledOnce(SourceFileLoader):
     """
 
     def __init__(self, name: str, source: str, compiled: Callable[[], CodeType]) -> None:
-        folder = resources.files("reports") / "templates"
-        super().__init__(name, str(folder / f"{name}.py"))
+        super().__init__(name, str(_TEMPLATES / f"{name}.py"))
         self.source = source.encode()
         self.compiled = compiled
 
@@ -245,7 +246,7 @@ def _words_source(name: str) -> str | None:
 @cache
 def _macro_sources() -> Mapping[str, str]:
     """The macros of templates/words.txt by their names."""
-    text = (resources.files("reports") / "templates" / "words.txt").read_text("utf-8")
+    text = (_TEMPLATES / "words.txt").read_text("utf-8")
     macros = re.finditer(r"\{%-? macro (\w+).*?\{%-? endmacro -?%\}\n?", text, re.DOTALL)
     return {macro[1]: macro[0] for macro in macros}
 
@@ -266,7 +267,7 @@ def script() -> tuple[Markup, str]:
     """The script of all pages without its indents and notes, and what a page's policy calls it: no
     other may run.
     """
-    text = (resources.files("reports") / "templates" / "report.js").read_text("utf-8")
+    text = (_TEMPLATES / "report.js").read_text("utf-8")
     text = re.sub(r"^ +(// .*\n|/\*.*\*/\n)?", "", text, flags=re.MULTILINE)
     return (
         Markup(text),

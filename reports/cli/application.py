@@ -14,7 +14,6 @@ import os
 import shlex
 import signal
 import sys
-import tempfile
 import textwrap
 import time
 import traceback
@@ -23,7 +22,7 @@ from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import Context
 from dataclasses import dataclass, field, fields, replace
-from importlib import import_module, resources
+from importlib import import_module
 from inspect import Parameter, Signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
@@ -48,6 +47,9 @@ if TYPE_CHECKING:
 
 # --------------------------------------------------------------------------------------- the tables
 FORMAT = "halfplane answer 2"
+TEMPLATES = Path(__file__).parents[1] / "templates"
+"""Folder of the texts that commands and pages are made from."""
+
 _MESH = Group(
     "Mesh (lengths over the contact half-width; what is left out is the engine's own)", sort_key=2
 )
@@ -696,7 +698,7 @@ _GROUPS = {name: Group(name, sort_key=place) for place, name in enumerate(_GROUP
 app = App(
     name="halfplane",
     help="How wrong is the half-plane idealisation? One scene, two engines, one report.",
-    help_epilogue=(resources.files("reports") / "templates" / "help.txt").read_text("utf-8"),
+    help_epilogue=(TEMPLATES / "help.txt").read_text("utf-8"),
     help_format="plaintext",
     default_parameter=Words(negative_iterable=()),  # no --empty-tag
     version=_version,
@@ -951,6 +953,8 @@ def _keep_traceback(text: str) -> str:
 
         if (folder := output_folder.get()) is not None:
             return f"in {add_to_log(folder, text)}"
+    import tempfile
+
     try:
         handle, name = tempfile.mkstemp(prefix="halfplane-", suffix=".log")
         with open(handle, "w", encoding="utf-8", errors="backslashreplace") as file:

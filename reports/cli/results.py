@@ -7,13 +7,13 @@ from __future__ import annotations
 import math
 import shlex
 from collections.abc import Iterator
-from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from reports.cli.application import (
     NOT_CONVERGED,
     OUTSIDE,
+    TEMPLATES,
     WITHIN,
     Answer,
     Options,
@@ -39,7 +39,7 @@ def score(result: str | None, options: Options) -> Answer:
     from scenes import ConvergenceError, InputError
 
     if options.mapping_example:
-        example_file = resources.files("reports") / "templates" / "mapping.toml"
+        example_file = TEMPLATES / "mapping.toml"
         return Answer(WITHIN, [example_file.read_text("utf-8").rstrip()])
     if result is None:
         raise InputError("score: name the result to score, a file or a folder of files")

@@ -10,11 +10,10 @@ import re
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
-from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from reports.cli.application import WITHIN, Answer, Options
+from reports.cli.application import TEMPLATES, WITHIN, Answer, Options
 from reports.cli.solving import load_engines, read
 from reports.console import Part, Sheet, Stages, width
 
@@ -110,7 +109,7 @@ def example(bodies: bool = False, profile: Literal["hertz", "flat_rounded"] = "h
     """Text of the commented example of a scene file. With `bodies` its tables of bodies are in
     force, else they are comments; `profile` says which of its profiles is in force.
     """
-    text = (resources.files("reports") / "templates" / "scene.toml").read_text("utf-8")
+    text = (TEMPLATES / "scene.toml").read_text("utf-8")
     if bodies:
         first_place = text.index("# [bodies.lower]")
         last_place = text.index("# What you admit")

@@ -8,7 +8,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib import resources
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,9 +22,8 @@ from scenes.array_types import Array
 NOISE = "noise"
 UNKNOWN = "unknown"
 OWN_BODIES = "own_bodies"
-WORDS: dict[str, Any] = tomllib.loads(
-    (resources.files("reports") / "templates" / "faults.toml").read_text("utf-8")
-)
+_TEMPLATES = Path(__file__).parents[1] / "templates"
+WORDS: dict[str, Any] = tomllib.loads((_TEMPLATES / "faults.toml").read_text("utf-8"))
 """Sentences of each fault, of other findings, and quotients of E*/R with a likely cause."""
 FAULTS: dict[str, str] = WORDS["faults"]
 
