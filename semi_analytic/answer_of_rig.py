@@ -99,12 +99,14 @@ class Rigged:
     compliance: Compliance
 
     def follow(self, cycles: int, refinement: int, extra_times: Array | None = None) -> Driven:
-        """The path by steps, `refinement` times as many as at least, also at `extra_times` (k,)."""
+        """Loads and gross sliding along the path of the actuators over so many cycles, by
+        `refinement` times as many steps as at least; also at `extra_times` (k,).
+        """
         path = self.scene.load.path_of_actuators()
         return self.follow_rows(actuator_rows(path, cycles, refinement, extra_times))
 
     def follow_rows(self, rows: ActuatorRows) -> Driven:
-        """The path by given steps."""
+        """Loads and gross sliding along a path of given steps."""
         scene = self.scene
         if scene.load.states_approach:
             loads = loads_of_approach(
@@ -117,7 +119,9 @@ class Rigged:
         return follow_actuator(table, scene.friction.coefficient, self.compliance, rows)
 
     def _table(self, rows: ActuatorRows) -> PunchTable:
-        """Flat punches up to the largest contact, whatever Q is."""
+        """Table of the flat punches that make up the contact, up to its largest half-width for any
+        Q within the Coulomb limit.
+        """
         if not np.any(rows.load_or_approach > 0):
             raise InputError(
                 "load: P is never positive, so that the bodies never touch; it is a compression"
@@ -130,10 +134,11 @@ class Rigged:
 
 
 def rigged(scene: Scene, effects: BodyEffects | None) -> Rigged:
-    """Prepare a scene with prescribed displacements: its normal contact, and the compliance of
-    contact, bodies and springs of the rig.
+    """A scene with prescribed displacements, ready to be followed: its normal contact on
+    half-planes, E*, and the compliance of contact, bodies and springs of the rig.
 
-    Half-planes without `effects` get those of the rig's datum length alone.
+    `effects` are what finite bodies add to half-planes: compliances, tilt and curvatures of the
+    faces by the loads. Without them half-planes get those of the rig's datum length alone.
 
     Raises
     ------
@@ -165,8 +170,10 @@ def rigged(scene: Scene, effects: BodyEffects | None) -> Rigged:
 
 
 def _tilts_of(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
-    """R alpha_P alpha_Q and R alpha_Q^2 [1 / (stress load)]; 0 where the profile is no parabola, of
-    which alone the moment under a tilt is known.
+    """Effect of tilt on the displacement of a parabola of radius R: R alpha_P alpha_Q and R
+    alpha_Q^2 [1 / (stress load)], alpha_P and alpha_Q the tilt of the faces by a unit of P and Q.
+
+    0 for other profiles: the moment under a tilt is known of the parabola alone.
     """
     if not isinstance(scene.profile, Hertz):
         return 0.0, 0.0
@@ -177,7 +184,7 @@ def _tilts_of(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
 
 
 class _Slide(NamedTuple):
-    """One stretch of gross sliding."""
+    """One interval of gross sliding, in one direction."""
 
     begin: float  # time
     end: float
@@ -186,19 +193,20 @@ class _Slide(NamedTuple):
 
 
 def slides_of(driven: Driven, rows: slice) -> list[_Slide]:
-    """Spans of time in which the bodies slide as a whole, in some rows of a path driven by an
-    actuator: begin, end, distance and friction work of each.
+    """Intervals of gross sliding, in which the bodies slide as a whole, within some rows of a path
+    driven by an actuator: begin, end, distance and friction work of each.
 
-    Neighbouring rows that slide in one direction make one span. The first of the `rows` ends the
-    step before them. A slide below a tiny share of the actuator's range is none.
+    A row is an instant at the end of a load step; the step up to the first of the `rows` does not
+    count. Neighbouring steps that slide in one direction make one interval. A slide below a tiny
+    share of the actuator's range counts as none.
     """
     row_numbers = np.arange(len(driven.time))[rows]
     actuator_range = float(np.ptp(driven.actuator)) or 1.0
-    direction = np.sign(driven.slide)
-    direction[np.abs(driven.slide) <= _NO_SLIDE * actuator_range] = 0
+    slide_direction = np.sign(driven.slide)
+    slide_direction[np.abs(driven.slide) <= _NO_SLIDE * actuator_range] = 0
     slides: list[_Slide] = []
     for row_before, row in pairwise(row_numbers.tolist()):
-        if not direction[row]:
+        if not slide_direction[row]:
             continue
         slide_in_step = _Slide(
             float(driven.time[row_before]),
@@ -225,11 +233,11 @@ def slides_of(driven: Driven, rows: slice) -> list[_Slide]:
 
 # --------------------------------------------------------------------------------- the whole answer
 def of_rig(question: Question) -> Findings:
-    """The answer to a scene whose rig prescribes displacements: loads, fields, friction work and
-    their errors.
+    """Half-plane answer, corrected for finite bodies, to a scene whose rig prescribes
+    displacements: loads P and Q, fields, friction work of the steady cycle, and their errors.
 
-    The loads are found step by step, by steps and by steps twice as long; the difference is stated
-    as error. Fields are those of half-plane theory, corrected for finite bodies, under these loads.
+    The loads are found step by step, and again by steps twice as long; the difference is stated as
+    error. Fields are those of half-planes with the effects of the bodies, under these loads.
 
     Raises
     ------
@@ -244,41 +252,43 @@ def of_rig(question: Question) -> Findings:
             " prescribed"
         )
     rig = rigged(question.scene, question.effects)
-    fine_path, coarse_path, steady_from = _followed(rig, question.time)
-    last_cycle, rows_of_answer = _rows_of(fine_path, question.scene, steady_from)
-    bodies = _series(rig, fine_path)
+    fine_path, coarse_path, steady_from = _followed_paths(rig, question.time)
+    last_cycle, loads_up_to_end = _rows_of_answer(fine_path, question.scene, steady_from)
+    corrected_path = _corrected_path(rig, fine_path)
     history_done = clock.perf_counter()
 
     x = question.x
     if x is None:
-        x = mirrored_points(1.05 * float(np.max(bodies.half_width)))
-    distance, number_of_distance = folded(x)
-    time, row_numbers = instants_of(question, rows_of_answer, last_cycle)
-    points = PointFields(bodies, distance)
-    fields = grids_at(question, points, distance, row_numbers)
-    cycle_energy = _energy_of(rig, fine_path, coarse_path, bodies, steady_from)
+        x = mirrored_points(1.05 * float(np.max(corrected_path.half_width)))
+    distance, distance_index = folded(x)
+    time, row_numbers = instants_of(question, loads_up_to_end, last_cycle)
+    point_fields = PointFields(corrected_path, distance)
+    fields = grids_at(question, point_fields, distance, row_numbers)
+    cycle_energy = _energy_of(rig, fine_path, coarse_path, corrected_path, steady_from)
     errors = cycle_energy.errors
     density = np.full(len(distance), np.nan)
     if question.wants("dissipation_density"):
-        density = points.work(last_cycle)
+        density = point_fields.work(last_cycle)
     wants_work = question.wants("dissipation")
-    series_of_instants = series_at(question, bodies, row_numbers)
-    compliance_to_datum = _to_datum_of_answers(rig)
+    values_over_time = series_at(question, corrected_path, row_numbers)
+    # The rig prescribes displacements at its own datum length, the answer counts from another.
+    compliance_to_datum = _compliance_to_answer_datum(rig)
     for displacement, load in (
         ("tangential_displacement", "tangential_load"),
         ("normal_approach", "normal_load"),
     ):
-        change_of_datum = compliance_to_datum * series_of_instants[load]
-        series_of_instants[displacement] = series_of_instants[displacement] + change_of_datum
+        datum_shift = compliance_to_datum * values_over_time[load]
+        values_over_time[displacement] = values_over_time[displacement] + datum_shift
     work = cycle_energy.work if wants_work else math.nan
     values: dict[str, Any] = {
-        **series_of_instants,
-        **{name: np.take(grid, number_of_distance, axis=1) for name, grid in fields.items()},
-        "permanent_stick_half_width": permanent_stick(bodies, last_cycle),
+        **values_over_time,
+        **{name: np.take(field, distance_index, axis=1) for name, field in fields.items()},
+        "permanent_stick_half_width": permanent_stick(corrected_path, last_cycle),
         "dissipation": work,
         "loop_work": cycle_energy.loop_work if wants_work else math.nan,
         "cycle_dissipation": np.array([work]),
-        "dissipation_density": density[number_of_distance],
+        "dissipation_density": density[distance_index],
+        # The answer covers the steady cycle alone: it is the first one in it.
         "steady_from": None if steady_from is None else 0,
     }
     return Findings(
@@ -287,9 +297,9 @@ def of_rig(question: Question) -> Findings:
         values=values,
         termination="end of path" if steady_from is None else "steady",
         message=_message(steady_from, question.scene),
-        notes=tuple(_notes(rig, fine_path, last_cycle, errors, cycle_energy.odd_part)),
+        notes=tuple(_notes(rig, fine_path, last_cycle, errors, cycle_energy.tilt_and_strain)),
         errors={name: error for name, error in errors.items() if error},
-        certificates=certificates_of(bodies, fields, row_numbers),
+        certificates=certificates_of(corrected_path, fields, row_numbers),
         counts={
             "points_evaluated": len(distance),
             "rows": len(fine_path.time),
@@ -299,7 +309,7 @@ def of_rig(question: Question) -> Findings:
             "history": history_done - started,
             "fields": clock.perf_counter() - history_done,
         },
-        scene=_scene_of_loads(question.scene, rows_of_answer, last_cycle),
+        scene=_scene_of_loads(question.scene, loads_up_to_end, last_cycle),
     )
 
 
@@ -312,7 +322,7 @@ class _Energy(NamedTuple):
         friction work [energy per thickness]
     loop_work
         closed integral of Q dU + P d(approach); NaN where it does not equal the work
-    odd_part
+    tilt_and_strain
         what tilt and bulk strain of the bodies add to the work
     errors
         relative, by the name of the value
@@ -320,7 +330,7 @@ class _Energy(NamedTuple):
 
     work: float
     loop_work: float
-    odd_part: OddPart
+    tilt_and_strain: OddPart
     errors: dict[str, float]
 
 
@@ -328,68 +338,85 @@ def _energy_of(
     rig: Rigged,
     fine_path: Driven,
     coarse_path: Driven,
-    bodies: PathSeries,
+    corrected_path: PathSeries,
     steady_from: int | None,
 ) -> _Energy:
-    """Friction work of the last cycle, or of a path without one, and the work of its loads, with
-    their errors.
+    """Friction work of the last cycle of a rig, or of a path without a cycle; the closed integral
+    of its loads over their displacements, and relative errors of both [energy per thickness].
+
+    To the work of the path are added what tilt and bulk strain of the bodies change, and the terms
+    of the bodies' effects beyond their curvatures.
 
     Parameters
     ----------
     fine_path, coarse_path
         loads that were found, by steps and by steps twice as long; the difference gives the errors
-    bodies
-        half-widths and displacements along the fine path
+    corrected_path
+        half-widths and displacements of the fine path, with the curvatures of the bodies
     steady_from
-        number of the first steady cycle, None without one
+        index of the first steady cycle, None without one
     """
-    last_cycle, rows = _rows_of(fine_path, rig.scene, steady_from)
-    same_loads = _SameLoads.of(rig, fine_path, last_cycle)
-    odd_part = _odd_part(rig, fine_path, last_cycle, steady_from, same_loads)
-    odd_work = odd_part.work(_STEADY_CYCLE)
-    work = fine_path.work(last_cycle) + odd_work.value + same_loads.of_next_order
-    errors = _errors(fine_path, coarse_path, steady_from)
+    last_cycle, loads_up_to_end = _rows_of_answer(fine_path, rig.scene, steady_from)
+    bodies_and_half_planes = _BodiesAtSameLoads.of(rig, fine_path, last_cycle)
+    tilt_and_strain = _tilt_and_strain_of(
+        rig, fine_path, last_cycle, steady_from, bodies_and_half_planes
+    )
+    work_of_tilt_and_strain = tilt_and_strain.work(_STEADY_CYCLE)
+    work = (
+        fine_path.work(last_cycle)
+        + work_of_tilt_and_strain.value
+        + bodies_and_half_planes.work_of_next_order
+    )
+    errors = _errors_of_steps(fine_path, coarse_path, steady_from)
     if work > 0:
-        error_of_bodies = odd_work.uncertainty + same_loads.uncertainty
+        error_of_bodies = (
+            work_of_tilt_and_strain.uncertainty + bodies_and_half_planes.work_uncertainty
+        )
         errors["dissipation"] = errors.get("dissipation", 0.0) + error_of_bodies / work
-    if odd_part.left_out:
+    if tilt_and_strain.left_out:
         errors["dissipation"] = math.nan  # how much tilt and strain add is not known
     loop_work = math.nan
-    # The displacement has the moment of the tilt, and not what makes the work in the second order.
-    if steady_from is not None and rows.period is not None and odd_part == OddPart():
-        loop_work = bodies.loop_work(last_cycle)
-        coarse_cycle, _ = _rows_of(coarse_path, rig.scene, steady_from)
+    # With tilt or bulk strain the closed integral is another number than the work: of their changes
+    # U contains the moment of the pressure alone, which is not all that adds to the work.
+    is_mirrored = tilt_and_strain == OddPart()
+    if steady_from is not None and loads_up_to_end.period is not None and is_mirrored:
+        loop_work = corrected_path.loop_work(last_cycle)
+        coarse_cycle, _ = _rows_of_answer(coarse_path, rig.scene, steady_from)
         if loop_work > 0:
-            coarse_loop_work = _series(rig, coarse_path).loop_work(coarse_cycle)
+            coarse_loop_work = _corrected_path(rig, coarse_path).loop_work(coarse_cycle)
             errors["loop_work"] = abs(coarse_loop_work / loop_work - 1)
-    return _Energy(work, loop_work, odd_part, errors)
+    return _Energy(work, loop_work, tilt_and_strain, errors)
 
 
-class _SameLoads(NamedTuple):
-    """What the loads of a cycle that were found make of other bodies.
+class _BodiesAtSameLoads(NamedTuple):
+    """Change of the friction work of slip in a cycle by finite bodies, against half-planes, under
+    the loads that were found for the bodies.
 
     Attributes
     ----------
-    of_curvatures
-        change of the friction work of slip by the bodies, over half-planes, minus 1
-    of_next_order
-        work that the next order of the bodies adds; 0 where it is left out
-    uncertainty
-        of the work, by the order after the next
+    relative_change
+        W of the bodies over W of half-planes, minus 1
+    work_of_next_order
+        work that the terms beyond the curvatures add [energy per thickness]; 0 where they are left
+        out
+    work_uncertainty
+        of the work, by the terms that the bodies' effects leave out [energy per thickness]
     """
 
-    of_curvatures: float = 0.0
-    of_next_order: float = 0.0
-    uncertainty: float = 0.0
+    relative_change: float = 0.0
+    work_of_next_order: float = 0.0
+    work_uncertainty: float = 0.0
 
     @classmethod
-    def of(cls, rig: Rigged, driven: Driven, rows: slice) -> _SameLoads:
-        """What the finite bodies change in the friction work of some rows of a path, under the
-        loads that were found, compared with half-planes under these loads.
+    def of(cls, rig: Rigged, driven: Driven, rows: slice) -> _BodiesAtSameLoads:
+        """Change of the friction work of slip in some rows of a path by the finite bodies of a rig,
+        against half-planes under the same loads P and Q.
 
-        Nothing for half-planes, and where the bodies slide as a whole. `driven` holds the loads.
+        The effects of the bodies are a series in x: curvatures of the faces, x^2, then the next
+        order, x^4. `driven` holds the loads, which were found with curvatures alone. All zero for
+        half-planes, and where the bodies slide as a whole.
         """
-        if rig.scene.bodies.half_planes or _no_next_order(driven, rows):
+        if rig.scene.bodies.half_planes or _reason_without_next_order(driven, rows):
             return cls()
         followed = driven.followed
         loads = (followed.normal_load, followed.tangential_load)
@@ -404,82 +431,93 @@ class _SameLoads(NamedTuple):
             *table_and_loads, curvatures_of(rig.effects), half_planes.followed
         )
         bodies = PathSeries(memory_of_bodies, rig.contact, rig.modulus, rig.effects)
-        work_by_curvatures = float(np.sum(driven.slip_work[rows][1:]))
+        work_of_bodies = bodies.work(rows)
+        # The first of the rows ends the step before them.
+        work_with_curvatures_alone = float(np.sum(driven.slip_work[rows][1:]))
+        relative_uncertainty = work_uncertainty_by_bodies(bodies, half_planes, rows, rig.effects)
         return cls(
-            of_curvatures=bodies.work(rows) / work_of_half_planes - 1,
-            of_next_order=bodies.work(rows) - work_by_curvatures,
-            uncertainty=work_uncertainty_by_bodies(bodies, half_planes, rows, rig.effects)
-            * work_of_half_planes,
+            relative_change=work_of_bodies / work_of_half_planes - 1,
+            work_of_next_order=work_of_bodies - work_with_curvatures_alone,
+            work_uncertainty=relative_uncertainty * work_of_half_planes,
         )
 
 
-def _odd_part(
+def _tilt_and_strain_of(
     rig: Rigged,
     driven: Driven,
     last_cycle: slice,
     steady_from: int | None,
-    same_loads: _SameLoads,
+    bodies_and_half_planes: _BodiesAtSameLoads,
 ) -> OddPart:
-    """Friction work that tilt and bulk strain of the finite bodies add in the steady cycle of a
-    rig.
+    """Friction work that tilt and bulk strain of the finite bodies add in the steady cycle of a rig
+    [energy per thickness].
 
-    Nothing where the bodies have none; left out where no cycle is steady. A numerical solution on
-    grids where the second order of these small numbers does not hold.
+    A perturbation in these small numbers to the second order; a numerical solution on grids where
+    that does not hold. Nothing where the bodies have neither tilt nor strain. Left out, with the
+    reason, where no cycle is steady.
 
     Parameters
     ----------
     driven
         loads and displacements that were found, step by step
     last_cycle
-        the steps of the last cycle
+        the rows of the last cycle
     steady_from
-        number of the first steady cycle, None without one
-    same_loads
-        what the bodies add under the loads that were found
+        index of the first steady cycle, None without one
+    bodies_and_half_planes
+        what curvatures change of the work, which makes that of tilt and strain uncertain
     """
     if not any(getattr(rig.effects, name).value for name in ODD_NUMBERS):
         return OddPart()
     if steady_from is None:
         return OddPart(left_out="no cycle is steady")
     try:
-        odd_part = OddPart(odd_part_of_rig(rig.scene, rig.effects, driven, last_cycle))
+        tilt_and_strain = OddPart(odd_part_of_rig(rig.scene, rig.effects, driven, last_cycle))
     except Declined as reason:
-        odd_part = _odd_part_on_grids(rig, driven, last_cycle, str(reason))
+        tilt_and_strain = _tilt_and_strain_on_grids(rig, driven, last_cycle, str(reason))
     half_width = float(rig.contact.half_width(np.max(driven.followed.normal_load)))
     ratio_of_orders = ratio_of_next_order(rig.effects, half_width)
-    return odd_part._replace(
+    return tilt_and_strain._replace(
         relative_uncertainty=uncertain_fraction_of_tilt_and_strain(
-            same_loads.of_curvatures, ratio_of_orders
+            bodies_and_half_planes.relative_change, ratio_of_orders
         )
     )
 
 
-def _odd_part_on_grids(rig: Rigged, driven: Driven, last_cycle: slice, reason: str) -> OddPart:
+def _tilt_and_strain_on_grids(
+    rig: Rigged, driven: Driven, last_cycle: slice, reason: str
+) -> OddPart:
     """Friction work that tilt and bulk strain of the finite bodies add in the last cycle of a rig,
-    by a numerical solution on grids under the loads that were found.
+    by a numerical solution on grids under the loads that were found [energy per thickness].
 
-    Used where the second order does not hold, for the `reason`. Where the contact slides as a
-    whole, or grids do not take the loads, it is left out, and the result says why.
+    Used where the perturbation to the second order in tilt and strain does not hold, for `reason`.
+    Where the contact slides as a whole, or grids do not take the loads, the work is left out, and
+    the result states why.
     """
     if np.any(driven.slide[last_cycle][1:] != 0):
         return OddPart(left_out=reason)
     try:
-        loads_found = loads_of_cycle(rig.scene, driven, last_cycle, _STEPS_ON_GRIDS)
+        scene_of_loads = loads_of_cycle(rig.scene, driven, last_cycle, _STEPS_ON_GRIDS)
     except (Declined, InputError) as fault:
         return OddPart(left_out=f"{reason}, and grids do not take it: {first_line(fault)}")
-    return odd_part_on_grids(loads_found, rig.effects, driven.work(last_cycle), reason)
+    return odd_part_on_grids(scene_of_loads, rig.effects, driven.work(last_cycle), reason)
 
 
-def _no_next_order(driven: Driven, last_cycle: slice) -> str:
-    """Why the next order of the bodies is left out; empty where it is not."""
+def _reason_without_next_order(driven: Driven, last_cycle: slice) -> str:
+    """Why the terms of the bodies' effects beyond their curvatures are left out of the friction
+    work; empty where they are in it.
+    """
     if np.any(driven.slide[last_cycle][1:] != 0):
         return "the bodies slide as a whole"
     return ""
 
 
-def _to_datum_of_answers(rig: Rigged) -> float:
-    """(A/pi) ln(L0/L) of half-planes: L0 is where every answer counts its displacements from, L
-    where the rig prescribes them [1 / stress]; 0 of bodies.
+def _compliance_to_answer_datum(rig: Rigged) -> float:
+    """Compliance (A/pi) ln(L0/L) of half-planes between two datum depths [1 / stress]; 0 for finite
+    bodies.
+
+    L0 is the depth that every answer counts its displacements from, L that at which the rig
+    prescribes them.
     """
     if not rig.scene.bodies.half_planes:
         return 0.0
@@ -487,35 +525,38 @@ def _to_datum_of_answers(rig: Rigged) -> float:
     return rig.compliance.unit_compliance * math.log(ratio)
 
 
-def _series(rig: Rigged, driven: Driven) -> PathSeries:
-    """Of the curvatures, which the loads were found with."""
+def _corrected_path(rig: Rigged, driven: Driven) -> PathSeries:
+    """Half-widths, displacements and work along a path of a rig, with the curvatures that its
+    bodies give to the faces; the loads were found with the same curvatures.
+    """
     effects = without_next_order(rig.effects)
     return PathSeries(driven.followed, rig.contact, rig.modulus, effects, driven.rigid_displacement)
 
 
-def _followed(rig: Rigged, time: Array | None) -> tuple[Driven, Driven, int | None]:
-    """Follow a rig until a cycle ends in the friction state that it started from, by steps and by
-    steps twice as long; with both paths the index of that cycle, None where none does.
+def _followed_paths(rig: Rigged, time: Array | None) -> tuple[Driven, Driven, int | None]:
+    """Loads and gross sliding of a rig by fine steps and by steps twice as long, and the index of
+    the first steady cycle, which ends in the friction state that it started from; None without one.
 
-    Instants `time` that are asked for become rows of the fine path, and so do instants around the
-    ends of gross sliding.
+    Cycles are added until one is steady by both kinds of steps. The instants `time` (n,) of the
+    answer are rows of the fine path. Instants around the ends of gross sliding are rows of both.
     """
     scene = rig.scene
     has_cycle = scene.load.path_of_actuators().period is not None
     most_cycles = max(scene.cycles, 2) if has_cycle else 0
     for cycles in range(min(2, most_cycles), most_cycles + 1):
-        coarse_path = rig.follow(cycles, 1)
+        coarse_path = rig.follow(cycles, refinement=1)
         is_last_try = cycles == most_cycles
         if steady_cycle(coarse_path) is None and not is_last_try:
             continue
-        instants_near_ends = _near_ends_of_slides(coarse_path)
-        further_instants = _within_cycles(scene, instants_near_ends, cycles)
-        if len(instants_near_ends):
-            coarse_path = rig.follow(cycles, 1, further_instants)
+        times_near_ends = _times_near_slide_ends(coarse_path)
+        further_times = _times_in_all_cycles(scene, times_near_ends, cycles)
+        if len(times_near_ends):
+            coarse_path = rig.follow(cycles, 1, further_times)
         if time is not None:
-            further_instants = np.append(further_instants, _within_cycles(scene, time, cycles))
-        fine_path = rig.follow(cycles, 2, further_instants)
-        # Other steps may leave a little at the end of a stroke, which the next cycle takes away.
+            further_times = np.append(further_times, _times_in_all_cycles(scene, time, cycles))
+        fine_path = rig.follow(cycles, 2, further_times)
+        # A cycle that is steady by the coarse steps may not be so by the fine ones: at the end of a
+        # stroke these may lock in a little force that slip takes away in the next cycle.
         steady_from = _steady_in_both(fine_path, coarse_path)
         if steady_from is not None or is_last_try:
             break
@@ -523,7 +564,9 @@ def _followed(rig: Rigged, time: Array | None) -> tuple[Driven, Driven, int | No
 
 
 def _steady_in_both(fine_path: Driven, coarse_path: Driven) -> int | None:
-    """The first cycle that is steady by both steps."""
+    """Index of the first cycle that is steady on the fine and on the coarse path; None where one of
+    them has no steady cycle.
+    """
     steady_cycles = (steady_cycle(fine_path), steady_cycle(coarse_path))
     return (
         None
@@ -532,31 +575,29 @@ def _steady_in_both(fine_path: Driven, coarse_path: Driven) -> int | None:
     )
 
 
-def _near_ends_of_slides(driven: Driven) -> Array:
-    """Instants (k,) around those at which gross sliding ends while P varies, which the path should
-    have as rows.
+def _times_near_slide_ends(driven: Driven) -> Array:
+    """Times (k,) around each end of gross sliding while P varies, which the path needs as further
+    rows: `_ROWS_AT_END` of them over the last step with a slide and the step after it.
 
-    There the actuator turns round against what the contact gives way. No row of the path shows that
-    instant by itself.
+    Sliding ends where the actuator no longer moves faster than the elastic displacement at |Q| =
+    f P. While P varies that instant lies inside of a step.
     """
     is_sliding = driven.slide != 0
     load = driven.followed.normal_load
     last_sliding_rows = np.flatnonzero(is_sliding[1:-1] & ~is_sliding[2:]) + 1
-    last_sliding_rows = last_sliding_rows[load[last_sliding_rows + 1] != load[last_sliding_rows]][
-        :_MOST_ENDS
-    ]
+    load_varies = load[last_sliding_rows + 1] != load[last_sliding_rows]
+    last_sliding_rows = last_sliding_rows[load_varies][:_MOST_ENDS]
     begin_times = driven.time[last_sliding_rows - 1]
+    end_times = driven.time[last_sliding_rows + 1]
     shares_of_two_steps = np.linspace(0.0, 1.0, _ROWS_AT_END)[:, None]
-    return (
-        begin_times + shares_of_two_steps * (driven.time[last_sliding_rows + 1] - begin_times)
-    ).ravel()
+    return (begin_times + shares_of_two_steps * (end_times - begin_times)).ravel()
 
 
-def _within_cycles(scene: Scene, time: Array, cycles: int) -> Array:
-    """Instants (k,) of any cycle of the actuator's path, repeated in each of the `cycles` that are
-    followed; those of the initial loading once.
+def _times_in_all_cycles(scene: Scene, time: Array, cycles: int) -> Array:
+    """Times (k,) at which each of the `cycles` is where it is at the given times (n,) of any cycle;
+    given times within the initial loading once, as they are.
 
-    Of a path that does not repeat they are returned as they are.
+    A path of the actuators that does not repeat gets its times back.
     """
     path = scene.load.path_of_actuators()
     if path.period is None:
@@ -569,47 +610,53 @@ def _within_cycles(scene: Scene, time: Array, cycles: int) -> Array:
 
 
 def steady_cycle(driven: Driven) -> int | None:
-    """Index of the first cycle that ends in the friction state it started from; None where none
-    does.
+    """Index, from 0, of the first cycle that ends in the friction state it started from; None where
+    none does.
 
-    The state is the memory curve, locked-in tangential force over half-width. Those at begin and
-    end of the cycle must agree at many punches.
+    The state is the memory curve: the locked-in tangential force of the flat punches up to each
+    half-width. The curves at the begin and end of the cycle must agree at many punches.
     """
     followed = driven.followed
+    # s is the coordinate of the half-width in the table of punches.
     s_of_punches = np.linspace(0.0, followed.table.largest_s, _PLACES)
-    tolerance = _STEADY * followed.friction * float(np.max(followed.normal_load))
+    force_tolerance = _STEADY * followed.friction * float(np.max(followed.normal_load))
+    # `ends` are the rows at which the initial loading ends, and each cycle.
     forces_at_ends = [followed.locked_in_force(row, s_of_punches) for row in driven.ends]
     for cycle, (forces_before, forces_after) in enumerate(pairwise(forces_at_ends)):
-        if np.max(np.abs(forces_after - forces_before)) <= tolerance:
+        if np.max(np.abs(forces_after - forces_before)) <= force_tolerance:
             return cycle
     return None
 
 
-def _rows_of(driven: Driven, scene: Scene, steady_from: int | None) -> tuple[slice, PathRows]:
-    """Which rows of a path driven by a rig the answer covers, as a slice, and the loads over time
-    up to the last of them.
+def _rows_of_answer(
+    driven: Driven, scene: Scene, steady_from: int | None
+) -> tuple[slice, PathRows]:
+    """Rows, the ends of load steps, that the answer to a rig covers, as a slice; and P and Q at all
+    rows of the path up to the last of these.
 
-    Covered is the steady cycle, number `steady_from` from 0; of a path without one, all rows.
+    Covered is the steady cycle of index `steady_from`, with the row at which it begins; the whole
+    path where no cycle is steady.
     """
     period = scene.load.path_of_actuators().period
     followed = driven.followed
     first_row = 0
     last_row = len(driven.time) - 1
-    cycle_ends: tuple[int, ...] = (last_row,)
+    rows_at_ends: tuple[int, ...] = (last_row,)
     if steady_from is None:
         period = None
     else:
+        # `ends` are the rows at which the initial loading ends, and each cycle.
         first_row = driven.ends[steady_from]
         last_row = driven.ends[steady_from + 1]
-        cycle_ends = (first_row, last_row)
-    rows = PathRows(
+        rows_at_ends = (first_row, last_row)
+    loads_up_to_end = PathRows(
         driven.time[: last_row + 1],
         followed.normal_load[: last_row + 1],
         followed.tangential_load[: last_row + 1],
-        cycle_ends,
+        rows_at_ends,
         period,
     )
-    return slice(first_row, last_row + 1), rows
+    return slice(first_row, last_row + 1), loads_up_to_end
 
 
 def _scene_of_loads(scene: Scene, rows: PathRows, last_cycle: slice) -> Scene:
@@ -625,33 +672,34 @@ def _scene_of_loads(scene: Scene, rows: PathRows, last_cycle: slice) -> Scene:
     return scene.vary(load=load, rig=Rig(), cycles=1)
 
 
-def _errors(fine_path: Driven, coarse_path: Driven, steady_from: int | None) -> dict[str, float]:
-    """Relative errors of friction work and of Q by the steps: differences between a path by steps
-    and by steps twice as long.
+def _errors_of_steps(
+    fine_path: Driven, coarse_path: Driven, steady_from: int | None
+) -> dict[str, float]:
+    """Relative errors of friction work and of Q by the length of the load steps: differences
+    between a path by fine steps and one by steps twice as long.
 
     That of the work is over W of the steady cycle `steady_from`, or of the path where there is
     none; that of Q over the largest |Q|.
     """
     errors = {}
-    rows_of_fine = slice(0, None)
+    fine_rows = slice(0, None)
+    coarse_rows = slice(0, None)
     if steady_from is not None:
-        rows_of_fine = slice(fine_path.ends[steady_from], fine_path.ends[steady_from + 1] + 1)
-    rows_of_coarse = slice(0, None)
-    if steady_from is not None:
-        rows_of_coarse = slice(coarse_path.ends[steady_from], coarse_path.ends[steady_from + 1] + 1)
-    work = fine_path.work(rows_of_fine)
+        fine_rows = slice(fine_path.ends[steady_from], fine_path.ends[steady_from + 1] + 1)
+        coarse_rows = slice(coarse_path.ends[steady_from], coarse_path.ends[steady_from + 1] + 1)
+    work = fine_path.work(fine_rows)
     if work > 0:
-        errors["dissipation"] = abs(coarse_path.work(rows_of_coarse) / work - 1)
+        errors["dissipation"] = abs(coarse_path.work(coarse_rows) / work - 1)
     force = fine_path.followed.tangential_load
     largest_force = float(np.max(np.abs(force)))
     if largest_force > 0:
-        _, row_numbers, row_numbers_in_coarse = np.intersect1d(
+        _, rows_in_fine, rows_in_coarse = np.intersect1d(
             fine_path.time, coarse_path.time, return_indices=True
         )
-        difference = (
-            force[row_numbers] - coarse_path.followed.tangential_load[row_numbers_in_coarse]
+        force_difference = (
+            force[rows_in_fine] - coarse_path.followed.tangential_load[rows_in_coarse]
         )
-        errors["tangential_load"] = float(np.max(np.abs(difference))) / largest_force
+        errors["tangential_load"] = float(np.max(np.abs(force_difference))) / largest_force
     return errors
 
 
@@ -666,20 +714,24 @@ def _message(steady_from: int | None, scene: Scene) -> str:
 
 # ---------------------------------------------------------------------------------------- the words
 def _notes(
-    rig: Rigged, driven: Driven, last_cycle: slice, errors: dict[str, float], odd_part: OddPart
+    rig: Rigged,
+    driven: Driven,
+    last_cycle: slice,
+    errors: dict[str, float],
+    tilt_and_strain: OddPart,
 ) -> Iterator[str]:
-    """Sentences on what a reader of the answer to a rig must not miss: where displacements are
-    prescribed, what is left out, what the spring takes, slides and separations.
+    """Sentences for the notes of the answer to a rig: where displacements are prescribed, which
+    effects are left out, how much of the way the spring takes, gross sliding and separation.
 
     Parameters
     ----------
     driven
         loads and displacements that were found, step by step
     last_cycle
-        the steps of the last cycle
+        the rows of the last cycle
     errors
         relative errors by the name of the value
-    odd_part
+    tilt_and_strain
         what tilt and bulk strain of the bodies add to the work
     """
     scene = rig.scene
@@ -700,7 +752,7 @@ def _notes(
         modulus = composite_modulus(scene.material)
         if has_next_order(rig.effects):
             yield _note_of_next_order(rig, driven, last_cycle)
-        yield from notes_of_effects(rig.effects, half_width, modulus, odd_part, OF_RIG)
+        yield from notes_of_effects(rig.effects, half_width, modulus, tilt_and_strain, OF_RIG)
     spring = rig.compliance.tangential_spring
     if spring:
         actuator_range = float(np.ptp(driven.actuator[last_cycle]))
@@ -721,24 +773,32 @@ def _notes(
 
 
 def _note_of_next_order(rig: Rigged, driven: Driven, last_cycle: slice) -> str:
-    """A sentence on the next order of the finite bodies' effects, beyond their curvatures: where it
-    counts, and by how much it would change the largest pressure and half-width.
+    """A sentence on the terms in x^4 of the finite bodies' effects, the next order after the
+    curvatures, x^2: whether W has them, and how much they would change the largest p and a.
 
-    `rig` holds the contact with the effects of its bodies, `driven` the loads that were found, and
-    `last_cycle` are their rows of the last cycle.
+    `driven` holds the loads that were found along the path of the `rig`, `last_cycle` its rows of
+    the last cycle. The two changes are those at the largest P, without Q.
     """
-    left_out = _no_next_order(driven, last_cycle)
-    place_text = f"left out: {left_out}" if left_out else "in the dissipation"
-    rows = np.array([0.0, np.max(driven.followed.normal_load)])
+    reason_without = _reason_without_next_order(driven, last_cycle)
+    place_text = f"left out: {reason_without}" if reason_without else "in the dissipation"
+    normal_load = np.array([0.0, np.max(driven.followed.normal_load)])
+    without_tangential_load = 0 * normal_load
+    any_friction = 1.0  # without Q nothing slips
     effects_without = without_next_order(rig.effects)
     pressures = []
     half_widths = []
     for effects in (rig.effects, effects_without):
-        memory = follow(driven.followed.table, 1.0, rows, 0 * rows, curvatures_of(effects))
-        series = PathSeries(memory, rig.contact, rig.modulus, effects)
-        half_width = float(series.half_width[1])
+        memory = follow(
+            driven.followed.table,
+            any_friction,
+            normal_load,
+            without_tangential_load,
+            curvatures_of(effects),
+        )
+        path = PathSeries(memory, rig.contact, rig.modulus, effects)
+        half_width = float(path.half_width[1])
         places = np.linspace(0.0, half_width, _PLACES)
-        pressures.append(float(np.max(PointFields(series, places).pressure(np.array([1])))))
+        pressures.append(float(np.max(PointFields(path, places).pressure(np.array([1])))))
         half_widths.append(half_width)
     return (
         f"effects: the next order of the bodies, N_4, T_4, N_22 and T_22, is {place_text}, and in"
@@ -749,10 +809,11 @@ def _note_of_next_order(rig: Rigged, driven: Driven, last_cycle: slice) -> str:
 
 
 def notes_of_slides(scene: Scene, driven: Driven, last_cycle: slice) -> Iterator[str]:
-    """Sentences on when the bodies slide as a whole, how far and with what friction work: in the
-    last cycle, and before it.
+    """Sentences on gross sliding, when the bodies slide as a whole: how far, when and with what
+    friction work in the last cycle, and when before it.
 
-    Of a path without cycles, along all of it. `driven` holds the slides row by row.
+    Along all of a path without cycles. `driven` holds slide and work of each step of the path,
+    `last_cycle` the rows of the last cycle.
     """
     force_unit, length_unit, _ = scene.unit_words
     energy_unit = f"{force_unit}·{length_unit}/{length_unit}"
@@ -764,7 +825,9 @@ def notes_of_slides(scene: Scene, driven: Driven, last_cycle: slice) -> Iterator
     else:
         slide_distance = sum(abs(slide.distance) for slide in slides)
         work = sum(slide.work for slide in slides)
-        named_slides = "; ".join(_in_words(slide, length_unit) for slide in slides[:_MOST_NAMED])
+        named_slides = "; ".join(
+            _slide_in_words(slide, length_unit) for slide in slides[:_MOST_NAMED]
+        )
         rest_text = f"; and {len(slides) - _MOST_NAMED} more" if len(slides) > _MOST_NAMED else ""
         yield (
             f"gross sliding: in {span_text} the bodies slide as a whole by {slide_distance:.6g}"
@@ -772,15 +835,14 @@ def notes_of_slides(scene: Scene, driven: Driven, last_cycle: slice) -> Iterator
             f" {named_slides}{rest_text}"
         )
     if slides_before:
-        yield (
-            "gross sliding: before it"
-            f" {'; '.join(_in_words(s, length_unit) for s in slides_before[:2])}"
-        )
+        named_slides = "; ".join(_slide_in_words(slide, length_unit) for slide in slides_before[:2])
+        yield f"gross sliding: before it {named_slides}"
 
 
-def _in_words(slide: _Slide, length: str) -> str:
+def _slide_in_words(slide: _Slide, length_unit: str) -> str:
+    """An interval of gross sliding in words: times, direction and distance."""
     direction = "forward" if slide.distance > 0 else "back"
     return (
         f"from time {slide.begin:.6g} to {slide.end:.6g} {direction} by {abs(slide.distance):.6g}"
-        f" {length}"
+        f" {length_unit}"
     )
