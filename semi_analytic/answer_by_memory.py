@@ -125,12 +125,12 @@ class Request:
         (m,) points as asked for
     distance
         (k,) different |x|; different x of an unsymmetric contact
-    number_of_distance
-        (m,) where each x finds its own distance
+    distance_index
+        (m,) index of the distance of each x
     fields
         the fields that are wanted
-    family
-        the path with bulk stress and tilt; None without
+    bulk_tilt_path
+        contact and loads of a path with bulk stress and tilt; None without these
     """
 
     contact: Contact
@@ -138,9 +138,9 @@ class Request:
     time: Array
     x: Array
     distance: Array
-    number_of_distance: Indices
+    distance_index: Indices
     fields: frozenset[str]
-    family: OneCurve | None = None
+    bulk_tilt_path: OneCurve | None = None
 
     @property
     def unit_compliance(self) -> float:
@@ -152,41 +152,42 @@ class Request:
         return not self.fields.isdisjoint(names)
 
 
-def by_memory(question: Question, family: OneCurve | None) -> Findings:
-    """Half-plane answer where one memory curve holds what friction remembers: fields, friction work
-    of the cycles, their errors and notes.
+def by_memory(question: Question, bulk_tilt_path: OneCurve | None) -> Findings:
+    """Half-plane answer where the frictional state is one memory curve: loads, fields, friction
+    work of the cycles, their errors and notes.
 
-    The memory curve is the tangential force carried up to each load. With bulk stress or tilt there
-    is one only for some load paths: `family` is then the tilted contact, None without.
+    The memory curve is the tangential force of the flat punches up to each normal load. With bulk
+    stress or tilt one curve is enough for some load paths alone: `bulk_tilt_path` has such a path
+    and its tilted contact. It is None without bulk stress and tilt.
     """
     started = clock.perf_counter()
     scene = question.scene
-    path = path_of_question(question, family)
+    path = path_of_question(question, bulk_tilt_path)
     time = question.time
-    rows_left_out = 0
+    n_rows_left_out = 0
     if time is None:
-        time, rows_left_out = path.default_times(
+        time, n_rows_left_out = path.default_times(
             question.cycles == "steady", question.wants_pointwise
         )
         if question.cycles == "steady":
             path = replace(path, covered=path.covered[-1:])
-    request = _request_of(question, family, path, time)
+    request = _request_of(question, bulk_tilt_path, path, time)
     history_done = clock.perf_counter()
     path_answer = path_result(path, request)
     work_done = clock.perf_counter()
-    loads_and_edges = _series_of(request, path_answer.snapshot)
-    fields, arc_errors = _grids_of(request, path_answer.snapshot, loads_and_edges)
+    loads_and_edges = _values_over_time(request, path_answer.snapshot)
+    fields, arc_errors = _fields_at_points(request, path_answer.snapshot, loads_and_edges)
     fields_done = clock.perf_counter()
     work_of_last_cycle = float(path_answer.works[-1])
     loop_work = _loop_work_of(path_answer)
-    errors = _errors(request, path_answer, loads_and_edges, fields, arc_errors, loop_work)
-    errors_of_neglect = _errors_of_neglect(question, family)
+    errors = _relative_errors(request, path_answer, loads_and_edges, fields, arc_errors, loop_work)
+    errors_of_neglect = _errors_of_neglect(question, bulk_tilt_path)
     for name, error in errors_of_neglect.items():
         errors[name] = errors.get(name, 0.0) + error
     notes = [
         *neglected_coupling(scene.material),
-        *_neglected_loads(family),
-        *_notes_of_path(question, path, len(time), rows_left_out),
+        *_neglected_loads(bulk_tilt_path),
+        *_notes_of_path(question, path, len(time), n_rows_left_out),
         *_notes_of_errors(errors),
     ]
     termination, message = _ending_of(path)
@@ -195,8 +196,8 @@ def by_memory(question: Question, family: OneCurve | None) -> Findings:
     seconds["dissipation"] = work_done - history_done + clock.perf_counter() - fields_done
     # Work of each increment, where every instant is a row of the path.
     energy_over_time = {}
-    if len(path_answer.increments):
-        energy_over_time["dissipation"] = freeze(path_answer.increments)
+    if len(path_answer.work_increments):
+        energy_over_time["dissipation"] = freeze(path_answer.work_increments)
     return Findings(
         time=time,
         x=request.x,
@@ -207,7 +208,7 @@ def by_memory(question: Question, family: OneCurve | None) -> Findings:
             "dissipation": work_of_last_cycle,
             "loop_work": loop_work,
             "cycle_dissipation": path_answer.works,
-            "dissipation_density": path_answer.density[request.number_of_distance],
+            "dissipation_density": path_answer.density[request.distance_index],
             "steady_from": path.steady_from,
         },
         termination=termination,
@@ -223,12 +224,12 @@ def by_memory(question: Question, family: OneCurve | None) -> Findings:
     )
 
 
-def path_of_question(question: Question, family: OneCurve | None) -> LoadSeries | History:
-    """The load path of a question with its friction history: straight steps between the times asked
-    for, or the curved path of the scene.
+def path_of_question(question: Question, bulk_tilt_path: OneCurve | None) -> LoadSeries | History:
+    """The load path of a question, followed with its friction history: straight steps between the
+    times asked for, or the curved path of the scene.
 
-    With bulk stress or tilt, `family` has the loads along the path that one memory curve needs. A
-    memory curve is the tangential force, or the bulk strain, locked in up to each load.
+    With bulk stress or tilt `bulk_tilt_path` has the P and Q to follow, and the tilted contact;
+    None without these.
 
     Raises
     ------
@@ -240,16 +241,18 @@ def path_of_question(question: Question, family: OneCurve | None) -> LoadSeries 
     if question.straight_steps:
         if question.time is None:
             raise InputError("straight_steps: give the times between which the steps are straight")
-        path = scene.load.path() if family is None else family.path
-        return straight_series(path, friction, question.time)
-    if family is not None:
-        return history_of(family.path, friction, scene.cycles, question.time)
+        load_path = scene.load.path() if bulk_tilt_path is None else bulk_tilt_path.path
+        return straight_series(load_path, friction, question.time)
+    if bulk_tilt_path is not None:
+        return history_of(bulk_tilt_path.path, friction, scene.cycles, question.time)
     return _path_of(scene, question.time)
 
 
 def _path_of(scene: Scene, time: Array | None) -> LoadSeries | History:
-    """The scene's own path, followed by straight steps where no leg is curved: on a curved one some
-    sum of P and Q turns round.
+    """The load path of a scene with its friction history: by straight steps where all its load
+    segments are straight, else by times of stick and of slip in one direction.
+
+    A segment is curved where a sum of P and Q may turn inside of it.
     """
     if not isinstance(scene.load, TimeSeriesLoad):
         path = scene.load.path()
@@ -259,19 +262,23 @@ def _path_of(scene: Scene, time: Array | None) -> LoadSeries | History:
 
 
 def _request_of(
-    question: Question, family: OneCurve | None, path: LoadSeries | History, time: Array
+    question: Question,
+    bulk_tilt_path: OneCurve | None,
+    path: LoadSeries | History,
+    time: Array,
 ) -> Request:
-    """What the memory curves of a followed `path` are evaluated for: contact, fields, instants
-    `time` (n,) and points. A memory curve M(eta) is the tangential force of the flat punches up to
-    the load eta.
+    """What is to be evaluated along a followed `path`: contact, fields, instants `time` (n,) and
+    points x [length].
 
-    Where the question has no points they are chosen across the contact at the largest P; on a long
-    path, of which nothing asks for points, x = 0 alone. A symmetric contact is evaluated at
-    different |x| only. `family` holds the contacts of all loads under bulk stress or tilt on which
-    one memory curve exists; None without these.
+    A question without points gets them across the contact at the largest P. On a long record with
+    no field that needs points it gets x = 0 alone. A symmetric contact is evaluated at the
+    different |x| only. `bulk_tilt_path` has the tilted contact; None without bulk stress and tilt.
     """
     scene = question.scene
-    contact = family.contact if family is not None else contact_of(scene.profile, scene.material)
+    if bulk_tilt_path is not None:
+        contact: Contact = bulk_tilt_path.contact
+    else:
+        contact = contact_of(scene.profile, scene.material)
     x = question.x
     if x is None:
         needs_points = question.wants_pointwise or question.wants("dissipation_density")
@@ -280,13 +287,13 @@ def _request_of(
             if needs_points or not path.is_long_record
             else np.zeros(1)
         )
-    if family is None:
-        different_points, number_of_point = folded(x)
+    if bulk_tilt_path is None:
+        distance, distance_index = folded(x)
     else:
-        different_points, number_of_point = np.unique(x, return_inverse=True)
+        distance, distance_index = np.unique(x, return_inverse=True)
     modulus = composite_modulus(scene.material)
     return Request(
-        contact, modulus, time, x, different_points, number_of_point, question.fields, family
+        contact, modulus, time, x, distance, distance_index, question.fields, bulk_tilt_path
     )
 
 
@@ -303,7 +310,9 @@ def folded(x: Array) -> tuple[Array, Indices]:
 
 
 def _points_of(contact: Contact, largest_load: float) -> Array:
-    """Points across the largest contact and a little beyond; an unsymmetric one is not mirrored."""
+    """Points across the contact at the largest P and a little beyond [length]; mirrored about x =
+    0, or about the centre of a tilted contact.
+    """
     points = mirrored_points(1.05 * float(contact.half_width(largest_load)))
     return (
         points + float(contact.centre(largest_load))
@@ -313,8 +322,8 @@ def _points_of(contact: Contact, largest_load: float) -> Array:
 
 
 def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
-    """Normal contact of a scene, and its friction memory at instants (n,) of the load path: the
-    tangential force carried up to each load.
+    """Normal contact of a scene, and its friction states at instants (n,) of the load path, with
+    the memory curve of each: the tangential force of the flat punches up to each normal load.
 
     Raises
     ------
@@ -325,10 +334,11 @@ def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
     path = _path_of(scene, time)
     if isinstance(path, History):
         return contact, path.snapshot(time)
-    middle_point, number_of_point = folded(np.zeros(1))
+    # Memory curves are stored where a field needs them: shear does, at whichever point.
+    middle_point, middle_index = folded(np.zeros(1))
     modulus = composite_modulus(scene.material)
     request = Request(
-        contact, modulus, time, middle_point, middle_point, number_of_point, frozenset({"shear"})
+        contact, modulus, time, middle_point, middle_point, middle_index, frozenset({"shear"})
     )
     return contact, path_result(path, request).snapshot
 
@@ -336,17 +346,19 @@ def memory_at(scene: Scene, time: Array) -> tuple[SymmetricContact, Snapshot]:
 # --------------------------------------------------------------- states at instants, work of cycles
 @dataclass(frozen=True, eq=False)
 class PathResult:
-    """What a followed path leaves for an answer, whichever way it was followed.
+    """What a followed path leaves for an answer, whichever way it was followed. P_c is the load at
+    the stick edge: the normal load whose contact half-width is that of the stick zone.
 
     Attributes
     ----------
     snapshot
-        memory curves at the instants; without their pieces where no field needs them
-    balance
-        (n,) M(P) - Q there
+        friction states at the instants with their memory curves; without curves where no field
+        needs them
+    force_error
+        (n,) M(P) - Q there: what the memory curve carries, minus Q [force per thickness]
     least_stick_load
-        least P_c of the last cycle
-    slipped_share
+        least P_c of the last cycle [force per thickness]
+    largest_slipped_share
         largest (P - P_c)/P of all that was followed
     works
         (n_cycles,) friction work of the covered cycles, NaN where it was not wanted
@@ -356,36 +368,37 @@ class PathResult:
         (k,) W(x) of the last cycle, NaN where it was not wanted
     density_error
         its error over its largest value
-    loop
+    loop_integral
         closed integral of Q dU of the last cycle; None where it is not steady, or neither
         asked for nor needed for the error of the dissipation
     spans
-        of the last cycle, none for straight steps
-    increments
+        times of stick, or of slip in one direction, of the last cycle; none for straight steps
+    work_increments
         (n,) friction work since the instant before, empty where instants lie between rows
     counts
         what was done
-    full_stick
+    n_skipped_in_stick
         how many quadratures were not done, since nothing slips
     """
 
     snapshot: Snapshot
-    balance: Array
+    force_error: Array
     least_stick_load: float
-    slipped_share: float
+    largest_slipped_share: float
     works: Array
     work_errors: Array
     density: Array
     density_error: float
-    loop: LoopWork | None
+    loop_integral: LoopWork | None
     spans: Sequence[Span]
-    increments: Array
+    work_increments: Array
     counts: dict[str, int]
-    full_stick: int
+    n_skipped_in_stick: int
 
 
 def path_result(path: LoadSeries | History, request: Request) -> PathResult:
-    """States at the instants of the request and the friction work of the cycles.
+    """Friction states at the instants of a request, and friction work of the cycles, along a
+    followed path.
 
     Raises
     ------
@@ -397,78 +410,101 @@ def path_result(path: LoadSeries | History, request: Request) -> PathResult:
     return _result_of_series(path, request)
 
 
-class _Located(NamedTuple):
-    """The instants of a request in the order of the path, (n,) each: step, share of it that is
-    over, how far the share may be off. `back` brings them into the order of the request.
+class _InstantsOnPath(NamedTuple):
+    """Where the instants of a request are on a path of straight load steps, in the order of the
+    path, (n,) each.
+
+    Attributes
+    ----------
+    step
+        number of the load step
+    share_of_step
+        share of that step that is over
+    share_error
+        share within which two instants count as one
+    place_in_path
+        of each instant of the request, its place in the order of the path
     """
 
     step: Indices
-    share: Array
-    slack: Array
-    back: Indices
+    share_of_step: Array
+    share_error: Array
+    place_in_path: Indices
 
     @classmethod
-    def along(cls, series: LoadSeries, time: Array) -> _Located:
-        """Instants (n,) along a series."""
-        step, share, slack = series.locate(time)
-        order_in_path = np.lexsort((share, step))
+    def along(cls, series: LoadSeries, time: Array) -> _InstantsOnPath:
+        """The instants `time` (n,) on the path of a load series."""
+        step, share_of_step, share_error = series.locate(time)
+        order_in_path = np.lexsort((share_of_step, step))
         return cls(
             step[order_in_path],
-            share[order_in_path],
-            slack[order_in_path],
+            share_of_step[order_in_path],
+            share_error[order_in_path],
             np.argsort(order_in_path),
         )
 
     @property
     def all_at_rows(self) -> bool:
-        """Whether each instant is a row of the series."""
-        is_start = (self.share == 0) & (self.step == 0)
-        return bool(np.all((self.share == 1) | is_start))
+        """Whether each instant is a row of the series, the end of a step."""
+        is_start = (self.share_of_step == 0) & (self.step == 0)
+        return bool(np.all((self.share_of_step == 1) | is_start))
 
     def within(self, first_step: int, n_steps: int) -> tuple[Indices, Array, Array]:
-        """Of the instants that lie in `n_steps` steps from number `first_step` on: step counted
-        from that one, share of the step that is over, error of that share; (k,) each.
+        """Of the instants in `n_steps` steps from number `first_step` on: step counted from that
+        one, share of the step that is over, error of that share; (k,) each.
         """
         bounds = np.searchsorted(self.step, [first_step, first_step + n_steps])
         instants = slice(*bounds.tolist())
-        return self.step[instants] - first_step, self.share[instants], self.slack[instants]
+        return (
+            self.step[instants] - first_step,
+            self.share_of_step[instants],
+            self.share_error[instants],
+        )
 
 
-class _WantedOfPart(NamedTuple):
-    """What is wanted of one part of a load path: its friction work, that of each step, and W(x)."""
+class _IntegralsOfPart(NamedTuple):
+    """Which integrals over the slip of one part of a load path are wanted: its friction work, that
+    of each step, and W(x).
+    """
 
     work: bool
     work_of_steps: bool
     density: bool
 
+    @property
+    def count_per_record(self) -> int:
+        """How many integrals are taken over each record, a part of a step with slip."""
+        return int(self.work) + int(self.density)
+
 
 @dataclass(eq=False)
 class _SeriesSums:
-    """Sums over the blocks of a load series.
+    """Sums over the blocks of a load series. P_c is the load at the stick edge.
 
     Attributes
     ----------
-    works, errors, shares
-        (parts,) friction work of each part, its error, largest (P - P_c)/P
+    works, work_errors, slipped_shares
+        (parts,) friction work of each part of the path, its error [energy per thickness], and the
+        largest (P - P_c)/P
     step_works
         (steps + 1,) friction work of each step, behind a 0; (1,) where it is not wanted
     density
         (k,) W(x) of the last cycle
     least_stick_load
         least P_c of the last cycle
-    full_stick
-        records without slip in what was integrated
+    n_skipped_in_stick
+        integrals that were not taken, since nothing slips
     counts
         what was done
     """
 
     works: Array
-    errors: Array
-    shares: Array
+    work_errors: Array
+    slipped_shares: Array
     step_works: Array
     density: Array
     least_stick_load: float = math.inf
-    full_stick: int = 0
+    n_skipped_in_stick: int = 0
     counts: dict[str, int] = field(
         default_factory=lambda: dict.fromkeys(
             (
@@ -483,29 +519,29 @@ class _SeriesSums:
         )
     )
 
-    def count(self, block: StepBlock, integrals_per_span: int, pieces_before: int) -> None:
-        """Count what a block of load steps took: parts of steps, slip zones, integrals, pieces of
+    def count(self, block: StepBlock, integrals_per_record: int, pieces_before: int) -> None:
+        """Count what a block of load steps took: records, integrals over slip, straight pieces of
         the memory curve.
 
-        A step has one part or several, each with slip in one direction or in full stick. The memory
-        curve M(eta) is the tangential force of the flat punches up to the load eta. It consists of
-        straight pieces: each step adds one, and slip drops those that it passes.
+        A record is a part of a step, with slip in one direction or in full stick. The memory curve
+        M(eta) is the tangential force of the flat punches up to the load eta. Each step adds one
+        straight piece to it, and slip drops those that it passes.
 
         Parameters
         ----------
-        integrals_per_span
-            integrals (work, its density) that are taken over each part of a step
+        integrals_per_record
+            integrals (work, its density) that are taken over each record with slip
         pieces_before
             pieces of the memory curve before the block
         """
-        n_spans = len(block.records.row)
+        n_records = len(block.records.row)
         n_slips = int(np.count_nonzero(block.records.direction))
         n_steps = len(block.rows) - 1
         pieces_after = depth_of(block.curve)
-        self.counts["spans"] += n_spans
+        self.counts["spans"] += n_records
         self.counts["slips"] += n_slips
-        self.counts["slip_quadratures"] += integrals_per_span * n_slips
-        self.full_stick += integrals_per_span * (n_spans - n_slips)
+        self.counts["slip_quadratures"] += integrals_per_record * n_slips
+        self.n_skipped_in_stick += integrals_per_record * (n_records - n_slips)
         self.counts["pieces_dropped"] += n_steps + pieces_before - pieces_after
         self.counts["pieces_alive"] = max(self.counts["pieces_alive"], block.most_lines)
 
@@ -514,12 +550,12 @@ class _SeriesSums:
         block: StepBlock,
         part_number: int,
         first_step: int,
-        wanted: _WantedOfPart,
+        wanted_integrals: _IntegralsOfPart,
         request: Request,
         friction: float,
     ) -> None:
         """Add the friction work of a block of load steps, and its density W(x), where they are
-        wanted.
+        wanted [energy per thickness, and per area].
 
         Parameters
         ----------
@@ -531,150 +567,180 @@ class _SeriesSums:
             f
         """
         contact = request.contact
-        work_per_sum = request.unit_compliance * friction
+        work_per_integral = request.unit_compliance * friction
         slipping_records = block.records.slipping()
-        if wanted.work:
-            integrals = self.add_work(part_number, contact, slipping_records, work_per_sum)
-            if wanted.work_of_steps:
+        if wanted_integrals.work:
+            integrals = self.add_work(part_number, contact, slipping_records, work_per_integral)
+            if wanted_integrals.work_of_steps:
                 n_steps = len(block.rows) - 1
                 step_numbers = slice(first_step + 1, first_step + 1 + n_steps)
-                self.step_works[step_numbers] = work_per_sum * np.bincount(
+                self.step_works[step_numbers] = work_per_integral * np.bincount(
                     slipping_records.row, integrals, n_steps
                 )
-        if wanted.density:
-            self.density += work_per_sum * density_of_records(
+        if wanted_integrals.density:
+            self.density += work_per_integral * density_of_records(
                 contact, slipping_records, request.distance
             )
 
     def add_work(
-        self, part_number: int, contact: Contact, records: Records, work_per_sum: float
+        self,
+        part_number: int,
+        contact: Contact,
+        slipping_records: Records,
+        work_per_integral: float,
     ) -> Array:
-        """Add the friction work of a block of slip `records`, and its error, to part `part_number`
-        of the path; the integral of each record is returned, (m,).
+        """Add the friction work of a block, and its error, to part `part_number` of the path; the
+        integral of each record, a part of a step with slip, is returned, (m,).
 
-        An integral is int Lam dw, Lam the integral of ln(a/c) over loads, dw the slip force over f;
-        `work_per_sum` = f A/pi times it is work.
+        Work is f A/pi = `work_per_integral` times int Lam dw. Here w = +-Q - f P, the sign that of
+        slip. Lam is the integral of ln(a/c) over the loads from P_c to P, with a and c the
+        half-widths of contact and of stick.
         """
-        integrals, n_nodes = slip_work(contact, records)
-        self.works[part_number] += work_per_sum * float(np.sum(integrals))
-        self.errors[part_number] += work_per_sum * work_error(contact, records)
+        integrals, n_nodes = slip_work(contact, slipping_records)
+        self.works[part_number] += work_per_integral * float(np.sum(integrals))
+        self.work_errors[part_number] += work_per_integral * work_error(contact, slipping_records)
         self.counts["quadrature_nodes"] += n_nodes
         return integrals
 
     def rounding_of_parts(self) -> Array:
         """Relative error by rounding of the friction work of each part, (parts,)."""
         return np.array(
-            [error_by_slipped_load("dissipation", share) for share in self.shares.tolist()]
+            [error_by_slipped_load("dissipation", share) for share in self.slipped_shares.tolist()]
         )
 
     def quadrature_errors(self) -> Array:
         """Relative error by quadrature of the friction work of each part, (parts,); 0 of none."""
         no_work = np.zeros(len(self.works))
-        return np.divide(self.errors, self.works, out=no_work, where=self.works > 0)
+        return np.divide(self.work_errors, self.works, out=no_work, where=self.works > 0)
 
-    def see_stick_edge(self, block: StepBlock) -> None:
-        """Lower the least load P_c at the stick edge of the last cycle, where it is lower in a
-        block of load steps.
+    def update_slipped_share(self, block: StepBlock, part_number: int, largest_load: float) -> None:
+        """Raise the largest (P - P_c)/P of a part of the path to that of a block of it, P being the
+        `largest_load` of the part.
+        """
+        self.slipped_shares[part_number] = max(
+            self.slipped_shares[part_number], block.largest_slipped_load / largest_load
+        )
+
+    def update_least_stick_load(self, block: StepBlock) -> None:
+        """Lower the least load P_c at the stick edge of the last cycle to that of a block of load
+        steps, where it is lower.
         """
         records = block.records
-        edge_loads = records.load - records.slipped
-        edge_loads_after = records.load_after - records.slipped_after
-        least_of_block = min(float(np.min(edge_loads)), float(np.min(edge_loads_after)))
+        stick_loads = records.load - records.slipped
+        stick_loads_after = records.load_after - records.slipped_after
+        least_of_block = min(float(np.min(stick_loads)), float(np.min(stick_loads_after)))
         self.least_stick_load = min(self.least_stick_load, least_of_block)
 
 
 def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
-    """State of friction at the instants of a request, and friction work, along a load path of
-    straight steps, a load `series`.
+    """Friction states at the instants of a request, and friction work of the cycles, along a load
+    path of straight steps, a load `series`.
 
-    The path was followed once to find its cycles. Now the parts of it that the answer needs are
-    followed again, block by block, and work and states are gathered.
+    The path was followed once to find its cycles. Now the parts of it that the answer needs, its
+    initial loading or cycles, are followed again. Work and states are gathered block by block, a
+    block being some thousand steps of a part.
     """
-    contact = request.contact
     friction = series.friction
     wants_work = request.wants("dissipation")
     wants_density = request.wants("dissipation_density")
-    located = _Located.along(series, request.time)
-    wants_increments = wants_work and located.all_at_rows
+    instants = _InstantsOnPath.along(series, request.time)
+    wants_increments = wants_work and instants.all_at_rows
     covered_parts = series.covered_parts
     last_part = covered_parts[-1]
-    is_steady = series.steady_from is not None and series.covered[-1] >= series.steady_from
-    loop = None
-    if request.wants("loop_work") and is_steady:
-        loop = Loop(contact, request.modulus, friction, series.parts[last_part].largest_load)
+    loop_integral = _empty_loop_integral(series, request)
     states = States(friction, request.wants("shear", "slip", "tangential_displacement"))
-    sums = _SeriesSums(
+    path_sums = _SeriesSums(
         works=np.zeros(len(series.parts)),
-        errors=np.zeros(len(series.parts)),
-        shares=np.zeros(len(series.parts)),
+        work_errors=np.zeros(len(series.parts)),
+        slipped_shares=np.zeros(len(series.parts)),
         step_works=np.zeros(1 + (series.first_steps[-1] if wants_increments else 0)),
         density=np.zeros(len(request.distance)),
     )
-    for part_number in _parts_needed(series, located.step):
+    for part_number in _parts_needed(series, instants.step):
         part: PathPart = series.parts[part_number]
         is_last = part_number == last_part
-        wanted = _WantedOfPart(
+        wanted_integrals = _IntegralsOfPart(
             work=wants_work and (wants_increments or part_number in covered_parts),
             work_of_steps=wants_increments,
             density=wants_density and is_last,
         )
-        depth_before = depth_of(part.curve)
+        pieces_before = depth_of(part.curve)
         for first_row, block in blocks(part, friction, states.curves):
             first_step = series.first_steps[part_number] + first_row
-            states.add(block, *located.within(first_step, len(block.rows) - 1))
-            sums.shares[part_number] = max(
-                sums.shares[part_number], block.largest_slipped_load / part.largest_load
-            )
-            sums.count(block, wanted.work + wanted.density, depth_before)
-            depth_before = depth_of(block.curve)
-            sums.add_block(block, part_number, first_step, wanted, request, friction)
+            states.add(block, *instants.within(first_step, len(block.rows) - 1))
+            path_sums.update_slipped_share(block, part_number, part.largest_load)
+            path_sums.count(block, wanted_integrals.count_per_record, pieces_before)
+            pieces_before = depth_of(block.curve)
+            path_sums.add_block(block, part_number, first_step, wanted_integrals, request, friction)
             if is_last:
-                sums.see_stick_edge(block)
-                if loop is not None:
-                    loop.add(block)
-    rounding_of_parts = sums.rounding_of_parts()
-    relative_errors = sums.quadrature_errors() + rounding_of_parts
-    increments = np.empty(0)
+                path_sums.update_least_stick_load(block)
+                if loop_integral is not None:
+                    loop_integral.add(block)
+
+    rounding_of_parts = path_sums.rounding_of_parts()
+    relative_errors = path_sums.quadrature_errors() + rounding_of_parts
+    works = np.full(len(covered_parts), math.nan)
+    work_errors = np.zeros(len(covered_parts))
+    if wants_work:
+        works = path_sums.works[covered_parts]
+        work_errors = relative_errors[covered_parts]
+    work_increments = np.empty(0)
     if wants_increments:
         revolutions = series.revolutions_beyond(request.time)
-        increments = _increments_of_work(sums, located, revolutions * sums.works[last_part])
-    snapshot, balance = states.snapshot(request.time, located.back)
+        work_beyond = revolutions * path_sums.works[last_part]
+        work_increments = _increments_of_work(path_sums, instants, work_beyond)
+    snapshot, force_error = states.snapshot(request.time, instants.place_in_path)
     return PathResult(
         snapshot=snapshot,
-        balance=balance,
-        least_stick_load=sums.least_stick_load,
-        slipped_share=float(np.max(sums.shares)),
-        works=sums.works[covered_parts] if wants_work else np.full(len(covered_parts), math.nan),
-        work_errors=relative_errors[covered_parts] if wants_work else np.zeros(len(covered_parts)),
-        density=sums.density if wants_density else np.full(len(sums.density), math.nan),
+        force_error=force_error,
+        least_stick_load=path_sums.least_stick_load,
+        largest_slipped_share=float(np.max(path_sums.slipped_shares)),
+        works=works,
+        work_errors=work_errors,
+        density=path_sums.density if wants_density else np.full(len(path_sums.density), math.nan),
         density_error=rounding_of_parts[last_part] if wants_density else 0.0,
-        loop=loop.value if loop is not None else None,
+        loop_integral=loop_integral.value if loop_integral is not None else None,
         spans=(),
-        increments=increments,
+        work_increments=work_increments,
         counts={
             "rows": len(series.times),
-            **sums.counts,
+            **path_sums.counts,
             "curves": len(snapshot.uppermost_pieces) if states.curves else 0,
         },
-        full_stick=sums.full_stick,
+        n_skipped_in_stick=path_sums.n_skipped_in_stick,
     )
 
 
-def _increments_of_work(sums: _SeriesSums, located: _Located, work_beyond: Array) -> Array:
+def _empty_loop_integral(series: LoadSeries, request: Request) -> Loop | None:
+    """The closed integral of Q dU of the last cycle, to which its blocks are to be added; None
+    where it is not asked for or the cycle is not steady.
+    """
+    is_steady = series.steady_from is not None and series.covered[-1] >= series.steady_from
+    if not (request.wants("loop_work") and is_steady):
+        return None
+    last_cycle = series.parts[series.covered_parts[-1]]
+    return Loop(request.contact, request.modulus, series.friction, last_cycle.largest_load)
+
+
+def _increments_of_work(
+    path_sums: _SeriesSums, instants: _InstantsOnPath, work_beyond: Array
+) -> Array:
     """Friction work between successive instants of a request, (n,), 0 for the first one [energy per
-    thickness].
+    thickness]. All instants are ends of load steps.
 
     Parameters
     ----------
-    sums
+    path_sums
         with the work of each step of the path
-    located
-        where the instants are in the path: at ends of steps, all of them
+    instants
+        the load step that each instant ends
     work_beyond
         (n,) work of the whole cycles by which instants lie beyond the path that was followed
     """
-    rows_passed = (located.step + (located.share == 1))[located.back]
-    work_so_far = np.cumsum(sums.step_works)[rows_passed]
+    # An instant that is not at the end of its step is the start of the path, before any step.
+    is_at_end_of_step = instants.share_of_step == 1
+    n_steps_done = (instants.step + is_at_end_of_step)[instants.place_in_path]
+    work_so_far = np.cumsum(path_sums.step_works)[n_steps_done]
     work_so_far += work_beyond
     return np.diff(work_so_far, prepend=work_so_far[:1])
 
@@ -693,10 +759,10 @@ class _WorkOfCycle(NamedTuple):
 
 
 def _result_of_history(history: History, request: Request) -> PathResult:
-    """State of friction at the instants of a request, and friction work, along a curved load path,
-    from its spans: ranges of time with slip in one direction or full stick.
+    """Friction states at the instants of a request, and friction work of the cycles, along a curved
+    load path, from its spans: times of full stick, or of slip in one direction.
 
-    W(x) and the loop of Q over U are those of the last covered cycle.
+    W(x) and the closed integral of Q dU are those of the last covered cycle.
     """
     contact = request.contact
     last_cycle = history.covered[-1]
@@ -710,181 +776,237 @@ def _result_of_history(history: History, request: Request) -> PathResult:
     density_error = 0.0
     if request.wants("dissipation_density"):
         integrated_spans.extend(last_spans)
-        density_parts = pointwise_dissipation(
-            contact, request.modulus, last_spans, request.distance
-        )
-        density = density_parts.total
-        largest_density_error = float(np.max(density_parts.error))
-        if largest_density_error:
-            density_error = largest_density_error / float(np.max(density))
-        density_error += error_by_slipped_load("dissipation_density", slipped_share(last_spans))
-    loop = None
-    # Where W is no closed form, what both routes to it differ by is in its error.
+        density, density_error = _density_of_spans(last_spans, request)
+    loop_integral = None
+    # Where W is no closed form, its error contains the difference of the closed integral from it.
     needs_loop = request.wants("loop_work") or not contact.closed_form
     is_steady = history.steady_from is not None and last_cycle >= history.steady_from
     if works_of_cycles and is_steady and needs_loop:
-        loop = LoopWork(0.0, 0.0)
+        loop_integral = LoopWork(0.0, 0.0)
         if works_of_cycles[last_cycle].work:
-            loop = closed_integral(contact, request.modulus, last_spans)
-    least_stick_load = math.inf
-    for span in last_spans:
-        times = np.array([span.begin.time, span.end.time])
-        load, _ = span.segment.loads(times)
-        least_of_span = float(np.min(load - span.slipped_at(times, load)))
-        least_stick_load = min(least_stick_load, least_of_span)
-    n_slipping = sum(span.direction != 0 for span in integrated_spans)
+            loop_integral = closed_integral(contact, request.modulus, last_spans)
+    n_slipping_spans = sum(span.direction != 0 for span in integrated_spans)
+    works = np.full(len(history.covered), math.nan)
+    work_errors = np.zeros(len(history.covered))
+    if works_of_cycles:
+        works = np.array([works_of_cycles[cycle].work for cycle in history.covered])
+        work_errors = np.array([works_of_cycles[cycle].error for cycle in history.covered])
     return PathResult(
         snapshot=snapshot,
-        balance=_balance_of(snapshot),
-        least_stick_load=least_stick_load,
-        slipped_share=slipped_share(history.spans),
-        works=np.array(
-            [works_of_cycles[k].work if works_of_cycles else math.nan for k in history.covered]
-        ),
-        work_errors=np.array(
-            [works_of_cycles[k].error if works_of_cycles else 0.0 for k in history.covered]
-        ),
+        force_error=_force_error(snapshot),
+        least_stick_load=_least_stick_load(last_spans),
+        largest_slipped_share=slipped_share(history.spans),
+        works=works,
+        work_errors=work_errors,
         density=density,
         density_error=density_error,
-        loop=loop,
+        loop_integral=loop_integral,
         spans=last_spans,
-        increments=np.empty(0),
+        work_increments=np.empty(0),
         counts={
             "spans": len(history.spans),
             "pieces_alive": max(len(list(pieces(span.sticking_piece))) for span in history.spans),
-            "slip_quadratures": n_slipping,
-            "quadrature_nodes": n_slipping * NODES,
+            "slip_quadratures": n_slipping_spans,
+            "quadrature_nodes": n_slipping_spans * NODES,
         },
-        full_stick=len(integrated_spans) - n_slipping,
+        n_skipped_in_stick=len(integrated_spans) - n_slipping_spans,
     )
 
 
-def _balance_of(snapshot: Snapshot) -> Array:
-    """M(P) - Q of the curves of a history, (n,)."""
+def _density_of_spans(spans: Sequence[Span], request: Request) -> tuple[Array, float]:
+    """Friction work per area W(x) of a cycle at the distances of a request, (k,), and its error
+    over the largest W(x).
+
+    `spans` are the times of stick, or of slip in one direction, of the cycle.
+    """
+    density_parts = pointwise_dissipation(request.contact, request.modulus, spans, request.distance)
+    density = density_parts.total
+    relative_error = 0.0
+    largest_error_of_points = float(np.max(density_parts.error))
+    if largest_error_of_points:
+        relative_error = largest_error_of_points / float(np.max(density))
+    relative_error += error_by_slipped_load("dissipation_density", slipped_share(spans))
+    return density, relative_error
+
+
+def _least_stick_load(spans: Sequence[Span]) -> float:
+    """The least load P_c at the stick edge of a cycle [force per thickness].
+
+    P_c is the normal load whose contact half-width is that of the stick zone. `spans` are the times
+    of stick, or of slip in one direction; P_c is taken at their ends.
+    """
+    least_load = math.inf
+    for span in spans:
+        times = np.array([span.begin.time, span.end.time])
+        load, _ = span.segment.loads(times)
+        # `slipped_at` is P - P_c.
+        least_of_span = float(np.min(load - span.slipped_at(times, load)))
+        least_load = min(least_load, least_of_span)
+    return least_load
+
+
+def _force_error(snapshot: Snapshot) -> Array:
+    """M(P) - Q at the instants of a curved path, (n,): the tangential force that the memory curve
+    carries, minus Q. It is 0 but for round-off [force per thickness].
+    """
     slope_of_slip = snapshot.direction * snapshot.friction
     force_error = slope_of_slip * snapshot.slipped - snapshot.force
-    edge_load = snapshot.load - snapshot.slipped
+    stick_edge_load = snapshot.load - snapshot.slipped
     for piece, instants in snapshot.groups:
         assert isinstance(piece, Piece)  # for the type checker: a history has no others
-        force_error[instants] += force_on_piece(piece, edge_load[instants])
+        force_error[instants] += force_on_piece(piece, stick_edge_load[instants])
     return force_error
 
 
 def _works_of_cycles(history: History, request: Request) -> dict[int, _WorkOfCycle]:
-    """Friction work of each covered cycle of a curved load path, with its relative error, by the
-    number of the cycle.
+    """Friction work of each cycle that the answer covers, along a curved load path, with its
+    relative error, by the index of the cycle [energy per thickness].
 
-    W of a steady ellipse of P and Q comes from formulas that keep their digits, however small the
-    slip. Other cycles are integrated over their ranges of slip.
+    A steady ellipse of P and Q has formulas that keep their digits, however small the slip. Other
+    cycles are integrated over the times of slip.
     """
-    contact = request.contact
     friction = history.spans[0].friction
     ellipses = None
+    # `loop` is the load segment of the ellipse, where that is the whole cycle.
     if friction > 0 and history.loop is not None:
-        ellipses = _ellipses_of_leg(history.loop, friction)
+        ellipses = _ellipse_of_segment(history.loop, friction)
     works_of_cycles: dict[int, _WorkOfCycle] = {}
     for cycle in set(history.covered):
         is_steady = history.steady_from is not None and cycle >= history.steady_from
         if ellipses is not None and is_steady:
-            error = float(digits_of_loop(ellipses)[0])
-            forward_and_reverse = [part[0] for part in works_over_time(ellipses, contact)]
-            work = request.unit_compliance * friction**2 * float(sum(forward_and_reverse))
-            works_of_cycles[cycle] = _WorkOfCycle(work, error if error > PROMISED else 0.0)
+            works_of_cycles[cycle] = _work_of_ellipse(ellipses, friction, request)
         else:
-            spans = history.cycles[cycle]
-            work_parts = global_dissipation(contact, request.modulus, spans)
-            error = float(work_parts.error / work_parts.total) if work_parts.error else 0.0
-            error += error_by_slipped_load("dissipation", slipped_share(spans))
-            works_of_cycles[cycle] = _WorkOfCycle(float(work_parts.total), error)
+            works_of_cycles[cycle] = _work_of_spans(history.cycles[cycle], request)
     return works_of_cycles
 
 
-def _ellipses_of_leg(segment: LoadSegment, friction: float) -> Ellipses | None:
-    """The steady ellipse of P and Q that a segment of the load path describes, with its angles and
-    amplitudes, as an array of one; None where the segment is none.
+def _work_of_ellipse(ellipses: Ellipses, friction: float, request: Request) -> _WorkOfCycle:
+    """Friction work of a steady ellipse of P and Q, given as an array of one, and its relative
+    error by round-off; 0 where that is within what closed forms promise.
+    """
+    roundoff_error = float(digits_of_loop(ellipses)[0])
+    work_forward, work_reverse = works_over_time(ellipses, request.contact)  # times pi E*/(2 f^2)
+    scaled_work = float(work_forward[0] + work_reverse[0])
+    work = request.unit_compliance * friction**2 * scaled_work
+    return _WorkOfCycle(work, roundoff_error if roundoff_error > PROMISED else 0.0)
+
+
+def _work_of_spans(spans: Sequence[Span], request: Request) -> _WorkOfCycle:
+    """Friction work of a cycle by quadrature, and its relative error. `spans` are its times of
+    stick, or of slip in one direction.
+    """
+    work_parts = global_dissipation(request.contact, request.modulus, spans)
+    error = float(work_parts.error / work_parts.total) if work_parts.error else 0.0
+    error += error_by_slipped_load("dissipation", slipped_share(spans))
+    return _WorkOfCycle(float(work_parts.total), error)
+
+
+def _ellipse_of_segment(segment: LoadSegment, friction: float) -> Ellipses | None:
+    """The ellipse of P and Q that a segment of the load path describes, for the formulas of steady
+    ellipses, as an array of one; None where the segment is no ellipse.
     """
     ellipse = segment.ellipse
     if ellipse is None:
         return None
-    mean_load, _ = ellipse.mean
-    load_amplitude, force_amplitude = ellipse.amplitude
+    mean_normal_load, _ = ellipse.mean
+    amplitude_of_normal_load, amplitude_of_tangential_load = ellipse.amplitude
     return ellipses_of(
-        np.array([mean_load]),
-        np.array([load_amplitude]),
-        np.array([force_amplitude]),
+        np.array([mean_normal_load]),
+        np.array([amplitude_of_normal_load]),
+        np.array([amplitude_of_tangential_load]),
         np.array([ellipse.phase_radians]),
         np.array([friction]),
     )
 
 
 def _loop_work_of(answer: PathResult) -> float:
-    """Closed integral of Q dU; NaN where there is none, or rounding leaves less than two digits of
-    it: it is no second route any more.
+    """Closed integral of Q dU of the last cycle [energy per thickness]; NaN where there is none, or
+    round-off leaves less than two digits of it, too few to compare the friction work with.
     """
-    if answer.loop is None:
+    if answer.loop_integral is None:
         return math.nan
     work_of_last_cycle = float(answer.works[-1])
     if not work_of_last_cycle:
         return 0.0
-    return answer.loop.value if answer.loop.rounding < _TOO_ROUGH * work_of_last_cycle else math.nan
+    is_precise = answer.loop_integral.rounding < _TOO_ROUGH * work_of_last_cycle
+    return answer.loop_integral.value if is_precise else math.nan
 
 
 # ------------------------------------------------------------------------------- fields at instants
-def _series_of(request: Request, snapshot: Snapshot) -> dict[str, Array]:
-    """Values of the answer with one number per instant (n,), or per edge (n, 2), by name: loads,
-    displacements, half-widths and edges.
+def _values_over_time(request: Request, snapshot: Snapshot) -> dict[str, Array]:
+    """Loads, displacements, half-widths (n,) and edges (n, 2) at the instants of a request, by the
+    names of a ContactSolution [force per thickness, length].
 
-    With bulk stress and tilt also their values and the moments of the tractions; edges are then
-    those of the tilted contact. `snapshot` has the friction memory at the instants. NotFoundError
-    where no half-width was found for a load.
+    With bulk stress and tilt also these, and the moments of the tractions; edges are then those of
+    the tilted contact. `snapshot` has the friction states at the instants. Displacements that were
+    not asked for are NaN, and so are the edges of no stick zone.
+
+    Raises
+    ------
+    NotFoundError
+        Where no half-width was found for a load.
     """
     contact = request.contact
-    family = request.family
-    edge_load = snapshot.load - snapshot.slipped
+    # P_c, at which the contact is as wide as the stick zone; `slipped` is P - P_c.
+    stick_edge_load = snapshot.load - snapshot.slipped
     half_width = _half_width(contact, snapshot.load)
     instants_with_slip = np.flatnonzero(snapshot.slipped)
     stick_half_width = half_width.copy()
-    stick_half_width[instants_with_slip] = _half_width(contact, edge_load[instants_with_slip])
-    stick_half_width[(edge_load <= 0) & (stick_half_width == 0)] = np.nan
-    displacement_over_unit = np.full(len(request.time), np.nan)
-    approach = displacement_over_unit
+    stick_half_width[instants_with_slip] = _half_width(contact, stick_edge_load[instants_with_slip])
+    stick_half_width[(stick_edge_load <= 0) & (stick_half_width == 0)] = np.nan
+    scaled_displacement = np.full(len(request.time), np.nan)  # U pi/A
+    approach = scaled_displacement
     if request.wants("tangential_displacement"):
-        displacement_over_unit = Integrals(contact, np.zeros(1), "shift").over(snapshot)[:, 0]
+        scaled_displacement = Integrals(contact, np.zeros(1), "shift").over(snapshot)[:, 0]
     if request.wants("normal_approach"):
         approach = request.unit_compliance * contact.log_distance(snapshot.load)
-    sides = np.array([-1.0, 1.0])
-    contact_edges = half_width[:, None] * sides
-    stick_edges = stick_half_width[:, None] * sides
-    tangential_load = snapshot.force
-    bulk_and_tilt: dict[str, Array] = {}
-    if family is not None:
-        tangential_load = tangential_load * family.contact.tangential_fraction
-        bulk_and_tilt = family.series(request.time, snapshot.load)
-        moment_contact = replace(family.contact, rigid="moment")
-        shear_moment = Integrals(moment_contact, np.zeros(1), "shift").over(snapshot)[:, 0]
-        bulk_and_tilt["shear_moment"] = shear_moment
-        contact_edges = bulk_and_tilt.pop("contact_edges")
-        half_width = np.diff(contact_edges)[:, 0] / 2
-        has_slip_zones = (snapshot.slipped > 0) | np.isnan(stick_half_width)
-        shifted_stick_edges = family.contact.centre(edge_load)[:, None] + stick_edges
-        stick_edges = np.where(has_slip_zones[:, None], shifted_stick_edges, contact_edges)
-        family_approach = bulk_and_tilt.pop("normal_approach")
-        if request.wants("normal_approach"):
-            approach = family_approach
-    return bulk_and_tilt | {
+    left_and_right = np.array([-1.0, 1.0])
+    values = {
         "normal_load": snapshot.load,
-        "tangential_load": tangential_load,
-        "tangential_displacement": request.unit_compliance * displacement_over_unit,
+        "tangential_load": snapshot.force,
+        "tangential_displacement": request.unit_compliance * scaled_displacement,
         "normal_approach": approach,
         "contact_half_width": half_width,
         "stick_half_width": stick_half_width,
-        "contact_edges": contact_edges,
-        "stick_edges": stick_edges,
+        "contact_edges": half_width[:, None] * left_and_right,
+        "stick_edges": stick_half_width[:, None] * left_and_right,
     }
+    if request.bulk_tilt_path is not None:
+        values |= _values_with_bulk_and_tilt(request, request.bulk_tilt_path, snapshot, values)
+    return values
+
+
+def _values_with_bulk_and_tilt(
+    request: Request, bulk_tilt_path: OneCurve, snapshot: Snapshot, values: Mapping[str, Array]
+) -> dict[str, Array]:
+    """What bulk stress and tilt add to the values over time, or change in them, by name: bulk
+    stresses, tilt, moments of pressure and of shear (n,), edges (n, 2), Q and approach.
+
+    `values` are those of a contact centred at x = 0. `snapshot` has the friction states.
+    """
+    tilted_contact = bulk_tilt_path.contact
+    tilted_values = bulk_tilt_path.series(request.time, snapshot.load)
+    # The curve may be locked-in bulk strain in terms of a load: the fraction of Q is then 0.
+    tilted_values["tangential_load"] = snapshot.force * tilted_contact.tangential_fraction
+    moment_contact = replace(tilted_contact, rigid="moment")
+    shear_moment = Integrals(moment_contact, np.zeros(1), "shift").over(snapshot)[:, 0]
+    tilted_values["shear_moment"] = shear_moment
+    contact_edges = tilted_values["contact_edges"]
+    tilted_values["contact_half_width"] = np.diff(contact_edges)[:, 0] / 2
+    has_slip_zones = (snapshot.slipped > 0) | np.isnan(values["stick_half_width"])
+    stick_edge_load = snapshot.load - snapshot.slipped
+    stick_centre = tilted_contact.centre(stick_edge_load)
+    stick_edges = stick_centre[:, None] + values["stick_edges"]
+    tilted_values["stick_edges"] = np.where(has_slip_zones[:, None], stick_edges, contact_edges)
+    if not request.wants("normal_approach"):
+        tilted_values["normal_approach"] = values["normal_approach"]
+    return tilted_values
 
 
 def _half_width(contact: Contact, load: Array) -> Array:
-    """a(P), (n,): an inverse that was not found, NaN, must not go on as an answer."""
+    """Half-widths a(P) of contact under normal loads, (n,) [length]; NotFoundError, rather than a
+    NaN in the answer, where none was found.
+    """
     half_width = contact.half_width(load)
     numbers_not_found = np.flatnonzero(~np.isfinite(half_width))
     if len(numbers_not_found):
@@ -894,31 +1016,31 @@ def _half_width(contact: Contact, load: Array) -> Array:
     return half_width
 
 
-def _grids_of(
-    request: Request, snapshot: Snapshot, series: Mapping[str, Array]
+def _fields_at_points(
+    request: Request, snapshot: Snapshot, loads_and_edges: Mapping[str, Array]
 ) -> tuple[dict[str, NDArray[Any]], dict[str, float]]:
-    """Pressure, shear, slip and state of contact at the instants and points of a request, (n, m)
-    each, read-only; and the errors of shear and slip by arcs of the memory curve.
+    """Pressure, shear, slip and state of contact at the n instants and m points of a request,
+    (n, m) each, read-only; and the errors of shear and slip by integration along arcs.
 
-    A field that was not asked for is NaN, or open, and takes no room. An arc is a curved part of
-    the memory curve, over which is integrated. Tractions are infinite at the tip of a sharp wedge.
+    An arc is a curved piece of the memory curve M(eta), the tangential force of the flat punches up
+    to the load eta. A field that was not asked for is NaN, or open, and takes no memory. Tractions
+    are infinite at the tip of a sharp wedge.
 
     Parameters
     ----------
     snapshot
-        the memory curve M(eta) at each instant: the tangential force of the flat punches up to the
-        load eta
-    series
+        friction states at the instants, with the memory curve of each
+    loads_and_edges
         half-widths and edges at each instant, by name
 
     Raises
     ------
     NotFoundError
-        Where a value that is due was not found.
+        Where a value of a field is not a number.
     """
     contact = request.contact
     distances = request.distance
-    shape = (len(request.time), len(request.number_of_distance))
+    shape = (len(request.time), len(request.distance_index))
     fields: dict[str, NDArray[Any]] = {
         name: np.broadcast_to(np.nan, shape) for name in ("pressure", "shear", "slip")
     }
@@ -927,47 +1049,56 @@ def _grids_of(
     shear_integrals = Integrals(contact, distances, "shear")
     slip_integrals = Integrals(contact, distances, "slip")
     if request.wants("pressure"):
-        fields_at_distances["pressure"] = _pressure_of(request, snapshot, series)
+        fields_at_distances["pressure"] = _pressure_of(request, snapshot, loads_and_edges)
     if request.wants("shear"):
         fields_at_distances["shear"] = shear_integrals.over(snapshot)
     if request.wants("slip"):
         fields_at_distances["slip"] = request.unit_compliance * slip_integrals.over(snapshot)
     if request.wants("state"):
-        fields_at_distances["state"] = _state_of(request, snapshot, series)
+        fields_at_distances["state"] = _state_of(request, snapshot, loads_and_edges)
     for name, values in fields_at_distances.items():
         _require_finite(name, values, request)
-        field_at_points = values.take(request.number_of_distance, axis=1)
+        field_at_points = values.take(request.distance_index, axis=1)
         field_at_points.flags.writeable = False
         fields[name] = field_at_points
     return fields, {"shear": shear_integrals.arc_error, "slip": slip_integrals.arc_error}
 
 
-def _pressure_of(request: Request, snapshot: Snapshot, series: Mapping[str, Array]) -> Array:
-    """p at the instants and distances, (n, k)."""
-    if request.family is None:
+def _pressure_of(
+    request: Request, snapshot: Snapshot, loads_and_edges: Mapping[str, Array]
+) -> Array:
+    """Contact pressure at the instants and distances of a request, (n, k) [stress]; with bulk
+    stress and tilt from the edges and half-widths of the tilted contact in `loads_and_edges`.
+    """
+    if request.bulk_tilt_path is None:
         return request.contact.pressure(request.distance, snapshot.load[:, None])
-    contact_centre = np.mean(series["contact_edges"], axis=1)
-    half_width = series["contact_half_width"]
-    return request.family.contact.pressure_over(request.distance, contact_centre, half_width)
+    contact_centre = np.mean(loads_and_edges["contact_edges"], axis=1)
+    half_width = loads_and_edges["contact_half_width"]
+    tilted_contact = request.bulk_tilt_path.contact
+    return tilted_contact.pressure_over(request.distance, contact_centre, half_width)
 
 
 def _state_of(
-    request: Request, snapshot: Snapshot, series: Mapping[str, Array]
+    request: Request, snapshot: Snapshot, loads_and_edges: Mapping[str, Array]
 ) -> NDArray[np.int8]:
-    """State of contact, open, stick or slip, at the instants of a `snapshot` of the friction memory
-    and at the distances of a request, (n, k).
+    """State of contact at the instants and distances of a request, (n, k): open, stick, slip
+    forward or slip in reverse, by the codes of a ContactSolution.
 
-    Edges of contact and of stick, (n, 2), are in `series`. A point in contact sticks between the
-    stick edges and slips outside of them.
+    A point in contact sticks between the stick edges and slips outside of them, in the direction
+    that `snapshot` has. Edges of contact and of stick, (n, 2), are in `loads_and_edges`.
     """
     contact = request.contact
     distances = request.distance
-    # Where the ends slip opposite ways a direction is that of one side.
-    slip_sign = contact.sense(distances).astype(int) if isinstance(contact, OppositeSlip) else 1
-    states_by_direction = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
-    state_of_slip = states_by_direction[snapshot.direction[:, None] * slip_sign + 1]
-    is_stuck = between(series["stick_edges"], distances)
-    is_in_contact = between(series["contact_edges"], distances) & (snapshot.load[:, None] > 0)
+    # Where both ends of the contact slip in opposite directions, that of the snapshot is one end's.
+    sign_at_points = (
+        contact.sense(distances).astype(int) if isinstance(contact, OppositeSlip) else 1
+    )
+    codes_by_direction = np.array((SLIP_REVERSE, STICK, SLIP_FORWARD), dtype=np.int8)
+    direction_at_points = snapshot.direction[:, None] * sign_at_points  # -1, 0 or 1
+    state_of_slip = codes_by_direction[direction_at_points + 1]
+    is_stuck = between(loads_and_edges["stick_edges"], distances)
+    is_in_contact = between(loads_and_edges["contact_edges"], distances)
+    is_in_contact &= snapshot.load[:, None] > 0
     contact_state = np.where(is_stuck, np.int8(STICK), state_of_slip)
     return np.where(is_in_contact, contact_state, np.int8(OPEN))
 
@@ -986,7 +1117,7 @@ def _require_finite(name: str, values: NDArray[Any], request: Request) -> None:
 
 
 # ---------------------------------------------------------------- what a solution says of itself
-def _errors(
+def _relative_errors(
     request: Request,
     path_answer: PathResult,
     loads_and_edges: dict[str, Array],
@@ -994,20 +1125,21 @@ def _errors(
     arc_errors: Mapping[str, float],
     loop_work: float,
 ) -> dict[str, float]:
-    """Estimated relative errors of what was asked for, by name, each over the largest p, f p, slip,
-    U, W(x) or W. Closed forms promise round-off and have no entry.
+    """Estimated relative errors of the fields and works that were asked for, by name, each over the
+    largest p, f p, slip, U, W(x) or W; fields next to edges are "... at the edge".
 
-    "cycle_dissipation" is the error of the worst cycle, where it is above that of the last.
+    Closed forms promise round-off and have no entry. "cycle_dissipation" is the error of the worst
+    cycle, where it is above that of the last.
 
     Parameters
     ----------
     path_answer
-        states at the instants, and friction work of the cycles
+        friction states at the instants, and friction work of the cycles
     loads_and_edges, fields
         the answer's values over time, and its fields, by name
     arc_errors
-        errors of the integrals of shear and slip over arcs, curved parts of the memory curve. That
-        is M(eta), the tangential force of the flat punches up to the load eta
+        errors of the integrals of shear and slip along arcs, curved pieces of the memory curve
+        (tangential force of the flat punches up to each load)
     loop_work
         closed integral of Q dU of the last cycle
 
@@ -1019,11 +1151,12 @@ def _errors(
     contact = request.contact
     errors = {"dissipation_density": path_answer.density_error}
     if request.wants("pressure", *arc_errors):
-        errors |= errors_of_sums(
-            contact, _sums_of(request, path_answer.snapshot, loads_and_edges, fields, arc_errors)
+        kernel_sums = _kernel_sums(
+            request, path_answer.snapshot, loads_and_edges, fields, arc_errors
         )
+        errors |= errors_of_sums(contact, kernel_sums)
     errors["slip"] = errors.get("slip", 0.0) + error_by_slipped_load(
-        "slip", path_answer.slipped_share
+        "slip", path_answer.largest_slipped_share
     )
     if request.wants("tangential_displacement"):
         errors["tangential_displacement"] = error_of_displacement(
@@ -1032,102 +1165,114 @@ def _errors(
             loads_and_edges["tangential_displacement"] / request.unit_compliance,
         )
     if request.wants("dissipation"):
-        error_of_kernel, difference = error_of_work(
+        # The closed integral of Q dU is a second route to W: the two are compared.
+        kernel_error, difference_of_routes = error_of_work(
             contact,
             path_answer.spans,
             float(path_answer.works[-1]) / request.unit_compliance,
             _loop_integral_of(request, path_answer, loop_work),
         )
-        error_of_last = float(path_answer.work_errors[-1])
-        loop_error = error_of_last + difference
+        error_of_last_cycle = float(path_answer.work_errors[-1])
+        loop_error = error_of_last_cycle + difference_of_routes
         errors["loop_work"] = loop_error if loop_error > PROMISED else 0.0
-        errors["dissipation"] = error_of_last + error_of_kernel
+        errors["dissipation"] = error_of_last_cycle + kernel_error
         errors["dissipation_density"] += errors["dissipation"]
         error_of_worst_cycle = float(np.max(path_answer.work_errors))
         if error_of_worst_cycle > errors["dissipation"]:
             errors["cycle_dissipation"] = error_of_worst_cycle
-    allowed_names = (
+    names_in_answer = (
         *request.fields,
         "cycle_dissipation",
         *(f"{name} at the edge" for name in request.fields),
     )
-    return {name: error for name, error in errors.items() if error and name in allowed_names}
+    return {name: error for name, error in errors.items() if error and name in names_in_answer}
 
 
 def _loop_integral_of(request: Request, path_answer: PathResult, loop_work: float) -> LoopIntegral:
-    """The closed integral of Q dU, over A/pi."""
-    roundoff = path_answer.loop.rounding if path_answer.loop is not None else 0.0
+    """The closed integral of Q dU of the last cycle, and its round-off, over A/pi, as the second
+    route to the friction work [force^2 per thickness^2].
+    """
+    loop_integral = path_answer.loop_integral
+    roundoff = loop_integral.rounding if loop_integral is not None else 0.0
     return LoopIntegral(loop_work / request.unit_compliance, roundoff / request.unit_compliance)
 
 
-def _sums_of(
+def _kernel_sums(
     request: Request,
     snapshot: Snapshot,
     loads_and_edges: Mapping[str, Array],
     fields: Mapping[str, NDArray[Any]],
     arc_errors: Mapping[str, float],
 ) -> Sums:
-    """The sums of kernels that pressure, shear and slip are, at a sample of instants.
+    """What the error estimate of pressure, shear and slip needs at a sample of instants: points,
+    loads, half-widths, the largest slip, and the number of terms in the sums that they are.
+
+    Each straight piece of the memory curve M(eta) adds its slope times the difference of a kernel
+    at both its ends, M(eta) being the tangential force of the flat punches up to the load eta.
 
     Parameters
     ----------
     snapshot
-        the memory curve M(eta) at each instant: the tangential force of the flat punches up to the
-        load eta
+        friction states at the instants, with the memory curve of each
     loads_and_edges
         half-widths of contact and of stick at each instant, by name
     fields
         the answer's slip, NaN where it was not asked for
     arc_errors
-        errors of the integrals of shear and slip over arcs of the memory curve
+        errors of the integrals of shear and slip along arcs, curved pieces of the memory curve
     """
-    instants = np.unique(np.linspace(0, len(snapshot.load) - 1, _INSTANTS).astype(int))
+    sampled_instants = np.unique(np.linspace(0, len(snapshot.load) - 1, _INSTANTS).astype(int))
+    sampled_loads = snapshot.load[sampled_instants]
     slip = np.abs(fields["slip"])
+    largest_slip = float(np.max(slip, where=np.isfinite(slip), initial=0.0))
+    # Beside the stored pieces a curve has the line of slip, from the stick edge to the load.
+    most_lines = _most_pieces(snapshot, sampled_instants) + 1
     return Sums(
         distance=request.distance,
-        load=np.unique(np.append(snapshot.load[instants], np.max(snapshot.load))),
+        load=np.unique(np.append(sampled_loads, np.max(snapshot.load))),
         half_widths=loads_and_edges["contact_half_width"],
         stick_half_widths=loads_and_edges["stick_half_width"],
         friction=snapshot.friction,
-        largest_slip=float(np.max(slip, where=np.isfinite(slip), initial=0.0))
-        / request.unit_compliance,
-        n_kernels=2 * _most_pieces(snapshot, instants) + 2,
+        largest_slip=largest_slip / request.unit_compliance,
+        n_kernels=2 * most_lines,
         arc_errors=arc_errors,
     )
 
 
 def _most_pieces(snapshot: Snapshot, instants: Indices) -> int:
-    """Of how many pieces a memory curve of some instants is at most."""
-    curves = [snapshot.uppermost_pieces[k] for k in snapshot.piece_number[instants]]
+    """The largest number of pieces of the memory curves at some instants (k,)."""
+    curves = [snapshot.uppermost_pieces[number] for number in snapshot.piece_number[instants]]
     return max((len(list(pieces(curve))) for curve in curves), default=0)
 
 
-def _errors_of_neglect(question: Question, family: OneCurve | None) -> dict[str, float]:
-    """What loads that were left out of the memory of friction may do to the fields of friction."""
-    if family is None:
+def _errors_of_neglect(question: Question, bulk_tilt_path: OneCurve | None) -> dict[str, float]:
+    """Relative errors of the fields of friction, by name, by loads below round-off that were left
+    out so that the frictional state is one memory curve; empty where they are negligible.
+    """
+    if bulk_tilt_path is None:
         return {}
-    share = sum(family.neglected.values())
-    if share <= PROMISED:
+    # Each neglected load is a share of what makes an edge of contact slip or lift.
+    neglected_share = sum(bulk_tilt_path.neglected.values())
+    if neglected_share <= PROMISED:
         return {}
-    return dict.fromkeys(sorted(question.fields & _OF_FRICTION), share)
+    return dict.fromkeys(sorted(question.fields & _OF_FRICTION), neglected_share)
 
 
-def _neglected_loads(family: OneCurve | None) -> Iterator[str]:
+def _neglected_loads(bulk_tilt_path: OneCurve | None) -> Iterator[str]:
     """A sentence for each load that is below rounding and was left out, so that the memory of
     friction is one curve.
     """
-    for name, share in (family.neglected if family is not None else {}).items():
+    neglected_shares = bulk_tilt_path.neglected if bulk_tilt_path is not None else {}
+    for name, share in neglected_shares.items():
         size = f"{share:.1e} of what makes an edge of contact slip"
         yield f"{name}: {size} is below rounding and was left out of the memory of friction"
 
 
 def _notes_of_path(
-    question: Question, path: LoadSeries | History, rows: int, rows_left_out: int
+    question: Question, path: LoadSeries | History, n_rows: int, n_rows_left_out: int
 ) -> Iterator[str]:
-    """Sentences for the notes of an answer: that the last cycle is not steady, and that rows of a
-    measured record were left out.
-
-    The answer is given at `rows` of them, without `rows_left_out`.
+    """Sentences for the notes of an answer: that the last cycle is not steady, and that the answer
+    to a measured record is given at `n_rows` of its rows, without `n_rows_left_out`.
     """
     is_steady = path.steady_from is not None and path.covered[-1] >= path.steady_from
     if question.wants("dissipation") and path.period is not None and not is_steady:
@@ -1135,15 +1280,15 @@ def _notes_of_path(
             "the last cycle is not steady: no closed integral of Q dU to compare the dissipation"
             " with"
         )
-    if rows_left_out:
+    if n_rows_left_out:
         yield (
-            f"with pointwise fields the answer is given at {rows} rows, {rows_left_out} were left"
-            " out; `time` chooses others"
+            f"with pointwise fields the answer is given at {n_rows} rows, {n_rows_left_out} were"
+            " left out; `time` chooses others"
         )
 
 
 def _notes_of_errors(errors: Mapping[str, float]) -> Iterator[str]:
-    """A sentence for each error that is large."""
+    """Sentences for the notes of an answer: one for each relative error above `_DOUBTFUL`."""
     for name, error in errors.items():
         if error > _DOUBTFUL and "edge" not in name:
             reference = "the largest value"
@@ -1156,7 +1301,7 @@ def _notes_of_errors(errors: Mapping[str, float]) -> Iterator[str]:
 
 
 def _ending_of(path: LoadSeries | History) -> tuple[str, str]:
-    """How a path ended, in a word and in a sentence."""
+    """How a followed path ended, steady or not, as a term and as a sentence."""
     if path.period is None:
         return "end of path", "the path was followed to its end"
     if path.steady_from is None:
@@ -1167,63 +1312,67 @@ def _ending_of(path: LoadSeries | History) -> tuple[str, str]:
 def _skipped_of(
     scene: Scene, path: LoadSeries | History, answer: PathResult
 ) -> dict[str, tuple[int, str]]:
-    """What was not computed because it needs not be, by name: how often and why. Copies of a steady
-    cycle, and integrals over time in full stick.
+    """Work that was not needed and not done, by name, with its count and the reason: cycles that
+    are copies of the steady one, and quadratures over times of full stick.
     """
     skipped_work = {}
-    copies = max(scene.cycles, len(path.covered)) - len(path.cycles)
-    if path.repeats and path.steady_from is not None and copies > 0:
+    n_copies = max(scene.cycles, len(path.covered)) - len(path.cycles)
+    if path.repeats and path.steady_from is not None and n_copies > 0:
         skipped_work["cycles"] = (
-            copies,
+            n_copies,
             f"copies of cycle {path.steady_from + 1}, which is steady",
         )
-    if answer.full_stick:
-        skipped_work["quadratures"] = (answer.full_stick, "full stick: nothing slips")
+    if answer.n_skipped_in_stick:
+        skipped_work["quadratures"] = (
+            answer.n_skipped_in_stick,
+            "full stick: nothing slips",
+        )
     return skipped_work
 
 
 def _permanent_stick(contact: Contact, answer: PathResult, largest_load: float) -> dict[str, Any]:
-    """Half-width of the zone that sticks all through the last cycle, and its two edges for an
-    unsymmetric contact; NaN where nothing does.
+    """Half-width of the permanent stick zone, which sticks all through the last cycle, by name; for
+    an unsymmetric contact also its two edges [length]. NaN where nothing sticks throughout.
 
-    The zone is the contact under the least load P_c at the stick edge. `largest_load` is the
-    largest P of the path.
+    The stick zone at an instant is as wide as the contact under a load P_c. The permanent one
+    belongs to the least P_c of the cycle. `largest_load` is the largest P of the path.
     """
-    # A P_c that is no more than the last digits of P counts as 0: nothing sticks at that instant,
-    # not even a flat face, which has its half-width without any load.
-    least_load = (
-        answer.least_stick_load if answer.least_stick_load > LAST_DIGITS * largest_load else 0.0
-    )
-    has_stick = least_load > 0
-    half_width = float(contact.half_width(least_load)) if has_stick else math.nan
-    values: dict[str, Any] = {"permanent_stick_half_width": half_width}
+    # A P_c below the round-off of P counts as 0: nothing sticks at that instant, not even under a
+    # flat face, whose half-width at no load is not 0.
+    roundoff_of_load = LAST_DIGITS * largest_load
+    stick_load = answer.least_stick_load if answer.least_stick_load > roundoff_of_load else 0.0
+    has_stick = stick_load > 0
+    half_width = float(contact.half_width(stick_load)) if has_stick else math.nan
+    half_width_and_edges: dict[str, Any] = {"permanent_stick_half_width": half_width}
     if isinstance(contact, TiltedProfile):
-        edges = contact.interval(least_load) if has_stick else np.full(2, math.nan)
-        values["permanent_stick_edges"] = edges
-    return values
+        edges = contact.interval(stick_load) if has_stick else np.full(2, math.nan)
+        half_width_and_edges["permanent_stick_edges"] = edges
+    return half_width_and_edges
 
 
 def _admissibility(
-    request: Request, answer: PathResult, grids: Mapping[str, NDArray[Any]]
+    request: Request, answer: PathResult, fields: Mapping[str, NDArray[Any]]
 ) -> dict[str, Array]:
-    """Checks of the laws of contact at each instant, by name, (n,) each, 0 where satisfied.
+    """Checks of tangential equilibrium and of the Coulomb limit at each instant, by name, (n,)
+    each, 0 where satisfied.
 
         tangential_balance    |M(P) - Q| / (f times the largest P)
         cone                  the largest |q| - f p, over f times the largest p
 
-    The memory curve M(eta) is the tangential force carried up to the load eta, M(P) that of the
-    whole contact. The Coulomb limit ("cone") is checked where `grids` have both tractions.
+    M(P) is the tangential force that the memory curve carries over the whole contact. The Coulomb
+    limit ("cone") is checked where `fields` have both tractions.
     """
     friction = answer.snapshot.friction
-    largest_limit = friction * float(np.max(answer.snapshot.load))
-    checks = {"tangential_balance": freeze(np.abs(answer.balance) / max(largest_limit, _TINY))}
+    largest_friction_force = friction * float(np.max(answer.snapshot.load))
+    relative_force_error = np.abs(answer.force_error) / max(largest_friction_force, _TINY)
+    checks = {"tangential_balance": freeze(relative_force_error)}
     if request.wants("pressure") and request.wants("shear"):
-        pressure = grids["pressure"]
-        # At the tip of a wedge p is infinite: no q is outside the cone there, and none is a measure
-        # of the others.
+        pressure = fields["pressure"]
+        # At the tip of a wedge p is infinite: no q is above the Coulomb limit there, and none is a
+        # measure of the others.
         with np.errstate(invalid="ignore"):
-            excess = np.abs(grids["shear"]) - friction * pressure
-        largest_excess = np.fmax.reduce(excess, axis=1, initial=0.0)
+            excess_shear = np.abs(fields["shear"]) - friction * pressure
+        largest_excess = np.fmax.reduce(excess_shear, axis=1, initial=0.0)
         largest_pressure = float(np.max(pressure, where=np.isfinite(pressure), initial=0.0))
         checks["cone"] = freeze(largest_excess / max(friction * largest_pressure, _TINY))
     return checks
