@@ -106,7 +106,7 @@ def checked_fields(fields: str | Iterable[str], cycles: Cycles) -> frozenset[str
     """The names of the fields that a caller of `solve` asks for; InputError for one that does not
     exist, or for other `cycles` than "all" and "steady".
 
-    Who asks for the closed integral of Q dU gets the friction work too.
+    "loop_work", the closed integral of Q dU, brings "dissipation", the friction work W, with it.
     """
     if cycles not in ("all", "steady"):
         raise InputError(f"cycles: {cycles!r} is neither 'all' nor 'steady'")
@@ -119,9 +119,10 @@ def checked_fields(fields: str | Iterable[str], cycles: Cycles) -> frozenset[str
 
 
 def vector(values: ArrayLike | None, name: str) -> Array | None:
-    """Numbers that a caller gave as an array (n,), one alone too; None where none are given.
+    """A caller's numbers as an array (n,), a single number as (1,); None where none are given.
 
-    InputError with their `name` for anything else than finite numbers in one row.
+    InputError, with the `name` of the argument, for an empty list, for more than one dimension, and
+    for numbers that are not finite or above `LARGEST`.
     """
     if values is None:
         return None
@@ -130,11 +131,11 @@ def vector(values: ArrayLike | None, name: str) -> Array | None:
         raise InputError(
             f"{name}: a list of finite numbers is needed, not an array of shape {array.shape}"
         )
-    wrong = array[~(np.abs(array) <= LARGEST)]
-    if len(wrong):
+    unusable_numbers = array[~(np.abs(array) <= LARGEST)]
+    if len(unusable_numbers):
         raise InputError(
-            f"{name}: a list of finite numbers is needed, each at most {LARGEST:g}, and {wrong[0]}"
-            " is none"
+            f"{name}: a list of finite numbers is needed, each at most {LARGEST:g}, and"
+            f" {unusable_numbers[0]} is none"
         )
     return array
 
@@ -146,8 +147,8 @@ def mirrored_points(edge: float) -> Array:
 
 
 def between(edges: Array, x: Array) -> NDArray[np.bool_]:
-    """Whether points (k,) are between two edges (n, 2): (n, k); of no stick zone only its middle x
-    = 0 is within.
+    """Whether points (k,) are between the left and the right edge of a zone, (n, 2), at each
+    instant: (n, k). A zone without edges, NaN, has its middle x = 0 alone.
     """
     left = np.nan_to_num(edges[:, [0]])
     right = np.nan_to_num(edges[:, [1]])

@@ -28,17 +28,18 @@ _INSTANTS = 400
 
 
 def in_phase(question: Question, strokes: tuple[Way, Way]) -> Findings:
-    """Half-plane answer for the steady cycle of loads in phase under bulk stress and tilt:
-    pressure, edges, state and friction work.
+    """Half-plane answer for the steady cycle of loads in phase: pressure, edges, state and friction
+    work under P, Q, bulk strain and tilt that go there and back on one line.
 
-    It is the second cycle. What depends on the initial loading is NaN: shear, slip and the
-    tangential displacement. `strokes` are the forward and the reverse stroke of the cycle.
+    The second cycle is steady. What depends on the initial loading is NaN: shear, slip and the
+    tangential displacement. `strokes` are the forward and the reverse half of the cycle, in which Q
+    rises and falls, with slip in one direction each.
     """
     started = clock.perf_counter()
     scene = question.scene
     path = scene.load.path()
-    loads, tilted_contact = leaning_profile(scene)
-    time, (normal_load, tangential_load, _, tilt) = _instants_of_cycle(loads)
+    path_loads, tilted_contact = leaning_profile(scene)
+    time, (normal_load, tangential_load, _, tilt) = _instants_of_cycle(path_loads)
     period = path.cycle[-1].end - path.cycle_start
     is_forward = _rises(time, tangential_load, period)
     contact_middle, contact_half_width = tilted_contact.under(normal_load, tilt)
@@ -77,9 +78,9 @@ def in_phase(question: Question, strokes: tuple[Way, Way]) -> Findings:
     if question.wants("dissipation_density"):
         density, errors["dissipation_density"] = _density_of(strokes, x)
     permanent_stick_edges = stick_edges[np.argmax(tangential_load)]
-    stress_of_lower, stress_of_upper = loads.stresses(time)
+    stress_of_lower, stress_of_upper = path_loads.stresses(time)
     return Findings(
-        time=time + period,
+        time=time + period,  # the second cycle, of which the loads are those of the first
         x=x,
         values={
             "normal_load": normal_load,
@@ -116,19 +117,20 @@ def in_phase(question: Question, strokes: tuple[Way, Way]) -> Findings:
 
 
 def _instants_of_cycle(loads: PathLoads) -> tuple[Array, Array]:
-    """Times of the first cycle (n,), evenly over each leg and at every turning point, and P, Q, eps
-    and alpha at them (4, n).
+    """Times of the first cycle (n,), evenly over each load segment and at every turning point, and
+    P, Q, bulk strain and tilt at them (4, n).
     """
-    legs = loads.path.cycle
+    segments = loads.path.cycle
     times = []
-    for leg in legs:
-        spread_times = np.linspace(leg.start, leg.end, _INSTANTS // len(legs) + 2)[1:]
-        times.append(np.unique(np.append(spread_times, loads.turning_times(leg))))
+    for segment in segments:
+        n_times = _INSTANTS // len(segments) + 2
+        even_times = np.linspace(segment.start, segment.end, n_times)[1:]
+        times.append(np.unique(np.append(even_times, loads.turning_times(segment))))
     return np.concatenate(times), np.concatenate([loads.values(time) for time in times], axis=1)
 
 
 def _rises(time: Array, force: Array, period: float) -> NDArray[np.bool_]:
-    """Whether Q rises up to each instant (n,), from its least value on."""
+    """Whether Q rises at each instant (n,) of a cycle, from its least value to its largest."""
     time_of_least = time[np.argmin(force)]
     time_of_largest = time[np.argmax(force)]
     rise_duration = (time_of_largest - time_of_least) % period
@@ -136,29 +138,36 @@ def _rises(time: Array, force: Array, period: float) -> NDArray[np.bool_]:
 
 
 def _stick_zones(
-    ways: tuple[Way, Way], force: Array, rises: NDArray[np.bool_]
+    strokes: tuple[Way, Way], tangential_load: Array, is_forward: NDArray[np.bool_]
 ) -> tuple[Array, Array]:
-    """Middles and half-widths of stick, (n,) each, where Q is `force`."""
-    forward, reverse = ways
-    share_of_stroke = np.clip((force - forward.begin[1]) / forward.change[1], 0, 1)
+    """Middles and half-widths of the stick zone at instants of the steady cycle, (n,) each
+    [length].
+
+    `tangential_load` (n,) is Q there, `is_forward` (n,) whether the stroke is the one in which Q
+    rises.
+    """
+    forward, reverse = strokes
+    share_of_stroke = np.clip((tangential_load - forward.begin[1]) / forward.change[1], 0, 1)
     middle, half_width = np.where(
-        rises, forward.stick(share_of_stroke), reverse.stick(1 - share_of_stroke)
+        is_forward, forward.stick(share_of_stroke), reverse.stick(1 - share_of_stroke)
     )
     return middle, half_width
 
 
-def _work_of(ways: tuple[Way, Way]) -> tuple[float, float]:
-    """W of a cycle, and by what share of it half as many nodes change it."""
-    work = math.fsum(way.work(WAY_NODES) for way in ways)
-    by_half_the_nodes = math.fsum(way.work(WAY_NODES // 2) for way in ways)
-    return work, abs(by_half_the_nodes / work - 1)
-
-
-def _density_of(ways: tuple[Way, Way], x: Array) -> tuple[Array, float]:
-    """W(x) of a cycle at points (k,), and by what share of the largest half as many nodes change
-    it.
+def _work_of(strokes: tuple[Way, Way]) -> tuple[float, float]:
+    """Friction work W of the steady cycle [energy per thickness], and its relative error: what half
+    as many quadrature nodes change.
     """
-    forward, reverse = ways
+    work = math.fsum(stroke.work(WAY_NODES) for stroke in strokes)
+    work_by_half_the_nodes = math.fsum(stroke.work(WAY_NODES // 2) for stroke in strokes)
+    return work, abs(work_by_half_the_nodes / work - 1)
+
+
+def _density_of(strokes: tuple[Way, Way], x: Array) -> tuple[Array, float]:
+    """Friction work per area W(x) of the steady cycle at points (k,), and its error over the
+    largest: what half as many quadrature nodes change.
+    """
+    forward, reverse = strokes
     density = forward.density(x, WAY_NODES) + reverse.density(x, WAY_NODES)
     by_half_the_nodes = forward.density(x, WAY_NODES // 2) + reverse.density(x, WAY_NODES // 2)
     largest_density = float(np.max(density))

@@ -46,22 +46,23 @@ class GridAnswer:
     """
 
     def __init__(self, question: Question) -> None:
-        """Follow the load path of a question by a numerical solution on grids, at its points, or at
-        some across the contact where it has none.
+        """Follow the load path of a question, with bulk stress and tilt, by a numerical solution on
+        grids; at its points, or at some across the contact where it has none.
         """
-        self._started = clock.perf_counter()
+        self._start_of_clock = clock.perf_counter()
         scene = question.scene
-        self._loads, self._leaning = leaning_profile(scene)
+        # P, Q, bulk strain and tilt over time, and the profile as a contact under any tilt.
+        self._path_loads, self._tilted_contact = leaning_profile(scene)
         x = question.x
         if x is None:
-            edges = edges_along(self._loads, self._leaning)
-            x = mirrored_points(1.05 * float(np.max(np.abs(edges))))
+            contact_edges = edges_along(self._path_loads, self._tilted_contact)
+            x = mirrored_points(1.05 * float(np.max(np.abs(contact_edges))))
         self.question = question
         self.x = x
         self._steady_only = question.wants_last_cycle_alone and question.fields <= STEADY_FIELDS
         self.followed: Followed = follow_on_grid(
-            self._loads,
-            self._leaning,
+            self._path_loads,
+            self._tilted_contact,
             scene.profile.height,
             scene.friction.coefficient,
             x,
@@ -74,23 +75,20 @@ class GridAnswer:
         )
 
     def findings(self, steady_cycle: Findings | None) -> Findings:
-        """The answer of a path that was followed on grids: fields, estimated errors, notes and how
-        the path ended.
+        """The answer of a path that was followed on grids: loads, fields and friction work, their
+        estimated errors, notes, and how the path ended.
 
-        W, W(x) and permanent stick are those of `steady_cycle`, the cycle found without the initial
-        loading, where it is known. A cycle that is not steady gets a note of how far its W may be
-        from the steady one.
+        `steady_cycle` is the steady cycle without grids and without the initial loading, where that
+        was found: W, W(x) and permanent stick are taken from it. A last cycle that is not steady
+        gets a note of how far its W may be from the steady one.
         """
         question = self.question
         followed = self.followed
         path = question.scene.load.path()
         is_steady = followed.steady_from is not None
         values = self._values()
-        all_errors = dict(followed.errors)
         work_of_last_cycle = float(followed.works[-1])
-        if is_steady and work_of_last_cycle > 0:
-            all_errors["dissipation"] += abs(followed.loop / work_of_last_cycle - 1)
-        errors = {name: error for name, error in all_errors.items() if name in question.fields}
+        errors = self._errors_on_grids()
         if steady_cycle is not None:
             cycle_works = values["cycle_dissipation"]
             is_before_steady = np.arange(len(cycle_works)) < (followed.steady_from or 0)
@@ -102,6 +100,7 @@ class GridAnswer:
             errors |= dict(steady_cycle.errors)
         notes = [*neglected_coupling(question.scene.material), self._note(steady_cycle)]
         if path.period is not None and not is_steady:
+            # `remainder` estimates what the last cycle's work differs from the steady one by.
             unsteady_share = followed.remainder / work_of_last_cycle
             notes.append(
                 f"the last cycle, number {len(followed.works)}, is not steady: by the trend its"
@@ -124,26 +123,40 @@ class GridAnswer:
             notes=tuple(notes),
             errors=errors,
             counts={"cycles_solved": len(followed.works), **followed.counts},
-            seconds={"history": clock.perf_counter() - self._started},
+            seconds={"history": clock.perf_counter() - self._start_of_clock},
         )
 
+    def _errors_on_grids(self) -> dict[str, float]:
+        """Relative errors of the fields that were asked for, by name. That of the work of a steady
+        cycle contains its difference from the closed integral of Q dU.
+        """
+        followed = self.followed
+        errors = dict(followed.errors)
+        work_of_last_cycle = float(followed.works[-1])
+        if followed.steady_from is not None and work_of_last_cycle > 0:
+            errors["dissipation"] += abs(followed.loop / work_of_last_cycle - 1)
+        return {name: error for name, error in errors.items() if name in self.question.fields}
+
     def _note(self, steady_cycle: Findings | None) -> str:
-        """The sentence that an answer by grids carries: number of cells and increments, and how
-        well W and the edges of stick are known.
+        """The sentence that an answer by grids carries: numbers of cells across the contact and of
+        increments in a cycle, and how well W and the stick edges are known.
 
         With `steady_cycle` it states that W does not come from grids.
         """
         followed = self.followed
         cells = followed.counts["cells"]
-        zones = followed.counts["pieces"]
+        n_stick_zones = followed.counts["pieces"]
         error_of_work = f"dissipation to {followed.errors['dissipation']:.1e}, "
-        note_of_zones = f"; they are the outer ones of up to {zones} zones" if zones > 1 else ""
+        note_of_zones = ""
+        if n_stick_zones > 1:
+            note_of_zones = f"; they are the outer ones of up to {n_stick_zones} zones"
         note_of_work = ""
         if steady_cycle is not None:
             error_of_work = ""
             note_of_work = (
                 "; W, W(x) and permanent stick are those of the steady cycle, without grids"
             )
+        # A cell is 2/cells of the largest half-width a.
         return (
             f"no one memory curve: half-plane theory on grids of {cells} cells and {INCREMENTS}"
             f" increments a cycle, {error_of_work}edges of stick to about {2 / cells:.2g} a"
@@ -151,18 +164,23 @@ class GridAnswer:
         )
 
     def _rows(self) -> slice:
-        """The instants of the answer among those that were followed."""
+        """The instants of the answer, among all that were followed, as a slice: those of the last
+        cycle where it alone is asked for, else all.
+        """
         path = self.question.scene.load.path()
         if not self.question.wants_last_cycle_alone or path.period is None:
             return slice(None)
-        last_cycle = path.cycle_start + (len(self.followed.works) - 1) * path.period
-        return slice(int(np.searchsorted(self.followed.time, last_cycle * (1 + 1e-12))), None)
+        start_of_last_cycle = path.cycle_start + (len(self.followed.works) - 1) * path.period
+        return slice(
+            int(np.searchsorted(self.followed.time, start_of_last_cycle * (1 + 1e-12))), None
+        )
 
     def _values(self) -> dict[str, Any]:
-        """Loads, fields and friction work as the grids give them, by the names of an answer; NaN,
-        and open, for what was not asked for.
+        """Loads (n,), edges (n, 2), fields (n, k) and friction work as the grids give them, by the
+        names of a ContactSolution; NaN, and open, for what was not asked for.
 
-        The displacement counts from the datum of the profile, the grids' own from a length of 1.
+        U of the grids has the datum length 1, that of the answer the datum length of the profile:
+        (A/pi) Q ln(L) is added.
         """
         question = self.question
         followed = self.followed
@@ -174,13 +192,13 @@ class GridAnswer:
         stick_edges = followed.stick_edges[rows]
         contact_middle = np.mean(contact_edges, axis=1)
         contact_half_width = np.diff(contact_edges)[:, 0] / 2
-        stress_of_lower, stress_of_upper = self._loads.stresses(time)
+        stress_of_lower, stress_of_upper = self._path_loads.stresses(time)
         unit_compliance = 2 / (math.pi * composite_modulus(scene.material))
         datum_shift = unit_compliance * tangential_load * math.log(scene.profile.datum_length)
         works = followed.works[-1:] if self._steady_only else followed.works
         values: dict[str, Any] = {
             "tangential_displacement": followed.displacement[rows] + datum_shift,
-            "normal_approach": self._leaning.approach(
+            "normal_approach": self._tilted_contact.approach(
                 contact_middle, contact_half_width, normal_load, tilt
             ),
             "pressure": followed.pressure[rows],
@@ -203,7 +221,7 @@ class GridAnswer:
             values["dissipation"] = math.nan
             values["loop_work"] = math.nan
             values["cycle_dissipation"] = np.full_like(works, np.nan)
-        # a path without cycles ends unloaded, where nothing sticks
+        # A path without cycles ends unloaded, where nothing sticks.
         permanent_stick_edges = np.full(2, math.nan)
         if scene.load.path().period is not None:
             permanent_stick_edges = followed.permanent_stick_edges
