@@ -1,14 +1,13 @@
-"""Slope h' of a height h that a function gives, and what the rounding of its values leaves
-uncertain in loads.
+"""Slope h'(x) of a profile whose height h(x) is given by a function only, and the errors of load
+and stiffness that round-off in its values causes.
 
-A derivative of a series multiplies the rounding in coefficient k by k^2. So each series is fitted
-by least squares to many more values than it has coefficients, and coefficients within the rounding
-are dropped. The rounding of the values is what a series of full degree leaves of them; a
-coefficient of n values has sqrt(2/n) of it.
+A derivative of a Chebyshev series multiplies the round-off in coefficient k by k^2. So each series
+is fitted by least squares to many more values than it has coefficients, and coefficients within
+their round-off are dropped. The standard deviation of the values' round-off is that of the
+residuals of a series of full degree. A coefficient fitted to n values has sqrt(2/n) of it.
 
-Near x = 0 a height such as R - sqrt(R^2 - x^2) is a difference of larger numbers. There it has few
-digits of its own, and the slope is that of one polynomial of x^2 which begins at 0, fitted as far
-out as one resolves h.
+Near x = 0 a height such as R - sqrt(R^2 - x^2) is a difference of larger numbers, with few digits
+of its own. There one polynomial in x^2 is fitted from 0 on, as far out as one resolves h.
 """
 
 from __future__ import annotations
@@ -26,79 +25,83 @@ from scenes.chebyshev import DEGREE, Pieces, Unresolved, fit, tail
 
 Function = Callable[[Array], Array]
 
-# Values that a series is fitted to: of a piece, and of the polynomial of x^2. The rounding of one
-# is left by 6 % and by 2 %.
-_SAMPLES_OF_PIECE = 512
-_SAMPLES_OF_CORE = 4096
-# A coefficient counts from so many standard deviations on. Rounding is no perfect chance: above 4
-# some is left, above 8 none was seen; what is dropped with it costs 1e-15 of a load.
+# Number of values that a series is fitted to: on an interval, and of the polynomial in x^2. A
+# coefficient has 6 % and 2 % of the round-off of one value.
+_SAMPLES_OF_INTERVAL = 512
+_SAMPLES_OF_POLYNOMIAL = 4096
+# A coefficient is significant from so many standard deviations of its round-off on. Round-off is no
+# perfect chance: above 4 some is left, above 8 none was seen; what is dropped with it costs 1e-15
+# of a load.
 _SIGNIFICANT_DEVIATIONS = 8.0
 # So many standard deviations are stated as error.
 _STATED_DEVIATIONS = 4.0
-# Where rounding explains the last coefficients they are no more than so many standard deviations.
+# Last coefficients up to so many standard deviations are explained by round-off.
 _EXPLAINED_DEVIATIONS = 6.0
 # Largest error of a load, over the load: beyond, a height is too rough to have a slope.
 _LARGEST_LOAD_ERROR = 1e-7
 # Bounds of int T_k'(s)/sqrt(t - s) ds, -1 < s < t < 1, over k, and of the same integral of T_k''
 # over k^3, found for k up to 24.
-_FACTOR_OF_LOAD = 2.9
-_FACTOR_OF_STIFFNESS = 1.5
-# int cos(angle) h'(a cos(angle)) d angle over the largest h' below a: 0.59 of a slope x^3.
-_LEAST_LOAD = 0.5
-# Rounding of an octave far down, over h there, up to which h has its digits at any x; where the
-# octave ends, over the extent.
-_EXACT_ROUNDING = 1e-15
-_FAR_OCTAVE = 2.0**-20
-# Octaves below the extent in which the polynomial of x^2 may end, and its lowest powers of x^2.
-_OCTAVES_OF_ENDS = 13
+_LOAD_PER_DEGREE = 2.9
+_STIFFNESS_PER_DEGREE_CUBED = 1.5
+# Lower bound of P/(E* a) = int cos(angle) h'(a cos(angle)) d angle, over the largest h' below a: it
+# is 0.59 for a slope x^3.
+_LEAST_LOAD_PER_SLOPE = 0.5
+# Round-off over h far below the extent, up to which h has all its digits at any x; and the end,
+# over the extent, of the interval of x where that is looked at.
+_EXACT_ROUNDOFF = 1e-15
+_FAR_PLACE = 2.0**-20
+# The polynomial in x^2 may end at the extent over 2^0 to 2^13; its lowest powers of x^2.
+_LARGEST_HALVING_OF_END = 13
 _LOWEST_POWERS = (1, 2, 3, 4)
 # A fit that reaches farther out is preferred to one whose error is half as large.
 _ALIKE_RATIO = 2.0
-# Rounding above the end of the polynomial of x^2 may be so many times that below.
-_GROWTH_OF_ROUNDING = 10.0
+# Round-off above the end of the polynomial in x^2 may be so many times that below.
+_GROWTH_OF_ROUNDOFF = 10.0
+# Error of a series that `fit` takes as resolved, over the scale it is given.
+_RESOLUTION_OF_FIT = 4e-15
 
 
-class Rounding(NamedTuple):
-    """What the rounding of h leaves uncertain, at most.
+class LoadErrors(NamedTuple):
+    """Largest relative errors that round-off in a profile's height h causes in its contact law.
 
     Attributes
     ----------
     load
-        of P = E* int x h'(x)/sqrt(a^2 - x^2) dx, over P
+        error of the load P = E* int x h'(x)/sqrt(a^2 - x^2) dx, over P
     stiffness
-        of dP/da, over P/a
+        error of dP/da, over P/a, with a the contact half-width
     """
 
     load: float
     stiffness: float
 
-    def or_more(self, rounding: Rounding) -> Rounding:
-        """The larger of two of each."""
-        return Rounding(max(self.load, rounding.load), max(self.stiffness, rounding.stiffness))
+    def larger_of_each(self, errors: LoadErrors) -> LoadErrors:
+        """The larger load error and the larger stiffness error of this one and another."""
+        return LoadErrors(max(self.load, errors.load), max(self.stiffness, errors.stiffness))
 
 
 @dataclass(frozen=True, eq=False)
 class HeightSlope:
-    """The slope of a height over 0 < x <= extent.
+    """The slope h' of a profile's height over 0 < x <= extent.
 
     Attributes
     ----------
     slope
         h'(x), any shape
     edges
-        (n,) ends of the pieces on which the slope is one polynomial
-    rounding
-        what it leaves uncertain in loads
+        (n,) ends of the intervals on which the slope is one polynomial
+    load_errors
+        errors of load and stiffness that round-off in the height causes
     """
 
     slope: Function
     edges: Array
-    rounding: Rounding
+    load_errors: LoadErrors
 
 
 def slope_of_height(height: Function, edges: Array) -> HeightSlope:
-    """Derivative h' of a profile's height for x > 0, given only as a function, with the error that
-    round-off of its values causes in loads.
+    """Derivative h' of a profile's height for x > 0, the height being given by a function only,
+    with the errors of load and stiffness that round-off in the height causes.
 
     The height is approximated by Chebyshev series on intervals, which are differentiated. Where it
     has few digits near x = 0, as R - sqrt(R^2 - x^2) has, one polynomial in x^2 takes their place.
@@ -106,9 +109,10 @@ def slope_of_height(height: Function, edges: Array) -> HeightSlope:
     Parameters
     ----------
     height
-        h(x), from an array of places to one of values
+        h(x) [length], from an array of x to an array of heights
     edges
-        (n,) ascending places between which h is smooth: octaves below the largest x, and corners
+        (n,) ascending x between which h is smooth: extent/2^k, and corners of the slope; the last
+        is the extent, the largest x
 
     Raises
     ------
@@ -117,133 +121,149 @@ def slope_of_height(height: Function, edges: Array) -> HeightSlope:
 
     Examples
     --------
-    >>> found = slope_of_height(lambda x: x**2 / 2, 2.0 ** np.arange(-3.0, 1.0))
-    >>> found.slope(np.array([0.3, 0.9])).round(13).tolist(), found.rounding.load < 1e-13
+    >>> parabola = slope_of_height(lambda x: x**2 / 2, 2.0 ** np.arange(-3.0, 1.0))
+    >>> parabola.slope(np.array([0.3, 0.9])).round(13).tolist(), parabola.load_errors.load < 1e-13
     ([0.3, 0.9], True)
     """
     extent = float(edges[-1])
-    middle_height = float(height(np.zeros(1)).item())
+    height_at_middle = float(height(np.zeros(1)).item())
 
     def height_above_middle(x: Array) -> Array:
-        return height(x) - middle_height
+        return height(x) - height_at_middle
 
-    core = None
-    if _rounding_far_down(height_above_middle, extent) > _EXACT_ROUNDING:
-        core = _core(height_above_middle, edges[edges >= extent * 0.5**_OCTAVES_OF_ENDS])
-    if core is not None and core.end >= extent:
-        return HeightSlope(core.slope, edges, core.rounding)
-    upper_edges = edges if core is None else np.append(core.end, edges[edges > core.end])
-    # `fit` resolves to 4e-15 of a scale.
-    scale = None if core is None else _GROWTH_OF_ROUNDING * core.of_heights / 4e-15
-    pieces, rounding_above = _refined(
-        height_above_middle, fit(height_above_middle, upper_edges, scale).edges
+    inner_polynomial = None
+    if _relative_roundoff_near_zero(height_above_middle, extent) > _EXACT_ROUNDOFF:
+        possible_ends = edges[edges >= extent * 0.5**_LARGEST_HALVING_OF_END]
+        inner_polynomial = _inner_polynomial(height_above_middle, possible_ends)
+    if inner_polynomial is None:
+        outer_edges = edges
+        scale_of_fit = None
+    elif inner_polynomial.end >= extent:
+        return HeightSlope(inner_polynomial.slope, edges, inner_polynomial.load_errors)
+    else:
+        outer_edges = np.append(inner_polynomial.end, edges[edges > inner_polynomial.end])
+        # The largest round-off that is expected outside counts as resolved.
+        scale_of_fit = _GROWTH_OF_ROUNDOFF * inner_polynomial.height_roundoff / _RESOLUTION_OF_FIT
+    outer_series, outer_errors = _series_of_height(
+        height_above_middle, fit(height_above_middle, outer_edges, scale_of_fit).edges
     )
-    slope_above = pieces.derivative
-    all_edges = np.union1d(edges, slope_above.edges)
-    if core is None:
-        return HeightSlope(slope_above, all_edges, rounding_above)
+    outer_slope = outer_series.derivative
+    all_edges = np.union1d(edges, outer_slope.edges)
+    if inner_polynomial is None:
+        return HeightSlope(outer_slope, all_edges, outer_errors)
 
     def slope(x: Array) -> Array:
-        return np.where(x < core.end, core.slope(x), slope_above(x))
+        return np.where(x < inner_polynomial.end, inner_polynomial.slope(x), outer_slope(x))
 
-    return HeightSlope(slope, all_edges, core.rounding.or_more(rounding_above))
+    return HeightSlope(slope, all_edges, inner_polynomial.load_errors.larger_of_each(outer_errors))
 
 
 @dataclass(frozen=True, eq=False)
 class _Samples:
-    """Places on [-1, 1] and T_k there.
+    """The n places on [-1, 1] at which a function is sampled for a least-squares Chebyshev series.
 
     Attributes
     ----------
     places
         (n,) Chebyshev points of 26 binary digits, so that low + half (1 + place) has next to no
-        rounding
-    values
-        (n, DEGREE + 1) T_k(place)
+        round-off
+    polynomials
+        (n, DEGREE + 1) Chebyshev polynomials T_k(place)
     to_series
-        (n, DEGREE + 1) coefficients by least squares are values at the places times this
+        (n, DEGREE + 1) maps values at the places to least-squares coefficients: values @ to_series
     """
 
     places: Array
-    values: Array
+    polynomials: Array
     to_series: Array
 
-    def series_and_rounding(self, heights: Array) -> tuple[Array, Array]:
-        """Chebyshev coefficients (..., DEGREE + 1) by least squares from heights (..., n) at many
-        places, and the standard deviation of the heights' round-off, (...,), by the residuals.
+    def series_and_roundoff(self, heights: Array) -> tuple[Array, Array]:
+        """Chebyshev coefficients (..., DEGREE + 1) by least squares from heights (..., n) at the
+        places, and the standard deviation (...,) of the heights' round-off, from the residuals.
         """
         coefficients = heights @ self.to_series
         # Once more for the residuals: sums of many values lose more digits than one value has lost.
-        coefficients = coefficients + (heights - coefficients @ self.values.T) @ self.to_series
-        residuals = heights - coefficients @ self.values.T
+        coefficients = coefficients + (heights - coefficients @ self.polynomials.T) @ self.to_series
+        residuals = heights - coefficients @ self.polynomials.T
         n_free = len(self.places) - DEGREE - 1
         return coefficients, np.sqrt(np.sum(residuals * residuals, axis=-1) / n_free)
 
     @property
-    def of_coefficient(self) -> float:
-        """What rounding leaves in a coefficient, over the rounding of the values."""
+    def coefficient_roundoff_ratio(self) -> float:
+        """Standard deviation of a coefficient's round-off over that of the sampled values."""
         return float((2 / len(self.places)) ** 0.5)
 
-    def last_of(self, coefficients: Array, rounding: Array) -> Array:
-        """Number of the last coefficient that is no rounding, (...,); 1 at least."""
-        counts = (
+    def last_significant_degree(self, coefficients: Array, roundoff: Array) -> Array:
+        """Degree (...,) of the last coefficient of each series that exceeds its round-off; 1 at
+        least.
+
+        `coefficients` is (..., DEGREE + 1); `roundoff` (...,) is the standard deviation of the
+        values' round-off.
+        """
+        is_significant = (
             np.abs(coefficients)
-            > _SIGNIFICANT_DEVIATIONS * self.of_coefficient * rounding[..., None]
+            > _SIGNIFICANT_DEVIATIONS * self.coefficient_roundoff_ratio * roundoff[..., None]
         )
-        return np.max(np.where(counts, np.arange(coefficients.shape[-1]), 1), axis=-1)
+        return np.max(np.where(is_significant, np.arange(coefficients.shape[-1]), 1), axis=-1)
 
 
 @cache
 def _samples(count: int) -> _Samples:
+    """Chebyshev points, `count` of them, with the matrices of the least-squares series."""
     odd_numbers = 2 * np.arange(count - 1, -1, -1) + 1
     places = np.round(np.cos(odd_numbers * (np.pi / (2 * count))) * 2.0**26) / 2.0**26
-    values = chebyshev.chebvander(places, DEGREE)
-    return _Samples(places, values, np.linalg.pinv(values).T)
+    polynomials = chebyshev.chebvander(places, DEGREE)
+    return _Samples(places, polynomials, np.linalg.pinv(polynomials).T)
 
 
-def _rounding_far_down(rise: Function, extent: float) -> float:
-    """Relative round-off of a profile's height in one octave of x far below its `extent`, as a
-    measure of how many digits the height has near x = 0; infinite where it is 0 or no number.
+def _relative_roundoff_near_zero(height_above_middle: Function, extent: float) -> float:
+    """Standard deviation of the height's round-off over the height, for x from 2^-21 to 2^-20 of
+    the `extent`; infinite where the height is 0 or not finite there.
+
+    It tells how many digits the height has near x = 0.
     """
-    samples = _samples(_SAMPLES_OF_PIECE)
-    heights = rise(extent * _FAR_OCTAVE * (3 + samples.places) / 4)
+    samples = _samples(_SAMPLES_OF_INTERVAL)
+    heights = height_above_middle(extent * _FAR_PLACE * (3 + samples.places) / 4)
     largest_height = float(np.max(np.abs(heights)))
     if not (largest_height > 0 and np.all(np.isfinite(heights))):
         return np.inf
-    return float(samples.series_and_rounding(heights)[1]) / largest_height
+    return float(samples.series_and_roundoff(heights)[1]) / largest_height
 
 
-def _refined(rise: Function, edges: Array) -> tuple[Pieces, Rounding]:
-    """Chebyshev series of a profile's height by least squares on intervals, without coefficients
-    that are mere round-off, and the error that round-off leaves in loads and stiffness.
+def _series_of_height(height_above_middle: Function, edges: Array) -> tuple[Pieces, LoadErrors]:
+    """Chebyshev series of a profile's height by least squares on intervals, and the errors of load
+    and stiffness that round-off in the height causes.
+
+    Coefficients that are mere round-off are set to 0.
 
     Parameters
     ----------
-    rise
-        height above the middle, from an array of x to one of values
+    height_above_middle
+        h(x) - h(0) [length], from an array of x to an array of heights
     edges
-        (n,) ends of the intervals
+        (n + 1,) ascending x, the ends of the n intervals
 
     Raises
     ------
     Unresolved
         Where the height is too rough to have a slope.
     """
-    samples = _samples(_SAMPLES_OF_PIECE)
+    samples = _samples(_SAMPLES_OF_INTERVAL)
     half_lengths = np.diff(edges) / 2
-    coefficients, rounding = samples.series_and_rounding(
-        rise(edges[:-1, None] + half_lengths[:, None] * (1 + samples.places))
-    )
-    last_significant = samples.last_of(coefficients, rounding)
-    is_significant = np.arange(DEGREE + 1) <= last_significant[:, None]
-    pieces = Pieces(edges, np.where(is_significant, coefficients, 0.0).T.copy())
-    coefficient_error = _STATED_DEVIATIONS * samples.of_coefficient * rounding
-    return pieces, _errors_of_loads(pieces, is_significant, coefficient_error)
+    x = edges[:-1, None] + half_lengths[:, None] * (1 + samples.places)
+    coefficients, height_roundoff = samples.series_and_roundoff(height_above_middle(x))
+    last_degree = samples.last_significant_degree(coefficients, height_roundoff)
+    is_significant = np.arange(DEGREE + 1) <= last_degree[:, None]
+    height_series = Pieces(edges, np.where(is_significant, coefficients, 0.0).T.copy())
+    coefficient_error = _STATED_DEVIATIONS * samples.coefficient_roundoff_ratio * height_roundoff
+    return height_series, _errors_of_loads(height_series, is_significant, coefficient_error)
 
 
-def _errors_of_loads(pieces: Pieces, is_significant: Mask, coefficient_error: Array) -> Rounding:
-    """Largest relative errors of the load P and of the stiffness dP/da that come from round-off in
-    the coefficients of a height's Chebyshev series.
+def _errors_of_loads(
+    height_series: Pieces, is_significant: Mask, coefficient_error: Array
+) -> LoadErrors:
+    """Largest relative errors of the load P(a) and of the stiffness dP/da that come from round-off
+    in the coefficients of a height's Chebyshev series.
 
     Nearly P = E* sqrt(a/2) int h'(x)/sqrt(a - x) dx, so the interval in which a lies counts most.
     A term c_k T_k of h adds c_k T_k' over half the interval's length to h'. The integral of that
@@ -254,170 +274,207 @@ def _errors_of_loads(pieces: Pieces, is_significant: Mask, coefficient_error: Ar
 
     Parameters
     ----------
-    pieces
-        series of the height on n intervals
+    height_series
+        Chebyshev series of the height on n intervals of x
     is_significant
         (n, DEGREE + 1) which coefficients are kept
     coefficient_error
-        (n,) error of each coefficient on an interval
+        (n,) error of each coefficient on an interval [length]
 
     Raises
     ------
     Unresolved
         Where the load has a relative error above 1e-7.
     """
-    edges = pieces.edges
+    edges = height_series.edges
     half_lengths = np.diff(edges) / 2
-    number = np.arange(DEGREE + 1)
-    root_of_end = np.sqrt(edges[1:] / (2 * half_lengths))
-    deviation = coefficient_error * root_of_end
-    load_error = deviation * _FACTOR_OF_LOAD * np.sqrt(np.sum(is_significant * number**2.0, axis=1))
-    stiffness_error = (
-        deviation * _FACTOR_OF_STIFFNESS * np.sqrt(np.sum(is_significant * number**6.0, axis=1))
+    degree = np.arange(DEGREE + 1)
+    # sqrt(a/2) over sqrt(half_length): the half-width a is taken at the end of each interval.
+    half_width_factor = np.sqrt(edges[1:] / (2 * half_lengths))
+    error_per_degree = coefficient_error * half_width_factor
+    # Errors of P/E*, and of dP/da/E* times half_length.
+    load_error = (
+        error_per_degree * _LOAD_PER_DEGREE * np.sqrt(np.sum(is_significant * degree**2.0, axis=1))
     )
-    places = edges[:-1, None] + half_lengths[:, None] * np.linspace(0, 2, 9)
-    steepest = np.maximum.accumulate(np.max(np.abs(pieces.derivative(places)), axis=1))
-    has_slope = steepest > 0
-    least_load = _LEAST_LOAD * steepest[has_slope]
+    stiffness_error = (
+        error_per_degree
+        * _STIFFNESS_PER_DEGREE_CUBED
+        * np.sqrt(np.sum(is_significant * degree**6.0, axis=1))
+    )
+    # Nine places on each interval show its steepest slope.
+    x = edges[:-1, None] + half_lengths[:, None] * np.linspace(0, 2, 9)
+    largest_slope_in_interval = np.max(np.abs(height_series.derivative(x)), axis=1)
+    largest_slope_up_to_end = np.maximum.accumulate(largest_slope_in_interval)
+    has_slope = largest_slope_up_to_end > 0
+    # Lower bound of P/(E* a).
+    least_load = _LEAST_LOAD_PER_SLOPE * largest_slope_up_to_end[has_slope]
     relative_load_error = load_error[has_slope] / edges[1:][has_slope] / least_load
-    rough_pieces = np.flatnonzero(relative_load_error > _LARGEST_LOAD_ERROR)
-    if len(rough_pieces):
-        piece = int(np.flatnonzero(has_slope)[rough_pieces[0]])
-        raise Unresolved(float(edges[piece]), float(edges[piece + 1]))
+    rough_intervals = np.flatnonzero(relative_load_error > _LARGEST_LOAD_ERROR)
+    if len(rough_intervals):
+        first_rough_interval = int(np.flatnonzero(has_slope)[rough_intervals[0]])
+        raise Unresolved(float(edges[first_rough_interval]), float(edges[first_rough_interval + 1]))
     relative_stiffness_error = stiffness_error[has_slope] / half_lengths[has_slope] / least_load
-    return Rounding(
+    return LoadErrors(
         float(np.max(relative_load_error, initial=0.0)),
         float(np.max(relative_stiffness_error, initial=0.0)),
     )
 
 
 @dataclass(frozen=True, eq=False)
-class _Core:
-    """The slope of h = s^m g(s), s = (x/end)^2, for x <= `end`: h' = (2 x/end^2) s^(m - 1) [m g + s
-    g'].
+class _InnerPolynomial:
+    """A height near x = 0 as one polynomial in x^2: h = s^m g(s) with s = (x/end)^2 for x <= `end`,
+    so that h' = (2 x/end^2) s^(m - 1) [m g + s g'].
 
     Attributes
     ----------
-    bracket, power
-        m g + s g' as a series on 0 < s < 1; m - 1
-    of_heights
-        rounding of the values of h
-    rounding
-        what it leaves uncertain in loads
+    end
+        largest x of the fit [length]
+    slope_series
+        m g + s g' as a Chebyshev series on 0 < s < 1 [length]
+    power
+        m - 1, the power of s before it
+    height_roundoff
+        standard deviation of the heights' round-off [length]
+    load_errors
+        errors of load and stiffness that this causes
     """
 
     end: float
-    bracket: chebyshev.Chebyshev
+    slope_series: chebyshev.Chebyshev
     power: int
-    of_heights: float
-    rounding: Rounding
+    height_roundoff: float
+    load_errors: LoadErrors
 
     def slope(self, x: Array) -> Array:
         """h'(x), any shape."""
         s = np.square(x / self.end)
-        return np.asarray(2 * x / self.end**2 * s**self.power * self.bracket(s))
+        return np.asarray(2 * x / self.end**2 * s**self.power * self.slope_series(s))
 
 
-def _core(rise: Function, ends: Array) -> _Core | None:
-    """Slope of a profile's height near x = 0 by one polynomial in x^2, from 0 to one of several
-    `ends`; None where no such polynomial follows the height.
+def _inner_polynomial(
+    height_above_middle: Function, possible_ends: Array
+) -> _InnerPolynomial | None:
+    """Polynomial in x^2 that a profile's height follows from x = 0 to one of `possible_ends` (n,);
+    None where no such polynomial follows it.
 
-    Of the ends whose error in loads is within a factor of two of the least, the largest is taken.
-    `rise` is the height above the middle, as a function of x.
+    Of the ends whose load error is within a factor of two of the least, the largest is taken.
+    `height_above_middle` is h(x) - h(0).
     """
-    candidates = [_core_up_to(rise, end, _SAMPLES_OF_PIECE) for end in ends[::-1].tolist()]
-    cores = [core for core in candidates if core is not None]
-    if not cores:
+    fits = [
+        _polynomial_up_to(end, height_above_middle, _SAMPLES_OF_INTERVAL)
+        for end in possible_ends[::-1].tolist()
+    ]
+    polynomials = [polynomial for polynomial in fits if polynomial is not None]
+    if not polynomials:
         return None
-    least_load_error = min(core.rounding.load for core in cores)
-    widest_core = next(
-        core for core in cores if core.rounding.load <= _ALIKE_RATIO * least_load_error
+    least_load_error = min(polynomial.load_errors.load for polynomial in polynomials)
+    widest_polynomial = next(
+        polynomial
+        for polynomial in polynomials
+        if polynomial.load_errors.load <= _ALIKE_RATIO * least_load_error
     )
-    return _core_up_to(rise, widest_core.end, _SAMPLES_OF_CORE) or widest_core
+    refitted_polynomial = _polynomial_up_to(
+        widest_polynomial.end, height_above_middle, _SAMPLES_OF_POLYNOMIAL
+    )
+    return refitted_polynomial or widest_polynomial
 
 
-def _core_up_to(rise: Function, end: float, count: int) -> _Core | None:
-    """Slope of a profile's height for 0 <= x <= `end` by one polynomial in x^2, fitted to `count`
-    of its values; None where it does not follow the height, or round-off leaves no slope.
+def _polynomial_up_to(
+    end: float, height_above_middle: Function, sample_count: int
+) -> _InnerPolynomial | None:
+    """Polynomial in x^2 fitted to a profile's height for 0 <= x <= `end`, at `sample_count` places;
+    None where the height does not follow it, or round-off leaves no slope.
 
-    Its lowest power of x^2 is tried from 1 up: a height that rises as x^4 has no x^2. `rise` is the
-    height above the middle, as a function of x.
+    Its lowest power of x^2 is tried from 1 up: a height that rises as x^4 has no x^2.
+    `height_above_middle` is h(x) - h(0).
     """
-    samples = _samples(count)
-    heights = rise(end * np.sqrt((1 + samples.places) / 2))
+    samples = _samples(sample_count)
+    heights = height_above_middle(end * np.sqrt((1 + samples.places) / 2))
     if not np.all(np.isfinite(heights)):
         return None
-    coefficients, height_rounding = samples.series_and_rounding(heights)
-    rounding_of_heights = float(height_rounding)
-    if (
-        float(tail(coefficients))
-        > _EXPLAINED_DEVIATIONS * samples.of_coefficient * rounding_of_heights
-    ):
+    coefficients, roundoff_array = samples.series_and_roundoff(heights)
+    height_roundoff = float(roundoff_array)
+    # The last coefficients must be explained by round-off: else the series is cut off too early.
+    explained_size = _EXPLAINED_DEVIATIONS * samples.coefficient_roundoff_ratio * height_roundoff
+    if float(tail(coefficients)) > explained_size:
         return None
-    last_power = int(samples.last_of(coefficients, height_rounding))
-    for power in _LOWEST_POWERS:
-        core = _with_lowest_power(
-            samples, heights, end, power, max(last_power - power, 0) + 1, rounding_of_heights
+    last_degree = int(samples.last_significant_degree(coefficients, roundoff_array))
+    for lowest_power in _LOWEST_POWERS:
+        coefficient_count = max(last_degree - lowest_power, 0) + 1
+        polynomial = _polynomial_of_lowest_power(
+            samples, heights, end, lowest_power, coefficient_count, height_roundoff
         )
-        if core is not None:
-            return core
+        if polynomial is not None:
+            return polynomial
     return None
 
 
-def _with_lowest_power(
-    samples: _Samples, heights: Array, end: float, power: int, count: int, rounding: float
-) -> _Core | None:
-    """Fit heights near x = 0 by h = s^m g(s) with s = (x/end)^2, and estimate the error that
-    round-off leaves in loads and stiffness; None where it leaves no slope at s = 0 or s = 1.
+def _polynomial_of_lowest_power(
+    samples: _Samples,
+    heights: Array,
+    end: float,
+    lowest_power: int,
+    coefficient_count: int,
+    height_roundoff: float,
+) -> _InnerPolynomial | None:
+    """Least-squares fit of heights near x = 0 by h = s^m g(s) with s = (x/end)^2, and the errors of
+    load and stiffness from round-off; None where it leaves no slope at s = 0 or s = 1.
 
-    With h' = (2 x/end^2) s^(m-1) [m g + s g'] the errors of the bracket, and of its derivative, at
-    s = 0 and s = 1 give those of loads and stiffness.
+    The slope is h' = (2 x/end^2) s^(m-1) B(s) with B = m g + s g'. Errors of B, and of its
+    derivative, at s = 0 and s = 1 give those of loads and stiffness.
 
     Parameters
     ----------
     samples
-        places of the heights, and Chebyshev polynomials there
+        n places on [-1, 1], that is 2 s - 1, and Chebyshev polynomials there
     heights
-        (n,) above the middle
+        (n,) h - h(0) at the places [length]
     end
-        largest x of the fit
-    power
+        largest x of the fit [length]
+    lowest_power
         m, the lowest power of x^2
-    count
-        number of coefficients of the series g
-    rounding
-        standard deviation of the heights' round-off
+    coefficient_count
+        number of Chebyshev coefficients of g
+    height_roundoff
+        standard deviation of the heights' round-off [length]
     """
     s = (1 + samples.places) / 2
     orthogonal_factor, triangular_factor = np.linalg.qr(
-        s[:, None] ** power * samples.values[:, :count]
+        s[:, None] ** lowest_power * samples.polynomials[:, :coefficient_count]
     )
     inverse_of_triangle = np.linalg.inv(triangular_factor)
     g = inverse_of_triangle @ (orthogonal_factor.T @ heights)
+    # Once more for the residuals, which a single solution leaves too large by round-off.
     g = g + inverse_of_triangle @ (
         orthogonal_factor.T @ (heights - (orthogonal_factor @ (triangular_factor @ g)))
     )
 
-    # The bracket and its derivative by s at s = 0 and s = 1 are linear in g.
-    coordinate = chebyshev.Chebyshev([0.5, 0.5], domain=[0.0, 1.0])
-    terms = [chebyshev.Chebyshev(row, domain=[0.0, 1.0]) for row in np.eye(count)]
-    brackets = [power * term + coordinate * term.deriv() for term in terms]
-    ends = np.array([0.0, 1.0])
-    bracket_values = np.stack([bracket(ends) for bracket in brackets], axis=1)
-    bracket_rates = np.stack([bracket.deriv()(ends) for bracket in brackets], axis=1)
-    stated_rounding = _STATED_DEVIATIONS * rounding
-    value_errors = stated_rounding * np.linalg.norm(bracket_values @ inverse_of_triangle, axis=1)
-    rate_errors = stated_rounding * np.linalg.norm(bracket_rates @ inverse_of_triangle, axis=1)
-    bracket_sizes = np.abs(bracket_values @ g)
-    if not np.all(value_errors < _LARGEST_LOAD_ERROR * bracket_sizes):
+    # B and its derivative dB/ds at s = 0 and s = 1 are linear in g: a column for each coefficient.
+    s_series = chebyshev.Chebyshev([0.5, 0.5], domain=[0.0, 1.0])
+    polynomials = [chebyshev.Chebyshev(row, domain=[0.0, 1.0]) for row in np.eye(coefficient_count)]
+    terms_of_b = [
+        lowest_power * polynomial + s_series * polynomial.deriv() for polynomial in polynomials
+    ]
+    s_of_ends = np.array([0.0, 1.0])
+    b_at_ends = np.stack([term(s_of_ends) for term in terms_of_b], axis=1)
+    b_rate_at_ends = np.stack([term.deriv()(s_of_ends) for term in terms_of_b], axis=1)
+    stated_roundoff = _STATED_DEVIATIONS * height_roundoff
+    b_errors = stated_roundoff * np.linalg.norm(b_at_ends @ inverse_of_triangle, axis=1)
+    b_rate_errors = stated_roundoff * np.linalg.norm(b_rate_at_ends @ inverse_of_triangle, axis=1)
+    b_sizes = np.abs(b_at_ends @ g)
+    if not np.all(b_errors < _LARGEST_LOAD_ERROR * b_sizes):
         return None
-    bracket = sum(
-        coefficient * bracket_of_term
-        for coefficient, bracket_of_term in zip(g.tolist(), brackets, strict=True)
+    slope_series = sum(
+        coefficient * term for coefficient, term in zip(g.tolist(), terms_of_b, strict=True)
     )
-    load_error = float(np.max(value_errors / bracket_sizes)) / _LEAST_LOAD
-    # dP/da is of x h'' too: (2 m - 1) h' + 2 s times the rate of the bracket.
-    stiffness_error = (
-        2 * power * load_error + float(np.max(2 * ends * rate_errors / bracket_sizes)) / _LEAST_LOAD
+    load_error = float(np.max(b_errors / b_sizes)) / _LEAST_LOAD_PER_SLOPE
+    # a dP/da is P and an integral of x h'', which is (2 m - 1) h' + (2 x/end^2) s^(m-1) 2 s dB/ds.
+    rate_error = float(np.max(2 * s_of_ends * b_rate_errors / b_sizes)) / _LEAST_LOAD_PER_SLOPE
+    stiffness_error = 2 * lowest_power * load_error + rate_error
+    return _InnerPolynomial(
+        end,
+        slope_series,
+        lowest_power - 1,
+        height_roundoff,
+        LoadErrors(load_error, stiffness_error),
     )
-    return _Core(end, bracket, power - 1, rounding, Rounding(load_error, stiffness_error))

@@ -64,8 +64,9 @@ class StoredArrays(NamedTuple):
 def netcdf_of(content: StoredArrays) -> memoryview:
     """Bytes of a NetCDF-4 file that holds named arrays, with their axes, units and attributes.
 
-    Missing values of floats are NaN, as xarray writes them; an axis has none missing. HDF5 writes
-    to memory, since on a full disk it would end the process once the file is closed.
+    Missing floats are marked by NaN, as xarray does; the coordinates along an axis have none
+    missing. HDF5 writes to memory, since on a full disk it would end the process once the file is
+    closed.
     """
     import h5netcdf
     import h5py
@@ -74,12 +75,12 @@ def netcdf_of(content: StoredArrays) -> memoryview:
     with h5netcdf.File(buffer, "w") as file:
         for name, stored_array in content.arrays.items():
             values = np.asarray(stored_array.values)
-            for dimension, size in zip(stored_array.dimensions, values.shape, strict=True):
+            for dimension, length in zip(stored_array.dimensions, values.shape, strict=True):
                 if dimension not in file.dimensions:
-                    file.dimensions[dimension] = size
+                    file.dimensions[dimension] = length
             holds_words = values.dtype.kind == "U"
-            is_axis = stored_array.dimensions == (name,)
-            fill_value = np.nan if values.dtype.kind == "f" and not is_axis else None
+            is_coordinate = stored_array.dimensions == (name,)
+            fill_value = np.nan if values.dtype.kind == "f" and not is_coordinate else None
             variable = file.create_variable(
                 name,
                 stored_array.dimensions,
@@ -92,7 +93,9 @@ def netcdf_of(content: StoredArrays) -> memoryview:
     return buffer.getbuffer()
 
 
-def read_netcdf(path: Path, form: Mapping[str, tuple[str, ...]], newest: str) -> StoredArrays:
+def read_netcdf(
+    path: Path, axes_of_arrays: Mapping[str, tuple[str, ...]], newest_format: str
+) -> StoredArrays:
     """Read all arrays and attributes of a stored solution from a NetCDF file, after checks of its
     size, format and arrays.
 
@@ -100,10 +103,10 @@ def read_netcdf(path: Path, form: Mapping[str, tuple[str, ...]], newest: str) ->
     ----------
     path
         of the file
-    form
-        name -> axes of the arrays that have to be in it, made of real numbers
-    newest
-        name and number of the newest format that can be read
+    axes_of_arrays
+        name -> names of the axes, for each array of real numbers that has to be in the file
+    newest_format
+        name and number of the newest format that can be read, such as "halfplane solution 2"
 
     Raises
     ------
@@ -120,14 +123,15 @@ def read_netcdf(path: Path, form: Mapping[str, tuple[str, ...]], newest: str) ->
     try:
         check_size(path, _ROLE, LARGEST_SOLUTION)
         # Dimensions that an HDF5 file does not name are numbered, and refused by their names.
+        # Arrays take the limit at most; as much again is left to buffers of the library.
         with (
             within_memory(path, 2 * LARGEST_SOLUTION),
             h5netcdf.File(path, "r", phony_dims="access") as file,
         ):
             _require_room(path, file)
             attributes = {str(key): _plain(file.attrs[key]) for key in file.attrs}
-            _require_format(path, attributes, newest)
-            _require_form(path, file, form)
+            _require_format(path, attributes, newest_format)
+            _require_arrays(path, file, axes_of_arrays)
             arrays = {str(name): _unpacked(variable) for name, variable in file.variables.items()}
             _require_lengths(path, arrays)
             return StoredArrays(arrays, attributes)
@@ -155,14 +159,14 @@ def _require_room(path: Path, file: Any) -> None:
         )
 
 
-def _require_format(path: Path, attributes: Mapping[str, Any], newest: str) -> None:
-    """Refuse a stored solution of a later format than `newest`, or of the first one, which is read
-    no more (InputError); a file that states no format and no engine passes.
+def _require_format(path: Path, attributes: Mapping[str, Any], newest_format: str) -> None:
+    """Refuse a stored solution of a later format than `newest_format`, or of the first one, which
+    is read no more (InputError); a file that states no format and no engine passes.
 
     It is called before the arrays are looked for, since in another format they may have other
     names. `attributes` are those of the whole file.
     """
-    kind, _, known_version = newest.rpartition(" ")
+    kind, _, newest_version = newest_format.rpartition(" ")
     if "format" not in attributes:
         if "engine" in attributes:
             raise InputError(
@@ -171,21 +175,26 @@ def _require_format(path: Path, attributes: Mapping[str, Any], newest: str) -> N
             )
         return
     stated_format = str(attributes["format"])
-    stated_kind, _, number = stated_format.rpartition(" ")
-    if stated_kind == kind and number.isdecimal() and int(number) > int(known_version):
+    stated_kind, _, stated_version = stated_format.rpartition(" ")
+    if (
+        stated_kind == kind
+        and stated_version.isdecimal()
+        and int(stated_version) > int(newest_version)
+    ):
         raise InputError(
             f"{path}: format is '{stated_format}', of a later version, and this one reads"
-            f" '{newest}'; update halfplane, or solve the scene again"
+            f" '{newest_format}'; update halfplane, or solve the scene again"
         )
 
 
-def _require_form(path: Path, file: Any, form: Mapping[str, tuple[str, ...]]) -> None:
+def _require_arrays(path: Path, file: Any, axes_of_arrays: Mapping[str, tuple[str, ...]]) -> None:
     """Refuse an open NetCDF file in which an array is missing, has other axes than expected, or
     holds no real numbers (InputError).
 
-    `form` maps the name of each expected array to its axes; `path` is for the message.
+    `axes_of_arrays` maps the name of each expected array to the names of its axes; `path` is for
+    the message.
     """
-    for name, axes in form.items():
+    for name, axes in axes_of_arrays.items():
         if name not in file.variables:
             raise InputError(f"{path}: {_ROLE} can't be read: {name} is missing")
         variable = file.variables[name]

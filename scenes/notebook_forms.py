@@ -16,7 +16,7 @@ from scenes.errors import InputError
 
 @dataclass(frozen=True)
 class NotebookForms:
-    """One function for each form.
+    """The functions that show scenes and solutions in a notebook, one for each kind of output.
 
     Attributes
     ----------
@@ -48,8 +48,9 @@ def registered_forms() -> NotebookForms | None:
 
 
 def forms_for(method: str) -> NotebookForms:
-    """The registered functions that draw scenes and solutions in a notebook, for a `method` that
-    needs them, whose name is in the message.
+    """The registered functions that show scenes and solutions in a notebook as HTML or figures.
+
+    `method` is the name of the method that needs them, for the message.
 
     Raises
     ------

@@ -41,7 +41,7 @@ from scenes.measured import COLUMNS, READ_AS, SCALE, UNITS, ZERO, FromFile, Read
 from scenes.unit_words import Kind
 
 if TYPE_CHECKING:
-    from scenes.height_slopes import Rounding
+    from scenes.height_slopes import LoadErrors
 
 _ALIKE_SLOPES = 1e-12
 # Of a slope: what two neighbouring secants of rows on a line may differ by. Their rounding is less,
@@ -516,7 +516,7 @@ class CallableProfile(Gap):
 
     _slope: Pieces = PrivateAttr()
     _height: Pieces = PrivateAttr()  # above that at the first edge
-    _rounding: Rounding = PrivateAttr()
+    _load_errors: LoadErrors = PrivateAttr()
 
     @model_validator(mode="after")
     def _resolve(self) -> Self:
@@ -529,7 +529,7 @@ class CallableProfile(Gap):
             For a function that can't be evaluated, is not symmetric, too rough for a
             derivative, falls, or has a slope that jumps.
         """
-        from scenes.height_slopes import Rounding, slope_of_height  # no other profile needs it
+        from scenes.height_slopes import LoadErrors, slope_of_height  # no other profile needs it
 
         if (self.height_function is None) == (self.slope_function is None):
             raise ValueError("either height_function or slope_function is needed, and not both")
@@ -540,14 +540,14 @@ class CallableProfile(Gap):
             [place for place in self.breaks if place < self.extent],
         )
         try:
-            slope_of: Callable[[Array], ArrayLike] = values_at
-            self._rounding = Rounding(0.0, 0.0)
+            slope_at: Callable[[Array], ArrayLike] = values_at
+            self._load_errors = LoadErrors(0.0, 0.0)
             if self.height_function is not None:
-                slope_of_function = slope_of_height(values_at, edges)
-                edges = slope_of_function.edges
-                slope_of = slope_of_function.slope
-                self._rounding = slope_of_function.rounding
-            self._slope = fit(slope_of, edges)
+                height_slope = slope_of_height(values_at, edges)
+                edges = height_slope.edges
+                slope_at = height_slope.slope
+                self._load_errors = height_slope.load_errors
+            self._slope = fit(slope_at, edges)
         except Unresolved as fault:
             raise ValueError(
                 f"the function is too rough between x = {fault.low:.6g} and {fault.high:.6g}: no"
@@ -617,11 +617,11 @@ class CallableProfile(Gap):
         )
 
     @property
-    def rounding_of_height(self) -> Rounding:
+    def rounding_of_height(self) -> LoadErrors:
         """What the rounding of a height function leaves uncertain in P(a) and dP/da; nothing where
         the slope is given.
         """
-        return self._rounding
+        return self._load_errors
 
     @property
     def exponent(self) -> float:
