@@ -1,8 +1,8 @@
-"""The door of half-plane theory: the question, what one of three ways to answer it finds, and the
-one place that makes a ContactSolution of that.
+"""What is asked of half-plane theory, a `Question`, and what a method finds for it, `Findings`:
+loads and fields at instants, friction work of the cycles, and the record. Also the one place that
+makes a ContactSolution of these.
 
-The ways: `answer_by_memory`, `answer_in_phase`, `answer_on_grids`. Each takes a `Question` and
-leaves `Findings`: loads and fields at instants, the work of the cycles, and what the record says.
+The methods for half-planes: `answer_by_memory`, `answer_in_phase`, `answer_on_grids`.
 """
 
 from __future__ import annotations
@@ -121,8 +121,8 @@ def checked_fields(fields: str | Iterable[str], cycles: Cycles) -> frozenset[str
 def vector(values: ArrayLike | None, name: str) -> Array | None:
     """A caller's numbers as an array (n,), a single number as (1,); None where none are given.
 
-    InputError, with the `name` of the argument, for an empty list, for more than one dimension, and
-    for numbers that are not finite or above `LARGEST`.
+    InputError, with the `name` of the argument, for an empty list and for more than one dimension;
+    also for numbers that are not finite or above `LARGEST`.
     """
     if values is None:
         return None

@@ -1,18 +1,19 @@
-"""The answer where one memory curve holds what friction remembers, as `Findings`: fields at the
-points and instants that are asked for, and the dissipations, exact to rounding.
+"""The answer where the frictional state is one memory curve, as `Findings`: fields at the points
+and instants that are asked for, and friction work, exact to round-off.
 
-A path is followed by `load_series` where all of it is straight, else by `history`. Either leaves a
-`PathResult`, the states at the instants and the work of the cycles, and the rest does not ask which
-it was.
+A memory curve M(eta) is the tangential force of the flat punches up to the normal load eta. A path
+is followed by `load_series` where all of it is straight, else by `history`. Either leaves a
+`PathResult`: friction states at the instants and work of the cycles.
 
-Errors are estimates from above. A field is a sum of M' times differences of a kernel at the knots
-of the memory: its error is that of the kernel, f times, twice a knot. Integrals over arcs come with
-their error. The dissipation of a steady cycle is found as f int Lam dw and as closed-int Q dU: what
-the two differ by counts as error. Of long series a sample of slip areas counts. Closed forms keep
-1e-13 of their own value against forty digits and have no entry but for what arcs lose beyond 1e-12.
+Errors are estimates from above. A field is a sum over the straight pieces of M: slope M' times the
+difference of a kernel at both ends. Its error is f times the kernel's error for each end. Integrals
+along arcs, curved pieces of M, come with their error. The friction work W of a steady cycle is
+found as f (A/pi) int Lam dw and as the closed integral of Q dU; the difference counts as error. Of
+long series a sample of the kernel Lam counts. Closed forms keep 1e-13 of their value against forty
+digits. They have no entry but for what arcs lose beyond 1e-12.
 
-# notation: M' slope of the memory curve, |M'| <= f; W dissipation, Lam slip area of the normal
-problem
+# notation: |M'| <= f; Lam = integral of ln(a/c) over the loads from P_c to P, a and c half-widths
+#           of contact and of stick; w = +-Q - f P, the sign that of slip; A = 2/E*
 """
 
 from __future__ import annotations
@@ -95,19 +96,19 @@ from semi_analytic.tilted_profile import TiltedProfile
 
 Indices = NDArray[np.int64]
 
-# Instants at which the errors of fields are looked at.
+# Instants of a sample at which the errors of fields are estimated.
 _INSTANTS = 7
 _TINY = float(np.finfo(float).tiny)
-# Rounding of the closed integral of Q dU over the dissipation, above which it is no second route
-# any more.
+# Round-off of the closed integral of Q dU over the friction work, above which the two are not
+# compared: less than two digits are left.
 _TOO_ROUGH = 1e-2
-# Errors that a note says, share of the largest value.
+# Relative errors above which the notes of an answer state them.
 _DOUBTFUL = 1e-9
 
 _OF_FRICTION = frozenset(
     ("shear", "slip", "tangential_displacement", "dissipation", "dissipation_density")
 )
-"""Those that bulk strain and tilt change in the first order."""
+"""Fields that bulk strain and tilt change in the first order."""
 
 
 # --------------------------------------------------------------------------------- the whole answer
@@ -614,8 +615,8 @@ class _SeriesSums:
         return np.divide(self.work_errors, self.works, out=no_work, where=self.works > 0)
 
     def update_slipped_share(self, block: StepBlock, part_number: int, largest_load: float) -> None:
-        """Raise the largest (P - P_c)/P of a part of the path to that of a block of it, P being the
-        `largest_load` of the part.
+        """Raise the largest (P - P_c)/P of a part of the path to that of a block of it, where it is
+        higher there. P is the `largest_load` of the part.
         """
         self.slipped_shares[part_number] = max(
             self.slipped_shares[part_number], block.largest_slipped_load / largest_load
@@ -746,7 +747,9 @@ def _increments_of_work(
 
 
 def _parts_needed(series: LoadSeries, step: Indices) -> list[int]:
-    """Numbers of the parts that hold some steps (n,), ascending, or that the answer covers."""
+    """Numbers of the parts of a path, initial loading or cycles, to be followed: those that the
+    answer covers, and those from the first to the last of the steps (n,), which are ascending.
+    """
     first_part, last_part = np.searchsorted(series.first_steps, step[[0, -1]], side="right") - 1
     return sorted({*series.covered_parts, *range(int(first_part), int(last_part) + 1)})
 
@@ -859,8 +862,8 @@ def _force_error(snapshot: Snapshot) -> Array:
 
 
 def _works_of_cycles(history: History, request: Request) -> dict[int, _WorkOfCycle]:
-    """Friction work of each cycle that the answer covers, along a curved load path, with its
-    relative error, by the index of the cycle [energy per thickness].
+    """Friction work of each cycle of a curved load path that the answer covers, with its relative
+    error, by the index of the cycle [energy per thickness].
 
     A steady ellipse of P and Q has formulas that keep their digits, however small the slip. Other
     cycles are integrated over the times of slip.
@@ -1104,7 +1107,9 @@ def _state_of(
 
 
 def _require_finite(name: str, values: NDArray[Any], request: Request) -> None:
-    """NotFoundError where a value (n, k) of a field is not a number."""
+    """NotFoundError, with place and instant, where a value (n, k) of the field `name` is not
+    finite; tractions may be infinite at x = 0, the tip of a sharp wedge.
+    """
     is_finite = np.isfinite(values)
     if name in ("pressure", "shear"):
         is_finite |= np.isinf(values) & (request.distance == 0)
@@ -1125,11 +1130,12 @@ def _relative_errors(
     arc_errors: Mapping[str, float],
     loop_work: float,
 ) -> dict[str, float]:
-    """Estimated relative errors of the fields and works that were asked for, by name, each over the
-    largest p, f p, slip, U, W(x) or W; fields next to edges are "... at the edge".
+    """Estimated relative errors of the values that were asked for, by name, each over the largest
+    p, f p, slip, U, W(x) or W.
 
-    Closed forms promise round-off and have no entry. "cycle_dissipation" is the error of the worst
-    cycle, where it is above that of the last.
+    Those of fields next to edges are named "... at the edge". Closed forms promise round-off and
+    have no entry. "cycle_dissipation" is the error of the worst cycle, where it is above that of
+    the last.
 
     Parameters
     ----------
@@ -1189,8 +1195,8 @@ def _relative_errors(
 
 
 def _loop_integral_of(request: Request, path_answer: PathResult, loop_work: float) -> LoopIntegral:
-    """The closed integral of Q dU of the last cycle, and its round-off, over A/pi, as the second
-    route to the friction work [force^2 per thickness^2].
+    """The closed integral of Q dU of the last cycle, a second route to the friction work, and its
+    round-off; both over A/pi [force^2 per thickness^2].
     """
     loop_integral = path_answer.loop_integral
     roundoff = loop_integral.rounding if loop_integral is not None else 0.0
@@ -1207,8 +1213,8 @@ def _kernel_sums(
     """What the error estimate of pressure, shear and slip needs at a sample of instants: points,
     loads, half-widths, the largest slip, and the number of terms in the sums that they are.
 
-    Each straight piece of the memory curve M(eta) adds its slope times the difference of a kernel
-    at both its ends, M(eta) being the tangential force of the flat punches up to the load eta.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. Each
+    straight piece of it adds its slope times the difference of a kernel at both its ends.
 
     Parameters
     ----------
@@ -1246,8 +1252,8 @@ def _most_pieces(snapshot: Snapshot, instants: Indices) -> int:
 
 
 def _errors_of_neglect(question: Question, bulk_tilt_path: OneCurve | None) -> dict[str, float]:
-    """Relative errors of the fields of friction, by name, by loads below round-off that were left
-    out so that the frictional state is one memory curve; empty where they are negligible.
+    """Relative errors of the fields of friction, by name, where loads below round-off were left out
+    so that the frictional state is one memory curve; empty where they are negligible.
     """
     if bulk_tilt_path is None:
         return {}

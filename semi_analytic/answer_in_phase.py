@@ -1,5 +1,5 @@
-"""The steady cycle of loads in phase, as `Findings`: quadratures over the two ways of the cycle,
-without memory curves and without grids.
+"""The steady cycle of loads in phase, as `Findings`: by quadratures over its two strokes, without
+memory curves and without grids. P, Q, bulk strain and tilt go there and back on one line.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from semi_analytic.bulk_and_tilt import PathLoads, leaning_profile
 from semi_analytic.loops_in_phase import WAY_NODES, Way, loop_of
 from semi_analytic.memory import PROMISED
 
-_INSTANTS = 400
+_INSTANTS = 400  # of the cycle, besides turning points
 
 
 def in_phase(question: Question, strokes: tuple[Way, Way]) -> Findings:
@@ -117,8 +117,8 @@ def in_phase(question: Question, strokes: tuple[Way, Way]) -> Findings:
 
 
 def _instants_of_cycle(loads: PathLoads) -> tuple[Array, Array]:
-    """Times of the first cycle (n,), evenly over each load segment and at every turning point, and
-    P, Q, bulk strain and tilt at them (4, n).
+    """Times of the first cycle (n,), and P, Q, bulk strain and tilt at them (4, n). They are evenly
+    spread over each load segment, with every turning point.
     """
     segments = loads.path.cycle
     times = []

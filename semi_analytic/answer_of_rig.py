@@ -1,11 +1,11 @@
-"""The answer to a scene whose rig prescribes displacements, by corrected theory, as `Findings`: the
-loads of `driven`, and the fields of `corrected` under them.
+"""The answer to a scene whose rig prescribes displacements, as `Findings`: the loads P and Q that
+follow from them, of `driven`, and the fields of corrected half-plane theory under these loads.
 
 The answer's scene states the loads that were found, in the place of the displacements: a polygon
 with a point for each instant. Cycles before the steady one are part of its initial loading.
 
-Every value is taken from steps half as long as those that its error is stated by. At constant P W
-does not depend on the steps.
+A path is followed twice: by fine steps, which give the values, and by steps twice as long, which
+give their errors. At constant P the friction work W does not depend on the steps.
 """
 
 from __future__ import annotations
@@ -63,6 +63,7 @@ from semi_analytic.profiles import SymmetricContact, contact_of
 
 # Share of f P by which the memory curves of two cycles may differ and be the same state.
 _STEADY = 1e-9
+# Punches at which such curves are compared; points among which the largest pressure is.
 _PLACES = 200
 # Rows on the two steps around the end of a slide, and ends that have them.
 _ROWS_AT_END = 33
@@ -71,7 +72,7 @@ _MOST_ENDS = 200
 _NO_SLIDE = 1e-9
 # Straight steps of a cycle on grids, which take few.
 _STEPS_ON_GRIDS = 55
-# Of a path that `odd_part_of_rig` states again: the second cycle is steady, if not the first.
+# Index of a steady cycle in a repeated path of `odd_part_of_rig`: the second, if not the first.
 _STEADY_CYCLE = 1
 # Slides that a note names one by one.
 _MOST_NAMED = 4
@@ -344,8 +345,8 @@ def _energy_of(
     """Friction work of the last cycle of a rig, or of a path without a cycle; the closed integral
     of its loads over their displacements, and relative errors of both [energy per thickness].
 
-    To the work of the path are added what tilt and bulk strain of the bodies change, and the terms
-    of the bodies' effects beyond their curvatures.
+    To the work of the path is added what tilt and bulk strain of the bodies change, and what the
+    terms of their effects beyond curvatures do.
 
     Parameters
     ----------
@@ -409,8 +410,8 @@ class _BodiesAtSameLoads(NamedTuple):
 
     @classmethod
     def of(cls, rig: Rigged, driven: Driven, rows: slice) -> _BodiesAtSameLoads:
-        """Change of the friction work of slip in some rows of a path by the finite bodies of a rig,
-        against half-planes under the same loads P and Q.
+        """Change of the friction work of slip by the finite bodies of a rig, in some rows of a
+        path, against half-planes under the same P and Q.
 
         The effects of the bodies are a series in x: curvatures of the faces, x^2, then the next
         order, x^4. `driven` holds the loads, which were found with curvatures alone. All zero for
@@ -487,8 +488,8 @@ def _tilt_and_strain_of(
 def _tilt_and_strain_on_grids(
     rig: Rigged, driven: Driven, last_cycle: slice, reason: str
 ) -> OddPart:
-    """Friction work that tilt and bulk strain of the finite bodies add in the last cycle of a rig,
-    by a numerical solution on grids under the loads that were found [energy per thickness].
+    """Friction work that tilt and bulk strain of the finite bodies add in the last cycle of a rig
+    [energy per thickness]: a numerical solution on grids under the loads that were found.
 
     Used where the perturbation to the second order in tilt and strain does not hold, for `reason`.
     Where the contact slides as a whole, or grids do not take the loads, the work is left out, and
@@ -535,10 +536,11 @@ def _corrected_path(rig: Rigged, driven: Driven) -> PathSeries:
 
 def _followed_paths(rig: Rigged, time: Array | None) -> tuple[Driven, Driven, int | None]:
     """Loads and gross sliding of a rig by fine steps and by steps twice as long, and the index of
-    the first steady cycle, which ends in the friction state that it started from; None without one.
+    the first steady cycle; None without one.
 
-    Cycles are added until one is steady by both kinds of steps. The instants `time` (n,) of the
-    answer are rows of the fine path. Instants around the ends of gross sliding are rows of both.
+    A steady cycle ends in the friction state that it started from. Cycles are added until one is
+    steady by both kinds of steps. The instants `time` (n,) of the answer are rows of the fine path.
+    Instants around the ends of gross sliding are rows of both.
     """
     scene = rig.scene
     has_cycle = scene.load.path_of_actuators().period is not None
@@ -660,7 +662,10 @@ def _rows_of_answer(
 
 
 def _scene_of_loads(scene: Scene, rows: PathRows, last_cycle: slice) -> Scene:
-    """The scene with P and Q at the rows in the place of the displacements."""
+    """The scene with the loads P and Q that were found, as a polygon, in the place of the
+    prescribed displacements. `rows` are the loads up to the end of the cycle whose rows are
+    `last_cycle`.
+    """
     loads = np.stack([rows.normal_load, rows.tangential_load], axis=1)
     points = [(float(normal), float(tangential)) for normal, tangential in loads]
     loading = tuple(points[1:])

@@ -1,5 +1,8 @@
-"""The answer where bulk stress and tilt make no one memory curve, as `Findings`: on grids of cells,
-with W and W(x) of the steady cycle from another way where that takes it.
+"""The answer where bulk stress and tilt leave a frictional state that is no single memory curve, as
+`Findings`: a numerical solution on grids of cells. W and W(x) of the steady cycle come from a
+method without grids where one holds.
+
+A memory curve is the tangential force, or the bulk strain, locked in up to each normal load.
 """
 
 from __future__ import annotations
@@ -23,7 +26,7 @@ from semi_analytic.elasticity import composite_modulus
 from semi_analytic.grid import INCREMENTS, Followed, GridRequest, edges_along, follow_on_grid
 
 OF_WORK = frozenset(("dissipation", "dissipation_density"))
-"""Fields that are taken from the steady cycle alone where that has another way."""
+"""Fields that are taken from a method without grids where one holds for the steady cycle."""
 
 _OF_STEADY_CYCLE = (
     "dissipation",
@@ -35,14 +38,16 @@ _OF_STEADY_CYCLE = (
 
 
 class GridAnswer:
-    """A scene that was followed on grids.
+    """The numerical solution on grids of a scene with bulk stress and tilt, and the answer from it.
 
     Attributes
     ----------
     question
-        with the points that it is answered at
+        what was asked for
+    x
+        (k,) points of the answer [length]
     followed
-        all cycles, by the means over the grids
+        loads, fields and friction work of all cycles: means over the grids
     """
 
     def __init__(self, question: Question) -> None:
