@@ -1,14 +1,15 @@
-"""The frictional memory of a contact: the curve M(eta), an immutable value, and what a load does to
-it (Masing rule).
+"""The frictional memory of a contact: the curve M(eta), an immutable value, and how the loads
+change it (Masing rule).
 
 # notation: eta normal load in [0, P]; M(eta) tangential force of the flat punches up to eta, M(0) =
-#           0, M(P) = Q, |dM/d eta| <= f; s direction of slip, +1 or -1; P_c load at the front of a
-#           slip zone
+#           0, M(P) = Q, |dM/d eta| <= f; s direction of slip, +1 or -1; P_c load at the stick edge
 
-The curve is a stack of pieces, the last at the top; a piece knows the one below it, so that all
-instants of a history share what they have in common. A piece is a parabola M = M_a + (slope + bend
-(eta - eta_a)) (eta - eta_a) about an instant `a` of the load path (a straight line mostly), or an
-arc: a stretch of a curved leg that was appended in full stick.
+A contact at the load P is a superposition of flat punches, one for each load eta from 0 to P. The
+curve is made of pieces one above the other in eta. A `Piece` holds the one below it, so that all
+instants of a history share what they have in common. On a piece M is a parabola, mostly a straight
+line, M = M_a + (slope + bend (eta - eta_a)) (eta - eta_a), about its anchor: the instant a of the
+load path at which it was made. Or it is an arc: the path Q(P) of a curved load segment that was
+passed in full stick.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from typing import NamedTuple, Protocol, Self, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import NORMAL_LOAD, Combination, LoadSegment
+from scenes import NORMAL_LOAD, TANGENTIAL_LOAD, Combination, LoadSegment
 from scenes.array_types import Array
 
 _EPS = float(np.finfo(float).eps)
@@ -30,30 +31,38 @@ _REPEATS = 1e-12
 _OF_SLIP = 1e-4
 _LEAST = 2e-14
 LAST_DIGITS = 4 * _EPS
-"""Share of P by which P_c may be off: measured 1 to 3 last digits on cycles of constant P with d/P
-from 1e-4 to 1e-14.
+"""Error of P_c over P, at most: measured 1 to 3 last digits on cycles of constant P with d/P from
+1e-4 to 1e-14.
 """
 
 PROMISED = 1e-12
 """Closed forms promise that much, see `errors`; what rounding adds is stated where it is more."""
 
 
-def repeats_within(share: float) -> float:
-    """Share of f P within which a cycle counts as repeated: 1e-12, but no more than 1e-4 of what
-    slips (`share` of P).
+def repeats_within(slipped_fraction: float) -> float:
+    """Largest change of M(eta) over f P with which a cycle counts as repeated: 1e-12, but no more
+    than 1e-4 of the load P - P_c that slips, `slipped_fraction` of P.
     """
-    return min(_REPEATS, max(_OF_SLIP * share, _LEAST))
+    return min(_REPEATS, max(_OF_SLIP * slipped_fraction, _LEAST))
 
 
 def slip_combination(direction: int, friction: float) -> Combination:
-    """The combination that grows while the surfaces slip in `direction` (+1 forward, -1 reverse):
-    +-Q - f P.
+    """The combination s Q - f P of the loads, which grows while the surfaces slip in the
+    `direction` s: +1 forward, -1 in reverse.
     """
     return Combination(-friction, float(direction))
 
 
 class Instant(NamedTuple):
-    """A point of the load path: segment, the segment's own time, and both loads there."""
+    """A point of the load path.
+
+    Attributes
+    ----------
+    segment, time
+        load segment, and time in it
+    normal, tangential
+        P and Q there [force per thickness]
+    """
 
     segment: LoadSegment
     time: float
@@ -62,52 +71,53 @@ class Instant(NamedTuple):
 
 
 def instant(segment: LoadSegment, time: float) -> Instant:
-    """The point of `leg` at `time`."""
+    """The point of the load path at a `time` of a load segment."""
     normal_load, tangential_load = segment.loads(time)
     return Instant(segment, float(time), float(normal_load), float(tangential_load))
 
 
 def combination_change(
-    where: Instant, segment: LoadSegment, combination: Combination, time: ArrayLike
+    earlier: Instant, segment: LoadSegment, combination: Combination, time: ArrayLike
 ) -> Array:
-    """Change of the combination from any earlier instant of the path to `time` on `leg`."""
-    if where.segment is segment:
-        return segment.change_of(combination, time, where.time)
+    """Change of a combination c_P P + c_Q Q of the loads from an `earlier` instant of the path, on
+    any segment, to `time` (any shape) on a load segment [force per thickness].
+    """
+    if earlier.segment is segment:
+        return segment.change_of(combination, time, earlier.time)
     begin = instant(segment, segment.start)
-    jump = combination.normal * (begin.normal - where.normal) + combination.tangential * (
-        begin.tangential - where.tangential
-    )
-    return segment.change_of(combination, time, segment.start) + jump
+    change_before_segment = combination.normal * (begin.normal - earlier.normal)
+    change_before_segment += combination.tangential * (begin.tangential - earlier.tangential)
+    return segment.change_of(combination, time, segment.start) + change_before_segment
 
 
 class CurvePart(Protocol):
-    """What fields ask of the uppermost piece or line of a memory curve: a `Piece`, or the `Knot` of
-    a load series.
+    """A piece of a memory curve M(eta) as fields use it: a `Piece`, or the line that ends at a
+    `Knot` of a load series. All pieces below come with it.
     """
 
     @property
     def below(self) -> Self | None:
-        """The curve under it."""
+        """The curve under this piece, None if the piece starts at eta = 0."""
 
     @property
     def top(self) -> float:
-        """Eta at the upper end."""
+        """Load eta at the upper end."""
 
     @property
     def bottom(self) -> float:
-        """Eta at the lower end."""
+        """Load eta at the lower end."""
 
     @property
     def straight_slope(self) -> float:
-        """Slope of the straight part: of a parabola at eta = 0; an arc has none."""
+        """dM/d eta of a line; of a parabola, extended to eta = 0; 0 for an arc."""
 
     @property
     def bend(self) -> float:
-        """Half the second derivative."""
+        """Half of d2M/d eta2 [thickness per force]."""
 
     @property
     def arc(self) -> tuple[float, float] | None:
-        """Times at the ends of an arc, else None."""
+        """Times at the lower and the upper end of an arc, else None."""
 
     def slope_at(self, eta: Array) -> Array:
         """dM/d eta at loads (n,): (n,)."""
@@ -123,12 +133,12 @@ class Piece(NamedTuple):
     top
         eta at the upper end
     anchor
-        the instant of the load path from which the piece is measured
+        the instant of the load path at which the piece was made; M and eta are measured from there
     slope, bend
-        dM/d eta at the anchor and half the second derivative; not used for an arc
+        dM/d eta at the anchor, and half of d2M/d eta2; not used for an arc
     arc
-        (first, last) times of the anchor's leg at the lower and the upper end of an arc, else
-        None
+        (first, last) times on the anchor's load segment at the lower and the upper end of an arc,
+        else None
     """
 
     below: Piece | None
@@ -140,16 +150,18 @@ class Piece(NamedTuple):
 
     @property
     def bottom(self) -> float:
-        """Eta at the lower end."""
+        """Load eta at the lower end."""
         return self.below.top if self.below is not None else 0.0
 
     @property
     def straight_slope(self) -> float:
-        """Slope of the straight part: of a parabola at eta = 0; an arc has none."""
+        """dM/d eta of a line; of a parabola, extended to eta = 0; 0 for an arc."""
         return self.slope - 2 * self.bend * self.anchor.normal if self.arc is None else 0.0
 
     def slope_at(self, eta: Array) -> Array:
-        """dM/d eta at loads (n,): of an arc dQ/dP of the path, 0 where both loads turn at once."""
+        """dM/d eta at loads eta (n,): (n,). On an arc it is dQ/dP of the load path, taken as 0
+        where both loads turn at once.
+        """
         if self.arc is None:
             return self.slope + 2 * self.bend * (eta - self.anchor.normal)
         normal_rate, tangential_rate = self.anchor.segment.rates(time_of_load_on_arc(self, eta))
@@ -166,44 +178,44 @@ _Part = TypeVar("_Part", bound=CurvePart)
 
 
 def pieces(curve: _Part | None) -> Iterator[_Part]:
-    """The pieces of a curve from the top down."""
+    """The pieces of a memory curve, from the largest load eta downwards."""
     while curve is not None:
         yield curve
         curve = curve.below
 
 
 def force_on_piece(piece: Piece, eta: ArrayLike) -> Array:
-    """M(eta) on one piece."""
+    """Tangential force M at loads eta on one piece, any shape [force per thickness]."""
     step = np.asarray(eta, dtype=float) - piece.anchor.normal
     if piece.arc is None:
         return piece.anchor.tangential + (piece.slope + piece.bend * step) * step
     return piece.anchor.tangential + piece.anchor.segment.change_of(
-        Combination(0.0, 1.0), time_of_load_on_arc(piece, eta), piece.anchor.time
+        TANGENTIAL_LOAD, time_of_load_on_arc(piece, eta), piece.anchor.time
     )
 
 
 def _whole_arc(piece: Piece) -> tuple[float, float]:
-    """The arc as it was appended, before anything was cut off its top."""
+    """Times at both ends of a piece's arc as it was made, before unloading shortened it."""
     assert piece.arc is not None  # for the type checker: only called for arcs
     return piece.arc[0], piece.anchor.time
 
 
-def time_of_load_on_arc(piece: Piece, front: ArrayLike) -> Array:
-    """Time of an arc's leg at which its load is `front`, shape of `front`."""
+def time_of_load_on_arc(piece: Piece, load: ArrayLike) -> Array:
+    """Time on an arc's load segment at which P was `load`, in the shape of `load`."""
     begin, end = _whole_arc(piece)
     return piece.anchor.segment.time_of(
-        NORMAL_LOAD, np.asarray(front, dtype=float) - piece.bottom, begin, end
+        NORMAL_LOAD, np.asarray(load, dtype=float) - piece.bottom, begin, end
     )
 
 
 def force_up_to(curve: Curve, eta: ArrayLike) -> Array:
-    """Tangential force M(eta) that a memory curve carries up to loads eta in [0, P], any shape
-    [force per thickness].
+    """Tangential force M(eta) of the flat punches up to the load eta, at loads eta in [0, P], any
+    shape [force per thickness].
 
     >>> from scenes import StraightSegment
     >>> segment = StraightSegment(
     ...     0.0, 1.0, (0.0, 0.0), (2.0, 1.0)
-    ... )  # full stick: M runs along the path of loads
+    ... )  # in full stick M(eta) is Q at P = eta
     >>> force_up_to(load_in_stick(None, segment, 0.0, instant(segment, 1.0)), [0.5, 2.0]).tolist()
     [0.25, 1.0]
     """
@@ -217,11 +229,12 @@ def force_up_to(curve: Curve, eta: ArrayLike) -> Array:
 
 
 def unload_to(curve: Curve, load: float) -> Curve:
-    """The memory curve M(eta), the tangential force of the flat punches up to the load eta, without
-    its part above `load`: what unloading along the curve itself leaves. None where nothing is left.
+    """The memory curve M(eta) after unloading to P = `load` without slip: its part up to that load;
+    None where nothing is left.
 
-    A curve is its uppermost piece, from `bottom` to `top`, on the curve `below`. A piece with an
-    arc follows a curved segment of the load path up to a time, and is cut where its load is `load`.
+    M(eta) is the tangential force of the flat punches up to the load eta. A curve is given by its
+    uppermost piece, which goes from the load `bottom` to `top`; `below` is the rest. An arc also
+    stores the times of its ends on the load path.
 
     >>> from scenes import StraightSegment
     >>> segment = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
@@ -235,14 +248,15 @@ def unload_to(curve: Curve, load: float) -> Curve:
         return curve
     if curve.arc is None:
         return curve._replace(top=load)
-    arc_segment, _ = curve.arc
-    return curve._replace(top=load, arc=(arc_segment, float(time_of_load_on_arc(curve, load))))
+    arc_begin, _ = curve.arc
+    return curve._replace(top=load, arc=(arc_begin, float(time_of_load_on_arc(curve, load))))
 
 
 def load_in_stick(curve: Curve, segment: LoadSegment, begin: float, end: Instant) -> Piece:
-    """The memory curve M(eta) after loading in full stick: the path of P and Q itself, from the
-    time `begin` to `end` on a load segment `leg`, becomes its uppermost piece. M(eta) is the
-    tangential force of the flat punches up to the load eta.
+    """The memory curve M(eta) after loading in full stick: the path of P and Q from time `begin` of
+    a load segment to the instant `end` becomes the uppermost piece, M = Q at eta = P.
+
+    M(eta) is the tangential force of the flat punches up to the load eta.
 
     >>> from scenes import StraightSegment
     >>> segment = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
@@ -252,19 +266,20 @@ def load_in_stick(curve: Curve, segment: LoadSegment, begin: float, end: Instant
     """
     slope_and_bend = segment.slope_and_bend(end.time)
     if slope_and_bend is None:
-        return Piece(curve, end.normal, end, 0.0, 0.0, (begin, end.time))
-    slope, bend = slope_and_bend  # else an arc, whose slope is that of the path
+        return Piece(curve, end.normal, end, slope=0.0, arc=(begin, end.time))
+    slope, bend = slope_and_bend
     return Piece(curve, end.normal, end, slope, bend)
 
 
-def slip_to(curve: Curve, direction: int, friction: float, end: Instant, slipped: float) -> Curve:
-    """The memory curve M(eta) after slip in one direction up to the instant `end`: its upper part
-    becomes a line at the Coulomb limit, slope +-f.
+def slip_to(
+    curve: Curve, direction: int, friction: float, end: Instant, slip_zone_load: float
+) -> Curve:
+    """The memory curve M(eta) after slip in one direction up to the instant `end`: from the load
+    P_c at the stick edge up to P it is a line at the Coulomb limit, slope +-f.
 
-    M(eta) is the tangential force of the flat punches up to the load eta. `slipped` is P - P_c, P_c
-    the load at the stick edge, which lies in the uppermost piece of `curve`. The Masing rule: after
-    a reversal at constant P the stick edge returns at half the speed, P - P_c = dQ/(2 f), and below
-    it the curve is what it was.
+    M(eta) is the tangential force of the flat punches up to the load eta; below P_c it does not
+    change. `slip_zone_load` is P - P_c [force per thickness]. Masing rule: after a reversal of Q at
+    constant P, P - P_c = dQ/(2 f), half of that in first loading.
 
     >>> from scenes import StraightSegment
     >>> forward = Piece(
@@ -284,15 +299,15 @@ def slip_to(curve: Curve, direction: int, friction: float, end: Instant, slipped
     (0.2, [0.2, 0.4, 0.3])
     """
     if curve is not None:
-        curve = unload_to(curve, min(end.normal - slipped, curve.top))
+        curve = unload_to(curve, min(end.normal - slip_zone_load, curve.top))
     if end.normal <= (curve.top if curve is not None else 0.0):
         return curve
     return Piece(curve, end.normal, end, direction * friction)
 
 
 def is_at_coulomb_limit(piece: Piece, direction: int, friction: float) -> bool:
-    """Whether the piece is at the Coulomb limit dM/d eta = +-f, |q| = f p, in `direction` already:
-    a front passes it at once.
+    """Whether a piece of the memory curve is at the Coulomb limit in the `direction` s of slip:
+    dM/d eta = s f, so that q = s f p there. Slip in that direction passes it at once.
 
     >>> from scenes import StraightSegment
     >>> segment = StraightSegment(0.0, 1.0, (0.0, 0.0), (2.0, 1.0))
@@ -310,8 +325,10 @@ def is_at_coulomb_limit(piece: Piece, direction: int, friction: float) -> bool:
 def slip_combination_on_piece(
     piece: Piece, direction: int, friction: float, eta: ArrayLike
 ) -> Array:
-    """Rise of the level s M(eta) - f eta from the piece's anchor to `eta`; at the lower end a front
-    leaves the piece.
+    """Change of s M(eta) - f eta on a piece from its anchor to loads eta, any shape [force per
+    thickness]; s is the `direction` of slip, M(eta) the memory curve.
+
+    The stick edge is at eta when the path's s Q - f P has changed as much since the anchor.
     """
     if piece.arc is not None:
         return piece.anchor.segment.change_of(
@@ -326,12 +343,15 @@ def slip_combination_on_piece(
 def slipped_load(
     piece: Piece, direction: int, friction: float, segment: LoadSegment, time: ArrayLike
 ) -> Array:
-    """Load P - P_c of the slip zones at `time` on a load segment, while the stick edge is inside
-    one piece of the memory curve M(eta), without cancellation [force per thickness].
+    """Load P - P_c of the slip zones at `time` (any shape) on a load segment, while the stick edge
+    is inside one piece of the memory curve M(eta) [force per thickness].
 
-    M(eta) is the tangential force of the flat punches up to the load eta. The stick edge is where s
-    M(eta) - f eta equals the path's s Q - f P, s the direction of slip. On a line through the
-    anchor `a` of the piece that gives P - P_c = s [(Q - Q_a) - slope (P - P_a)] / (f - s slope).
+    M(eta) is the tangential force of the flat punches up to the load eta, P_c the load at the stick
+    edge. There s M(P_c) - f P_c = s Q - f P, s the direction of slip. With the changes dP, dQ since
+    the piece's anchor, P - P_c is computed without subtracting P_c from P:
+
+        line      P - P_c = s (dQ - slope dP)/(f - s slope)
+        parabola  P - P_c = dP + y,    (f - s slope) y + s bend y^2 = s dQ - f dP
 
     >>> from scenes import StraightSegment
     >>> segment = StraightSegment(0.0, 1.0, (1.0, 0.0), (1.0, 0.3))
@@ -340,57 +360,57 @@ def slipped_load(
     0.6
     """
     if piece.arc is not None:
-        return _slipped_on_arc(piece, direction, friction, segment, time)
+        return _slipped_load_on_arc(piece, direction, friction, segment, time)
+    steepness = friction - direction * piece.slope
     if piece.bend == 0:
-        force_lag = combination_change(piece.anchor, segment, Combination(-piece.slope, 1.0), time)
-        return direction * force_lag / (friction - direction * piece.slope)
-    level_rise = combination_change(
+        force_beyond_line = combination_change(
+            piece.anchor, segment, Combination(-piece.slope, 1.0), time
+        )
+        return direction * force_beyond_line / steepness
+    change_since_anchor = combination_change(
         piece.anchor, segment, slip_combination(direction, friction), time
     )
-    steepness = friction - direction * piece.slope
     signed_bend = direction * piece.bend
-    distance_back = (
-        2
-        * level_rise
-        / (steepness + np.sqrt(np.maximum(steepness**2 + 4 * signed_bend * level_rise, 0.0)))
-    )
-    return combination_change(piece.anchor, segment, NORMAL_LOAD, time) + distance_back
+    discriminant = steepness**2 + 4 * signed_bend * change_since_anchor
+    root = np.sqrt(np.maximum(discriminant, 0.0))
+    load_from_edge_to_anchor = 2 * change_since_anchor / (steepness + root)
+    return combination_change(piece.anchor, segment, NORMAL_LOAD, time) + load_from_edge_to_anchor
 
 
-def _slipped_on_arc(
+def _slipped_load_on_arc(
     piece: Piece, direction: int, friction: float, segment: LoadSegment, time: ArrayLike
 ) -> Array:
-    """Load P - P_c of the slip zones at `time` on a load segment, while the stick edge is inside a
-    curved piece of the memory curve, made by loading in full stick.
+    """Load P - P_c of the slip zones at `time` (any shape) on a load segment, while the stick edge
+    is inside an arc of the memory curve, the path of an earlier time in full stick [force per
+    thickness].
 
-    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. On the
-    segment that made the piece the time at which the edge's load was reached is a mirror image;
-    else it is searched for along the arc.
+    P_c is the load P of the arc at the time at which s Q - f P was what it is now, s the
+    `direction` of slip. If P and Q are a single wave on one segment, that time is the mirror image
+    of `time` about the extreme of s Q - f P; else it is found by iteration along the arc.
     """
     arc_begin, arc_end = _whole_arc(piece)
-    slip_level = slip_combination(direction, friction)
+    combination = slip_combination(direction, friction)
     arc_segment = piece.anchor.segment
     if arc_segment is segment:
-        mirrored_time = segment.mirrored(slip_level, time, (arc_begin + arc_end) / 2)
+        mirrored_time = segment.mirrored(combination, time, (arc_begin + arc_end) / 2)
         if mirrored_time is not None:
             return segment.change_of(NORMAL_LOAD, time, mirrored_time)
-    level_rise = combination_change(piece.anchor, segment, slip_level, time)
-    # Back from the end of the arc, where the path may have turned: counted from its begin, rounding
-    # would leave half the digits.
-    time_at_stick_edge = arc_segment.time_of(slip_level, level_rise, arc_end, arc_begin)
-    return combination_change(piece.anchor, segment, NORMAL_LOAD, time) - arc_segment.change_of(
-        NORMAL_LOAD, time_at_stick_edge, arc_end
-    )
+    change_since_anchor = combination_change(piece.anchor, segment, combination, time)
+    # Back from the end of the arc, where the path may have turned: counted from its begin,
+    # round-off would leave half the digits.
+    time_at_stick_edge = arc_segment.time_of(combination, change_since_anchor, arc_end, arc_begin)
+    load_from_anchor = combination_change(piece.anchor, segment, NORMAL_LOAD, time)
+    return load_from_anchor - arc_segment.change_of(NORMAL_LOAD, time_at_stick_edge, arc_end)
 
 
 def is_same_memory(
     curve: Curve, other_curve: Curve, friction: float, tolerance: float = 1e-12
 ) -> bool:
-    """Whether two memory curves M(eta) are the same state of friction: within `tolerance` f P of
-    each other.
+    """Whether two memory curves M(eta) agree within `tolerance` times f P: then loads that follow
+    have the same tractions and slip after both.
 
-    M(eta) is the tangential force of the flat punches up to the load eta. The curves are compared
-    at their knots and at three loads between any two; f is `friction`.
+    M(eta) is the tangential force of the flat punches up to the load eta; f is `friction`. The
+    curves are compared at the ends of their pieces and at three loads in between.
 
     >>> is_same_memory(None, None, 0.5)
     True
@@ -401,41 +421,41 @@ def is_same_memory(
     if abs(curve.top - other_curve.top) > tolerance * largest_load:
         return False
     least_top = min(curve.top, other_curve.top)
-    knot_loads = {0.0, least_top}
+    end_loads = {0.0, least_top}
     for piece in (*pieces(curve), *pieces(other_curve)):
-        knot_loads.add(min(piece.top, least_top))
-    sorted_knots = np.array(sorted(knot_loads))
-    points_between = [
-        sorted_knots[:-1] + np.diff(sorted_knots) * share for share in (0.25, 0.5, 0.75, 1.0)
+        end_loads.add(min(piece.top, least_top))
+    sorted_ends = np.array(sorted(end_loads))
+    compared_loads = [
+        sorted_ends[:-1] + np.diff(sorted_ends) * fraction for fraction in (0.25, 0.5, 0.75, 1.0)
     ]
-    loads = np.unique(np.concatenate(points_between))
-    difference = np.abs(force_up_to(curve, loads) - force_up_to(other_curve, loads))
+    eta = np.unique(np.concatenate(compared_loads))
+    difference = np.abs(force_up_to(curve, eta) - force_up_to(other_curve, eta))
     return bool(np.all(difference <= tolerance * friction * least_top))
 
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """The memory curves of many instants side by side.
+    """The memory curves M(eta) of n instants, side by side.
 
-    Each is `actives[which]` up to the load `load - slipped`, and from there a line of slope
-    `direction` f.
+    The curve of an instant is that of its uppermost piece up to P_c, the load at the stick edge.
+    From P_c to P it is a line of slope `direction` f, where the contact slips.
 
     Attributes
     ----------
     time
-        (n,) times, of the spans' legs where the path was followed by spans
+        (n,) times, on the load segments of the spans where the path was followed by spans
     load, force
-        (n,) P and Q
+        (n,) P and Q [force per thickness]
     slipped
-        (n,) P - P_c
+        (n,) P - P_c [force per thickness]
     direction
-        (n,) +1, -1 or 0
+        (n,) of slip: +1 forward, -1 in reverse, 0 none
     piece_number
-        (n,) number of the uppermost piece among `actives`
+        (n,) index into `uppermost_pieces`
     uppermost_pieces
-        the different pieces (None: the front is at P_c = 0)
+        the different pieces in which stick edges are; None for P_c = 0, slip throughout
     friction
-        f
+        coefficient f
     """
 
     time: Array
@@ -449,11 +469,11 @@ class Snapshot:
 
     @cached_property
     def groups(self) -> tuple[tuple[CurvePart, NDArray[np.intp]], ...]:
-        """Pieces of memory curves that are the uppermost sticking one at some instants, each with
-        the numbers of these instants.
+        """Each piece of the memory curve M(eta) that holds a stick edge at some instants, with the
+        indices of these instants, ascending.
 
-        A memory curve M(eta) is the tangential force of the flat punches up to the load eta.
-        Instants without one, where the contact slips throughout, are left out.
+        M(eta) is the tangential force of the flat punches up to the load eta. Instants at which the
+        whole contact slips are in no group.
         """
         order_by_piece = np.argsort(self.piece_number, kind="stable")
         numbers, starts = np.unique(self.piece_number[order_by_piece], return_index=True)

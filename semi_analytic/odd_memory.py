@@ -1,37 +1,39 @@
-"""What tilt and bulk strain of finite bodies, which follow the loads, make of the dissipation: to
-the second order, beside the memory curve of half-planes, without grids. For parabolas.
+"""Friction work that tilt and bulk strain of finite bodies add to that of half-planes: to the
+second order in both, along the memory curve, without grids. For parabolas.
 
-With alpha = alpha_P P + alpha_Q Q the tilt and eps = e_P P + e_Q Q the bulk strain, a parabola of
-radius R touches about -alpha R. Stick and slip go as half-planes say; an odd memory goes beside
-M(eta). An index m says when the memory at a load eta was last set: at the end of the stroke that
-slipped there, or when the contact grew in stick to eta. With sigma = dM/d eta there, s the sense of
-slip, ::
+The tilt alpha = alpha_P P + alpha_Q Q and the bulk strain eps = e_P P + e_Q Q follow the loads. A
+parabola of radius R then touches about -alpha R. They make tractions that are odd in x, so that the
+load P_c at the stick edge is that of half-planes, and work has no first order in them. The memory
+M(eta) at a load eta was set at an earlier instant m: when the contact grew in stick to eta, or at
+the end of the stroke that slipped there. With sigma = dM/d eta there, s the direction of slip, ::
 
     N = f P - s Q,    a_s = f alpha - s eps,    mu = f - s sigma
     v = -R (a_s - a_s,m)/mu
     centre of contact  -alpha R,    centre of stick  -alpha_m R + v,    D their distance
 
-W gains, in units of R times numbers squared, over all slip of a cycle
+f p - s q is the pressure of a frictionless contact under the load N and the tilt a_s. The work of a
+cycle gains a sum over its slip:
 
 1. while both edges slip one way,  f (-N' D^2/(2R) - a_s' D (P - P_c)) dt;
-2. where the front passes memory that grew in stick,
+2. where the stick edge passes memory that was set in stick,
    -s f (P - P_c) (v^2 sigma'/(2R) + v (sigma alpha_m' - eps_m')) |dP_c|, ' by eta;
-3. where it passes a kink of M, from mu_o, centre d_o to mu_i, d_i,
+3. where it passes a kink of M, from mu_o and the centre d_o to mu_i and d_i,
    f (P - P_c) (d_o - d_i)^2 mu_o mu_i/(2R (mu_o - mu_i));
-4. for each smooth end of a stroke, at P_e, what `stroke_end` finds to be left, T: over P_c < eta <
-   P_e the force R (a_s'^2/N'') T P_e/eta, which costs f times itself times (P_e - eta), and times
-   (P - eta) once more when the front of the next stroke passes eta.
+4. at a smooth end of a stroke, where N' = 0 at P = P_e: one side stops before the other and leaves
+   tangential loads dT = R (a_s'^2/N'') T P_e/eta d eta on flat punches P_c < eta < P_e, with T of
+   `stroke_end`. Their work is f (P_e - eta) dT, and f (P - eta) dT again when the stick edge of the
+   next stroke passes eta.
 
 Each is a quadratic form of o = (alpha_P, alpha_Q, e_P, e_Q). Source: second order of the odd part
-of Coulomb's problem, derived here; held to grids, to closed cases, and to fronts of an earlier
-version.
+of Coulomb's problem, derived here. It is compared with grids, with closed forms, and with an
+earlier version.
 
 Declined, with the reason: a cycle in which slip comes back to an earlier limit under other loads
 and passes it (an inner loop that closes, or P that falls across a slip line of M), contact that
 grows or shrinks along the limit of friction, gross sliding.
 
-# notation: A = 2/E*, eta load in [0, P], M(eta) memory curve, P_c load at the front of slip, a
-#           contact half-width, c stick half-width
+# notation: A = 2/E*, eta load in [0, P], M(eta) memory curve, P_c load at the stick edge, a contact
+#           half-width, c stick half-width
 """
 
 from __future__ import annotations
@@ -67,20 +69,22 @@ ODD_NUMBERS = (
 )
 """alpha_P, alpha_Q, e_P, e_Q among the fields of `BodyEffects`."""
 
-# Points of Gauss on a span, and panels of what a smooth stroke end leaves: as many again, halved,
-# for the error.
+# Points of Gauss' rule on a span, and panels of the loads that a smooth end of a stroke leaves:
+# half as many give the error.
 _POINTS = 24
 _PANELS = 80
-# A stroke ends smoothly where the level's rate is this share of its largest in the span.
+# A stroke ends smoothly where the rate of s Q - f P is below this fraction of its largest in the
+# span.
 _AT_REST = 1e-6
-# Of the next order: see `OddWork.added`. Beyond the second, grids differ by up to several times W.
+# Fraction of the next order: see `OddWork.added_work`. Beyond the largest ratio grids differ from
+# the second order by up to several times W.
 _NEXT_ORDER = 0.5
 _MOST_ONE_SIDED = 0.8
 # Segments of a path at most: each takes a millisecond.
 _MOST_SEGMENTS = 1000
-# Step of a derivative of rates, over the time of a segment.
+# Step of a derivative of rates, over the duration of a segment or arc.
 _STEP = 1e-4
-# Share of a load, or of f, within which two are one.
+# Two loads, or two slopes, are equal within this fraction of the load, or of f.
 _SAME = 1e-9
 # Below this c/a at the end of a stroke all but slides.
 _LEAST_STICK = 1e-3
@@ -88,90 +92,94 @@ _LEAST_STICK = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class OddWork:
-    """What the odd numbers add to the work of a cycle: o . matrix o.
+    """Friction work of a cycle that tilt and bulk strain add: o . matrix o, o = (alpha_P, alpha_Q,
+    e_P, e_Q), their values per normal and per tangential load.
 
     Attributes
     ----------
     matrix
-        of (alpha_P, alpha_Q, e_P, e_Q), each per load, (4, 4) symmetric [work / number squared]
-    coarse
-        the same with half as many points: the difference is the error
-    one_sided
-        for each span and sense rows (n, 4) at some instants: where |row . o| is above 1, tilt and
-        strain are faster than what makes slip or stick, and one side of the contact alone slips
-    declined
+        (4, 4) symmetric [energy per thickness, over two of the numbers]; NaN where no matrix holds
+    coarse_matrix
+        the same with half as many quadrature points: the difference is the quadrature error
+    one_sided_ratios
+        arrays (n, 4) of coefficients c at instants, one for each span and criterion: where
+        |c . o| > 1, one side of the contact slips alone
+    reason_declined
         why there is no matrix; empty where there is one
     """
 
     matrix: Array
-    coarse: Array
-    one_sided: tuple[Array, ...] = ()
-    declined: str = ""
+    coarse_matrix: Array
+    one_sided_ratios: tuple[Array, ...] = ()
+    reason_declined: str = ""
 
-    def added(self, numbers: ArrayLike) -> Estimate:
-        """Friction work that tilt and bulk strain add in a cycle, with its uncertainty, from the
-        four numbers o = (alpha_P, alpha_Q, e_P, e_Q) of tilt and strain per load: o . matrix o.
+    def added_work(self, tilt_and_strain_per_load: ArrayLike) -> Estimate:
+        """Friction work that tilt and bulk strain add in a cycle, o . matrix o, with its
+        uncertainty [energy per thickness]; o = (alpha_P, alpha_Q, e_P, e_Q), (4,).
 
-        The uncertainty is that of the quadrature, and of the next order: half of the sum of all
-        |terms| times the share by which one side slips more. Fitted to 500 random ellipses and
-        polygons on grids: the true error was a third of that at most, but once 0.99.
+        The uncertainty is the quadrature error plus that of the next order. The latter is half of
+        `largest_one_sided_ratio` times the sum of the absolute terms. Fitted to 500 random ellipses
+        and polygons on grids: the true error was a third of it at most, but once 0.99.
 
         Raises
         ------
         Declined
-            Where there is no matrix, or one side alone slips through most of a span, a time of slip
-            in one direction.
+            Where there is no matrix, or where one side of the contact slips alone through most of a
+            span.
         """
-        if self.declined:
-            raise Declined(self.declined)
-        odd_numbers = np.asarray(numbers, dtype=float)
-        one_sided_share = self.one_sidedness(odd_numbers)
-        if one_sided_share > _MOST_ONE_SIDED:
+        if self.reason_declined:
+            raise Declined(self.reason_declined)
+        o = np.asarray(tilt_and_strain_per_load, dtype=float)
+        one_sided_ratio = self.largest_one_sided_ratio(o)
+        if one_sided_ratio > _MOST_ONE_SIDED:
             raise Declined("tilt and strain go so fast that one side of the contact slips alone")
-        work = float(odd_numbers @ self.matrix @ odd_numbers)
-        quadrature_error = abs(work - float(odd_numbers @ self.coarse @ odd_numbers))
-        work_size = float(np.abs(odd_numbers) @ np.abs(self.matrix) @ np.abs(odd_numbers))
-        return Estimate(work, quadrature_error + _NEXT_ORDER * one_sided_share * work_size)
+        work = float(o @ self.matrix @ o)
+        quadrature_error = abs(work - float(o @ self.coarse_matrix @ o))
+        sum_of_absolute_terms = float(np.abs(o) @ np.abs(self.matrix) @ np.abs(o))
+        next_order_error = _NEXT_ORDER * one_sided_ratio * sum_of_absolute_terms
+        return Estimate(work, quadrature_error + next_order_error)
 
-    def one_sidedness(self, numbers: ArrayLike) -> float:
-        """Largest over spans and senses of the median of |row . o|."""
-        odd = np.asarray(numbers, dtype=float)
-        shares = [float(np.median(np.abs(rows @ odd))) for rows in self.one_sided]
-        return max(shares, default=0.0)
+    def largest_one_sided_ratio(self, tilt_and_strain_per_load: ArrayLike) -> float:
+        """Largest over spans of the median in time of |c . o|, c of `one_sided_ratios`: above 1,
+        one side of the contact slips alone through half of a span.
+        """
+        o = np.asarray(tilt_and_strain_per_load, dtype=float)
+        medians = [float(np.median(np.abs(c @ o))) for c in self.one_sided_ratios]
+        return max(medians, default=0.0)
 
 
 class Declined(Exception):
-    """The second order does not hold for a history, or not for so large numbers."""
+    """The second order in tilt and strain does not hold: for a history, or for values so large."""
 
 
 @dataclass(frozen=True, eq=False)
 class OddAnswer:
-    """What tilt and bulk strain of the bodies make of half-planes along a path.
+    """What tilt and bulk strain of the bodies change in a half-plane contact along a load path.
 
     Attributes
     ----------
     history
-        of half-planes
+        stick and slip of the half-planes along the path
     radius
-        R of the parabola
-    numbers
-        alpha_P, alpha_Q, e_P, e_Q
+        R of the parabola [length]
+    tilt_and_strain_per_load
+        (alpha_P, alpha_Q, e_P, e_Q), (4,) [thickness per force]
     works
-        work that they add in each cycle up to the steady one, or in a path without cycle; with the
-        uncertainty of `OddWork.added` and of the numbers
+        friction work that they add in each cycle up to the steady one, or in a path without cycle;
+        with the uncertainty of `OddWork.added_work` and of these values [energy per thickness]
     """
 
     history: History
     radius: float
-    numbers: Array
+    tilt_and_strain_per_load: Array
     works: tuple[Estimate, ...]
 
     def centres(self, time: Array) -> tuple[Array, Array]:
-        """Centres of the contact and of the stick zone at instants (n,), (n,) each [length], to the
-        first order in tilt and bulk strain.
+        """Centres of the contact and of the stick zone at times (n,) of the path, (n,) each, along
+        x from the axis of the profile [length]: to the first order in tilt and bulk strain.
 
-        A symmetric contact would have both at 0. Each instant is taken on the span of stick or slip
-        that holds it.
+        Without tilt and strain both are at 0. Each time is looked up in the span of stick or slip
+        that it falls in.
         """
         spans = self.history.spans
         ends_of_spans = np.array([span.end.time + span.delay for span in spans])
@@ -179,29 +187,29 @@ class OddAnswer:
         path_time, slack = time_in_followed_path(
             time, float(start), float(ends_of_spans[-1]), self.history.period
         )
-        number_of_span = np.minimum(
+        span_index = np.minimum(
             np.searchsorted(ends_of_spans, path_time - slack, side="left"), len(spans) - 1
         )
         contact_centres = np.zeros(len(time))
         stick_centres = np.zeros(len(time))
-        for k in np.unique(number_of_span):
-            span = spans[k]
-            is_inside = number_of_span == k
+        for index in np.unique(span_index):
+            span = spans[index]
+            is_inside = span_index == index
             times_in_segment = np.clip(
                 path_time[is_inside] - span.delay, span.begin.time, span.end.time
             )
-            contact_rows, stick_rows = centres(span, self.radius, times_in_segment)
-            contact_centres[is_inside] = contact_rows @ self.numbers
-            stick_centres[is_inside] = stick_rows @ self.numbers
+            contact_vectors, stick_vectors = centre_vectors(span, self.radius, times_in_segment)
+            contact_centres[is_inside] = contact_vectors @ self.tilt_and_strain_per_load
+            stick_centres[is_inside] = stick_vectors @ self.tilt_and_strain_per_load
         return contact_centres, stick_centres
 
 
 def odd_answer(scene: Scene, effects: BodyEffects) -> OddAnswer:
-    """Friction work that tilt and bulk strain of finite bodies add in each cycle of a scene, and
-    the shift of contact and stick zone.
+    """Friction work that tilt and bulk strain of finite bodies add in each cycle of a scene, to the
+    second order; with what `OddAnswer.centres` needs for the centres of contact and stick.
 
-    Both in the second order of these small numbers: half-planes are followed along the path; the
-    work is a quadratic form of tilt and strain per load.
+    Stick and slip are those of half-planes along the load path. The work is a quadratic form of the
+    tilt and the strain per load, which are among the `effects`.
 
     Raises
     ------
@@ -221,33 +229,31 @@ def odd_answer(scene: Scene, effects: BodyEffects) -> OddAnswer:
     history = history_of(path, scene.friction.coefficient, max(scene.cycles, 2))
     modulus = composite_modulus(scene.material)
     estimates = [getattr(effects, name) for name in ODD_NUMBERS]
-    odd_numbers = np.array([float(estimate.value) for estimate in estimates])
-    uncertainties = np.array([float(estimate.uncertainty) for estimate in estimates])
-    works_of_cycles = []
+    o = np.array([float(estimate.value) for estimate in estimates])
+    uncertainty_of_o = np.array([float(estimate.uncertainty) for estimate in estimates])
+    works = []
     for spans, span_before, next_span in _cycles(history):
-        work_form = odd_work(spans, profile.radius, modulus, span_before, next_span)
-        added_work = work_form.added(odd_numbers)
-        error_of_numbers = 2 * float(np.abs(odd_numbers) @ np.abs(work_form.matrix) @ uncertainties)
-        works_of_cycles.append(
-            Estimate(added_work.value, added_work.uncertainty + error_of_numbers)
-        )
-    return OddAnswer(history, profile.radius, odd_numbers, tuple(works_of_cycles))
+        work_of_cycle = odd_work(spans, profile.radius, modulus, span_before, next_span)
+        work = work_of_cycle.added_work(o)
+        error_by_effects = 2 * float(np.abs(o) @ np.abs(work_of_cycle.matrix) @ uncertainty_of_o)
+        works.append(Estimate(work.value, work.uncertainty + error_by_effects))
+    return OddAnswer(history, profile.radius, o, tuple(works))
 
 
 def _cycles(history: History) -> Iterator[tuple[tuple[Span, ...], Span | None, Span | None]]:
-    """Each cycle of a friction history, or the whole path where it does not repeat: its spans of
-    stick and slip, the span before them and the one after them, None where there is none.
+    """For each cycle of a history, or the whole path where it does not repeat: its spans of stick
+    and slip, the span before them and the span after them, None where there is none.
 
-    The steady cycle follows itself.
+    The steady cycle comes before and after itself.
     """
     earlier_spans = history.loading
-    for number, spans in enumerate(history.cycles):
+    for cycle_index, spans in enumerate(history.cycles):
         span_before = earlier_spans[-1] if earlier_spans else None
         next_span = spans[0] if history.repeats else None
-        if history.repeats and number == history.steady_from:
+        if history.repeats and cycle_index == history.steady_from:
             span_before = spans[-1]
-        elif number + 1 < len(history.cycles):
-            next_span = history.cycles[number + 1][0]
+        elif cycle_index + 1 < len(history.cycles):
+            next_span = history.cycles[cycle_index + 1][0]
         yield spans, span_before, next_span
         earlier_spans = spans
 
@@ -259,13 +265,13 @@ def odd_work(
     span_before: Span | None,
     next_span: Span | None,
 ) -> OddWork:
-    """Friction work of a cycle, or of a whole path, that is quadratic in tilt and bulk strain.
+    """Friction work that tilt and bulk strain add in a cycle, or in a whole path: quadratic form
+    over o = (alpha_P, alpha_Q, e_P, e_Q), their values per normal and per tangential load.
 
-    They make tractions that are odd in x, so that work has no first order in them. With o = (tilt
-    per P, tilt per Q, bulk strain per P, bulk strain per Q) the work is o . matrix o. The matrix
-    (4, 4) is taken twice, with all points of the quadrature and with half of them. Where an odd
-    number is so large that one side of the contact slips alone, no matrix holds: rows that show it
-    are returned too, and NaN with the reason where there is no matrix at all.
+    They make tractions that are odd in x, so that work has no first order in them. The matrix is
+    taken with all points of the quadrature and with half of them. Where no matrix holds it is NaN,
+    with the reason. The form holds while both sides of the contact slip alike: criteria come with
+    it.
 
     Parameters
     ----------
@@ -274,184 +280,210 @@ def odd_work(
     radius, modulus
         R of the parabola, E*
     span_before, next_span
-        the spans on both sides; of a steady cycle its own last and first
+        the spans before and after these; of a steady cycle its own last and first
     """
-    unknown_matrix = np.full((4, 4), np.nan)
     strokes = _Strokes(tuple(spans), radius, span_before, next_span)
     try:
         strokes.require_no_limit_in_stick()
         fine_matrix = strokes.matrix(_POINTS, _PANELS)
         coarse_matrix = strokes.matrix(_POINTS // 2, _PANELS // 2)
     except Declined as reason:
-        return OddWork(unknown_matrix, unknown_matrix, declined=str(reason))
-    one_sided_rows = [rows for span in spans for rows in _one_sided(span, radius, modulus)]
-    return OddWork(fine_matrix, coarse=coarse_matrix, one_sided=tuple(one_sided_rows))
+        unknown_matrix = np.full((4, 4), np.nan)
+        return OddWork(unknown_matrix, unknown_matrix, reason_declined=str(reason))
+    one_sided_ratios = [
+        ratios for span in spans for ratios in _one_sided_slip_ratios(span, radius, modulus)
+    ]
+    return OddWork(fine_matrix, coarse_matrix, tuple(one_sided_ratios))
 
 
-def centres(span: Span, radius: float, time: Array) -> tuple[Array, Array]:
-    """Rows that give the centres of contact and of the stick zone of a tilted parabola at times
-    (n,) of a span of stick or slip, (n, 4) each: row . (alpha_P, alpha_Q, e_P, e_Q) is a length.
+def centre_vectors(span: Span, radius: float, time: Array) -> tuple[Array, Array]:
+    """Centres of contact and of the stick zone of a parabola at times (n,) of a span, to the first
+    order, as coefficients (n, 4) each: the place is c . (alpha_P, alpha_Q, e_P, e_Q) [length].
 
-    These are the tilt and the bulk strain per normal and per tangential load; first order. The
-    centre of stick is that of contact where all of it sticks, NaN where none does.
+    The four are tilt and bulk strain per normal and per tangential load. In full stick both centres
+    are one; the second is NaN where all of the contact slips. `radius` is R of the parabola.
     """
     normal_load, tangential_load = span.segment.loads(time)
-    contact_rows = -radius * _tilt(normal_load, tangential_load)
+    contact_vectors = -radius * _tilt_vectors(normal_load, tangential_load)
     if not span.direction:
-        return contact_rows, contact_rows
+        return contact_vectors, contact_vectors
     if span.sticking_piece is None:
-        return contact_rows, np.full(contact_rows.shape, np.nan)
+        return contact_vectors, np.full(contact_vectors.shape, np.nan)
     stick_edge = _stick_edge_at(span, span.sticking_piece, time, span.slipped(time), radius)
-    return contact_rows, contact_rows + stick_edge.distance(radius)
+    return contact_vectors, contact_vectors + stick_edge.centre_distance(radius)
 
 
 @dataclass(frozen=True, eq=False)
 class _Strokes:
-    """The spans of slip and stick of a cycle, on a parabola of this `radius` [length]; `before` and
-    `following` are the spans on both sides of the cycle, None where there is none.
+    """The spans of slip and stick of a cycle, on a parabola of this `radius` [length], with the
+    spans just before and just after the cycle, None where there is none.
     """
 
     spans: tuple[Span, ...]
     radius: float
-    before: Span | None
-    following: Span | None
+    span_before: Span | None
+    next_span: Span | None
 
     def matrix(self, points: int, panels: int) -> Array:
         """Symmetric matrix (4, 4) of the friction work that tilt and bulk strain add, over o =
         (alpha_P, alpha_Q, e_P, e_Q), their values per normal and per tangential load: work = o .
         matrix o.
 
-        The memory curve M(eta) is the tangential force of the flat punches up to the load eta. The
-        matrix is the sum over the spans of slip, of the kinks of the memory curve that they pass,
-        and of the smooth ends of strokes. `points` are quadrature nodes a span, `panels` those of a
-        stroke's end.
+        It is the sum over all spans of slip, the kinks of the memory curve M(eta) that their stick
+        edges pass, and the smooth ends of strokes. M(eta) is the tangential force of the flat
+        punches up to the load eta. `points` are quadrature nodes of a span, `panels` those of the
+        loads that a stroke's end leaves.
         """
         work_matrix = np.zeros((4, 4))
-        neighbours = (self.before, *self.spans, self.following)
+        spans_with_neighbours = (self.span_before, *self.spans, self.next_span)
         for span_before, span, next_span in zip(
-            neighbours[:-2], self.spans, neighbours[2:], strict=True
+            spans_with_neighbours[:-2], self.spans, spans_with_neighbours[2:], strict=True
         ):
             if not span.direction:
                 continue
             if span_before is not None:
-                _require_no_return(span_before, span, self.radius)
-                work_matrix += _of_kink(span_before, span, self.radius)
-            work_matrix += _of_span(span, self.radius, points)
-            work_matrix += _of_passed_end(span, self.radius, panels)
+                _refuse_return_to_limit(span_before, span, self.radius)
+                work_matrix += _work_at_kink(span_before, span, self.radius)
+            work_matrix += _work_in_span(span, self.radius, points)
+            work_matrix += _work_at_passed_end(span, self.radius, panels)
             if next_span is None or next_span.direction != span.direction:
-                work_matrix += _of_stroke_end(span, self.radius, panels)
+                work_matrix += _work_at_stroke_end(span, self.radius, panels)
         return work_matrix
 
     def require_no_limit_in_stick(self) -> None:
-        """Declined where contact grows or shrinks along the limit of friction: one side slips."""
+        """Raise Declined where P changes in full stick along the Coulomb limit, dQ = +-f dP: tilt
+        and strain make one side of the contact slip.
+        """
         for span in self.spans:
             piece = span.sticking_piece
             if span.direction or piece is None or span.begin.normal == span.end.normal:
                 continue
-            if _is_slipped(piece, span.friction):
+            if _is_set_by_slip(piece, span.friction):
                 raise Declined("P and Q go along the limit of friction, where one side slips")
 
 
-# ------------------------------------------------------------------------- numbers as row vectors
-def _tilt(normal_load: ArrayLike, tangential_load: ArrayLike) -> Array:
-    """Alpha by the numbers at loads (n,): (n, 4)."""
+# ----------------------------------------- tilt and strain by (alpha_P, alpha_Q, e_P, e_Q)
+def _tilt_vectors(normal_load: ArrayLike, tangential_load: ArrayLike) -> Array:
+    """Tilt alpha at loads P and Q (n,), as coefficients (n, 4) of (alpha_P, alpha_Q, e_P, e_Q)."""
     zero = np.zeros(np.shape(normal_load))
     return np.stack([np.asarray(normal_load), np.asarray(tangential_load), zero, zero], axis=-1)
 
 
-def _strain(normal_load: ArrayLike, tangential_load: ArrayLike) -> Array:
-    """Eps by the numbers at loads (n,): (n, 4)."""
+def _strain_vectors(normal_load: ArrayLike, tangential_load: ArrayLike) -> Array:
+    """Bulk strain eps at loads P and Q (n,), as coefficients (n, 4) of (alpha_P, alpha_Q, e_P,
+    e_Q).
+    """
     zero = np.zeros(np.shape(normal_load))
     return np.stack([zero, zero, np.asarray(normal_load), np.asarray(tangential_load)], axis=-1)
 
 
-def _drive(
-    friction: float, sense: int, normal_load: ArrayLike, tangential_load: ArrayLike
+def _equivalent_tilt_vectors(
+    friction: float, direction: int, normal_load: ArrayLike, tangential_load: ArrayLike
 ) -> Array:
-    """a_s = f alpha - s eps by the numbers at loads (n,): (n, 4)."""
-    return friction * _tilt(normal_load, tangential_load) - sense * _strain(
+    """a_s = f alpha - s eps at loads P and Q (n,), as coefficients (n, 4) of (alpha_P, alpha_Q,
+    e_P, e_Q); s is the `direction` of slip.
+
+    f p - s q is the pressure of a frictionless contact under the load f P - s Q and this tilt.
+    """
+    return friction * _tilt_vectors(normal_load, tangential_load) - direction * _strain_vectors(
         normal_load, tangential_load
     )
 
 
-def _products(weights: Array, left_factor: Array, right_factor: Array) -> Array:
-    """Sum of weights (n,) times the symmetric products of rows (n, 4): (4, 4)."""
-    form = np.einsum("n,ni,nj->ij", weights, left_factor, right_factor)
+def _quadratic_form(weights: Array, left_vectors: Array, right_vectors: Array) -> Array:
+    """Symmetric matrix (4, 4) of the sum over n of weight (left . o) (right . o): weights (n,),
+    vectors (n, 4).
+    """
+    form = np.einsum("n,ni,nj->ij", weights, left_vectors, right_vectors)
     return np.asarray((form + form.T) / 2)
 
 
-# ------------------------------------------------------------------------------ a front in a span
+# -------------------------------------------------------------------------- stick edges in a span
 @dataclass(frozen=True, eq=False)
 class _StickEdge:
-    """The stick edge in the uppermost piece of the memory curve, at some instants.
+    """The stick edge on one piece of the memory curve M(eta), at instants (n,).
 
     Attributes
     ----------
-    slipped
-        P - P_c, (n,)
+    load
+        P, (n,) [force per thickness]
+    slip_zone_load
+        P - P_c, (n,), P_c the load at the stick edge
     steepness
-        mu, (n,)
-    since_set
-        P and Q at the instant less P and Q when the memory at the edge was set, (n,) each
-    shift
-        v by the numbers, (n, 4)
+        mu = f - s M' at P_c, (n,), s the direction of slip
+    loads_since_set
+        P and Q minus those at which the memory at P_c was set, (n,) each
+    centre_shift
+        v, shift of the centre of stick since then, as coefficients (n, 4) of (alpha_P, alpha_Q,
+        e_P, e_Q) [length]
     """
 
     load: Array
-    slipped: Array
+    slip_zone_load: Array
     steepness: Array
-    since_set: tuple[Array, Array]
-    shift: Array
+    loads_since_set: tuple[Array, Array]
+    centre_shift: Array
 
-    def distance(self, radius: float) -> Array:
-        """D, from the centre of contact to that of stick, by the numbers: (n, 4)."""
-        return np.asarray(radius * _tilt(*self.since_set) + self.shift)
+    def centre_distance(self, radius: float) -> Array:
+        """D, the centre of stick minus that of contact, as coefficients (n, 4) of (alpha_P,
+        alpha_Q, e_P, e_Q) [length]; `radius` is R of the parabola.
+        """
+        return np.asarray(radius * _tilt_vectors(*self.loads_since_set) + self.centre_shift)
 
 
 def _stick_edge_at(
-    span: Span, piece: Piece, time: Array, slipped: Array, radius: float
+    span: Span, piece: Piece, time: Array, slip_zone_load: Array, radius: float
 ) -> _StickEdge:
-    """The stick edge at times (n,) of a span of slip, where its load P_c = P - `slipped` (n,) lies
-    on a `piece` of the memory curve; with the change of P and Q since the memory there was set.
+    """The stick edge at times (n,) of a span of slip, where its load P_c = P - `slip_zone_load`
+    lies on a `piece` of the memory curve, loads (n,).
 
-    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. Tilt and
-    strain shift the centre of stick by v = -R (a_s - a_s,m)/mu, a_s = f alpha - s eps. mu = f - s
-    M' is the steepness, s the direction of slip, m the instant at which the memory was set.
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. It was
+    set at P_c in stick when P grew to P_c, or by slip at the end of a stroke; m is that instant.
+    Since then tilt and strain shift the centre of stick by v = -R (a_s - a_s,m)/mu. a_s = f alpha -
+    s eps, mu = f - s M' is the steepness, s the direction of slip, R the `radius` of the parabola.
     """
     load = span.segment.loads(time)[0]
-    memory_slope = piece.slope_at(load - slipped)
+    memory_slope = piece.slope_at(load - slip_zone_load)
     steepness = span.friction - span.direction * memory_slope
-    if _is_slipped(piece, span.friction):
-        since_set = (
+    if _is_set_by_slip(piece, span.friction):
+        loads_since_set = (
             combination_change(piece.anchor, span.segment, NORMAL_LOAD, time),
             combination_change(piece.anchor, span.segment, TANGENTIAL_LOAD, time),
         )
     else:
-        # s M - f eta is the same at the front now and at the edge: Q less M(P_c) is s f (P - P_c)
-        since_set = (slipped, span.direction * span.friction * slipped)
-    shift = -radius * _drive(span.friction, span.direction, *since_set) / steepness[:, None]
-    return _StickEdge(load, slipped, steepness, since_set, shift)
+        # It was set at P = P_c, Q = M(P_c), and s M(P_c) - f P_c is s Q - f P now.
+        tangential_load_since_set = span.direction * span.friction * slip_zone_load
+        loads_since_set = (slip_zone_load, tangential_load_since_set)
+    equivalent_tilt_since_set = _equivalent_tilt_vectors(
+        span.friction, span.direction, *loads_since_set
+    )
+    centre_shift = -radius * equivalent_tilt_since_set / steepness[:, None]
+    return _StickEdge(load, slip_zone_load, steepness, loads_since_set, centre_shift)
 
 
-def _is_slipped(piece: Piece, friction: float) -> bool:
-    """Whether the memory was set by slip: the limit M' = f or -f up to the end of a stroke."""
+def _is_set_by_slip(piece: Piece, friction: float) -> bool:
+    """Whether slip set the memory of a piece, at the end of a stroke: then it is at the Coulomb
+    limit, M' = f or -f. Otherwise it was set while the contact grew in stick.
+    """
     return is_at_coulomb_limit(piece, 1, friction) or is_at_coulomb_limit(piece, -1, friction)
 
 
-def _set_loads(piece: Piece, friction: float, eta: Array) -> tuple[Array, Array]:
-    """P and Q when the memory at loads (n,) on a piece was set, (n,) each."""
-    if _is_slipped(piece, friction):
+def _loads_when_set(piece: Piece, friction: float, eta: Array) -> tuple[Array, Array]:
+    """P and Q at the instants at which the memory at loads eta (n,) of a piece was set, (n,) each:
+    those of its anchor if slip set it, else eta and M(eta).
+    """
+    if _is_set_by_slip(piece, friction):
         ones = np.ones(np.shape(eta))
         return piece.anchor.normal * ones, piece.anchor.tangential * ones
     return eta, force_on_piece(piece, eta)
 
 
-def _slope_rate(piece: Piece, eta: Array) -> Array:
-    """Change of the slope M' = dQ/dP of a `piece` of the memory curve with the load, at loads eta
-    (n,) [1/force per thickness].
+def _slope_derivative(piece: Piece, eta: Array) -> Array:
+    """Derivative d2M/d eta2 of the slope M' of a `piece` of the memory curve, at loads eta (n,)
+    [1/force per thickness].
 
-    The change is constant on a straight or parabolic piece; on a curved one it is found by
-    differences of the rates of the loads. The memory curve M(eta) is the tangential force of the
+    It is constant on a straight or parabolic piece. On an arc M' = dQ/dP of the load path, and it
+    is found by central differences in time. The memory curve M(eta) is the tangential force of the
     flat punches up to the load eta.
     """
     if piece.arc is None:
@@ -467,60 +499,75 @@ def _slope_rate(piece: Piece, eta: Array) -> Array:
 
 
 # ---------------------------------------------------------------------------------- terms of work
-def _instants(span: Span, points: int) -> tuple[Array, Array]:
-    """Gauss' times in a span, and their weights in time, (points,) each."""
+def _gauss_times(span: Span, points: int) -> tuple[Array, Array]:
+    """Times of Gauss' rule in a span, and their weights in time, (points,) each."""
     nodes, weights = np.polynomial.legendre.leggauss(points)
-    half = (span.end.time - span.begin.time) / 2
-    return span.begin.time + half * (1 + nodes), half * weights
+    half_duration = (span.end.time - span.begin.time) / 2
+    return span.begin.time + half_duration * (1 + nodes), half_duration * weights
 
 
-def _of_span(span: Span, radius: float, points: int) -> Array:
-    """Matrix (4, 4) of the friction work that tilt and strain add in a span of slip in one
-    direction, over (alpha_P, alpha_Q, e_P, e_Q): both edges slip alike, through memory that grew in
-    stick.
+def _work_in_span(span: Span, radius: float, points: int) -> Array:
+    """Matrix (4, 4) of the friction work that tilt and strain add while both edges slip in one
+    direction s, in a span of time: work = o . matrix o, o = (alpha_P, alpha_Q, e_P, e_Q).
 
-        f (-N' D^2/(2R) - a_s' D (P - P_c)) dt,    D from the centre of contact to that of stick,
-        N = f P - s Q,    a_s = f alpha - s eps,    s the direction of slip
+        int f (-N' D^2/(2R) - a_s' D (P - P_c)) dt,    N = f P - s Q,    a_s = f alpha - s eps
+        - int s f (P - P_c) (v^2 M''/(2R) + v (M' alpha' - eps')) |dP_c|
 
-    and the shift of the memory that grew in stick. By Gauss' rule of `points` nodes in time.
+    D is the centre of stick minus that of contact, v the shift in `_StickEdge`. The second integral
+    is there where the memory at the stick edge was set in stick; alpha' and eps' are then their
+    derivatives along that memory, by eta. Both are taken by Gauss' rule of `points` nodes in time;
+    `radius` is R of the parabola.
     """
     piece = span.sticking_piece
     if piece is None:
         raise Declined("the contact slides as a whole")
-    time, weights = _instants(span, points)
-    slipped = span.slipped(time)
-    stick_edge = _stick_edge_at(span, piece, time, slipped, radius)
-    fall_rate = np.asarray(
-        span.segment.rate_of(slip_combination(span.direction, span.friction), time)
-    )  # -N'
-    drive_rate = _drive(span.friction, span.direction, *span.segment.rates(time))
-    distance = stick_edge.distance(radius)
-    friction_weights = span.friction * weights
-    work_matrix = _products(friction_weights * fall_rate / (2 * radius), distance, distance)
-    work_matrix = work_matrix - _products(friction_weights * slipped, drive_rate, distance)
-    if _is_slipped(piece, span.friction):
-        return work_matrix
-    eta = stick_edge.load - slipped
-    memory_slope = piece.slope_at(eta)
-    ones = np.ones(np.shape(eta))
-    rotation = memory_slope[:, None] * _tilt(ones, memory_slope) - _strain(ones, memory_slope)
-    passing_rate = span.direction * friction_weights * slipped * fall_rate / stick_edge.steepness
-    bend_term = _products(
-        passing_rate * _slope_rate(piece, eta) / (2 * radius), stick_edge.shift, stick_edge.shift
+    time, weights = _gauss_times(span, points)
+    slip_zone_load = span.slipped(time)
+    stick_edge = _stick_edge_at(span, piece, time, slip_zone_load, radius)
+    combination = slip_combination(span.direction, span.friction)
+    load_fall_rate = np.asarray(span.segment.rate_of(combination, time))  # -N'
+    equivalent_tilt_rate = _equivalent_tilt_vectors(
+        span.friction, span.direction, *span.segment.rates(time)
     )
-    return work_matrix - bend_term - _products(passing_rate, stick_edge.shift, rotation)
+    distance = stick_edge.centre_distance(radius)
+    friction_weights = span.friction * weights
+    work_matrix = _quadratic_form(
+        friction_weights * load_fall_rate / (2 * radius), distance, distance
+    )
+    work_matrix = work_matrix - _quadratic_form(
+        friction_weights * slip_zone_load, equivalent_tilt_rate, distance
+    )
+    if _is_set_by_slip(piece, span.friction):
+        return work_matrix
+    eta = stick_edge.load - slip_zone_load
+    memory_slope = piece.slope_at(eta)
+    ones = np.ones(np.shape(eta))  # dP/d eta along the memory; dQ/d eta is its slope
+    tilt_by_eta = _tilt_vectors(ones, memory_slope)
+    strain_by_eta = _strain_vectors(ones, memory_slope)
+    odd_slope = memory_slope[:, None] * tilt_by_eta - strain_by_eta
+    # s f (P - P_c) |dP_c|, since P_c falls by -N' dt/mu
+    passing_weights = (
+        span.direction * friction_weights * slip_zone_load * load_fall_rate / stick_edge.steepness
+    )
+    work_by_bend = _quadratic_form(
+        passing_weights * _slope_derivative(piece, eta) / (2 * radius),
+        stick_edge.centre_shift,
+        stick_edge.centre_shift,
+    )
+    work_by_odd_slope = _quadratic_form(passing_weights, stick_edge.centre_shift, odd_slope)
+    return work_matrix - work_by_bend - work_by_odd_slope
 
 
-def _of_kink(span_before: Span, span: Span, radius: float) -> Array:
-    """Matrix (4, 4) of the friction work that tilt and strain add where the stick edge goes across
-    a kink of the memory curve, over (alpha_P, alpha_Q, e_P, e_Q).
+def _work_at_kink(span_before: Span, span: Span, radius: float) -> Array:
+    """Matrix (4, 4) of the friction work that tilt and strain add where the stick edge passes a
+    kink, a jump of the slope M', of the memory curve: over (alpha_P, alpha_Q, e_P, e_Q).
 
         f (P - P_c) (d_o - d_i)^2 mu_o mu_i/(2R (mu_o - mu_i))
 
-    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. d are
-    the centres and mu the steepness f - s M' on the outer and on the inner piece of the curve,
-    those of `span_before` and of `span`, times of slip. Zero where both are on one piece. `radius`
-    is R of the parabola [length].
+    The memory curve M(eta) is the tangential force of the flat punches up to the load eta. On the
+    outer and the inner side of the kink, d is the centre of stick and mu the steepness f - s M'.
+    The spans of slip before and after it have the stick edge on these two pieces; zero where both
+    are on one piece. `radius` is R of the parabola.
     """
     outer_piece = span_before.sticking_piece
     inner_piece = span.sticking_piece
@@ -529,97 +576,100 @@ def _of_kink(span_before: Span, span: Span, radius: float) -> Array:
         return zero_matrix
     tolerance = _SAME * outer_piece.top
     if inner_piece.top > outer_piece.bottom + tolerance:
-        return zero_matrix  # the same piece goes on
+        return zero_matrix  # both spans are on one piece
     if inner_piece.top - inner_piece.bottom <= tolerance:
-        return zero_matrix  # the stick edge stays at the upper end of what is at the limit
-    # Of a kink that stands for several, those between are at the limit: only both ends count.
+        return zero_matrix  # the stick edge stays at the upper end of a piece at the Coulomb limit
+    # The edge passes pieces at the Coulomb limit between both at once: they count as one kink.
     time = np.array([span.begin.time])
-    slipped = span.begin.normal - np.array([outer_piece.bottom])
+    slip_zone_load = span.begin.normal - np.array([outer_piece.bottom])
     eta = np.array([outer_piece.bottom])
-    centres = []
-    steepness = []
+    stick_centres = []
+    steepness_of_sides = []
     for piece in (outer_piece, inner_piece):
-        stick_edge = _stick_edge_at(span, piece, time, slipped, radius)
-        touching_centre = -radius * _tilt(*_set_loads(piece, span.friction, eta))
-        centres.append(touching_centre + stick_edge.shift)
-        steepness.append(float(stick_edge.steepness[0]))
-    product_of_steepness = steepness[0] * steepness[1]
-    if abs(steepness[0] - steepness[1]) <= _SAME * span.friction or product_of_steepness <= 0:
+        stick_edge = _stick_edge_at(span, piece, time, slip_zone_load, radius)
+        centre_when_set = -radius * _tilt_vectors(*_loads_when_set(piece, span.friction, eta))
+        stick_centres.append(centre_when_set + stick_edge.centre_shift)
+        steepness_of_sides.append(float(stick_edge.steepness[0]))
+    outer_steepness, inner_steepness = steepness_of_sides
+    steepness_jump = outer_steepness - inner_steepness
+    steepness_product = outer_steepness * inner_steepness
+    if abs(steepness_jump) <= _SAME * span.friction or steepness_product <= 0:
         return zero_matrix
-    centre_jump = centres[0] - centres[1]
-    weight = (
-        span.friction
-        * slipped
-        * product_of_steepness
-        / (2 * radius * (steepness[0] - steepness[1]))
-    )
-    return _products(weight, centre_jump, centre_jump)
+    centre_jump = stick_centres[0] - stick_centres[1]
+    weight = span.friction * slip_zone_load * steepness_product / (2 * radius * steepness_jump)
+    return _quadratic_form(weight, centre_jump, centre_jump)
 
 
-def _require_no_return(span_before: Span, span: Span, radius: float) -> None:
-    """Refuse a path on which slip comes back to what an earlier stroke in its direction left at the
-    Coulomb limit, under other loads than then: Declined, since tilt and strain are others too.
+def _refuse_return_to_limit(span_before: Span, span: Span, radius: float) -> None:
+    """Refuse a path on which slip resumes at the Coulomb limit that an earlier stroke in its
+    direction left, if P and Q differ from those at its end, or if that end was smooth.
 
-    `span_before` ends where the `span` of slip begins; `radius` is that of the parabola [length].
+    Tilt and strain then differ from those of the earlier stroke, or a load left there is passed,
+    and no matrix holds. `span_before` ends where the `span` of slip begins; `radius` is R of the
+    parabola.
+
+    Raises
+    ------
+    Declined
+        In both cases.
     """
     friction = span.friction
     begin = span.begin
-    top_of_piece = span.sticking_piece.top if span.sticking_piece is not None else 0.0
+    top_of_sticking_piece = span.sticking_piece.top if span.sticking_piece is not None else 0.0
     for piece in pieces(span_before.curve(span_before.end.time)):
         load_tolerance = _SAME * max(piece.anchor.normal, begin.normal)
-        if piece.bottom < top_of_piece - load_tolerance:
+        if piece.bottom < top_of_sticking_piece - load_tolerance:
             break
-        if piece.top - piece.bottom <= load_tolerance or not is_at_coulomb_limit(
-            piece, span.direction, friction
-        ):
+        is_point = piece.top - piece.bottom <= load_tolerance
+        if is_point or not is_at_coulomb_limit(piece, span.direction, friction):
             continue
-        change_of_loads = (
-            begin.normal - piece.anchor.normal,
-            begin.tangential - piece.anchor.tangential,
-        )
-        end_of_stroke = _end_of_piece(piece, span.direction, friction, radius)
+        normal_change = begin.normal - piece.anchor.normal
+        tangential_change = begin.tangential - piece.anchor.tangential
+        earlier_end = _smooth_end_at_anchor(piece, span.direction, friction, radius)
         if (
-            abs(change_of_loads[0]) > load_tolerance
-            or abs(change_of_loads[1]) > friction * load_tolerance
+            abs(normal_change) > load_tolerance
+            or abs(tangential_change) > friction * load_tolerance
         ):
             raise Declined("slip comes back to an earlier limit under other loads")
-        if end_of_stroke is not None and np.any(end_of_stroke.form):
+        if earlier_end is not None and np.any(earlier_end.tilt_rate_form):
             raise Declined("slip goes on after a smooth end of its stroke")
 
 
 @dataclass(frozen=True, eq=False)
 class _SmoothEnd:
-    """The smooth end of a stroke.
+    """The smooth end of a stroke of slip: the rate of s Q - f P, vanishes there.
 
     Attributes
     ----------
-    load, front
-        P and P_c there
-    form
-        R a_s'^2/N'' by the numbers, (4, 4)
+    load, edge_load
+        P and the load P_c at the stick edge, at that instant [force per thickness]
+    tilt_rate_form
+        R a_s'^2/N'' as a matrix (4, 4) over (alpha_P, alpha_Q, e_P, e_Q)
     """
 
     load: float
-    front: float
-    form: Array
+    edge_load: float
+    tilt_rate_form: Array
 
-    def left(self, panels: int) -> tuple[Array, Array]:
-        """Loads eta (n,) and what is left there, T P_e/eta d eta over R a_s'^2/N'', (n,)."""
-        ratio = float(np.sqrt(self.front / self.load))
-        if ratio < _LEAST_STICK:
+    def loads_left(self, panels: int) -> tuple[Array, Array]:
+        """Loads eta (n,), and the tangential load that the end leaves on flat punches next to each,
+        T P/eta d eta, over R a_s'^2/N'', (n,). `panels` divide P_c < eta < P.
+        """
+        stick_ratio = float(np.sqrt(self.edge_load / self.load))
+        if stick_ratio < _LEAST_STICK:
             raise Declined("all but the middle of the contact slides")
-        left = loads_left_at_stroke_end(ratio, panels)
+        left = loads_left_at_stroke_end(stick_ratio, panels)
         eta = self.load * left.half_width**2
         # d eta/eta is 2 dc'/c'
         return eta, 2 * self.load * left.force * left.width / left.half_width
 
 
 def _smooth_end(span: Span, time: float, edge_load: float, radius: float) -> _SmoothEnd | None:
-    """The smooth end of a stroke of slip at a `time` in the load segment of a span of slip, with
-    P_c = `edge_load` there; None where the stroke ends at a corner of the path.
+    """The smooth end of a stroke of slip in the direction s, at a `time` of the load segment of a
+    span; None where the stroke ends at a vertex of the load path, or nothing has slipped.
 
-    At a smooth end the rate of s Q - f P, which grows in slip, vanishes; s is the direction of
-    slip. `radius` is R of the parabola [length].
+    At a smooth end the rate of s Q - f P vanishes, so that slip stops without a jump of the rates
+    of the loads. `edge_load` is the load at the stick edge there; `radius` is R of the parabola.
     """
     segment = span.segment
     combination = slip_combination(span.direction, span.friction)
@@ -634,102 +684,112 @@ def _smooth_end(span: Span, time: float, edge_load: float, radius: float) -> _Sm
     time_step = _STEP * (segment.end - segment.start)
     rate_after = float(segment.rate_of(combination, time + time_step))
     rate_before = float(segment.rate_of(combination, time - time_step))
-    level_bend = (rate_before - rate_after) / (2 * time_step)  # N''
-    if level_bend <= 0:
+    second_rate = (rate_before - rate_after) / (2 * time_step)  # N'', of N = f P - s Q
+    if second_rate <= 0:
         return None
-    drive_rate = _drive(span.friction, span.direction, *segment.rates(time))
-    return _SmoothEnd(load, edge_load, radius / level_bend * np.outer(drive_rate, drive_rate))
+    tilt_rate = _equivalent_tilt_vectors(span.friction, span.direction, *segment.rates(time))
+    return _SmoothEnd(load, edge_load, radius / second_rate * np.outer(tilt_rate, tilt_rate))
 
 
-def _end_of_piece(
+def _smooth_end_at_anchor(
     piece: Piece, direction: int, friction: float, radius: float
 ) -> _SmoothEnd | None:
-    """The smooth end of the stroke that left a piece at the limit; None where it was a corner."""
+    """The smooth end of the stroke that left a `piece` of the memory curve at the Coulomb limit;
+    None where that stroke ended at a vertex of the load path.
+    """
     anchor = piece.anchor
     start = instant(anchor.segment, anchor.segment.start)
     stroke = Span(start, anchor, 0.0, direction, None, friction)
     return _smooth_end(stroke, anchor.time, piece.bottom, radius)
 
 
-def _of_stroke_end(span: Span, radius: float, panels: int) -> Array:
+def _work_at_stroke_end(span: Span, radius: float, panels: int) -> Array:
     """Matrix (4, 4) of the friction work that tilt and strain add at the smooth end of the stroke
-    that ends with a `span` of slip, over (alpha_P, alpha_Q, e_P, e_Q); zero at a corner of the
+    that ends with a `span` of slip, over (alpha_P, alpha_Q, e_P, e_Q); zero at a vertex of the load
     path.
 
-    There the two sides of the contact come to rest one after the other, which leaves a force at
-    loads eta; it costs f times itself times (P - eta). `panels` is the number of quadrature panels.
+    The two sides of the slip zone stop one after the other, which leaves tangential loads dT on
+    flat punches at loads eta. Their work is f int (P - eta) dT. `panels` are those of this
+    integral; `radius` is R of the parabola.
     """
     edge_load = span.end.normal - float(span.slipped(span.end.time))
     smooth_end = _smooth_end(span, span.end.time, edge_load, radius)
     if smooth_end is None:
         return np.zeros((4, 4))
-    eta, force_left_at_eta = smooth_end.left(panels)
-    return np.asarray(
-        span.friction * float(np.sum(force_left_at_eta * (smooth_end.load - eta))) * smooth_end.form
-    )
+    eta, load_left_at_eta = smooth_end.loads_left(panels)
+    integral = float(np.sum(load_left_at_eta * (smooth_end.load - eta)))
+    return np.asarray(span.friction * integral * smooth_end.tilt_rate_form)
 
 
-def _of_passed_end(span: Span, radius: float, panels: int) -> Array:
-    """Matrix (4, 4) of the friction work that tilt and strain add where the stick edge passes, in a
-    span of slip, what the smooth end of an earlier stroke in the other direction left.
+def _work_at_passed_end(span: Span, radius: float, panels: int) -> Array:
+    """Matrix (4, 4) of the friction work that tilt and strain add in a `span` of slip where its
+    stick edge passes the tangential loads that an earlier, opposite stroke left at its smooth end.
 
-    Over (alpha_P, alpha_Q, e_P, e_Q). The force left at the load eta costs f times itself times (P
-    - eta) when the stick edge passes eta. `radius` is that of the parabola, `panels` the number of
-    quadrature panels.
+    It is over (alpha_P, alpha_Q, e_P, e_Q). A load dT left at eta adds f (P - eta) dT, P being the
+    normal load when the stick edge passes eta. `panels` are those of this integral; `radius` is R
+    of the parabola.
     """
     piece = span.sticking_piece
     if piece is None or not is_at_coulomb_limit(piece, -span.direction, span.friction):
         return np.zeros((4, 4))
-    smooth_end = _end_of_piece(piece, -span.direction, span.friction, radius)
+    smooth_end = _smooth_end_at_anchor(piece, -span.direction, span.friction, radius)
     if smooth_end is None:
         return np.zeros((4, 4))
-    anchor = piece.anchor
-    eta, force_left_at_eta = smooth_end.left(panels)
+    eta, load_left_at_eta = smooth_end.loads_left(panels)
     edge_load_at_end = span.end.normal - float(span.slipped(span.end.time))
     edge_load_at_begin = span.begin.normal - float(span.slipped(span.begin.time))
     is_passed = (eta < edge_load_at_begin) & (eta >= edge_load_at_end)
     eta = eta[is_passed]
-    slip_level = slip_combination(span.direction, span.friction)
-    level_at_begin = float(combination_change(anchor, span.segment, slip_level, span.begin.time))
-    level_rise = (
-        slip_combination_on_piece(piece, span.direction, span.friction, eta) - level_at_begin
+    # The stick edge is at eta when s Q - f P of the path equals s M(eta) - f eta.
+    combination = slip_combination(span.direction, span.friction)
+    change_to_begin = float(
+        combination_change(piece.anchor, span.segment, combination, span.begin.time)
     )
-    time = span.segment.time_of(slip_level, level_rise, span.begin.time, span.end.time)
-    load = span.segment.loads(time)[0]
-    return np.asarray(
-        span.friction * float(np.sum(force_left_at_eta[is_passed] * (load - eta))) * smooth_end.form
+    change_to_eta = slip_combination_on_piece(piece, span.direction, span.friction, eta)
+    passing_time = span.segment.time_of(
+        combination, change_to_eta - change_to_begin, span.begin.time, span.end.time
     )
+    load = span.segment.loads(passing_time)[0]
+    integral = float(np.sum(load_left_at_eta[is_passed] * (load - eta)))
+    return np.asarray(span.friction * integral * smooth_end.tilt_rate_form)
 
 
 # ------------------------------------------------------------------------------- where it holds
-def _one_sided(span: Span, radius: float, modulus: float) -> Iterator[Array]:
-    """Ratios that show whether both sides of the contact slip alike, or stick, in a span: rows (n,
-    4); row . (alpha_P, alpha_Q, e_P, e_Q) must stay below 1.
+def _one_sided_slip_ratios(span: Span, radius: float, modulus: float) -> Iterator[Array]:
+    """Arrays (n, 4) of coefficients c of o = (alpha_P, alpha_Q, e_P, e_Q) at instants of a span, in
+    slip or in stick: while |c . o| < 1, both sides of the contact slip alike, or stick.
 
-    A span is a time in full stick or with slip in one direction. Rates: tilt and strain against
-    what makes slip. Of N = f P - s Q alone the edges would slip by (A/pi) N' arccosh(a/c), of a_s =
-    f alpha - s eps alone by a_s' sqrt(a^2 - c^2). In stick a stands in place of both functions.
-    Places: the distance of the centres of contact and stick over the width of the slip zone.
-    `radius` is that of the parabola, `modulus` E*.
+    1. In slip, the distance of the centres of stick and contact over the width a - c of the slip
+       zone.
+    2. The slip rate at an edge of contact that tilt and strain cause, a_s' sqrt(a^2 - c^2), over
+       the one that the loads cause, (A/pi) N' arccosh(a/c). In stick, c = a, both functions are in
+       the ratio a; it is taken for slip in each direction.
+
+    N = f P - s Q, a_s = f alpha - s eps, A = 2/E*; a and c are the half-widths of contact and
+    stick. `radius` is R of the parabola, `modulus` E*.
     """
-    time, _ = _instants(span, _POINTS // 2)
+    time, _ = _gauss_times(span, _POINTS // 2)
     load = span.segment.loads(time)[0]
-    rates = span.segment.rates(time)
-    if not span.direction and np.all(rates[0] <= 0):
-        return  # at rest, or unloaded along the memory itself
+    load_rates = span.segment.rates(time)
+    if not span.direction and np.all(load_rates[0] <= 0):
+        return  # at rest, or unloaded along the memory curve itself
     half_width = np.sqrt(4 * load * radius / (np.pi * modulus))
-    senses = (span.direction,) if span.direction else (1, -1)
-    edge_function = half_width
+    directions = (span.direction,) if span.direction else (1, -1)
+    ratio_of_edge_functions = half_width  # sqrt(a^2 - c^2)/arccosh(a/c) for c near a
     if span.sticking_piece is not None and span.direction:
-        slipped = span.slipped(time)
-        width_ratio = np.sqrt(np.clip(1 - slipped / load, _LEAST_STICK**2, 1 - _SAME))
-        edge_function = half_width * np.sqrt(1 - width_ratio**2) / np.arccosh(1 / width_ratio)
-        centre_distance = _stick_edge_at(span, span.sticking_piece, time, slipped, radius).distance(
-            radius
+        slip_zone_load = span.slipped(time)
+        width_ratio = np.sqrt(np.clip(1 - slip_zone_load / load, _LEAST_STICK**2, 1 - _SAME))
+        ratio_of_edge_functions = (
+            half_width * np.sqrt(1 - width_ratio**2) / np.arccosh(1 / width_ratio)
         )
+        stick_edge = _stick_edge_at(span, span.sticking_piece, time, slip_zone_load, radius)
+        centre_distance = stick_edge.centre_distance(radius)
         yield centre_distance / (half_width * (1 - width_ratio))[:, None]
-    for sense in senses:
-        level_rate = np.abs(span.segment.rate_of(slip_combination(sense, span.friction), time))
-        ratio_to_slip = edge_function / np.maximum(level_rate, np.finfo(float).tiny)
-        drive_rate = _drive(span.friction, sense, *rates)
-        yield np.pi * modulus / 2 * ratio_to_slip[:, None] * drive_rate
+    for direction in directions:
+        combination = slip_combination(direction, span.friction)
+        combination_rate = np.abs(span.segment.rate_of(combination, time))  # |N'|
+        edge_function_over_rate = ratio_of_edge_functions / np.maximum(
+            combination_rate, np.finfo(float).tiny
+        )
+        tilt_rate = _equivalent_tilt_vectors(span.friction, direction, *load_rates)
+        yield np.pi * modulus / 2 * edge_function_over_rate[:, None] * tilt_rate

@@ -160,7 +160,7 @@ def test_grids_find_the_same_change(loop: str, direction: str) -> None:
     numbers = np.array(DIRECTIONS[direction]) * [friction, friction, friction**2, friction**2]
     size = np.abs(numbers) @ np.abs(form.matrix) @ np.abs(numbers) / work
     numbers *= min(math.sqrt(0.02 / size), 0.1)
-    added = form.added(numbers)
+    added = form.added_work(numbers)
     grids = _by_grids(scene, effects_of(numbers))
     allowed = grids.uncertainty + added.uncertainty / work
     assert added.value / work == pytest.approx(grids.value, abs=allowed)
@@ -171,7 +171,7 @@ def test_an_inner_loop_that_closes_is_declined() -> None:
     cycle = [(1.0, 0.4), (1.1, 0.1), (1.05, 0.3), (1.1, -0.4)]
     form = form_of(unit_scene({"initial_loading": [(1, 0)], "cycle": cycle}, 0.6))
     with pytest.raises(Declined, match="comes back to an earlier limit under other loads"):
-        form.added((0.0, 0.1, 0.0, 0.0))
+        form.added_work((0.0, 0.1, 0.0, 0.0))
 
 
 def test_an_inner_loop_at_constant_load_adds_nothing_to_the_next_stroke() -> None:
@@ -191,16 +191,16 @@ def test_an_inner_loop_at_constant_load_adds_nothing_to_the_next_stroke() -> Non
 
 def test_numbers_so_large_that_one_side_slips_alone_are_declined() -> None:
     form = form_of(unit_scene(*LOOPS["triangle"]))
-    assert form.added((0.0, 0.01, 0.0, 0.0)).value < 0
+    assert form.added_work((0.0, 0.01, 0.0, 0.0)).value < 0
     with pytest.raises(Declined, match="one side of the contact slips alone"):
-        form.added((0.0, 3.0, 0.0, 0.0))
+        form.added_work((0.0, 3.0, 0.0, 0.0))
 
 
 def test_contact_that_grows_along_the_limit_of_friction_is_declined() -> None:
     cycle = [(1.0, 0.5), (1.4, 0.7), (1.4, -0.3)]
     form = form_of(unit_scene({"initial_loading": [(1, 0)], "cycle": cycle}, 0.5))
     with pytest.raises(Declined, match=r"limit of friction|slides as a whole"):
-        form.added((0.0, 0.0, 0.0, 0.01))
+        form.added_work((0.0, 0.0, 0.0, 0.01))
 
 
 # --------------------------------------------------------------------------------- places of edges
@@ -260,12 +260,12 @@ def test_grids_find_the_same_edges(number: str) -> None:
 
 # ----------------------------------------------------------------------------------- planted faults
 FAULTS = {
-    "odd part left out": ("_of_span", lambda *_: np.zeros((4, 4)), strain_in_phase),
-    "end of strokes dropped": ("_of_stroke_end", lambda *_: np.zeros((4, 4)), follower),
-    "what ends leave dropped": ("_of_passed_end", lambda *_: np.zeros((4, 4)), follower),
-    "sign of the tilt under shear": ("_tilt", lambda p, q: tilt(p, -q), follower),
+    "odd part left out": ("_work_in_span", lambda *_: np.zeros((4, 4)), strain_in_phase),
+    "end of strokes dropped": ("_work_at_stroke_end", lambda *_: np.zeros((4, 4)), follower),
+    "what ends leave dropped": ("_work_at_passed_end", lambda *_: np.zeros((4, 4)), follower),
+    "sign of the tilt under shear": ("_tilt_vectors", lambda p, q: tilt(p, -q), follower),
 }
-tilt = odd_memory._tilt
+tilt = odd_memory._tilt_vectors
 
 
 @pytest.mark.parametrize("fault", FAULTS)
