@@ -49,13 +49,13 @@ class Side:
 
 @dataclass(frozen=True, eq=False)
 class Mortar:
-    """What takes displacements of the two sides to gap and slip at the n multipliers, and their
-    tractions to nodal forces.
+    """Operators of the dual mortar coupling: from displacements of the two sides to gap and slip at
+    the n multipliers, one of each node of the lower side, and from tractions to nodal forces.
 
     Attributes
     ----------
     weights
-        (n,) D_j [length]
+        (n,) integrals D_j of the dual functions [length]
     normals
         (2, n) weighted mean of n; the tangent is (n_y, -n_x)
     gap
@@ -78,11 +78,12 @@ class Mortar:
 
 
 def mortar(lower: Side, upper: Side) -> Mortar:
-    """Dual mortar coupling of two contact faces: operators that give gap and slip at the lower
-    face's nodes as weighted means of the displacements of both faces.
+    """Dual mortar coupling of two contact faces: operators that give gap and slip at the n nodes of
+    the lower face as weighted means of the displacements of both faces.
 
     Points above each other are compared along normal n and tangent t of the line half-way between
-    the faces. With psi_j the dual function of node j of the lower face and w_j = int psi_j:
+    the faces. With psi_j the dual function (Lagrange multiplier) of node j of the lower face, and
+    w_j = int psi_j:
 
         gap_j = int psi_j n (X_u + u_u - X_l - u_l) / w_j,   slip_j = int psi_j t (u_u - u_l) / w_j
 
@@ -118,58 +119,58 @@ def mortar(lower: Side, upper: Side) -> Mortar:
     middle = (segment_ends[1:] + segment_ends[:-1])[:, None] / 2
     half_length = np.diff(segment_ends)[:, None] / 2
     x = middle + half_length * _POINTS
-    lower_at_points = _at_points(lower, x)
-    upper_at_points = _at_points(upper, x)
+    lower_at_points = _side_at_points(lower, x)
+    upper_at_points = _side_at_points(upper, x)
     slope = (lower_at_points.slope + upper_at_points.slope) / 2  # of the line half-way between
     length_factor = np.sqrt(1 + slope**2)
-    lengths = half_length * _WEIGHTS * length_factor
+    lengths = half_length * _WEIGHTS * length_factor  # Gauss weights, along that line
     unit_normal = np.stack([-slope, np.ones_like(x)]) / length_factor
     unit_tangent = np.stack([unit_normal[1], -unit_normal[0]])
     distance_along_normal = (upper_at_points.y - lower_at_points.y) * unit_normal[1]
-    n_multipliers = len(lower.x)
-    dual_lengths = _dual_lengths(lower, lower_at_points, lengths)
+    n_duals = len(lower.x)
+    weighted_duals = _weighted_dual_functions(lower, lower_at_points, lengths)
 
-    def integrals_at_multipliers(values: Array) -> Array:
-        """(n,) integral of psi_j times values (s, m)."""
-        integrals = np.einsum("skm,sm->sk", dual_lengths, values)
-        sums = np.bincount(lower_at_points.nodes.ravel(), integrals.ravel(), n_multipliers)
+    def integrals_with_duals(values: Array) -> Array:
+        """Integrals (n,) of the dual functions psi_j times a function given at the points (s, m)."""
+        integrals = np.einsum("skm,sm->sk", weighted_duals, values)
+        sums = np.bincount(lower_at_points.nodes.ravel(), integrals.ravel(), n_duals)
         return np.asarray(sums, dtype=np.float64)
 
-    multiplier_integrals = integrals_at_multipliers(np.ones_like(x))
+    dual_integrals = integrals_with_duals(np.ones_like(x))
 
     def mean_displacement(side: Side, side_at_points: _SideAtPoints) -> Array:
         """Operator from displacements of the nodes of one face to their means along normal and
-        tangent, weighted by each dual function: (2, n, 2, m), normal or tangent, dual function,
-        x or y, node of the face.
+        tangent, weighted by each dual function: (2, n, 2, n_nodes), normal or tangent, dual
+        function, x or y, node of the face.
         """
-        operator = np.zeros((2, n_multipliers, 2, len(side.x)))
+        operator = np.zeros((2, n_duals, 2, len(side.x)))
         for direction, vector in enumerate((unit_normal, unit_tangent)):
-            for component, factor in enumerate(vector):
+            for xy, vector_component in enumerate(vector):
                 integrals = np.einsum(
-                    "skm,sm,slm->skl", dual_lengths, factor, side_at_points.shapes
+                    "skm,sm,slm->skl", weighted_duals, vector_component, side_at_points.shapes
                 )
                 np.add.at(
-                    operator[direction, :, component],
+                    operator[direction, :, xy],
                     (lower_at_points.nodes[:, :, None], side_at_points.nodes[:, None, :]),
-                    integrals / multiplier_integrals[lower_at_points.nodes][:, :, None],
+                    integrals / dual_integrals[lower_at_points.nodes][:, :, None],
                 )
         return operator
 
     nearest_point = np.unravel_index(np.argmin(distance_along_normal), distance_along_normal.shape)
     return Mortar(
-        weights=multiplier_integrals,
-        normals=np.stack([integrals_at_multipliers(component) for component in unit_normal])
-        / multiplier_integrals,
-        gap=integrals_at_multipliers(distance_along_normal) / multiplier_integrals,
+        weights=dual_integrals,
+        normals=np.stack([integrals_with_duals(component) for component in unit_normal])
+        / dual_integrals,
+        gap=integrals_with_duals(distance_along_normal) / dual_integrals,
         nearest=(float(x[nearest_point]), float(distance_along_normal[nearest_point])),
         lower=mean_displacement(lower, lower_at_points),
         upper=mean_displacement(upper, upper_at_points),
     )
 
 
-def _dual_lengths(side: Side, side_at_points: _SideAtPoints, lengths: Array) -> Array:
-    """Dual shape functions of the elements of a contact face at Gauss points, times the length that
-    each point stands for: (s, k, m) at m points of s segments, of the k nodes of an element.
+def _weighted_dual_functions(side: Side, side_at_points: _SideAtPoints, lengths: Array) -> Array:
+    """Dual shape functions of the elements of a contact face at Gauss points, times the weight of
+    each point in integrals: (s, k, m) at m points of s segments, of the k nodes of an element.
 
         psi = diag(int phi) (int phi phi^T)^-1 phi,   so that int psi_j phi_k = 0 for j not k
 
@@ -180,7 +181,7 @@ def _dual_lengths(side: Side, side_at_points: _SideAtPoints, lengths: Array) -> 
     side, side_at_points
         the face, and its shape functions at the points
     lengths
-        (s, m) length of the line half-way between the faces for each point
+        (s, m) Gauss weight of each point, along the line half-way between the faces [length]
     """
     phi = side_at_points.shapes
     element = side_at_points.nodes[:, 0] // side.order
@@ -192,16 +193,16 @@ def _dual_lengths(side: Side, side_at_points: _SideAtPoints, lengths: Array) -> 
 
 
 class _SideAtPoints(NamedTuple):
-    """A side at the points of the segments, s of them with m points each.
+    """Shape of a side at m points of each of s segments.
 
     Attributes
     ----------
     nodes
-        (s, k) of the element that holds the segment
+        (s, k) numbers of the k nodes of the element that holds the segment
     shapes
-        (s, k, m) shape functions
+        (s, k, m) their shape functions at the points
     y, slope
-        (s, m)
+        (s, m) y and dy/dx of the side at the points
     """
 
     nodes: Indices
@@ -210,7 +211,7 @@ class _SideAtPoints(NamedTuple):
     slope: Array
 
 
-def _at_points(side: Side, x: Array) -> _SideAtPoints:
+def _side_at_points(side: Side, x: Array) -> _SideAtPoints:
     """Shape functions, height y and slope dy/dx of a contact face at abscissae `x` (s, m): m points
     of each of s segments, each segment within one element of the face.
     """
@@ -219,14 +220,16 @@ def _at_points(side: Side, x: Array) -> _SideAtPoints:
     nodes = element[:, None] * side.order + np.arange(side.order + 1)
     x_of_nodes = side.x[nodes][:, :, None]
     shapes = np.ones((*nodes.shape, x.shape[1]))
-    slopes = np.zeros((*nodes.shape, x.shape[1]))
-    for j in range(side.order + 1):  # Lagrange polynomials and their derivatives
+    shape_slopes = np.zeros((*nodes.shape, x.shape[1]))
+    # Lagrange polynomials and their derivatives, by the product rule for each further factor.
+    for j in range(side.order + 1):
         for k in range(side.order + 1):
             if k == j:
                 continue
             distance = x_of_nodes[:, j] - x_of_nodes[:, k]
-            slopes[:, j] = (slopes[:, j] * (x - x_of_nodes[:, k]) + shapes[:, j]) / distance
+            slope_before = shape_slopes[:, j]
+            shape_slopes[:, j] = (slope_before * (x - x_of_nodes[:, k]) + shapes[:, j]) / distance
             shapes[:, j] *= (x - x_of_nodes[:, k]) / distance
     y = np.einsum("sk,skm->sm", side.y[nodes], shapes)
-    slope = np.einsum("sk,skm->sm", side.y[nodes], slopes)
+    slope = np.einsum("sk,skm->sm", side.y[nodes], shape_slopes)
     return _SideAtPoints(nodes, shapes, y, slope)

@@ -107,9 +107,11 @@ class RemainderKernels(NamedTuple):
     forces_at
         (m,) places of the forces [length]
     normal, tangential
-        (n, m) k_nn and k_tt [1 / stress]
+        (n, m) k_nn, inwards by a pressing unit force, and k_tt, along +x by one along +x
+        [1 / stress]
     along_by_pressure, outward_by_shear
-        (n, m) k_tn and k_nt [1 / stress]
+        (n, m) k_tn, along +x by a pressing unit force, and k_nt, outwards by one along +x
+        [1 / stress]
     unknowns
         degrees of freedom of the linear system, which is factorised once
     """
@@ -154,6 +156,12 @@ def remainder_kernels(
         next to them
     datum_length
         L, distance from a force at which a half-plane's surface counts as unmoved [length]
+
+    Returns
+    -------
+    RemainderKernels
+        At the n nodes of "contact", by unit forces at the m places: of pressing forces and of
+        forces along +x. On a curved face Flamant's field counts from a flat one at y = 0.
     """
     system = assemble(body, material)
     n_dofs = len(system.node_of_dof)
@@ -167,7 +175,7 @@ def remainder_kernels(
     n_forces = len(forces_at)
     # Columns: unit forces along x at all places, then along y.
     nodal_loads = np.zeros((n_dofs, 2 * n_forces))
-    nodal_loads[: 2 * body.mesh.p.shape[1]] = -_tractions(system, forces)
+    nodal_loads[: 2 * body.mesh.p.shape[1]] = -_forces_of_tractions(system, forces)
     displacements = np.zeros_like(nodal_loads)
     displacements[held_dofs] = -_support_displacements(system, forces, datum_length)
     nodal_loads -= system.stiffness[:, held_dofs] @ displacements[held_dofs]
@@ -185,52 +193,55 @@ def remainder_kernels(
         outward_by_shear=displacement_out[:, 0],
         unknowns=len(free_dofs),
     )
-    return _with_slopes(kernels, y, forces.y, material) if y.any() else kernels
+    return _with_chord_slopes(kernels, y, forces.y, material) if y.any() else kernels
 
 
 class _SurfaceForces(NamedTuple):
-    """Places of forces on the face, (m,) each."""
+    """Coordinates of the places of m forces on the face, (m,) each [length]."""
 
     x: Array
     y: Array
 
 
-def _of_forces(
+def _half_plane_field(
     field: Callable[[Array, Array, Array], Array], x: Array, y: Array, forces: _SurfaceForces
 ) -> Array:
-    """Displacement or traction of half-planes at n points by m unit forces, each on a half-plane
-    whose surface goes through the place of its force: (2, n, 2, m), component, point, component of
-    the force, force.
+    """Displacement or traction of half-planes at n points by m unit forces, each on a half-plane of
+    its own whose flat surface goes through the place of the force: (2, n, 2, m).
 
-    `field` gives it, from x, y of the points and x of the forces, for a surface at y = 0.
+    The axes are component, point, component of the force, force. `field` gives the same from x, y
+    of the points and x of the forces, where all forces are on the surface y = 0.
     """
     if not forces.y.any():
         return field(x, y, forces.x)
-    of_each = [
-        field(x, y - height, np.array([place]))
-        for place, height in zip(forces.x, forces.y, strict=True)
+    fields_of_forces = [
+        field(x, y - force_y, np.array([force_x]))
+        for force_x, force_y in zip(forces.x, forces.y, strict=True)
     ]
-    return np.concatenate(of_each, axis=-1)
+    return np.concatenate(fields_of_forces, axis=-1)
 
 
-def _with_slopes(
-    kernels: RemainderKernels, y: Array, heights: Array, material: Elastic
+def _with_chord_slopes(
+    kernels: RemainderKernels, y: Array, y_of_forces: Array, material: Elastic
 ) -> RemainderKernels:
-    """Displacements of a curved face by unit forces, minus those of a half-plane with a flat face:
-    adds what the slope of the chord from force to place makes of the half-plane's field.
+    """Displacements of a curved face by unit forces, minus those of a half-plane at the same x of
+    its flat surface y = 0.
+
+    Adds the difference of the half-plane's displacement between the true place on the curved face
+    and the place on the flat one. It depends on the slope of the chord from force to place only.
 
     Parameters
     ----------
     kernels
         displacements minus those of a half-plane at the true places on the curved face
-    y, heights
+    y, y_of_forces
         (n,), (m,) y of the face at the places and at the forces, 0 or below [length]
     material
         of the body
     """
     distance_to_force = kernels.x[:, None] - kernels.forces_at
     is_at_force = distance_to_force == 0
-    chord_slope = (y[:, None] - heights) / np.where(is_at_force, 1.0, distance_to_force)
+    chord_slope = (y[:, None] - y_of_forces) / np.where(is_at_force, 1.0, distance_to_force)
     face_slope = np.gradient(y, kernels.x, edge_order=2)
     slope = np.where(is_at_force, face_slope[:, None], chord_slope)
     kernels_of_chord = kernels_of_slope(slope, material)
@@ -243,9 +254,15 @@ def _with_slopes(
 
 
 class KernelsOfSlope(NamedTuple):
-    """Change of displacements of a half-plane at the end of a sloping chord, in any shape: inwards
-    and along x in the direction of the force; along x by a pressing force; outwards by a pull
-    [1 / stress].
+    """Displacements of a half-plane by unit forces at the end of a sloping chord from the force,
+    minus those at the same x on the flat surface; any shape, [1 / stress].
+
+    Attributes
+    ----------
+    normal, tangential
+        inwards by a pressing force; along +x by a force along +x
+    along_by_pressure, outward_by_shear
+        along +x by a pressing force; outwards by a force along +x
     """
 
     normal: Array
@@ -255,57 +272,60 @@ class KernelsOfSlope(NamedTuple):
 
 
 def kernels_of_slope(slope: Array, material: Elastic) -> KernelsOfSlope:
-    """Displacement of a half-plane (Flamant) at the end of a chord of slope m = dy/dx from the
-    force, minus that at the same x on the flat surface.
+    """Displacements of a half-plane by unit forces (Flamant) at the end of a chord of slope
+    m = dy/dx from the force, minus those at the same x on the flat surface [1 / stress].
 
-    The terms of Flamant's displacement change along the chord, by r and theta of its end:
+    The four terms of Flamant's displacement (`far_field.surface_force_displacement`) differ by
 
         ln r   by ln(1 + m^2)/2        x z/r^2  by -m/(1 + m^2)
         z^2/r^2 by m^2/(1 + m^2)       theta    by arctan m
 
-    # notation: c = 1/(2 pi G), G shear modulus, k = 1 - 2 nu, z = -y depth, theta = atan2(x, z)
+    # notation: r, theta = atan2(x, z) and z = -y (depth) of the chord's end from the force,
+    c = 1/(2 pi G), G shear modulus, k = 1 - 2 nu
     """
     c = (1 + material.poisson_ratio) / (np.pi * material.young_modulus)
     k = 1 - 2 * material.poisson_ratio
-    logarithmic_part = (1 + k) * np.log1p(slope**2) / 2
-    depth_part = slope**2 / (1 + slope**2)
-    cross_part = slope / (1 + slope**2)
-    turned_part = k * np.arctan(slope)
+    log_term = (1 + k) * np.log1p(slope**2) / 2
+    depth_term = slope**2 / (1 + slope**2)
+    cross_term = slope / (1 + slope**2)
+    angle_term = k * np.arctan(slope)
     return KernelsOfSlope(
-        normal=-c * (logarithmic_part - depth_part),
-        tangential=-c * (logarithmic_part + depth_part),
-        along_by_pressure=-c * (cross_part + turned_part),
-        outward_by_shear=c * (cross_part - turned_part),
+        normal=-c * (log_term - depth_term),
+        tangential=-c * (log_term + depth_term),
+        along_by_pressure=-c * (cross_term + angle_term),
+        outward_by_shear=c * (cross_term - angle_term),
     )
 
 
-def _tractions(system: System, forces: _SurfaceForces) -> Array:
-    """Nodal forces on the outline of a body by the tractions that a half-plane has there under m
-    unit forces on its surface (Flamant): (n_dofs of displacement, 2 m).
+def _forces_of_tractions(system: System, forces: _SurfaceForces) -> Array:
+    """Nodal forces on a body whose outline bears the tractions that a half-plane has there under m
+    unit forces on its surface (Flamant): (2 n_nodes, 2 m).
 
-    Columns are the m forces along x, then along y. On a flat face these tractions are zero.
+    Rows are x and y of each node, columns the m unit forces along x, then along y. On a flat face
+    these tractions are zero.
     """
     mesh = system.mesh
     free_of_traction = () if forces.y.any() else ("contact", "free")
     loaded_facets = np.concatenate(
-        [of_side for name, of_side in mesh.boundaries.items() if name not in free_of_traction]
+        [facets for name, facets in mesh.boundaries.items() if name not in free_of_traction]
     )
     # On a curved face an even number of Gauss points: the middle one of an odd number is a node,
     # where a force may stand.
     n_points = _N_GAUSS_POINTS + 1 if forces.y.any() else _N_GAUSS_POINTS
     elements = curve_elements(mesh.p, _outline_nodes(mesh, loaded_facets), n_points)
     along_x, along_y = elements.tangents
-    normals_by_length = np.stack([along_y.ravel(), -along_x.ravel()])  # outward, times the length
+    # outward, times the length that each Gauss point stands for
+    normals_by_length = np.stack([along_y.ravel(), -along_x.ravel()])
     x, y = elements.places.reshape(2, -1)
 
     def traction(at_x: Array, at_y: Array, force_at: Array) -> Array:
         return surface_force_traction(at_x, at_y, normals_by_length, force_at)
 
-    tractions = _of_forces(traction, x, y, forces).reshape(2, *along_x.shape, -1)
-    work_of_nodes = np.zeros((mesh.p.shape[1], 2, tractions.shape[-1]))
+    tractions = _half_plane_field(traction, x, y, forces).reshape(2, *along_x.shape, -1)
+    nodal_forces = np.zeros((mesh.p.shape[1], 2, tractions.shape[-1]))
     for nodes, shape_values in zip(elements.nodes.T, elements.shapes, strict=True):
-        np.add.at(work_of_nodes, nodes, np.einsum("g,degm->edm", shape_values, tractions))
-    return work_of_nodes.reshape(-1, tractions.shape[-1])
+        np.add.at(nodal_forces, nodes, np.einsum("g,degm->edm", shape_values, tractions))
+    return nodal_forces.reshape(-1, tractions.shape[-1])
 
 
 def _outline_nodes(mesh: skfem.Mesh, facets: Indices) -> Indices:
@@ -337,16 +357,18 @@ def _support_displacements(system: System, forces: _SurfaceForces, datum_length:
         )
 
     x, y = system.mesh.p[:, system.node_of_dof[system.held_dofs]]
-    component = system.held_dofs % 2
-    of_held = _of_forces(displacement, x, y, forces)[component, np.arange(len(x))]
-    return of_held.reshape(len(x), -1)
+    component = system.held_dofs % 2  # x or y
+    displacements = _half_plane_field(displacement, x, y, forces)
+    held_displacements = displacements[component, np.arange(len(x))]  # of each held freedom
+    return held_displacements.reshape(len(x), -1)
 
 
 # ------------------------------------------------------------------------------ numbers of one body
 @dataclass(frozen=True)
 class BodyNumbers:
-    """What one body adds, in its own frame: x along the face, y outward, first contact at the
-    origin; formulas: the module.
+    """What the finite size of one body adds to a half-plane: first coefficients of the power series
+    of its kernels, see the module. In its own frame: x along the face, y outward, first contact at
+    the origin.
 
     Attributes
     ----------
@@ -413,8 +435,8 @@ def face_series(kernels: RemainderKernels, degree: int = _LARGEST_DEGREE) -> Fac
 
     # notation: n normal, t tangential; first index displacement, second force
     """
-    reach = float(np.abs(kernels.x).max())
-    x, s = np.meshgrid(kernels.x / reach, kernels.forces_at / reach, indexing="ij")
+    half_length = float(np.abs(kernels.x).max())  # of the part of the face that is fitted
+    x, s = np.meshgrid(kernels.x / half_length, kernels.forces_at / half_length, indexing="ij")
     even_powers = [(i, j) for i, j in even_exponents(degree) if i <= j]
     even_terms = np.stack([(x**i * s**j + x**j * s**i).ravel() for i, j in even_powers], axis=1)
     direct_kernels = np.stack([kernels.normal.ravel(), kernels.tangential.ravel()], axis=1)
@@ -422,31 +444,30 @@ def face_series(kernels: RemainderKernels, degree: int = _LARGEST_DEGREE) -> Fac
     # k_nn = c_n + N (x^2 + s^2)/2 + N_4 (x^4 + s^4)/24 + N_22 x^2 s^2 + ...; equal powers of x and
     # s stand twice in a term.
     compliance = 2 * coefficients[even_powers.index((0, 0))]
-    curvature = 2 * coefficients[even_powers.index((0, 2))] / reach**2
-    fourth_order = 24 * coefficients[even_powers.index((0, 4))] / reach**4
-    mixed = 2 * coefficients[even_powers.index((2, 2))] / reach**4
+    curvature = 2 * coefficients[even_powers.index((0, 2))] / half_length**2
+    fourth_order = 24 * coefficients[even_powers.index((0, 4))] / half_length**4
+    mixed_order = 2 * coefficients[even_powers.index((2, 2))] / half_length**4
 
     odd_powers = odd_exponents(degree)
-    by_pressure = np.stack([(x**i * s**j).ravel() for i, j in odd_powers], axis=1)
-    by_shear = np.stack([(s**i * x**j).ravel() for i, j in odd_powers], axis=1)
+    terms_by_pressure = np.stack([(x**i * s**j).ravel() for i, j in odd_powers], axis=1)
+    terms_by_shear = np.stack([(s**i * x**j).ravel() for i, j in odd_powers], axis=1)
+    odd_terms = np.concatenate([terms_by_pressure, terms_by_shear])
     cross_kernels = np.concatenate(
         [kernels.along_by_pressure.ravel(), -kernels.outward_by_shear.ravel()]
     )
-    slopes = (
-        np.linalg.lstsq(np.concatenate([by_pressure, by_shear]), cross_kernels, rcond=None)[0]
-        / reach
-    )
+    cross_coefficients = np.linalg.lstsq(odd_terms, cross_kernels, rcond=None)[0]
+    first_order = cross_coefficients / half_length  # k_tn = e x - a s + ...
     return FaceSeries(
         normal_compliance=float(compliance[0]),
         tangential_compliance=float(compliance[1]),
         normal_curvature=float(curvature[0]),
         tangential_curvature=float(curvature[1]),
-        strain_under_pressure=float(slopes[odd_powers.index((1, 0))]),
-        slope_under_shear=-float(slopes[odd_powers.index((0, 1))]),
+        strain_under_pressure=float(first_order[odd_powers.index((1, 0))]),
+        slope_under_shear=-float(first_order[odd_powers.index((0, 1))]),
         normal_fourth=float(fourth_order[0]),
         tangential_fourth=float(fourth_order[1]),
-        normal_mixed=float(mixed[0]),
-        tangential_mixed=float(mixed[1]),
+        normal_mixed=float(mixed_order[0]),
+        tangential_mixed=float(mixed_order[1]),
     )
 
 
@@ -456,7 +477,7 @@ def even_exponents(degree: int) -> list[tuple[int, int]]:
 
 
 def odd_exponents(degree: int) -> list[tuple[int, int]]:
-    """The same with odd sums."""
+    """(i, j) of x^i s^j with odd sums i + j below the degree."""
     return _exponents(range(1, degree, 2))
 
 
@@ -474,7 +495,7 @@ def face_kernels(
     profile: Profile,
     material: Elastic,
     datum_length: float,
-    coarser: float = 1.0,
+    size_factor: float = 1.0,
 ) -> RemainderKernels:
     """Mesh a body and compute the displacement of the middle of its face by unit forces there,
     minus that of a half-plane.
@@ -487,17 +508,18 @@ def face_kernels(
         the body, the profile of its face, its elastic constants
     datum_length
         distance from a force at which a half-plane's surface counts as unmoved [length]
-    coarser
-        factor on the element size; above 1, for an estimate of the error, the part of the face is
-        wider too
+    size_factor
+        factor on the element size; above 1, for an estimate of the error, the part of the face on
+        which the displacement is found is wider too
     """
-    reach = _FITTED_REACH * nearest_end(shape)
-    if coarser > 1:
-        reach *= _FACTOR_OF_WIDER_FACE
-    size = coarser * reach / _N_ELEMENTS
-    grading = SurfaceGrading(inner=0.0, outer=reach, size=size, edge_size=size)
-    body = build(name, shape, profile, grading, MeshSettings(growth=coarser * _SIZE_GROWTH))
-    return remainder_kernels(body, material, reach * np.array(_FORCE_PLACES), datum_length)
+    half_length = _FITTED_REACH * nearest_end(shape)
+    if size_factor > 1:
+        half_length *= _FACTOR_OF_WIDER_FACE
+    size = size_factor * half_length / _N_ELEMENTS
+    grading = SurfaceGrading(inner=0.0, outer=half_length, size=size, edge_size=size)
+    body = build(name, shape, profile, grading, MeshSettings(growth=size_factor * _SIZE_GROWTH))
+    forces_at = half_length * np.array(_FORCE_PLACES)
+    return remainder_kernels(body, material, forces_at, datum_length)
 
 
 def body_numbers(
@@ -506,9 +528,9 @@ def body_numbers(
     """Numbers by which the finite size of a body changes a contact: added compliances, curvatures
     of its face under load, strain by P and slope by Q, each with an uncertainty.
 
-    The uncertainty is the difference from a coarser mesh. Strain by P and slope by Q are related by
-    reciprocity, which the mesh meets but for an error: that error over the fitted half-length is
-    added to theirs.
+    The uncertainty is the difference from a coarser mesh. Strain by P and slope by Q follow from
+    kernels that are equal by reciprocity (Betti): the largest difference of these, over the fitted
+    half-length, is added to the uncertainties of both.
 
     Parameters
     ----------
@@ -527,12 +549,12 @@ def body_numbers(
     coarse_values = face_series(coarse_kernels)
     reciprocity_error = kernels.reciprocity_gap / float(np.abs(kernels.x).max())
     estimates = {}
-    for number in FaceSeries._fields:
-        value = getattr(values, number)
-        uncertainty = abs(value - getattr(coarse_values, number))
-        if number in ("strain_under_pressure", "slope_under_shear"):
+    for coefficient in FaceSeries._fields:
+        value = getattr(values, coefficient)
+        uncertainty = abs(value - getattr(coarse_values, coefficient))
+        if coefficient in ("strain_under_pressure", "slope_under_shear"):
             uncertainty += reciprocity_error
-        estimates[number] = Estimate(value, uncertainty)
+        estimates[coefficient] = Estimate(value, uncertainty)
     return BodyNumbers(
         **estimates, unknowns=kernels.unknowns + coarse_kernels.unknowns, factorisations=2
     )
@@ -577,13 +599,13 @@ def body_effects(scene: Scene | str | Path) -> BodyEffects:
     (2, 0.0)
     """
     scene = scene_of(scene)
-    lower = _numbers_in(scene, "lower")
-    upper = lower if shapes_alike(scene) else _numbers_in(scene, "upper")
-    return combined(lower, upper, scene)
+    lower = _body_numbers_in(scene, "lower")
+    upper = lower if shapes_alike(scene) else _body_numbers_in(scene, "upper")
+    return effects_of_both_bodies(lower, upper, scene)
 
 
-def _numbers_in(scene: Scene, name: Literal["lower", "upper"]) -> BodyNumbers:
-    """Those of one body of the scene; zeros of a half-plane."""
+def _body_numbers_in(scene: Scene, name: Literal["lower", "upper"]) -> BodyNumbers:
+    """What the finite size of one body of the scene adds; zeros for a half-plane."""
     shape = getattr(scene.bodies, name)
     if isinstance(shape, HalfPlane):
         return OF_HALF_PLANE
@@ -629,9 +651,10 @@ def require_flat(name: str, shape: Shape, scene: Scene) -> None:
         )
 
 
-def combined(lower: BodyNumbers, upper: BodyNumbers, scene: Scene) -> BodyEffects:
-    """Effect of the finite size of both bodies on their contact, from the numbers of each: sums of
-    compliances and curvatures, differences of strains and slopes.
+def effects_of_both_bodies(lower: BodyNumbers, upper: BodyNumbers, scene: Scene) -> BodyEffects:
+    """Effect of the finite size of both bodies on their contact, from the added compliances,
+    curvatures, strains and slopes of each: sums of compliances and curvatures, differences of
+    strains and slopes.
 
         strain by P:  e_P = e_lower - e_upper        tilt by Q:  alpha_Q = a_upper - a_lower
 
@@ -677,10 +700,10 @@ def combined(lower: BodyNumbers, upper: BodyNumbers, scene: Scene) -> BodyEffect
 
 
 def _sum(first: Estimate, second: Estimate) -> Estimate:
-    """Errors may have one sign: they add up."""
+    """Sum of two values. Errors may have equal signs, so the uncertainties are added."""
     return Estimate(first.value + second.value, first.uncertainty + second.uncertainty)
 
 
 def _difference(first: Estimate, second: Estimate) -> Estimate:
-    """Errors may have opposite signs: they add up."""
+    """Difference of two values. Errors may have opposite signs, so the uncertainties are added."""
     return Estimate(first.value - second.value, first.uncertainty + second.uncertainty)

@@ -1,5 +1,5 @@
-"""What the mesh can't see, in sentences: contacts, slip zones and flanks of the pressure that are
-too few elements wide.
+"""Notes on what the mesh does not resolve: contacts, slip zones and flanks of the pressure (parts
+of a contact beyond a kink of the profile) that are too few elements wide.
 
 # notation: h element at the edges of contact and stick, of the coarser side; a half-width; A =
 2/E*; f coefficient of friction
@@ -86,7 +86,7 @@ def tip_power(profile: Profile, distance: float) -> float:
 
 def tip_halvings(profile: Profile, size: float) -> int:
     """Number of times that the surface element at x = 0, of a given `size` [length], is halved
-    because the profile has a tip there; 0 of a smooth profile.
+    because the profile has a tip there; 0 for a smooth profile.
 
     Where the gap rises as |x|^n with n < 2 the pressure is p(0) - c |x|^(n - 1), and its error at
     the tip goes with the element size to the power n - 1. Elements are halved until 1/64 of that
@@ -112,7 +112,7 @@ def tip_halvings(profile: Profile, size: float) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Revolution:
-    """The last revolution of a run, n instants of it.
+    """Loads, half-widths and friction work of the last revolution of a run, at n instants.
 
     Attributes
     ----------
@@ -121,9 +121,9 @@ class Revolution:
     contact, stick
         (n,) half-widths [length]; stick NaN where nothing sticks
     dissipation
-        over A f^2 P^2, P the largest load
+        friction work of the revolution over A f^2 P^2, A = 2/E*, P the largest load
     sheared
-        whether any shear can arise
+        whether the contact can carry shear
     """
 
     load: Array
@@ -133,62 +133,79 @@ class Revolution:
     sheared: bool
 
     def least_contact(self) -> float:
-        """Least half-width under more than a share of the largest load [length]."""
+        """Least half-width of contact at instants with more than 0.3 of the largest load [length];
+        in a contact that carries next to nothing the error of the tractions does not matter.
+        """
         is_loaded = self.load > _LEAST_LOAD_RATIO * np.max(self.load)
         return float(np.min(self.contact[is_loaded], initial=np.inf))
 
     def widest_slip_zone(self) -> float:
-        """Width of a slip zone, at most [length]."""
-        stick = np.where(np.isfinite(self.stick), self.stick, 0.0)
-        return float(np.max(self.contact - stick, initial=0.0))
+        """Largest width of a slip zone, half-width of contact minus that of stick [length]."""
+        stick_half_width = np.where(np.isfinite(self.stick), self.stick, 0.0)
+        return float(np.max(self.contact - stick_half_width, initial=0.0))
 
 
 class Flank(NamedTuple):
-    """What lies beyond a kink of the profile.
+    """Part of a contact beyond a kink of the profile.
 
     Attributes
     ----------
     kink
-        its place [length]
-    width
-        from there to the edge of contact [elements]
+        x of the kink [length]
+    width_in_elements
+        from the kink to the edge of contact; negative where the contact ends before the kink
     resolved_by
-        elements from the middle to the edge of a parabola that is as steep at its edge
+        resolution of the steep pressure: number of elements from the middle to the edge of a Hertz
+        contact whose pressure is as steep at its edge
     """
 
     kink: float
-    width: float
+    width_in_elements: float
     resolved_by: float
 
 
-def flanks(profile: Profile, half_width: float, element: float) -> Iterator[Flank]:
+def flanks(profile: Profile, half_width: float, element_size: float) -> Iterator[Flank]:
     """Flanks of a contact, the parts of it beyond a kink of the profile, where the pressure falls
-    steeply: place and width of each, and the number of elements that would resolve it.
+    steeply: place, width and resolution of each.
 
-    A contact that ends less than an element before a kink counts too. `half_width` is that of the
-    contact, `element` the size of surface elements at its edge [length].
+    With kink b, half-width a and element size h, a flank of (a - b)/h elements is as steep as the
+    edge of a Hertz contact of (a - b)/h max(a/b, 1) elements from middle to edge. Where the contact
+    ends less than an element before a kink, it counts as a flank too.
 
+    Parameters
+    ----------
+    profile
+        initial gap, with its kinks
+    half_width
+        of the contact [length]
+    element_size
+        size of surface elements at its edge [length]
+
+    Examples
+    --------
     >>> from scenes import FlatRounded
     >>> punch = FlatRounded(radius=1000.0, flat_half_length=0.8)
     >>> [round(flank.resolved_by, 6) for flank in flanks(punch, 1.0, 0.01)]
     [25.0]
     """
     for kink in profile.kinks:
-        width = (half_width - kink) / element
-        # A flank is as steep as it is narrow beside what it ends: one that takes most of the
-        # contact is Hertz' own.
-        if width > -1:
-            yield Flank(kink, width, max(width, 1e-9) * max(half_width / kink, 1.0))
+        width_in_elements = (half_width - kink) / element_size
+        if width_in_elements > -1:
+            # A flank that takes most of the contact is that of a Hertz contact itself.
+            ratio_to_hertz = max(half_width / kink, 1.0)
+            resolved_by = max(width_in_elements, 1e-9) * ratio_to_hertz
+            yield Flank(kink, width_in_elements, resolved_by)
 
 
 def resolution_notes(
-    profile: Profile, revolution: Revolution, element: float, mesh: MeshSettings
+    profile: Profile, revolution: Revolution, element_size: float, mesh: MeshSettings
 ) -> Iterator[str]:
     """Sentences for the reader on what the mesh is too coarse for in the last cycle, each with the
     element size that would do.
 
     They are on contacts of few elements, a profile near a wedge, steep parts of the pressure beyond
-    a kink of the profile, narrow slip zones, and friction work near what the mesh alone makes.
+    a kink of the profile, narrow slip zones, and friction work near the error that the mesh makes
+    in it.
 
     Parameters
     ----------
@@ -196,7 +213,7 @@ def resolution_notes(
         initial gap, with its kinks
     revolution
         loads, half-widths of contact and stick, and friction work of the last cycle
-    element
+    element_size
         size of surface elements at the edges of contact and stick, of the body with the larger
         ones [length]
     mesh
@@ -205,84 +222,93 @@ def resolution_notes(
     expected_errors = _ExpectedErrors(
         _FACTOR_OF_LINEAR if mesh.order == 1 else 1.0, revolution.sheared
     )
-    elements_enough = expected_errors.enough_elements()
-    elements_in_least = revolution.least_contact() / element
-    if expected_errors.matter(elements_in_least):
+    enough_elements = expected_errors.enough_elements()
+    least_half_width = revolution.least_contact()
+    elements_in_least = least_half_width / element_size
+    if expected_errors.call_for_note(elements_in_least):
         yield (
             f"the contact is {elements_in_least:.2g} elements from its middle to its edge where it"
-            f" is smallest (loads above {_LEAST_LOAD_RATIO:g} of the largest), {element:.3g} each"
-            f" on the coarser side: {expected_errors.words(elements_in_least)};"
-            f" {_finer(mesh, elements_in_least / elements_enough)}"
+            f" is smallest (loads above {_LEAST_LOAD_RATIO:g} of the largest),"
+            f" {element_size:.3g} each on the coarser side:"
+            f" {expected_errors.in_words(elements_in_least)};"
+            f" {_advice_on_mesh(mesh, elements_in_least / enough_elements)}"
         )
-    exponent = tip_power(profile, element / 2**_MOST_HALVINGS)
+    exponent = tip_power(profile, element_size / 2**_MOST_HALVINGS)
     if exponent < _LEAST_POWER_OF_PEAK:
         yield (
             f"the profile rises as |x|^{exponent:g}, next to a wedge, whose pressure is infinite at"
             " the tip: the largest pressure is too low, by 7% for |x|^1.15 and by 40% for"
             " |x|^1.05; away from the tip the mesh follows it"
         )
-    for flank in flanks(profile, elements_in_least * element, element):
+    for flank in flanks(profile, elements_in_least * element_size, element_size):
         if expected_errors.of_shear(flank.resolved_by) > _NOTED_ERROR:
             yield (
-                f"the contact ends {max(flank.width, 0.0):.2g} elements, {element:.3g} each, beyond"
+                f"the contact ends {max(flank.width_in_elements, 0.0):.2g} elements,"
+                f" {element_size:.3g} each, beyond"
                 f" x = {flank.kink:.6g}, where the pressure is steep: it is not resolved there,"
-                f" {expected_errors.words(flank.resolved_by)};"
-                f" {_finer(mesh, flank.resolved_by / elements_enough)}"
+                f" {expected_errors.in_words(flank.resolved_by)};"
+                f" {_advice_on_mesh(mesh, flank.resolved_by / enough_elements)}"
             )
     if revolution.sheared:
-        yield from _slip_notes(revolution, element, mesh)
+        yield from _slip_notes(revolution, element_size, mesh)
 
 
 @dataclass(frozen=True)
 class _ExpectedErrors:
-    """Errors of q and p in L2, over f p and p, by the elements from the middle of a contact to its
-    edge.
+    """Errors of shear q and pressure p in L2, over f p and p, by the number of elements from the
+    middle of a contact to its edge.
 
     Attributes
     ----------
     factor
-        over those of quadratic elements
+        of these errors over those of quadratic elements
     sheared
-        whether any shear can arise
+        whether the contact can carry shear
     """
 
     factor: float
     sheared: bool
 
-    def of_shear(self, elements: float) -> float:
-        """That of q."""
-        return self.factor * _ERROR_OF_SHEAR / elements
+    def of_shear(self, n_elements: float) -> float:
+        """Expected error of the shear, over f p."""
+        return self.factor * _ERROR_OF_SHEAR / n_elements
 
-    def of_pressure(self, elements: float) -> float:
-        """That of p."""
-        return self.factor * _ERROR_OF_PRESSURE / elements
+    def of_pressure(self, n_elements: float) -> float:
+        """Expected error of the pressure, over p."""
+        return self.factor * _ERROR_OF_PRESSURE / n_elements
 
-    def matter(self, elements: float) -> bool:
-        """Whether there is to be a note."""
+    def call_for_note(self, n_elements: float) -> bool:
+        """Whether the user is told: the error of the shear is above 0.05, or that of the pressure
+        where the contact carries no shear.
+        """
         if self.sheared:
-            return self.of_shear(elements) > _NOTED_ERROR
-        return self.of_shear(elements) > _NOTED_ERROR and self.of_pressure(elements) > _NOTED_ERROR
+            return self.of_shear(n_elements) > _NOTED_ERROR
+        return (
+            self.of_shear(n_elements) > _NOTED_ERROR and self.of_pressure(n_elements) > _NOTED_ERROR
+        )
 
     def enough_elements(self) -> float:
-        """Elements from which on q is right to what needs no note."""
+        """Number of elements from which on the error of the shear needs no note."""
         return float(np.ceil(self.factor * _ERROR_OF_SHEAR / _NOTED_ERROR))
 
-    def words(self, elements: float) -> str:
-        """What to expect of the tractions."""
-        shear = self.of_shear(elements)
-        pressure = self.of_pressure(elements)
-        if (shear if self.sheared else pressure) > 0.5:
+    def in_words(self, n_elements: float) -> str:
+        """Sentence part on the errors of the tractions to expect."""
+        shear_error = self.of_shear(n_elements)
+        pressure_error = self.of_pressure(n_elements)
+        if (shear_error if self.sheared else pressure_error) > 0.5:
             return "expect errors of tractions and dissipation of half their size and more"
-        of_shear = f"of {shear:.0%} of f p in the shear and " if self.sheared else ""
-        return f"expect an error {of_shear}of {pressure:.0%} in the pressure (L2)"
+        of_shear = f"of {shear_error:.0%} of f p in the shear and " if self.sheared else ""
+        return f"expect an error {of_shear}of {pressure_error:.0%} in the pressure (L2)"
 
 
-def _finer(mesh: MeshSettings, factor: float) -> str:
+def _advice_on_mesh(mesh: MeshSettings, factor: float) -> str:
     """Advice on a finer mesh: the setting that multiplies the size of edge elements by a `factor`
     below 1, rounded down to two digits.
 
-    >>> _finer(MeshSettings(edge_element_size=0.01), 0.2469), _finer(MeshSettings(), 1e-9)
-    ('use edge_element_size = 0.0024', 'no edge_element_size resolves it')
+    >>> _advice_on_mesh(MeshSettings(edge_element_size=0.01), 0.2469)
+    'use edge_element_size = 0.0024'
+    >>> _advice_on_mesh(MeshSettings(), 1e-9)
+    'no edge_element_size resolves it'
     """
     element_size = mesh.edge_element_size * factor
     second_digit = 10.0 ** (math.floor(math.log10(element_size)) - 1) if element_size > 0 else 1.0
@@ -292,27 +318,29 @@ def _finer(mesh: MeshSettings, factor: float) -> str:
     return f"use edge_element_size = {element_size:.2g}"
 
 
-def _slip_notes(revolution: Revolution, element: float, mesh: MeshSettings) -> Iterator[str]:
+def _slip_notes(revolution: Revolution, element_size: float, mesh: MeshSettings) -> Iterator[str]:
     """A sentence where slip is not resolved: no node slips, slip zones are few elements wide, or
-    the mesh alone may have made a part of the friction work.
+    more than 5 % of the friction work may be an error of the mesh.
 
-    `revolution` is the last cycle, `element` the size of surface elements at its edges [length].
+    `revolution` is the last cycle, `element_size` that of surface elements at the edges of its
+    contacts [length].
     """
     dissipation = revolution.dissipation  # over A f^2 P^2, A = 2/E*, P the largest load
-    elements_in_slip = revolution.widest_slip_zone() / element
-    largest_contact = float(np.max(revolution.contact, initial=element))
-    dissipation_by_mesh = _DISSIPATION_BY_MESH * (element / largest_contact) ** 2
+    elements_in_slip = revolution.widest_slip_zone() / element_size
+    largest_half_width = float(np.max(revolution.contact, initial=element_size))
+    dissipation_by_mesh = _DISSIPATION_BY_MESH * (element_size / largest_half_width) ** 2
     if not dissipation > 0:
         yield (
-            f"no node slips: a slip zone narrower than an element, {element:.3g} at the edges,"
+            f"no node slips: a slip zone narrower than an element, {element_size:.3g} at the edges,"
             " would not be seen, and its dissipation would be missing"
         )
     elif elements_in_slip < _FEW_ELEMENTS:
         error_text = "some per cent or more" if elements_in_slip > 1 else "a factor, up or down"
         yield (
-            f"slip zones are {elements_in_slip:.2g} elements wide at most, {element:.3g} each: the"
+            f"slip zones are {elements_in_slip:.2g} elements wide at most,"
+            f" {element_size:.3g} each: the"
             f" error of the dissipation is {error_text};"
-            f" {_finer(mesh, elements_in_slip / _ENOUGH_ELEMENTS_IN_SLIP)}"
+            f" {_advice_on_mesh(mesh, elements_in_slip / _ENOUGH_ELEMENTS_IN_SLIP)}"
         )
     elif dissipation_by_mesh > _NOTED_ERROR * dissipation:
         yield (

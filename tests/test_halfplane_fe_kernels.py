@@ -305,7 +305,7 @@ def test_a_planted_fault_of_arcs_is_seen(fault: str, monkeypatch: pytest.MonkeyP
         return dataclasses.replace(turned, gap=turned.gap / turned.normals[1])
 
     if fault == "slope of the chord":
-        monkeypatch.setattr(remainder, "_with_slopes", lambda kernels, *_: kernels)
+        monkeypatch.setattr(remainder, "_with_chord_slopes", lambda kernels, *_: kernels)
     else:
         faults = {"normal": with_flat_normal, "gap along y": with_gap_along_y}
         monkeypatch.setattr(kernel_bodies, "_on_middle_line", faults[fault])

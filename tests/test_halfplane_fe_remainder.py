@@ -291,7 +291,7 @@ def test_the_interface_of_the_contact_model_has_these_numbers(scene):
 
 
 # ---------------------------------------------------------------------------------- planted faults
-COMBINED = remainder.combined
+COMBINED = remainder.effects_of_both_bodies
 NUMBERS_ONCE = functools.cache(remainder.body_numbers)
 
 
@@ -334,7 +334,7 @@ FAULTS = {
 def test_a_fault_in_the_sum_of_both_bodies_is_caught(fault, monkeypatch):
     monkeypatch.setattr(remainder, "body_numbers", NUMBERS_ONCE)
     assert wrong_numbers(UNEQUAL) == set()
-    monkeypatch.setattr(remainder, "combined", fault)
+    monkeypatch.setattr(remainder, "effects_of_both_bodies", fault)
     assert wrong_numbers(UNEQUAL) == FAULTS[fault]
 
 
@@ -351,8 +351,8 @@ def test_the_material_of_the_other_body_is_caught(monkeypatch):
 
 def test_tractions_left_out_are_caught(monkeypatch):
     """The load of the remainder on the free sides."""
-    right = remainder._tractions
-    monkeypatch.setattr(remainder, "_tractions", lambda *args: 0 * right(*args))
+    right = remainder._forces_of_tractions
+    monkeypatch.setattr(remainder, "_forces_of_tractions", lambda *args: 0 * right(*args))
     assert {"normal_curvature", "tangential_compliance"} <= wrong_numbers(UNEQUAL)
 
 
