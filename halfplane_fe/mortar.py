@@ -131,7 +131,7 @@ def mortar(lower: Side, upper: Side) -> Mortar:
     weighted_duals = _weighted_dual_functions(lower, lower_at_points, lengths)
 
     def integrals_with_duals(values: Array) -> Array:
-        """Integrals (n,) of the dual functions psi_j times a function given at the points (s, m)."""
+        """Integrals (n,) of dual functions psi_j times a function given at the points (s, m)."""
         integrals = np.einsum("skm,sm->sk", weighted_duals, values)
         sums = np.bincount(lower_at_points.nodes.ravel(), integrals.ravel(), n_duals)
         return np.asarray(sums, dtype=np.float64)

@@ -278,8 +278,8 @@ class _ExpectedErrors:
         return self.factor * _ERROR_OF_PRESSURE / n_elements
 
     def call_for_note(self, n_elements: float) -> bool:
-        """Whether the user is told: the error of the shear is above 0.05, or that of the pressure
-        where the contact carries no shear.
+        """Whether there is to be a note: the error of the shear is above 0.05, or that of the
+        pressure where the contact carries no shear.
         """
         if self.sheared:
             return self.of_shear(n_elements) > _NOTED_ERROR
