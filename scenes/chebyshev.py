@@ -17,9 +17,13 @@ from scenes.array_types import Array
 
 Function = Callable[[Array], ArrayLike]
 
+# Intervals into which one first interval may be halved: noise needs them without end.
 _MOST_PIECES = 400
+# Length of an interval, over that of its first one, at which halving ends: round-off of places.
 _SHORTEST_PIECE = 1e-14
+# The same ratio, below which an interval has a corner of the function in it or beside it.
 _LENGTH_AT_CORNER = 1e-3
+# Of the series beside a corner, which is continued beyond its interval: higher terms would grow.
 _TERMS_AT_CORNER = 16
 # Places at once, in arrays that fit into the cache.
 _PLACES_PER_BLOCK = 4096
@@ -72,8 +76,8 @@ def _to_powers() -> Array:
 
 
 class Powers:
-    """Chebyshev series on [-1, 1] as sums of powers: `coefficients` (k, n) of the series of n
-    pieces, k up to DEGREE + 1.
+    """Several Chebyshev series, each on its own interval mapped to [-1, 1], converted to sums of
+    powers, which take a fifth of the time: `coefficients` (k, n) of n series, k up to DEGREE + 1.
 
     >>> float(
     ...     Powers(np.array([[0.0], [0.0], [1.0]]))(np.array(0), np.array(0.3)).round(12)
@@ -82,73 +86,78 @@ class Powers:
     """
 
     def __init__(self, coefficients: Array) -> None:
-        """Convert Chebyshev series (k, n) of n pieces to sums of powers on eight parts of each
-        piece; powers that are round-off on every part are dropped.
+        """Convert n Chebyshev series, coefficients (k, n), to sums of powers.
+
+        [-1, 1] is divided into _PARTS_OF_PIECE = 8 equal parts, each with a sum of powers of its
+        own about its middle: on the whole interval powers would lose digits. The highest powers
+        are dropped where they are round-off on every part.
         """
-        coefficients_on_parts = _to_parts()[..., : len(coefficients)] @ coefficients
-        is_needed = np.any(
-            np.abs(coefficients_on_parts)
-            > 5e-16 * np.max(np.abs(coefficients_on_parts), axis=(0, 1)),
-            axis=(0, 2),
-        )
+        # Axes from here on: part, power, series.
+        series_on_parts = _to_parts()[..., : len(coefficients)] @ coefficients
+        sizes = np.abs(series_on_parts)
+        is_needed = np.any(sizes > 5e-16 * np.max(sizes, axis=(0, 1)), axis=(0, 2))
         n_powers = int(np.max(np.flatnonzero(is_needed), initial=0)) + 1
-        self._rows = np.moveaxis(
-            _to_powers()[:n_powers, :n_powers] @ coefficients_on_parts[:, :n_powers], 0, 2
-        ).reshape(n_powers, -1)
+        powers_on_parts = _to_powers()[:n_powers, :n_powers] @ series_on_parts[:, :n_powers]
+        # (n_powers, n * _PARTS_OF_PIECE): column i * _PARTS_OF_PIECE + j is part j of series i.
+        self._power_coefficients = np.moveaxis(powers_on_parts, 0, 2).reshape(n_powers, -1)
 
     def __call__(self, number: NDArray[np.intp], t: Array) -> Array:
-        """Values at places t of the series with these numbers, by Horner's rule on the part of the
-        piece in which t lies.
+        """Values of the series at places t in [-1, 1] by Horner's rule, of any shape; outside, the
+        powers of the first or last part are continued.
 
-        `number` and `t` have one shape, that of the result. t is in [-1, 1]; outside, the powers of
-        the first or last part are continued.
+        `number` says for each place which of the n series is evaluated there, 0 to n - 1, in the
+        shape of t.
         """
-        place_in_parts = (np.ravel(t) + 1) * (_PARTS_OF_PIECE / 2)
-        part_number = np.clip(place_in_parts.astype(np.intp), 0, _PARTS_OF_PIECE - 1)
-        place_in_parts -= part_number
-        place_in_parts -= 0.5
-        part_number += np.ravel(number) * _PARTS_OF_PIECE
-        values = self._rows[-1].take(part_number)
-        row_values = np.empty(len(place_in_parts))
-        for coefficients in self._rows[-2::-1]:
-            values *= place_in_parts
-            values += coefficients.take(part_number, out=row_values, mode="clip")
+        # In place, since this is the innermost loop of many integrals: first in units of parts from
+        # -1 on, then from the middle of the part, in [-1/2, 1/2].
+        place_in_part = (np.ravel(t) + 1) * (_PARTS_OF_PIECE / 2)
+        column = np.clip(place_in_part.astype(np.intp), 0, _PARTS_OF_PIECE - 1)
+        place_in_part -= column
+        place_in_part -= 0.5
+        column += np.ravel(number) * _PARTS_OF_PIECE
+        values = self._power_coefficients[-1].take(column)
+        next_coefficients = np.empty(len(place_in_part))
+        for coefficients_of_power in self._power_coefficients[-2::-1]:
+            values *= place_in_part
+            values += coefficients_of_power.take(column, out=next_coefficients, mode="clip")
         return values.reshape(np.shape(t))
 
 
 def tail(coefficients: Array) -> Array:
-    """What the last coefficients are worth, shape (...,): an estimate of what was left out."""
+    """Largest size of the last three coefficients (..., k) of Chebyshev series, (...,): an estimate
+    of the truncation error.
+    """
     return np.max(np.abs(coefficients[..., -3:]), axis=-1)
 
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """A function on [edges[0], edges[-1]], a Chebyshev series on each piece.
+    """A piecewise Chebyshev series: a function on [edges[0], edges[-1]], with one series on each of
+    n neighbouring intervals, its pieces.
 
     Attributes
     ----------
     edges
-        (n + 1,) ascending
+        (n + 1,) ascending ends of the pieces
     coefficients
-        (DEGREE + 1, n)
+        (DEGREE + 1, n), a column for each piece
     """
 
     edges: Array
     coefficients: Array
 
     def __call__(self, x: ArrayLike) -> Array:
-        """Value of the function at x, any shape; outside its range, that of the first or last
-        piece's series continued.
+        """Values of the function at x, in its shape; beyond the first or last interval, those of
+        its series continued.
         """
         x_array = np.asarray(x, dtype=float)
-        number = np.clip(
+        piece = np.clip(
             np.searchsorted(self.edges, x_array, side="right") - 1, 0, len(self.edges) - 2
         )
-        piece_begin = self.edges[number]
-        piece_end = self.edges[number + 1]
-        return self._powers(
-            number, (2 * x_array - piece_begin - piece_end) / (piece_end - piece_begin)
-        )
+        piece_begin = self.edges[piece]
+        piece_end = self.edges[piece + 1]
+        t = (2 * x_array - piece_begin - piece_end) / (piece_end - piece_begin)
+        return self._powers(piece, t)
 
     @cached_property
     def _powers(self) -> Powers:
@@ -162,34 +171,34 @@ class Pieces:
 
 
 def clenshaw(coefficients: Array, number: NDArray[np.intp], t: Array) -> Array:
-    """Values of Chebyshev series at places t, by Clenshaw's recurrence: the sum over k of
-    coefficients[k, number] T_k(t), in the shape of t.
+    """Values of several Chebyshev series, one of them at each place t, by Clenshaw's recurrence:
+    the sum over k of coefficients[k, number] T_k(t), in the shape of t.
 
     Parameters
     ----------
     coefficients
         (n_terms, n_series)
     number
-        which series counts at each place, in the shape of t
+        index of the series that is evaluated at each place, in the shape of t
     t
         places in [-1, 1]
     """
-    pieces = np.ravel(number)
+    series_of_places = np.ravel(number)
     places = np.ravel(t)
     sums = np.empty(np.size(t))
     for begin in range(0, len(places), _PLACES_PER_BLOCK):
-        chunk = slice(begin, begin + _PLACES_PER_BLOCK)
-        piece = pieces[chunk]
-        place = places[chunk]
+        block = slice(begin, begin + _PLACES_PER_BLOCK)
+        series_number = series_of_places[block]
+        place = places[block]
         double_place = 2 * place
         # notation: b_k = c_k + 2 t b_(k+1) - b_(k+2), Clenshaw's recurrence
         b, b_1, b_2, product = np.zeros((4, len(place)))
-        for row in coefficients[:0:-1]:
-            row.take(piece, out=b, mode="clip")
+        for coefficients_of_term in coefficients[:0:-1]:
+            coefficients_of_term.take(series_number, out=b, mode="clip")
             b -= b_2
             b += np.multiply(double_place, b_1, out=product)
             b_1, b_2, b = b, b_1, b_2
-        sums[chunk] = place * b_1 - b_2 + coefficients[0].take(piece)
+        sums[block] = place * b_1 - b_2 + coefficients[0].take(series_number)
     return sums.reshape(np.shape(t))
 
 
@@ -197,7 +206,7 @@ def difference(coefficients: Array, t: Any, t_before: Any) -> Any:
     """Divided difference of a Chebyshev series F between two places, (F(t) - F(t_before)) /
     (t - t_before), without cancellation however close they are.
 
-    Differences D_k of T_k follow by recurrence from T_(k+1) = 2 t T_k - T_(k-1):
+    The divided differences D_k of T_k follow by recurrence from T_(k+1) = 2 t T_k - T_(k-1):
 
         D_(k+1) = 2 (t D_k + T_k(t_before)) - D_(k-1)
 
@@ -214,30 +223,31 @@ def difference(coefficients: Array, t: Any, t_before: Any) -> Any:
     1.2
     """
     sum_of_places = t + t_before
-    unit = 1.0 if isinstance(sum_of_places, float) else np.ones_like(sum_of_places)
-    difference_before = 0.0 * unit
-    difference_now = unit
-    value_before = unit
-    value = t_before * unit
-    divided_difference = 0.0 * unit
+    ones = 1.0 if isinstance(sum_of_places, float) else np.ones_like(sum_of_places)
+    # notation: d_k = D_k of T_k, t_k = T_k(t_before)
+    d_before = 0.0 * ones  # D_0
+    d_k = ones  # D_1
+    t_k_before = ones  # T_0
+    t_k = t_before * ones  # T_1
+    divided_difference = 0.0 * ones
     for coefficient in coefficients[1:].tolist():
-        divided_difference = divided_difference + coefficient * difference_now
-        next_difference = 2 * (t * difference_now + value) - difference_before
-        next_value = 2 * t_before * value - value_before
-        difference_before = difference_now
-        difference_now = next_difference
-        value_before = value
-        value = next_value
+        divided_difference = divided_difference + coefficient * d_k
+        d_next = 2 * (t * d_k + t_k) - d_before
+        t_k_next = 2 * t_before * t_k - t_k_before
+        d_before = d_k
+        d_k = d_next
+        t_k_before = t_k
+        t_k = t_k_next
     return divided_difference
 
 
 def fit(function: Function, edges: ArrayLike, scale: float | None = None) -> Pieces:
-    """Approximate a function to rounding by Chebyshev series on intervals: those between `edges`,
-    halved until each series is accurate.
+    """Approximate a function by a piecewise Chebyshev series to round-off: on the intervals between
+    `edges`, halved until each series is accurate.
 
     Accurate means: to 1e-13 of the largest value on the interval, to 1e-15 of that on the next one,
-    or to 4e-15 of `scale`. A corner of the function leaves a run of very short intervals. It is
-    then located, becomes an end of two intervals, and all is fitted again.
+    or to 4e-15 of `scale`. A corner (jump of the slope) leaves a run of very short intervals. It
+    is then located, becomes an end of two intervals, and all is fitted again.
 
     Parameters
     ----------
@@ -253,18 +263,18 @@ def fit(function: Function, edges: ArrayLike, scale: float | None = None) -> Pie
     Unresolved
         Where halving does not help: noise, a pole, a function that is too rough.
     """
-    piece_ends = np.asarray(edges, dtype=float)
-    first_pieces = halved(function, piece_ends, scale)
-    runs_of_short = _short_runs(first_pieces, piece_ends)
-    if not runs_of_short:
-        return first_pieces
-    piece_ends = np.union1d(
-        piece_ends, [_corner(function, first_pieces, run) for run in runs_of_short]
-    )
-    pieces = halved(function, piece_ends, scale)
-    runs_left = _short_runs(pieces, piece_ends)
-    if runs_left:
-        raise Unresolved(float(pieces.edges[runs_left[0][0]]), float(pieces.edges[runs_left[0][1]]))
+    first_edges = np.asarray(edges, dtype=float)
+    pieces = halved(function, first_edges, scale)
+    runs_at_corners = _runs_of_short_pieces(pieces, first_edges)
+    if not runs_at_corners:
+        return pieces
+    corners = [_corner(function, pieces, run) for run in runs_at_corners]
+    edges_with_corners = np.union1d(first_edges, corners)
+    pieces = halved(function, edges_with_corners, scale)
+    runs_at_corners = _runs_of_short_pieces(pieces, edges_with_corners)
+    if runs_at_corners:
+        first_run_begin, first_run_end = runs_at_corners[0]
+        raise Unresolved(float(pieces.edges[first_run_begin]), float(pieces.edges[first_run_end]))
     return pieces
 
 
@@ -278,138 +288,149 @@ class Unresolved(ValueError):
 
 
 def halved(function: Function, edges: Array, scale: ArrayLike | None = None) -> Pieces:
-    """Approximate a function by Chebyshev series on intervals, halving all those whose series is
-    not accurate to rounding yet, in turns.
+    """Approximate a function by a piecewise Chebyshev series: intervals whose series is not yet
+    accurate to round-off are halved, all of them in each turn, until none is left.
 
-    No interval gets shorter than 1e-14 of the first ones, so that a corner ends the halving after
-    47 turns at most.
+    No interval gets shorter than 1e-14 of its first one, so that a corner (jump of the slope) ends
+    the halving after 47 turns at most.
 
     Parameters
     ----------
     function
         takes an array of places, returns one of values
     edges
-        (n + 1,) ascending places, the ends of the first intervals
+        (n + 1,) ascending places, the ends of the n first intervals
     scale
-        size of values beside which errors are negligible: one number, or (n,)
+        size of values beside which errors are negligible: one number, or (n,) for the first
+        intervals
 
     Raises
     ------
     Unresolved
-        Where values are no numbers, or one of the first intervals needs more than 400 parts.
+        Where values are no numbers, or a first interval would be divided into more than 400.
     """
 
-    def values_between(begins: Array, ends: Array) -> Array:
+    def values_on(begins: Array, ends: Array) -> Array:
         """(m, DEGREE + 1) values of the function at the Chebyshev points of m intervals."""
         places = begins[:, None] + (ends - begins)[:, None] * (1 + NODES) / 2
         return np.asarray(function(places), dtype=float)
 
+    # The intervals that are not accurate yet, (m,): their ends, and which first interval each is a
+    # part of. At the beginning these are the first intervals themselves.
     begins = edges[:-1]
     ends = edges[1:]
-    first_piece = np.arange(len(edges) - 1)  # which first interval each one is a part of
-    shortest = np.maximum(
+    first_interval = np.arange(len(edges) - 1)
+    values = values_on(begins, ends)
+
+    # Limits for all parts of a first interval, (n,).
+    least_length = np.maximum(
         _SHORTEST_PIECE * (ends - begins), 4e-16 * np.maximum(np.abs(begins), np.abs(ends))
     )
-    values = values_between(begins, ends)
     largest_values = np.max(np.abs(values), axis=1)
     scales = np.zeros(len(begins)) if scale is None else np.asarray(scale, dtype=float)
     # The values on the next interval count too: a function may be zero on one.
-    negligible_value = np.maximum(
+    negligible_error = np.maximum(
         1e-15 * np.maximum(largest_values, np.append(largest_values[1:], 0.0)), 4e-15 * scales
     )
-    begins_resolved = [begins[:0]]
-    series_resolved = [np.empty((0, DEGREE + 1))]
-    n_pieces = np.zeros(len(begins), dtype=int)
+    n_tried = np.zeros(len(begins), dtype=int)  # parts of it for which a series was computed
+
+    accurate_begins = [begins[:0]]
+    accurate_series = [np.empty((0, DEGREE + 1))]
     while len(begins):
         coefficients = series(values)
-        n_pieces = n_pieces + np.bincount(first_piece, minlength=len(n_pieces))
-        tail_limits = np.maximum(
-            1e-13 * np.max(np.abs(values), axis=1), negligible_value[first_piece]
+        n_tried = n_tried + np.bincount(first_interval, minlength=len(n_tried))
+        error_limits = np.maximum(
+            1e-13 * np.max(np.abs(values), axis=1), negligible_error[first_interval]
         )
-        is_rough = (tail(coefficients) > tail_limits) & (ends - begins > shortest[first_piece])
-        rough_pieces = np.flatnonzero(
+        can_be_halved = ends - begins > least_length[first_interval]
+        to_be_halved = (tail(coefficients) > error_limits) & can_be_halved
+        unresolved_intervals = np.flatnonzero(
             ~np.all(np.isfinite(values), axis=1)
-            | (is_rough & (n_pieces[first_piece] > _MOST_PIECES))
+            | (to_be_halved & (n_tried[first_interval] > _MOST_PIECES))
         )
-        if len(rough_pieces):
-            raise Unresolved(float(begins[rough_pieces[0]]), float(ends[rough_pieces[0]]))
-        begins_resolved.append(begins[~is_rough])
-        series_resolved.append(coefficients[~is_rough])
-        begins = begins[is_rough]
-        ends = ends[is_rough]
-        first_piece = np.tile(first_piece[is_rough], 2)
-        middle = (begins + ends) / 2
-        begins = np.append(begins, middle)
-        ends = np.append(middle, ends)
+        if len(unresolved_intervals):
+            first = unresolved_intervals[0]
+            raise Unresolved(float(begins[first]), float(ends[first]))
+        accurate_begins.append(begins[~to_be_halved])
+        accurate_series.append(coefficients[~to_be_halved])
+
+        # All left halves, then all right halves.
+        begins = begins[to_be_halved]
+        ends = ends[to_be_halved]
+        middles = (begins + ends) / 2
+        begins = np.append(begins, middles)
+        ends = np.append(middles, ends)
+        first_interval = np.tile(first_interval[to_be_halved], 2)
         if len(begins):
-            values = values_between(begins, ends)
-    ascending = np.argsort(np.concatenate(begins_resolved))
+            values = values_on(begins, ends)
+    ascending = np.argsort(np.concatenate(accurate_begins))
     return Pieces(
-        np.append(np.concatenate(begins_resolved)[ascending], edges[-1]),
-        np.concatenate(series_resolved)[ascending].T.copy(),
+        np.append(np.concatenate(accurate_begins)[ascending], edges[-1]),
+        np.concatenate(accurate_series)[ascending].T.copy(),
     )
 
 
-def _short_runs(pieces: Pieces, edges: Array) -> list[tuple[int, int]]:
-    """Runs of neighbouring intervals that halving has left far shorter than the first ones, as next
-    to a corner of the function: (first, last + 1) of each run.
+def _runs_of_short_pieces(pieces: Pieces, first_edges: Array) -> list[tuple[int, int]]:
+    """Runs of neighbouring intervals that halving has left far shorter than the first ones, as it
+    does next to a corner: for each run the indices in `pieces.edges` of its begin and its end.
 
-    `edges` are the ends of the first intervals, `pieces` the halved ones.
+    `first_edges` (n + 1,) are the ends of the first intervals, `pieces` the halved ones.
     """
     piece_lengths = np.diff(pieces.edges)
-    lengths_between_edges = np.diff(edges)[
-        np.searchsorted(edges, pieces.edges[:-1], side="right") - 1
-    ]
+    first_interval = np.searchsorted(first_edges, pieces.edges[:-1], side="right") - 1
+    first_lengths = np.diff(first_edges)[first_interval]
+    # 0 before the first and after the last piece: every run has a step up and a step down.
     is_short = np.concatenate(
-        [[False], piece_lengths < _LENGTH_AT_CORNER * lengths_between_edges, [False]]
+        [[False], piece_lengths < _LENGTH_AT_CORNER * first_lengths, [False]]
     ).astype(int)
-    return list(
-        zip(
-            np.flatnonzero(np.diff(is_short) == 1).tolist(),
-            np.flatnonzero(np.diff(is_short) == -1).tolist(),
-            strict=True,
-        )
-    )
+    run_begins = np.flatnonzero(np.diff(is_short) == 1)
+    run_ends = np.flatnonzero(np.diff(is_short) == -1)
+    return list(zip(run_begins.tolist(), run_ends.tolist(), strict=True))
 
 
 def _corner(function: Function, pieces: Pieces, run: tuple[int, int]) -> float:
-    """Place of a corner of a function, where halving has left a run of very short intervals.
+    """Place of a corner (jump of the slope) of a function, within a run of very short intervals
+    that halving has left next to it.
 
-    Smooth fits from the left and from the right of the run are continued into it. The corner is
-    where they cross, or, if they only touch, where their slopes are equal. Of several such places
-    the one nearest to the shortest interval counts.
+    Chebyshev series fitted on the left and on the right of the run are continued into it. The
+    corner is where they cross, or, if they only touch, where their slopes are equal. Of several
+    such places it is the one nearest to the shortest interval.
 
     Parameters
     ----------
     pieces
-        the halved intervals
+        the halved intervals, with their series
     run
-        indices of the first and of the last end of an interval in the run
+        indices in `pieces.edges` of the begin and the end of the run
     """
-    begin, end = (float(pieces.edges[index]) for index in run)
-    shortest_piece = run[0] + int(np.argmin(np.diff(pieces.edges[run[0] : run[1] + 1])))
+    first_index, last_index = run
+    begin = float(pieces.edges[first_index])
+    end = float(pieces.edges[last_index])
+    lengths = np.diff(pieces.edges[first_index : last_index + 1])
+    shortest_piece = first_index + int(np.argmin(lengths))
     middle_of_shortest = float(pieces.edges[shortest_piece] + pieces.edges[shortest_piece + 1]) / 2
     # Each fit is over 50 lengths of the run, or as far as the function is given.
-    width = min(
+    fit_width = min(
         50 * (end - begin),
         begin - float(pieces.edges[0]) or np.inf,
         float(pieces.edges[-1]) - end or np.inf,
     )
-    left_fit, right_fit = (
-        chebyshev.Chebyshev(
-            series(function(interval_begin + width * (1 + NODES) / 2))[:_TERMS_AT_CORNER],
-            domain=[interval_begin, interval_begin + width],
+
+    def fit_from(place: float) -> chebyshev.Chebyshev:
+        """Series of the function from a place on, over the width of a fit."""
+        values = function(place + fit_width * (1 + NODES) / 2)
+        return chebyshev.Chebyshev(
+            series(values)[:_TERMS_AT_CORNER], domain=[place, place + fit_width]
         )
-        for interval_begin in (begin - width, end)
-    )
-    jump_series = chebyshev.Chebyshev.interpolate(
-        lambda x: right_fit(x) - left_fit(x), 3, [begin, end]
-    )
-    fits_cross = jump_series(begin) * jump_series(end) < 0
-    root_places = (jump_series if fits_cross else jump_series.deriv()).roots().real
+
+    left_fit = fit_from(begin - fit_width)
+    right_fit = fit_from(end)
+    jump = chebyshev.Chebyshev.interpolate(lambda x: right_fit(x) - left_fit(x), 3, [begin, end])
+    fits_cross = jump(begin) * jump(end) < 0
+    candidate_places = (jump if fits_cross else jump.deriv()).roots().real
     return float(
         min(
-            root_places,
+            candidate_places,
             key=lambda place: abs(place - middle_of_shortest),
             default=middle_of_shortest,
         )
@@ -417,20 +438,21 @@ def _corner(function: Function, pieces: Pieces, run: tuple[int, int]) -> float:
 
 
 def values_of(function: Any) -> Callable[[Array], Array]:
-    """Make a user's `function` of one variable take arrays of any shape: the returned function
-    calls it once with the array, or point by point where it cannot take arrays.
+    """Make a user's `function` of one variable take arrays: the returned function maps places x of
+    any shape to values of the same shape.
+
+    It calls `function` once with the whole array, or point by point where that cannot take arrays.
     """
 
-    def over(x: Array) -> Array:
-        """Values of the function at all x, in one call or, where it can't take an array, one by
-        one.
-        """
+    def values_at(x: Array) -> Array:
+        """Values of the function at all x, in their shape."""
         try:
             values = np.asarray(function(x), dtype=float)
         except (TypeError, ValueError):
             values = np.empty(0)
-        if values.shape != x.shape:
-            values = np.array([float(function(float(at))) for at in x.ravel()]).reshape(x.shape)
+        if values.shape != x.shape:  # also a constant, of shape ()
+            values = np.array([float(function(float(place))) for place in x.ravel()])
+            values = values.reshape(x.shape)
         return values
 
-    return over
+    return values_at

@@ -1,8 +1,9 @@
 """Curves through noisy measured rows: parabola, flat with rounded edges, even polynomial, smoothing
-spline; all convex.
+spline; all convex. A row is one measured point: x along the face, and h, the gap there.
 
-# notation: x0 centre, s = |x - x0|, L the largest s, kappa = h'' >= 0, b half-length of a flat,
-#           sigma noise of h, alpha tilt: slope at which the trace lay in the instrument
+# notation: x0 middle: the axis of symmetry of the profile, s = |x - x0|, L the largest s,
+#           kappa = h'' >= 0, b half-length of a flat, sigma noise of h,
+#           alpha tilt: slope at which the trace lay in the instrument
 
 Each is a sum of kappa's with factors that are not negative, so that the contact can't split:
 
@@ -97,14 +98,15 @@ class FitRequest:
     noise
         standard deviation of h; None: that of the residuals
     centre
-        x of the middle; None: fitted
+        x of the middle, the axis of symmetry; None: fitted
     extent
-        largest distance from the middle of the rows that count; None: all count
+        rows farther from the middle are left out; None: all count
     tilt
         slope of the trace; None: fitted where the rows can show it
-    weight
-        of the smoothing; None: that of the least expected error
-    guess
+    smoothing_weight
+        factor on the squared differences of neighbouring spline weights; None: that of the least
+        expected error
+    first_guess
         middle and half-length of the flat at which the search begins; None: the best of many
     """
 
@@ -113,35 +115,45 @@ class FitRequest:
     centre: float | None = None
     extent: float | None = None
     tilt: float | None = None
-    weight: float | None = None
-    guess: tuple[float, float] | None = None
+    smoothing_weight: float | None = None
+    first_guess: tuple[float, float] | None = None
 
 
 def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
-    """Fit a profile to a measured trace x, h (n,) after removing spikes: the keys of the profile in
-    a scene file, with a record of the fit under `fitted`.
+    """Fit a convex profile to measured points by least squares, spikes left out: its keys for a
+    scene file, with the record of the fit under `fitted`.
 
-    A spike is a single row that stands out from its neighbours and from the fit. The fit is
-    repeated without such rows. `request` states the kind of profile, and what is known before.
+    A spike is a single point far from its neighbours and from the fit, such as dust. The first
+    candidates are far from their neighbours; points far from the fit join them, and the fit is
+    repeated. Candidates near the last fit, as at an edge of a flat, are taken back.
+
+    Parameters
+    ----------
+    x, h
+        (n,) places, ascending, and heights [length]; h grows away from the contact
+    request
+        kind of profile, and what the user states: noise, middle, extent, tilt
 
     Raises
     ------
     RowError
-        For too few or too many rows, x that descends, rows that do not bend up, or rows on one side
-        of the middle alone.
+        For too few or too many points, x that descends, points that curve down, or points on one
+        side of the middle alone.
     """
     candidate_rows = _spikes_of(x, h)
     row_numbers = np.arange(len(x))
     fit = _fit_of_rows(np.delete(x, candidate_rows), np.delete(h, candidate_rows), request)
     for _ in range(_MOST_PASSES):
         rows_in_fit = np.delete(row_numbers, candidate_rows)
-        rows_apart = _rows_far_from_fit(h[rows_in_fit] - fit.curve(x[rows_in_fit]))
-        if not len(rows_apart) or len(candidate_rows) + len(rows_apart) > _SHARE_OF_SPIKES * len(x):
+        residuals = h[rows_in_fit] - fit.height_at(x[rows_in_fit])
+        further_candidates = rows_in_fit[_rows_far_from_fit(residuals)]
+        n_candidates = len(candidate_rows) + len(further_candidates)
+        if not len(further_candidates) or n_candidates > _SHARE_OF_SPIKES * len(x):
             break
-        candidate_rows = np.sort(np.append(candidate_rows, rows_in_fit[rows_apart]))
+        candidate_rows = np.sort(np.append(candidate_rows, further_candidates))
         fit = _fit_of_rows(np.delete(x, candidate_rows), np.delete(h, candidate_rows), request)
-    # A corner of the shape stands out from its neighbours, but not from the fit: it stays.
-    distances_from_fit = np.abs(h[candidate_rows] - fit.curve(x[candidate_rows]))
+    # A corner of the profile stands out from its neighbours, but not from the fit: it stays.
+    distances_from_fit = np.abs(h[candidate_rows] - fit.height_at(x[candidate_rows]))
     spikes = candidate_rows[distances_from_fit > STANDS_OUT * fit.keys["fitted"]["noise"]]
     if len(spikes) < len(candidate_rows):
         fit = _fit_of_rows(np.delete(x, spikes), np.delete(h, spikes), request)
@@ -151,87 +163,108 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
 
 
 def _rows_far_from_fit(residuals: Array) -> NDArray[np.int64]:
-    """Numbers of the rows (m,) whose residual is far larger than the standard deviation of all, and
-    twice as large as those of both neighbours: spikes, not noise.
+    """Indices (m,) of residuals that are spikes, not noise: more than STANDS_OUT standard
+    deviations in size, and more than twice the size of both neighbours.
+
+    The standard deviation comes from the median, which spikes do not move. `residuals` are (n,).
     """
-    sizes = np.abs(residuals)
-    sigma = float(np.median(sizes)) / math.sqrt(
-        _MEDIAN_OF_SQUARE
-    )  # standard deviation, robust to spikes
-    if not sigma > _ROUND_OFF * float(np.max(sizes)):
+    residual_sizes = np.abs(residuals)
+    sigma = float(np.median(residual_sizes)) / math.sqrt(_MEDIAN_OF_SQUARE)
+    if not sigma > _ROUND_OFF * float(np.max(residual_sizes)):
         return np.array([], dtype=np.int64)
-    neighbour_sizes = np.maximum(np.append(sizes[1:], 0.0), np.append(0.0, sizes[:-1]))
-    return np.flatnonzero((sizes > STANDS_OUT * sigma) & (sizes > 2 * neighbour_sizes))
+    larger_neighbour_sizes = np.maximum(
+        np.append(residual_sizes[1:], 0.0), np.append(0.0, residual_sizes[:-1])
+    )
+    return np.flatnonzero(
+        (residual_sizes > STANDS_OUT * sigma) & (residual_sizes > 2 * larger_neighbour_sizes)
+    )
 
 
 def _spikes_of(x: Array, h: Array) -> NDArray[np.int64]:
-    """Rows (m,) that stand out from their neighbours; none of rows that are not in order."""
+    """Indices (m,) of measured points x, h (n,) that stand out from their neighbours; none where x
+    is not in order.
+    """
     if not _FEWEST_ROWS < len(x) <= _MOST_ROWS or np.any(np.diff(x) < 0):
         return np.array([], dtype=np.int64)
     sigma = max(math.sqrt(_variance(x, h)), 1e-12 * float(np.ptp(h)))
-    levels = np.unique(h)
-    if (
-        1 < len(levels) < _SHARE_OF_DISTINCT * len(h)
-    ):  # noise hides below the step of the last digit
-        sigma = max(sigma, float(np.min(np.diff(levels))))
+    distinct_heights = np.unique(h)
+    # noise hides below the step of the last digit
+    if 1 < len(distinct_heights) < _SHARE_OF_DISTINCT * len(h):
+        sigma = max(sigma, float(np.min(np.diff(distinct_heights))))
     return rows_that_stand_out(x, h, sigma) if sigma > 0 else np.array([], dtype=np.int64)
 
 
 class _Trace(NamedTuple):
-    """A trace before a fit: its heights h (n,) without the slope `tilt`; the centre where it is
-    given or rows of one side imply it, else None; whether all rows lie on one side, whether a tilt
-    is fitted, and the middle that the fit begins from.
+    """Measured points made ready for a fit.
+
+    Attributes
+    ----------
+    levelled_heights
+        (n,) h minus the straight line of slope `tilt` [length]
+    tilt
+        slope that was removed
+    known_middle
+        x of the axis of symmetry where it is stated, or 0 where the points are one half of the
+        profile; None: it is fitted
+    is_one_sided
+        whether all points lie on one side of the middle
+    tilt_is_fitted
+        whether a remaining tilt is fitted together with the profile
+    first_middle
+        x at which the search for the middle begins
     """
 
-    h: Array
+    levelled_heights: Array
     tilt: float
-    centre_given: float | None
-    one_sided: bool
-    tilt_fitted: bool
+    known_middle: float | None
+    is_one_sided: bool
+    tilt_is_fitted: bool
     first_middle: float
 
 
-def _trace_of(x: Array, h: Array, request: FitRequest) -> _Trace:
-    """Prepare a measured trace x, h (n,) for a fit: remove its tilt where it falls from end to end,
-    and decide where the middle may be and whether middle and tilt are fitted.
+def _levelled_trace(x: Array, h: Array, request: FitRequest) -> _Trace:
+    """Prepare measured points x, h (n,) for a fit: level a trace that is tilted as a whole, and
+    decide whether its middle (axis of symmetry) and a remaining tilt are fitted.
 
-    `request` states the kind of profile, and what is known before: middle, tilt, a first guess.
+    A stated tilt is removed as it is. Points on one side of the middle show no tilt. Nor does a
+    parabola whose middle is fitted: a tilt only moves it.
     """
     tilt = request.tilt or 0.0
-    level_h = h - tilt * (x - x[0])
-    centre_given = request.centre
-    may_be_tilted = request.tilt is None and centre_given is None and request.guess is None
-    if may_be_tilted and _falls_from_end_to_end(x, h, request.kind):
+    levelled_heights = h - tilt * (x - x[0])
+    known_middle = request.centre
+    may_be_tilted = request.tilt is None and known_middle is None and request.first_guess is None
+    if may_be_tilted and _is_tilted_as_a_whole(x, h, request.kind):
         tilt = float(np.polyfit(x - x[0], h, 1)[0])
-        level_h = h - tilt * (x - x[0])
-    if centre_given is None and _begins_in_the_middle(x, level_h):
-        centre_given = 0.0
-    one_sided = centre_given is not None and x[0] >= centre_given
-    is_free_parabola = request.kind == "hertz" and centre_given is None
-    tilt_fitted = request.tilt is None and not one_sided and not is_free_parabola
-    first_middle = _middle(x, level_h) if centre_given is None else centre_given
-    if request.guess is not None and centre_given is None:
-        first_middle = request.guess[0]
-    elif tilt_fitted and centre_given is None and not x[0] < first_middle < x[-1]:
-        # So much tilt that a parabola has its least value beyond the rows.
+        levelled_heights = h - tilt * (x - x[0])
+    if known_middle is None and _is_half_a_profile(x, levelled_heights):
+        known_middle = 0.0
+    is_one_sided = known_middle is not None and x[0] >= known_middle
+    is_parabola_of_any_middle = request.kind == "hertz" and known_middle is None
+    tilt_is_fitted = request.tilt is None and not is_one_sided and not is_parabola_of_any_middle
+    first_middle = _lowest_place(x, levelled_heights) if known_middle is None else known_middle
+    if request.first_guess is not None and known_middle is None:
+        first_middle = request.first_guess[0]
+    elif tilt_is_fitted and known_middle is None and not x[0] < first_middle < x[-1]:
+        # The tilt is so large that the parabola is lowest beyond the points.
         first_middle = float(x[0] + x[-1]) / 2
-    return _Trace(level_h, tilt, centre_given, one_sided, tilt_fitted, first_middle)
+    return _Trace(levelled_heights, tilt, known_middle, is_one_sided, tilt_is_fitted, first_middle)
 
 
 def _check_rows_of_fit(
-    x: Array, h: Array, middle: float, centre_given: float | None, last_row: int
+    x: Array, h: Array, middle: float, middle_is_known: bool, last_row: int
 ) -> None:
-    """Refuse rows x, h (n,) to which no profile can be fitted: too few, flat from end to end, or
-    with the middle of the profile outside them.
+    """Refuse measured points x, h (n,) to which no profile can be fitted: too few, all of one
+    height, or all on one side of the middle.
 
     Parameters
     ----------
     middle
-        x about which the profile is fitted
-    centre_given
-        the same where the user stated it, else None; rows of one side may then begin beside it
+        x of the axis of symmetry about which the profile is fitted
+    middle_is_known
+        whether it is stated, not fitted: points on one side of it are then enough, if they begin
+        near it
     last_row
-        number of the last row of the trace, for the message
+        index of the last measured point, for the message
 
     Raises
     ------
@@ -246,10 +279,8 @@ def _check_rows_of_fit(
             " needed",
         )
     distances = np.abs(x - middle)
-    is_far = centre_given is None or np.min(distances) > _SHARE_BESIDE_ROWS * float(
-        np.max(distances)
-    )
-    if not x[0] <= middle < x[-1] and is_far:
+    begins_near_middle = np.min(distances) <= _SHARE_BESIDE_ROWS * float(np.max(distances))
+    if not x[0] <= middle < x[-1] and not (middle_is_known and begins_near_middle):
         fault = (
             f"the middle, x = {middle:.6g}, is not among the rows, which go from x = {x[0]:.6g}"
             f" to {x[-1]:.6g}"
@@ -260,62 +291,71 @@ def _check_rows_of_fit(
 
 
 class _FitOfRows(NamedTuple):
-    """Keys of the profile, and the curve over x with its offset and tilt."""
+    """A fitted profile: its keys for a scene file, and the fitted h at any places x, with offset
+    and tilt, as it was measured.
+    """
 
     keys: dict[str, Any]
-    curve: Callable[[Array], Array]
+    height_at: Callable[[Array], Array]
 
 
 @dataclass(frozen=True, eq=False)
 class _ScaledFit:
-    """A fit in units of its rows, with what it takes to return to those of the trace.
+    """A fit to points whose x and h were made dimensionless, with what turns it back into the units
+    of the trace.
 
     Attributes
     ----------
     x, h
-        (n,) rows that were fitted: those within the extent
+        (n,) fitted points, those within the extent, levelled [length]
     origin
-        x at which scaled places are 0
-    length, height
-        units of x and of h
-    best
-        the fit, scaled
+        x at which dimensionless places are 0
+    length_unit, height_unit
+        units of dimensionless x and h [length]
+    fit
+        the dimensionless fit
     """
 
     x: Array
     h: Array
     origin: float
-    length: float
-    height: float
-    best: _Fit
+    length_unit: float
+    height_unit: float
+    fit: _Fit
 
     @property
     def middle(self) -> float:
-        """x of the middle of the fitted shape."""
-        return self.origin + self.length * self.best.centre
+        """x of the middle of the fitted profile [length]."""
+        return self.origin + self.length_unit * self.fit.middle
 
     def heights(self, places: Array) -> Array:
-        """Fitted h at any places, as the levelled trace has it."""
-        best = self.best
-        scaled_places = (places - self.origin) / self.length
-        columns = best.rows.columns(np.abs(scaled_places - best.centre), best.flat_half_length)
-        shape = best.offset + best.tilt * (scaled_places - best.centre) + columns @ best.w
-        return np.asarray(self.h[0] + self.height * shape)
+        """Fitted h of the levelled trace at any places x [length]."""
+        fit = self.fit
+        scaled_places = (places - self.origin) / self.length_unit
+        basis_functions = fit.rows.basis_functions(
+            np.abs(scaled_places - fit.middle), fit.flat_half_length
+        )
+        scaled_heights = (
+            fit.offset
+            + fit.tilt * (scaled_places - fit.middle)
+            + basis_functions @ fit.basis_weights
+        )
+        return np.asarray(self.h[0] + self.height_unit * scaled_heights)
 
 
 def _fit_of_rows(x: Array, h: Array, request: FitRequest) -> _FitOfRows:
-    """Fit a profile to measured rows x, h (n,) by least squares: the keys of the profile in a scene
-    file, with a record of the fit, and the fitted curve over x.
+    """Fit a convex profile to measured points x, h (n,) [length] by least squares, all points taken
+    as they are: the keys of the profile, the record of the fit among them, and the fitted curve.
 
-    `request` states the kind of profile, and what is known before: noise, middle, extent, tilt.
+    `request` states the kind of profile, and what is known: noise, middle, extent, tilt.
 
     Raises
     ------
     RowError
-        For too few or too many rows, x that descends, rows that do not bend up, or rows on one side
-        of the middle alone.
+        For too few or too many points, x that descends, points that curve down, or points on one
+        side of the middle alone.
     """
-    # a trace with few digits has rows at one x
+    # Equal neighbours in x are allowed: a trace with few digits has several points at one x.
     RowError.refuse(np.diff(x) < 0, lambda row: f"x = {x[row]:.6g} does not ascend", 1)
     if len(x) > _MOST_ROWS:
         raise RowError(
@@ -323,170 +363,184 @@ def _fit_of_rows(x: Array, h: Array, request: FitRequest) -> _FitOfRows:
             f"{len(x):,} rows are too many for a fit of at most {_MOST_ROWS:,}: leave out all but"
             " every n-th",
         )
-    trace = _trace_of(x, h, request)
+    trace = _levelled_trace(x, h, request)
     scaled_fit = _fit_within_extent(x, trace, request)
 
-    def curve(places: Array) -> Array:
+    def height_at(places: Array) -> Array:
         """Fitted h of the trace as it was measured, with its tilt."""
         return np.asarray(scaled_fit.heights(places) + trace.tilt * (places - x[0]))
 
     keys = {
-        **scaled_fit.best.keys(scaled_fit.length, scaled_fit.height),
+        **scaled_fit.fit.keys(scaled_fit.length_unit, scaled_fit.height_unit),
         "fitted": _record_of_fit(x, trace, scaled_fit, request),
     }
-    return _FitOfRows(keys, curve)
+    return _FitOfRows(keys, height_at)
 
 
 def _fit_within_extent(x: Array, trace: _Trace, request: FitRequest) -> _ScaledFit:
-    """Fit the rows of a trace that lie within the requested extent of the middle.
+    """Fit a profile to the measured points no farther from its middle than the requested extent.
 
-    The middle follows from the fit, and with another middle other rows lie within the extent. So
-    the fit is repeated until the rows stay, five times at most.
+    The middle (axis of symmetry) follows from the fit, and decides which points count. So the fit
+    is repeated until the same points stay within the extent, _MOST_PASSES times at most. `x` (n,)
+    are the places of all points of the trace.
     """
-    reach = request.extent or math.inf
-    origin = trace.first_middle
+    extent = request.extent or math.inf
+    assumed_middle = trace.first_middle
     for _ in range(_MOST_PASSES):
-        scaled_fit = _fit_about(x, trace, request, origin)
-        is_in_reach = np.abs(x - origin) <= reach
-        if np.array_equal(np.abs(x - scaled_fit.middle) <= reach, is_in_reach):
+        scaled_fit = _fit_about(x, trace, request, assumed_middle)
+        is_within_extent = np.abs(x - assumed_middle) <= extent
+        if np.array_equal(np.abs(x - scaled_fit.middle) <= extent, is_within_extent):
             break
-        origin = scaled_fit.middle
+        assumed_middle = scaled_fit.middle
     return scaled_fit
 
 
 def _fit_about(
-    x_of_all_rows: Array, trace: _Trace, request: FitRequest, origin: float
+    x_of_all_rows: Array, trace: _Trace, request: FitRequest, assumed_middle: float
 ) -> _ScaledFit:
-    """Fit the rows of a trace that lie within the requested extent of x = `origin`, in units of
-    these rows, so that no result depends on the units of the trace.
+    """Fit a profile to the points of a trace within the requested extent of an assumed middle.
+
+    Places and heights are made dimensionless first, by the largest distance from that middle and
+    by the range of h: so no result depends on the units of the trace. The middle itself may be
+    fitted too, and then differs from the assumed one.
 
     Raises
     ------
     RowError
-        For too few rows, flat rows, rows that do not enclose the middle or do not bend up.
+        For too few points, all of one height, on one side of the middle, or not curved upwards.
     """
-    is_in_reach = np.abs(x_of_all_rows - origin) <= (request.extent or math.inf)
-    x = x_of_all_rows[is_in_reach]
-    h = trace.h[is_in_reach]
+    is_within_extent = np.abs(x_of_all_rows - assumed_middle) <= (request.extent or math.inf)
+    x = x_of_all_rows[is_within_extent]
+    h = trace.levelled_heights[is_within_extent]
     last_row = len(x_of_all_rows) - 1
-    _check_rows_of_fit(x, h, origin, trace.centre_given, last_row)
-    height = float(np.ptp(h))
-    length = float(np.max(np.abs(x - origin)))
-    noise_over_height = None
+    middle_is_known = trace.known_middle is not None
+    _check_rows_of_fit(x, h, assumed_middle, middle_is_known, last_row)
+    height_unit = float(np.ptp(h))
+    length_unit = float(np.max(np.abs(x - assumed_middle)))
+    scaled_noise = None
     if request.noise is not None:
         # Beyond these limits its square is no number.
-        noise_over_height = float(np.clip(request.noise / height, 1e-12, 1e6))
-    scaled_rows = _Rows(
-        (x - origin) / length,
-        (h - h[0]) / height,
-        request.kind,
-        trace.centre_given is None,
-        trace.tilt_fitted,
+        scaled_noise = float(np.clip(request.noise / height_unit, 1e-12, 1e6))
+    scaled_rows = _ScaledRows(
+        x=(x - assumed_middle) / length_unit,
+        h=(h - h[0]) / height_unit,
+        kind=request.kind,
+        middle_is_fitted=not middle_is_known,
+        tilt_is_fitted=trace.tilt_is_fitted,
     )
-    flat_half_length = None if request.guess is None else request.guess[1] / length
-    best_fit = scaled_rows.fit(noise_over_height, request.weight, flat_half_length)
-    # Rows on a straight line bend by round-off alone.
-    if np.ptp(best_fit.shape) < _LEAST_BEND or abs(best_fit.centre) > _LONGEST_HALF_LENGTH:
+    first_half_length = None
+    if request.first_guess is not None:
+        first_half_length = request.first_guess[1] / length_unit
+    fit = scaled_rows.fit(scaled_noise, request.smoothing_weight, first_half_length)
+    # A straight line through the points bends by round-off alone.
+    if np.ptp(fit.shape_heights) < _LEAST_BEND or abs(fit.middle) > _LONGEST_HALF_LENGTH:
         raise RowError(
             last_row,
             "the rows do not bend up: h is a gap, which grows to both sides; is its sign turned?",
         )
-    return _ScaledFit(x, h, origin, length, height, best_fit)
+    return _ScaledFit(x, h, assumed_middle, length_unit, height_unit, fit)
 
 
 def _record_of_fit(
     x_of_all_rows: Array, trace: _Trace, scaled_fit: _ScaledFit, request: FitRequest
 ) -> dict[str, Any]:
-    """Record of a fit for the scene file: middle, tilt, offset, noise, extent, smoothing, and how
-    many rows were left out; lengths in units of the trace.
+    """Record of a fit for the scene file, as `scenes.profiles.Fitted` describes each key: middle,
+    tilt, offset, noise, extent, smoothing weight; in the units of the trace.
 
-    Without a stated noise it is the standard deviation of the residuals, by the degrees of freedom
-    that the fit leaves.
+    A noise that is not stated is the standard deviation of the residuals, their sum of squares
+    divided by the degrees of freedom: points minus fitted parameters.
     """
     x = scaled_fit.x
-    height = scaled_fit.height
-    best_fit = scaled_fit.best
+    height_unit = scaled_fit.height_unit
+    fit = scaled_fit.fit
     middle = scaled_fit.middle
     first_height = float(scaled_fit.h[0])
-    residuals = (scaled_fit.h - scaled_fit.h[0]) - height * best_fit.curve
+    residuals = (scaled_fit.h - scaled_fit.h[0]) - height_unit * fit.fitted_heights
     sum_of_squares = float(residuals @ residuals)
-    freedom = max(1, len(x) - round(best_fit.effective_numbers))
-    estimated_noise = max(math.sqrt(sum_of_squares / freedom), 1e-15 * height)
-    extents = (middle - x[0], x[-1] - middle)  # to the left and to the right
+    degrees_of_freedom = max(1, len(x) - round(fit.n_effective_parameters))
+    # The residuals of an exact fit are round-off: a noise of 0 would divide by 0 later.
+    estimated_noise = max(math.sqrt(sum_of_squares / degrees_of_freedom), 1e-15 * height_unit)
+    reach_to_left = middle - x[0]
+    reach_to_right = x[-1] - middle
+    longer_reach = max(reach_to_left, reach_to_right)
+    shorter_reach = min(reach_to_left, reach_to_right)
     return {
         "kind": request.kind,
         "noise": estimated_noise if request.noise is None else request.noise,
         "noise_stated": request.noise is not None,
         "centre": middle,
-        "centre_fitted": trace.centre_given is None,
-        "tilt": trace.tilt + best_fit.tilt * height / scaled_fit.length,
-        "tilt_fitted": trace.tilt_fitted,
+        "centre_fitted": trace.known_middle is None,
+        "tilt": trace.tilt + fit.tilt * height_unit / scaled_fit.length_unit,
+        "tilt_fitted": trace.tilt_is_fitted,
         "offset": first_height
-        + height * best_fit.offset
+        + height_unit * fit.offset
         + trace.tilt * (middle - x_of_all_rows[0]),
         "residual": math.sqrt(sum_of_squares / len(x)),
-        "freedom": freedom,
-        "extent": max(extents) if trace.one_sided else min(extents),
-        "weight": best_fit.weight,
+        "freedom": degrees_of_freedom,
+        "extent": longer_reach if trace.is_one_sided else shorter_reach,
+        "weight": fit.smoothing_weight,
         "left_out": len(x_of_all_rows) - len(x),
     }
 
 
-def _falls_from_end_to_end(x: Array, h: Array, kind: str) -> bool:
-    """Whether a measured trace x, h (n,) is tilted as a whole: a parabola through it has its least
-    value far from the middle of the rows.
+def _is_tilted_as_a_whole(x: Array, h: Array, kind: str) -> bool:
+    """Whether measured points x, h (n,) fall from end to end, since the trace lay tilted: the
+    least-squares parabola is then lowest far from mid-length, where a level one is lowest.
 
-    Far is beyond the last row for a profile of the `kind` "hertz", whose tilt is not fitted; for
-    others 0.3 of half the length, since a tilt is fitted to what is left. Rows that begin in the
-    middle of the contact are not tilted.
+    Far is 0.3 of the half-length of the trace. For a `kind` "hertz" it is the half-length: a tilt
+    of it is not fitted, so that an off-centre parabola must stay as it is. Points that are one
+    half of a profile are never tilted.
     """
-    if x[-1] <= x[0] or _begins_in_the_middle(x, h):
+    if x[-1] <= x[0] or _is_half_a_profile(x, h):
         return False
-    from_middle = abs(_middle(x, h) - float(x[0] + x[-1]) / 2) / (float(x[-1] - x[0]) / 2)
-    return from_middle >= (1.0 if kind == "hertz" else _LARGEST_OFFSET)
+    mid_length = float(x[0] + x[-1]) / 2
+    half_length = float(x[-1] - x[0]) / 2
+    relative_offset = abs(_lowest_place(x, h) - mid_length) / half_length
+    return relative_offset >= (1.0 if kind == "hertz" else _LARGEST_OFFSET)
 
 
-def _begins_in_the_middle(x: Array, h: Array) -> bool:
-    """Whether rows at x >= 0 are those of one side: their first part is hardly higher than the
-    lowest.
+def _is_half_a_profile(x: Array, h: Array) -> bool:
+    """Whether measured points x, h (n,), all at x >= 0, are the right half of a profile: the first
+    of eight parts is hardly higher than the lowest.
     """
     if len(x) < _FEWEST_ROWS or x[0] < 0:
         return False
-    parts = np.array([part.mean() for part in np.array_split(h, _N_PARTS)])
-    return bool(parts[0] - parts.min() <= _SHARE_OF_RISE * np.ptp(parts))
+    mean_heights = np.array([part.mean() for part in np.array_split(h, _N_PARTS)])
+    return bool(mean_heights[0] - mean_heights.min() <= _SHARE_OF_RISE * np.ptp(mean_heights))
 
 
 def fitted_again(
     profile: Any, noise: Array | None = None, smoothing: float = 1.0
 ) -> dict[str, Any] | None:
-    """Repeat the fit of a profile, to its own rows or to a simulated second measurement, to see how
-    uncertain the fit is: the keys of the new profile; None where the rows then bend down.
+    """Repeat the fit of a fitted profile, to its measured points or to simulated ones, to see how
+    uncertain the fit is: the keys of the new profile; None where no convex profile fits.
 
     Parameters
     ----------
     profile
-        a profile with the record of its fit, `fitted`
+        a profile of a scene that was fitted; `profile.fitted` records how
     noise
-        (n,) random errors of the rows over their standard deviation: the second measurement is
-        the fitted curve with these errors; None for the rows themselves
+        (n,) random heights of standard deviation 1, one for each fitted point: the simulated
+        points are the first fit plus its own noise times these; None: the measured points
     smoothing
-        factor on the smoothing of the first fit
+        factor on the smoothing weight of the first fit
     """
-    fitted = profile.fitted
-    x, h = fitted.rows.values[fitted.used_rows()].T
-    x = x - fitted.centre  # so that rows of both sides are such whatever their noise
+    record = profile.fitted
+    x, h = record.rows.values[record.used_rows()].T
+    # With the fitted middle at 0 no noise can make points of both sides look like one half.
+    x = x - record.centre
     if noise is not None:
-        h = fitted.offset + profile.height(x) + fitted.noise * noise
-        # A fitted tilt is found again from rows without it; a given one has to be in them.
-        if not fitted.tilt_fitted:
-            h = h + fitted.tilt * x
+        h = record.offset + profile.height(x) + record.noise * noise
+        # A stated tilt is removed again before the fit, so it has to be in the points.
+        if not record.tilt_fitted:
+            h = h + record.tilt * x
     request = FitRequest(
-        kind=fitted.kind,
-        noise=fitted.noise,
-        centre=None if fitted.centre_fitted else 0.0,
-        tilt=None if fitted.tilt_fitted else fitted.tilt,
-        weight=smoothing * fitted.weight,
-        guess=(0.0, getattr(profile, "flat_half_length", 0.0)),
+        kind=record.kind,
+        noise=record.noise,
+        centre=None if record.centre_fitted else 0.0,
+        tilt=None if record.tilt_fitted else record.tilt,
+        smoothing_weight=smoothing * record.weight,
+        first_guess=(0.0, getattr(profile, "flat_half_length", 0.0)),
     )
     with contextlib.suppress(RowError):
         return _fit_of_rows(x, h, request).keys
@@ -494,21 +548,25 @@ def fitted_again(
 
 
 def fitted_by_spline(profile: Any) -> dict[str, Any] | None:
-    """Keys of the smoothing spline through the rows of a profile with `fitted`, its noise and tilt
-    found again; None if unfit.
+    """Fit a smoothing spline to the measured points of a fitted profile, noise and tilt fitted
+    again: the keys of the spline; None where no convex one fits.
+
+    `profile.fitted` is the record of the first fit.
     """
-    fitted = profile.fitted
-    x, h = fitted.rows.values[fitted.used_rows()].T
-    request = FitRequest("smoothing_spline", centre=None if fitted.centre_fitted else 0.0)
+    record = profile.fitted
+    x, h = record.rows.values[record.used_rows()].T
+    request = FitRequest("smoothing_spline", centre=None if record.centre_fitted else 0.0)
     with contextlib.suppress(RowError):
-        return _fit_of_rows(x - fitted.centre, h, request).keys
+        return _fit_of_rows(x - record.centre, h, request).keys
     return None
 
 
-def _middle(x: Array, h: Array) -> float:
-    """Where the parabola of least squares has its least value; the mean of x where it has none."""
+def _lowest_place(x: Array, h: Array) -> float:
+    """x at which the least-squares parabola through points x, h (n,) is lowest; the mean of x where
+    the parabola does not open upwards.
+    """
     scale = float(np.ptp(x)) / 2 or 1.0
-    # Rows that all but coincide have no parabola, and no warning either.
+    # Least squares by singular values: points that all but coincide give no warning.
     _, slope, bend = np.linalg.lstsq(
         polynomial.polyvander((x - x.mean()) / scale, 2), h - h.mean(), rcond=None
     )[0]
@@ -516,10 +574,11 @@ def _middle(x: Array, h: Array) -> float:
 
 
 def _variance(x: Array, h: Array) -> float:
-    """Variance of the noise of heights h (n,) at places x (n,), from divided third differences of
-    four neighbouring rows: the median of their squares, scaled.
+    """Variance of the noise of measured heights h (n,) at places x (n,), robust to spikes.
 
-    A smooth shape hardly contributes, since its curvature hardly changes between neighbours.
+    It is the median of the squared third divided differences of four neighbouring points, each
+    over its variance for noise of variance 1. A smooth profile hardly contributes, since its
+    curvature hardly changes between neighbours. 0 where no four neighbours differ in x.
 
     >>> x = np.linspace(-1, 1, 2001)
     >>> (
@@ -538,8 +597,9 @@ def _variance(x: Array, h: Array) -> float:
     places = places[is_distinct] / (places[is_distinct, -1] - places[is_distinct, 0])[:, None]
     distances = places[:, :, None] - places[:, None, :] + np.eye(4)
     weights = 1 / np.prod(distances, axis=2)
-    differences = np.sum(weights * heights[is_distinct], axis=1) ** 2 / np.sum(weights**2, axis=1)
-    return float(np.median(differences)) / _MEDIAN_OF_SQUARE
+    third_differences = np.sum(weights * heights[is_distinct], axis=1)
+    scaled_squares = third_differences**2 / np.sum(weights**2, axis=1)
+    return float(np.median(scaled_squares)) / _MEDIAN_OF_SQUARE
 
 
 # Coefficients (m, 4) of polynomials in u that are nowhere negative for u >= 0 and span all such: 1,
@@ -559,287 +619,328 @@ _INTEGRAL_FACTORS = np.array([1 * 2, 3 * 4, 5 * 6, 7 * 8])
 
 
 @dataclass(frozen=True, eq=False)
-class _Rows:
-    """Rows in units in which |x| and the range of h are 1, x (n,) counted from a first guess of the
-    middle, and what is fitted.
+class _ScaledRows:
+    """Dimensionless measured points, and what is fitted to them.
+
+    Attributes
+    ----------
+    x
+        (n,) places, from a first guess of the middle, the largest |x| being 1
+    h
+        (n,) heights above the first, of range 1
+    kind
+        of profile: "hertz", "flat_rounded", "even_polynomial" or "smoothing_spline"
+    middle_is_fitted, tilt_is_fitted
+        whether the axis of symmetry and a tilt are fitted too
     """
 
     x: Array
     h: Array
     kind: str
-    centred: bool
-    """Whether the middle is fitted too."""
-    tilted: bool
-    """Whether the tilt is fitted too."""
+    middle_is_fitted: bool
+    tilt_is_fitted: bool
 
     @cached_property
     def tilt_weight(self) -> float:
-        """Of the square of the tilt against those of the residuals: variance of the noise over that
+        """Weight of the squared tilt beside the squared residuals: variance of the noise over that
         of the tilts expected.
         """
         return _variance(self.x, self.h) / _EXPECTED_TILT**2
 
     @property
     def knots(self) -> Array:
-        """Of the spline: a little beyond the rows where their middle moves."""
-        return np.linspace(0.0, 1.2 if self.centred else 1.0, _N_KNOTS)
+        """Distances (_N_KNOTS,) of the spline's knots from the middle; they reach beyond the points
+        where the middle moves.
+        """
+        return np.linspace(0.0, 1.2 if self.middle_is_fitted else 1.0, _N_KNOTS)
 
-    def columns(self, s: Array, flat_half_length: float) -> Array:
-        """Basis functions B_j(s) of the shape at n distances s from the middle, (n, m): the
-        fitted shape is a sum of them with weights that are not negative.
+    def basis_functions(self, s: Array, flat_half_length: float) -> Array:
+        """Basis functions B_j(s) of the profile at distances s (n,) from its middle, (n, m).
 
-        They are a parabola beyond a flat, even polynomials, or cubic splines whose curvature is a
-        hat around each knot. `flat_half_length` counts for the first kind alone.
+        Each has a curvature B_j'' >= 0 and B_j(0) = B_j'(0) = 0, so that sums of them with weights
+        w_j >= 0 are convex. B_j'' is 1 beyond the flat, a polynomial in s^2, or for a spline a
+        piecewise linear hat, 1 at knot j and 0 at all others. `flat_half_length` counts for
+        "flat_rounded" alone.
         """
         match self.kind:
             case "hertz" | "flat_rounded":
                 return np.maximum(s - flat_half_length, 0.0)[:, None] ** 2 / 2
             case "even_polynomial":
                 return (s[:, None] ** [2, 4, 6, 8] / _INTEGRAL_FACTORS) @ _BEND_POLYNOMIALS.T
-        # Sums of (s - t)^3 above knots t, the primitives of a corner of kappa; the first hat falls
-        # from the middle on.
+        # A hat is the second difference of ramps (s - knot)_+; integrated twice, of these cubes.
         knot_distance = float(self.knots[1])
-        corner_columns = np.maximum(
+        integrated_ramps = np.maximum(
             s[:, None] - np.append(self.knots, self.knots[-1] + knot_distance), 0.0
         ) ** 3 / (6 * knot_distance)
-        curvature_column = s[:, None] ** 2 / 2 - corner_columns[:, :1] + corner_columns[:, 1:2]
-        return np.hstack([curvature_column, np.diff(corner_columns, 2, axis=1)])
+        # The hat of the first knot, s = 0, has its falling half alone.
+        first_hat = s[:, None] ** 2 / 2 - integrated_ramps[:, :1] + integrated_ramps[:, 1:2]
+        return np.hstack([first_hat, np.diff(integrated_ramps, 2, axis=1)])
 
-    def at(self, z: Array, weight: float) -> _Fit:
-        """Least-squares fit of the shape for a given middle and half-length of the flat:
+    def fit_for(self, middle_and_half_length: Array, smoothing_weight: float) -> _Fit:
+        """Least-squares fit of the profile for a given middle and half-length of the flat:
 
             h = offset + tilt (x - middle) + sum_j w_j B_j(|x - middle|),   w_j >= 0
 
-        A multiple of the squared tilt is added, and `weight` times the squared differences of
-        neighbouring w_j (smoothing). The best offset and tilt for any w are put in first, so that
-        non-negative least squares for w alone remain.
+        Minimised is the sum of squared residuals, of tilt_weight tilt^2, and of `smoothing_weight`
+        times the squared differences of neighbouring w_j. The best offset and tilt for any w are
+        put in first, so that non-negative least squares for w alone remain.
 
         Parameters
         ----------
-        z
-            middle, where it is fitted, then half-length of the flat, for a shape with a flat
-        weight
-            of the smoothing, 0 for none
+        middle_and_half_length
+            the middle if it is fitted (else 0), then the half-length for a profile with a flat;
+            so of length 0 to 2
+        smoothing_weight
+            0 for no smoothing
         """
         from scipy.optimize import nnls
 
-        centre = float(z[0]) if self.centred else 0.0
-        flat_half_length = float(z[-1]) if self.kind == "flat_rounded" else 0.0
-        columns = self.columns(np.abs(self.x - centre), flat_half_length)
-        column_means = columns.mean(axis=0)
-        n_rows, n_columns = columns.shape
+        middle = float(middle_and_half_length[0]) if self.middle_is_fitted else 0.0
+        flat_half_length = float(middle_and_half_length[-1]) if self.kind == "flat_rounded" else 0.0
+        basis_functions = self.basis_functions(np.abs(self.x - middle), flat_half_length)
+        means = basis_functions.mean(axis=0)
+        n_rows, n_functions = basis_functions.shape
+
+        # The best offset for any w: without the means of all columns it drops out.
         x_from_mean = self.x - self.x.mean()
-        columns_and_heights = np.column_stack([columns - column_means, self.h - self.h.mean()])
-        # The best tilt for any w is linear in w: put in, it leaves a problem for w alone.
-        tilts = np.zeros(n_columns + 1)
-        if self.tilted:
-            tilts = (
-                x_from_mean @ columns_and_heights / (x_from_mean @ x_from_mean + self.tilt_weight)
+        equations = np.column_stack([basis_functions - means, self.h - self.h.mean()])
+
+        # The best tilt for any w is linear in w: entry j is that of column j, the last that of h.
+        tilt_of_columns = np.zeros(n_functions + 1)
+        if self.tilt_is_fitted:
+            tilt_of_columns = (
+                x_from_mean @ equations / (x_from_mean @ x_from_mean + self.tilt_weight)
             )
-            table_without_tilt = columns_and_heights - np.outer(x_from_mean, tilts)
-            columns_and_heights = np.vstack(
-                [table_without_tilt, math.sqrt(self.tilt_weight) * tilts]
+            untilted_equations = equations - np.outer(x_from_mean, tilt_of_columns)
+            equations = np.vstack(
+                [untilted_equations, math.sqrt(self.tilt_weight) * tilt_of_columns]
             )
-        if n_rows > n_columns + 1:  # a triangle of as many rows as columns is enough
-            columns_and_heights = np.asarray(np.linalg.qr(columns_and_heights, mode="r"))
-        smoothing_rows = np.zeros((0, n_columns + 1))
-        if weight:
-            smoothing_rows = math.sqrt(weight) * np.diff(np.eye(n_columns + 1)[:n_columns], axis=0)
-        equations = np.vstack([columns_and_heights, smoothing_rows])
+
+        # The triangle R of Q R has the same least squares, with as many rows as columns.
+        if n_rows > n_functions + 1:
+            equations = np.asarray(np.linalg.qr(equations, mode="r"))
+        smoothing_rows = np.zeros((0, n_functions + 1))
+        if smoothing_weight:
+            differences = np.diff(np.eye(n_functions + 1)[:n_functions], axis=0)
+            smoothing_rows = math.sqrt(smoothing_weight) * differences
+        equations = np.vstack([equations, smoothing_rows])
         try:
-            w = nnls(equations[:, :-1], equations[:, -1], maxiter=50 * n_columns)[0]
+            basis_weights = nnls(equations[:, :-1], equations[:, -1], maxiter=50 * n_functions)[0]
         except RuntimeError as reason:
             raise NotFoundError(f"no curve through the rows was found: {reason}") from reason
-        tilt = float(tilts[-1] - tilts[:-1] @ w)
-        shape_heights = columns @ w
-        offset = float(self.h.mean() - column_means @ w + tilt * (centre - self.x.mean()))
-        curve_heights = offset + tilt * (self.x - centre) + shape_heights
-        tilt_residual = math.sqrt(self.tilt_weight) * tilt if self.tilted else 0.0
-        penalty_residuals = np.append(smoothing_rows[:, :-1] @ w, tilt_residual)
+
+        tilt = float(tilt_of_columns[-1] - tilt_of_columns[:-1] @ basis_weights)
+        shape_heights = basis_functions @ basis_weights
+        offset = float(self.h.mean() - means @ basis_weights + tilt * (middle - self.x.mean()))
+        fitted_heights = offset + tilt * (self.x - middle) + shape_heights
+        tilt_penalty = math.sqrt(self.tilt_weight) * tilt if self.tilt_is_fitted else 0.0
+        penalties = np.append(smoothing_rows[:, :-1] @ basis_weights, tilt_penalty)
+        n_parameters = (
+            1.0
+            + self.tilt_is_fitted
+            + len(middle_and_half_length)
+            + np.count_nonzero(basis_weights)
+        )
         return _Fit(
             rows=self,
-            centre=centre,
+            middle=middle,
             flat_half_length=flat_half_length,
-            w=w,
+            basis_weights=basis_weights,
             offset=offset,
             tilt=tilt,
-            shape=shape_heights,
-            curve=curve_heights,
-            effective_numbers=1.0 + self.tilted + len(z) + np.count_nonzero(w),
-            weight=weight,
-            residuals=np.append(curve_heights - self.h, penalty_residuals),
+            shape_heights=shape_heights,
+            fitted_heights=fitted_heights,
+            n_effective_parameters=n_parameters,
+            smoothing_weight=smoothing_weight,
+            residuals=np.append(fitted_heights - self.h, penalties),
         )
 
-    def best(self, start: Array, weight: float) -> _Fit:
-        """Least-squares fit of the shape with the best middle and half-length of the flat, by
-        Gauss-Newton steps (variable projection).
+    def fit_from(self, first_guess: Array, smoothing_weight: float) -> _Fit:
+        """Least-squares fit of the profile with the best middle and half-length of the flat, where
+        these are fitted, by Gauss-Newton steps (variable projection).
 
-        `start` is a first guess of these two, or of the one that is fitted, or empty; `weight` is
-        that of the smoothing.
+        `first_guess` holds the middle if it is fitted, then the half-length for a profile with a
+        flat; it is empty where neither is. `smoothing_weight` is 0 for no smoothing.
         """
         from scipy.optimize import least_squares
 
-        if not len(start):
-            return self.at(start, weight)
-        lower_bounds = [-1.0] * self.centred
-        upper_bounds = [1.0] * self.centred
+        if not len(first_guess):
+            return self.fit_for(first_guess, smoothing_weight)
+        lower_bounds = [-1.0] * self.middle_is_fitted
+        upper_bounds = [1.0] * self.middle_is_fitted
         bounds = (
-            [*lower_bounds, 1e-9][: len(start)],
-            [*upper_bounds, _LONGEST_HALF_LENGTH][: len(start)],
+            [*lower_bounds, 1e-9][: len(first_guess)],
+            [*upper_bounds, _LONGEST_HALF_LENGTH][: len(first_guess)],
         )
         minimum = least_squares(
-            lambda z: self.at(z, weight).residuals,
-            start,
+            lambda middle_and_half_length: (
+                self.fit_for(middle_and_half_length, smoothing_weight).residuals
+            ),
+            first_guess,
             bounds=bounds,
             xtol=1e-12,
             ftol=1e-12,
             gtol=1e-12,
         )
-        return self.at(minimum.x, weight)
+        return self.fit_for(minimum.x, smoothing_weight)
 
     def fit(
-        self, noise: float | None, weight: float | None, flat_half_length: float | None
+        self, noise: float | None, smoothing_weight: float | None, flat_half_length: float | None
     ) -> _Fit:
-        """The least-squares fit of the shape to the rows; of a smoothing spline that with the
-        smoothing of the least expected error.
+        """Least-squares fit of the profile of this kind to the points, middle, tilt, flat and
+        smoothing weight included where they are not known.
 
         Parameters
         ----------
         noise
             standard deviation of a height, over the range of heights; None: unknown
-        weight
-            of the smoothing; None: several are tried
+        smoothing_weight
+            of a smoothing spline; None: that of the least expected error
         flat_half_length
-            first guess of the half-length of a flat, if there is one
+            first guess of the half-length of a flat; None: the best of a grid
         """
-        no_shift = np.zeros(int(self.centred))
+        # The middle 0, about which the points were scaled; empty where the middle is not fitted.
+        first_middle = np.zeros(int(self.middle_is_fitted))
         if self.kind == "flat_rounded":
-            return self.best(self._start_with_flat(no_shift, flat_half_length), 0.0)
+            return self.fit_from(self._first_guess_with_flat(first_middle, flat_half_length), 0.0)
         if self.kind == "smoothing_spline":
-            weights = _TRIAL_WEIGHTS.tolist() if weight is None else [weight]
-            return self._smoothed(no_shift, weights, noise)
-        return self.best(no_shift, 0.0)
+            trial_weights = (
+                _TRIAL_WEIGHTS.tolist() if smoothing_weight is None else [smoothing_weight]
+            )
+            return self._fit_with_best_smoothing(first_middle, trial_weights, noise)
+        return self.fit_from(first_middle, 0.0)
 
-    def _start_with_flat(self, no_shift: Array, flat_half_length: float | None) -> Array:
-        """First guess of the middle, where it is fitted, and the half-length of a flat: as given,
-        or the best of a grid of half-lengths (and middles, where a tilt is fitted too).
+    def _first_guess_with_flat(self, first_middle: Array, flat_half_length: float | None) -> Array:
+        """First guess of a search for the middle, if it is fitted, and the half-length of a flat:
+        the given half-length, or the best of a grid by the sum of squared residuals.
 
-        `no_shift` is the middle 0 of the rows, or empty where the middle is given.
+        Middles too are tried where a tilt is fitted, which moves the lowest place. `first_middle`
+        is the middle 0 in an array of one, or empty where the middle is not fitted.
         """
         if flat_half_length is not None:
             return np.append(
-                no_shift, np.clip(flat_half_length, _TRIAL_HALF_LENGTHS[0], _TRIAL_HALF_LENGTHS[-1])
+                first_middle,
+                np.clip(flat_half_length, _TRIAL_HALF_LENGTHS[0], _TRIAL_HALF_LENGTHS[-1]),
             )
-        trial_middles = _TRIAL_MIDDLES if self.centred and self.tilted else np.zeros(1)
-        trial_starts = [
-            np.append(no_shift + middle, trial_half_length)
+        both_are_fitted = self.middle_is_fitted and self.tilt_is_fitted
+        trial_middles = _TRIAL_MIDDLES if both_are_fitted else np.zeros(1)
+        trial_guesses = [
+            np.append(first_middle + middle, half_length)
             for middle in trial_middles
-            for trial_half_length in _TRIAL_HALF_LENGTHS
+            for half_length in _TRIAL_HALF_LENGTHS
         ]
         return min(
-            trial_starts, key=lambda start: float(np.sum(self.at(start, 0.0).residuals ** 2))
+            trial_guesses,
+            key=lambda guess: float(np.sum(self.fit_for(guess, 0.0).residuals ** 2)),
         )
 
-    def _smoothed(self, start: Array, weights: list[float], noise: float | None) -> _Fit:
-        """The smoothing spline whose weight of smoothing, of several, has the least expected error.
+    def _fit_with_best_smoothing(
+        self, first_middle: Array, trial_weights: list[float], noise: float | None
+    ) -> _Fit:
+        """Fit a smoothing spline with each of several smoothing weights, and return the fit of the
+        least expected error.
 
-        With S the sum of squared residuals, n rows and k effective numbers of the fit (trace of its
+        With S the sum of squared residuals, n points and k effective parameters (trace of the
         smoother matrix), that error is S/noise^2 + 2 k (Mallows), or S/(n - k)^2 where the noise is
         unknown (generalised cross-validation).
 
         Parameters
         ----------
-        start
-            first guess of the middle, or empty where that is given
-        weights
-            of the smoothing, to be tried
+        first_middle
+            first guess of the middle, (1,), or empty where the middle is not fitted
+        trial_weights
+            factors on the squared differences of neighbouring basis weights
         noise
             standard deviation of a height, over the range of heights
         """
         n_rows = len(self.x)
         fits = []
         expected_errors = []
-        for smoothing in weights:
-            candidate = self.best(start, smoothing)
-            columns = self.columns(np.abs(self.x - candidate.centre), 0.0)
-            normal_matrix = (columns - columns.mean(axis=0)).T @ columns
+        for smoothing_weight in trial_weights:
+            fit = self.fit_from(first_middle, smoothing_weight)
+
+            # The smoother matrix takes basis weights without smoothing to those with it.
+            basis_functions = self.basis_functions(np.abs(self.x - fit.middle), 0.0)
+            normal_matrix = (basis_functions - basis_functions.mean(axis=0)).T @ basis_functions
             differences = np.diff(np.eye(len(normal_matrix)), axis=0)
-            smoother = np.linalg.solve(
-                normal_matrix + smoothing * differences.T @ differences, normal_matrix
+            smoother_matrix = np.linalg.solve(
+                normal_matrix + smoothing_weight * differences.T @ differences, normal_matrix
             )
-            effective_numbers = 1 + self.centred + self.tilted + float(np.trace(smoother))
-            sum_of_squares = float(np.sum((self.h - candidate.curve) ** 2))
+            n_parameters_beside = 1 + self.middle_is_fitted + self.tilt_is_fitted
+            n_parameters = n_parameters_beside + float(np.trace(smoother_matrix))
+
+            sum_of_squares = float(np.sum((self.h - fit.fitted_heights) ** 2))
             if noise:
-                expected_error = sum_of_squares / noise**2 + 2 * effective_numbers
+                expected_error = sum_of_squares / noise**2 + 2 * n_parameters
             else:
-                expected_error = sum_of_squares / max(n_rows - effective_numbers, 1e-3) ** 2
+                expected_error = sum_of_squares / max(n_rows - n_parameters, 1e-3) ** 2
             expected_errors.append(expected_error)
-            fits.append(replace(candidate, effective_numbers=min(effective_numbers, n_rows - 1.0)))
+            fits.append(replace(fit, n_effective_parameters=min(n_parameters, n_rows - 1.0)))
         return fits[int(np.argmin(expected_errors))]
 
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
-    """A fitted shape in units of its rows.
+    """A convex profile fitted to dimensionless points.
 
     Attributes
     ----------
     rows
-        what was fitted
-    centre, flat_half_length
-        middle of the shape, half-length of its flat
-    w
-        (m,) weights of the basis functions, not negative
+        the points, and what was fitted
+    middle, flat_half_length
+        x of the axis of symmetry, half-length of the flat (0 for a profile without one)
+    basis_weights
+        (m,) factors w_j of the basis functions, not negative
     offset, tilt
-        height of the middle, slope
-    shape, curve
-        (n,) at the rows: the sum of basis functions alone, and with offset and tilt
-    effective_numbers
+        height at the middle, slope of the trace
+    shape_heights, fitted_heights
+        (n,) at the points: the sum of basis functions alone, and with offset and tilt
+    n_effective_parameters
         how many numbers were fitted; of a spline the trace of its smoother matrix
-    weight
-        of the smoothing
+    smoothing_weight
+        factor on the squared differences of neighbouring basis weights
     residuals
-        (k,) curve minus rows, then smoothing and tilt as the fit weighs them
+        (k,) fitted minus measured heights, then the penalties of smoothing and tilt, each the root
+        of what it adds to the sum of squares
     """
 
-    rows: _Rows
-    centre: float
+    rows: _ScaledRows
+    middle: float
     flat_half_length: float
-    w: Array
+    basis_weights: Array
     offset: float
     tilt: float
-    shape: Array
-    curve: Array
-    effective_numbers: float
-    weight: float
+    shape_heights: Array
+    fitted_heights: Array
+    n_effective_parameters: float
+    smoothing_weight: float
     residuals: Array
 
-    def keys(self, length: float, height: float) -> dict[str, Any]:
-        """The fitted profile as a table of keys for a scene file: radius, flat, polynomial or
-        table of points.
+    def keys(self, length_unit: float, height_unit: float) -> dict[str, Any]:
+        """The fitted profile as keys of a scene file: kind, then radius, flat, polynomial or table
+        of points, in the units of the trace.
 
-        `length` is the unit of x in this fit, `height` that of h [length].
+        `length_unit` and `height_unit` are the units of x and h of this fit [length]. The offset
+        and the tilt are no part of the profile.
         """
         match self.rows.kind:
-            case "hertz":
-                return {"kind": "hertz", "radius": length**2 / height / float(self.w[0])}
-            case "flat_rounded":
-                radius = length**2 / height / float(self.w[0])
+            case "hertz" | "flat_rounded":
+                # The one basis function is s^2/2: its weight is the curvature.
+                radius = length_unit**2 / height_unit / float(self.basis_weights[0])
+                if self.rows.kind == "hertz":
+                    return {"kind": "hertz", "radius": radius}
                 return {
                     "kind": "flat_rounded",
                     "radius": radius,
-                    "flat_half_length": length * self.flat_half_length,
+                    "flat_half_length": length_unit * self.flat_half_length,
                 }
             case "even_polynomial":
-                return {
-                    "kind": "polynomial",
-                    "length": length,
-                    "rises": tuple(
-                        (height * (self.w @ _BEND_POLYNOMIALS) / _INTEGRAL_FACTORS).tolist()
-                    ),
-                }
+                curvature_coefficients = self.basis_weights @ _BEND_POLYNOMIALS
+                rises = height_unit * curvature_coefficients / _INTEGRAL_FACTORS
+                return {"kind": "polynomial", "length": length_unit, "rises": tuple(rises.tolist())}
         x = np.linspace(0.0, self.rows.knots[-1], _N_SPLINE_ROWS)
+        heights = self.rows.basis_functions(x, 0.0) @ self.basis_weights
         return {
             "kind": "tabulated",
-            "points": np.column_stack([length * x, height * (self.rows.columns(x, 0.0) @ self.w)]),
+            "points": np.column_stack([length_unit * x, height_unit * heights]),
         }
