@@ -18,12 +18,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from halfplane_fe.between_nodes import NO_ZONE, StickOnItsWay, StickZone
+from halfplane_fe.between_nodes import NO_ZONE, EdgesByLoad, StickZone
 from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
 from halfplane_fe.edges import (
     NodalAnswer,
     contact_with_uncertainty,
-    roughness_of,
     stick_edges,
     stick_with_uncertainty,
 )
@@ -124,7 +123,8 @@ def _edges_of_run(
         states,
         surface_states[run.stored],
         has_no_slip_zone[run.stored],
-        run.stick_by_load.at(run.stored),
+        EdgesByLoad.joined(run.contact_edges).at(run.stored),
+        EdgesByLoad.joined(run.stick_edges).at(run.stored),
         scene,
     )
     permanent_edges = _permanent_stick(scene, problem, run, surface_states, edges["stick_edges"])
@@ -214,7 +214,8 @@ def _edges_of_all(
     states: Sequence[InterfaceState],
     surface_states: States,
     has_no_slip_zone: Mask,
-    stick_by_load: StickOnItsWay,
+    contact_by_load: EdgesByLoad,
+    stick_by_load: EdgesByLoad,
     scene: Scene,
 ) -> dict[str, Array]:
     """Edges of the contact and of the stick zone at k instants and their uncertainties, by name,
@@ -228,10 +229,10 @@ def _edges_of_all(
         (k, n) open, stick or slip of the nodes
     has_no_slip_zone
         (k,) instants at which the whole contact sticks by half-plane theory
-    stick_by_load
-        of these instants
+    contact_by_load, stick_by_load
+        edges of these instants
     scene
-        its profile (roughness of tabulated heights) and whether it is symmetric
+        whether it is symmetric
     """
     blocks = []
     for first_step in range(0, len(states), _INSTANTS_PER_BLOCK):
@@ -242,6 +243,7 @@ def _edges_of_all(
                 states[block],
                 surface_states[block],
                 has_no_slip_zone[block],
+                contact_by_load.at(block),
                 stick_by_load.at(block),
                 scene,
             )
@@ -257,14 +259,15 @@ def _edges(
     states: Sequence[InterfaceState],
     surface_states: States,
     has_no_slip_zone: Mask,
-    stick_by_load: StickOnItsWay,
+    contact_by_load: EdgesByLoad,
+    stick_by_load: EdgesByLoad,
     scene: Scene,
 ) -> dict[str, Array]:
     """Left and right edge of the contact and of the stick zone, between the nodes of the mesh, and
     the uncertainty of each: four arrays by name, (n_steps, 2), scaled.
 
-    Edges follow from a fit of the tractions near them. Without load they are the outermost nodes
-    that touch, or 0.
+    Loads place them between two nodes, or else tractions near them. Without load they are the
+    outermost nodes that touch, or 0.
 
     Parameters
     ----------
@@ -275,10 +278,10 @@ def _edges(
         stick
     has_no_slip_zone
         (n_steps,) instants at which the whole contact sticks by half-plane theory
-    stick_by_load
-        of these instants
+    contact_by_load, stick_by_load
+        edges of these instants
     scene
-        its profile, and whether it is symmetric
+        whether it is symmetric
     """
     weights = problem.interface.weights
     _, normal_force, tangential_force, gap = nodal(np.stack([state.values for state in states]))
@@ -294,8 +297,7 @@ def _edges(
         sticks_by_law=states_by_law == STICK,
         anywhere=scene.unsymmetric,
     )
-    are_alike = problem.interface.coupling is None
-    contact = contact_with_uncertainty(answer, roughness_of(scene.profile) if are_alike else None)
+    contact = contact_with_uncertainty(answer, contact_by_load)
     stick = stick_with_uncertainty(
         answer, problem.friction, contact, has_no_slip_zone, stick_by_load
     )

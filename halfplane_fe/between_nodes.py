@@ -61,13 +61,23 @@ _JUMP_OF_MIDDLE = 0.5 + _V * (1 / _D + 1 / (1 - _D))
 # rms of g over the edge's places.
 _RMS = 0.0155
 # Share of the distance of two nodes by which an edge of permanent stick between them, placed by the
-# loads, is uncertain: 0.02 rms on 159 random half-planes, seeds 301 to 303, both presets.
+# loads, is uncertain: 0.02 rms on 159 random half-planes, seeds 301 to 303, both presets. Twice as
+# much of a zone that is eight such distances wide.
 _PLACED = 0.06
-# Shares of that distance by which a stick edge on its way is uncertain: one of wide slip zones,
-# twice as large where one node slips, and one by how unevenly the load takes it on. It errs by
+_NARROW = 8.0
+# Shares of that distance by which a stick edge on its way is uncertain: one always; one over the
+# nodes that it has passed since slip began; one by how unevenly the load takes it on. It errs by
 # 0.015 in the median. Random half-planes, seeds 301, 302 and 310.
-_ON_ITS_WAY = 0.035
+_ON_ITS_WAY = 0.03
+_BESIDE_ITS_START = 0.08
 _BY_UNEVENNESS = 0.4
+# The same of contact edges, three times as large where one node touches on each side: 0.02 in the
+# median between half-planes, 0.1 at most; of cylinders 0.08.
+_CONTACT = 0.09
+# Closed nodes, of a half where only that is solved, below which no load places a contact edge.
+_CLOSED = 6
+# What both are less certain by between elements of several sizes.
+_OF_SEVERAL_SIZES = 0.05
 # Places of the stuck nodes that show that, behind the last one, whose force is the mesh's own,
 _BEHIND = np.array([1, 2, 3])
 # and nodes that must stick.
@@ -237,15 +247,15 @@ def _is_corner(interface: Interface, node: int) -> bool:
     return bool(interface.weights[node] < interface.weights[node - 1])
 
 
-class StickOnItsWay(NamedTuple):
-    """Stick edges of k instants that a load takes inwards, left and right, by that load.
+class EdgesByLoad(NamedTuple):
+    """Edges of contact or of stick of k instants by the load that moves them, left and right.
 
     Attributes
     ----------
     last_node
-        (k, 2) last node that sticks; -1 where no load places an edge
+        (k, 2) last node that touches, or sticks; -1 where no load places an edge
     places
-        (k, 2) of the edge between it and the first one that slips, scaled
+        (k, 2) of the edge between it and the next one, scaled
     uncertainty
         (k, 2) how far each may be from the true one, by the mesh
     """
@@ -255,69 +265,109 @@ class StickOnItsWay(NamedTuple):
     uncertainty: Array
 
     @classmethod
-    def nowhere(cls, n_instants: int) -> StickOnItsWay:
+    def nowhere(cls, n_instants: int) -> EdgesByLoad:
         """No edge at any instant."""
         shape = (n_instants, 2)
         return cls(np.full(shape, -1), np.full(shape, np.nan), np.full(shape, np.nan))
 
     @classmethod
-    def joined(cls, parts: Sequence[StickOnItsWay]) -> StickOnItsWay:
+    def joined(cls, parts: Sequence[EdgesByLoad]) -> EdgesByLoad:
         """Those of instants that follow each other."""
         return cls(*(np.concatenate(values) for values in zip(*parts, strict=True)))
 
-    def at(self, rows: Indices | slice) -> StickOnItsWay:
+    def at(self, rows: Indices | slice) -> EdgesByLoad:
         """Those of some instants."""
-        return StickOnItsWay(self.last_node[rows], self.places[rows], self.uncertainty[rows])
+        return EdgesByLoad(self.last_node[rows], self.places[rows], self.uncertainty[rows])
 
-    def mirrored(self, middle: int) -> StickOnItsWay:
+    def mirrored(self, middle: int) -> EdgesByLoad:
         """Both edges by the right one of a half, whose first node is number `middle` of all."""
         right_node = self.last_node[:, 1:]
         outwards = np.array([-1, 1])
-        return StickOnItsWay(
+        return EdgesByLoad(
             last_node=np.where(right_node < 0, -1, middle + outwards * right_node),
             places=outwards * self.places[:, 1:],
             uncertainty=np.repeat(self.uncertainty[:, 1:], 2, axis=1),
         )
 
+    def put(self, row: int, last_node: int, edge: Edge, share: float) -> None:
+        """Store the edge beyond a node, uncertain by a share of the distance of two nodes."""
+        column = 0 if edge.side < 0 else 1
+        self.last_node[row, column] = last_node
+        self.places[row, column] = edge.place
+        self.uncertainty[row, column] = edge.spacing * min(share, 1.0)
 
-def stick_on_its_way(
+
+def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -> EdgesByLoad:
+    """Edges of contact of k states by P."""
+    edges = EdgesByLoad.nowhere(len(states))
+    for row, state in enumerate(states):
+        closed = np.flatnonzero(state.closed)
+        if len(closed) < _CLOSED or not state.normal_load > 0:
+            continue
+        by_load = nodal(problem.rates(state.state, len(state.loads))[0])
+        for side, node in ((-1, int(closed[0])), (1, int(closed[-1]))):
+            share = _share_of_elements(problem, node)
+            if share is None:
+                continue
+            edge = Edge.of_contact(problem, side, node, state, by_load)
+            if edge.is_moved:
+                edges.put(row, node, edge, _CONTACT * (1 + 2 / len(closed)) + share)
+    return edges
+
+
+def stick_by_load(
     problem: ContactProblem, states: Sequence[InterfaceState], travels: Array
-) -> StickOnItsWay:
+) -> EdgesByLoad:
     """Stick edges of k states that a load takes inwards, by that load.
 
     `travels` (k, n) is what each node has slipped since it last stuck or turned round.
     """
-    edges = StickOnItsWay.nowhere(len(states))
+    edges = EdgesByLoad.nowhere(len(states))
     if not problem.tangential:
         return edges
     for row, (state, travel) in enumerate(zip(states, travels, strict=True)):
-        for column, side in enumerate((-1, 1)):
-            last_stuck, n_sliding = _behind_slip_zone(state, side)
-            if not n_sliding or not _regular(problem, last_stuck + side):
+        for side in (-1, 1):
+            last_stuck, n_passed = _behind_slip_zone(state, travel, side)
+            share = _share_of_elements(problem, last_stuck + side) if n_passed else None
+            if share is None:
                 continue
             edge, unevenness = _placed_by_load(problem, state, travel, side, last_stuck)
             if edge.is_moved:
-                share = _ON_ITS_WAY * (1 + 1 / n_sliding) + _BY_UNEVENNESS * unevenness
-                edges.last_node[row, column] = last_stuck
-                edges.places[row, column] = edge.place
-                edges.uncertainty[row, column] = edge.spacing * min(share, 1.0)
+                share += _ON_ITS_WAY + _BESIDE_ITS_START / n_passed + _BY_UNEVENNESS * unevenness
+                edges.put(row, last_stuck, edge, share)
     return edges
 
 
-def _behind_slip_zone(state: InterfaceState, side: int) -> tuple[int, int]:
+def _share_of_elements(problem: ContactProblem, node: int) -> float | None:
+    """Share of the distance of two nodes by which an edge beside a node is uncertain for elements
+    of several sizes; None where there are no quadratic elements.
+    """
+    if not 2 <= node < len(problem.interface.weights) - 2:
+        return None
+    if _regular(problem, node):
+        return 0.0
+    kinds = {_is_corner(problem.interface, beside) for beside in (node - 1, node + 1)}
+    alternates = kinds == {not _is_corner(problem.interface, node)}
+    return _OF_SEVERAL_SIZES if alternates else None
+
+
+def _behind_slip_zone(state: InterfaceState, travel: Array, side: int) -> tuple[int, int]:
     """The last node that sticks behind the outermost slip zone on one side of x = 0, and how many
-    nodes slide there: none where too few stick.
+    nodes the edge has passed since slip began: none where too few stick.
+
+    Slip began beside the node that has come farthest. `travel` (n,) is how far each has.
     """
     inwards = np.flatnonzero(state.closed)[::-side]
     slides = slip_sign(state.state[inwards]) != 0
     if not slides.any():
         return -1, 0
     outermost = int(np.argmax(slides))  # nodes that have just come to touch stick
-    n_sliding = int(np.argmin(slides[outermost:]))  # 0 where all slide
-    stick_zone = slice(outermost + n_sliding, outermost + n_sliding + _STICK_ZONE)
+    first_stuck = outermost + int(np.argmin(slides[outermost:]))
+    stick_zone = slice(first_stuck, first_stuck + _STICK_ZONE)
     if len(inwards[stick_zone]) < _STICK_ZONE or slides[stick_zone].any():
         return -1, 0
-    return int(inwards[stick_zone][0]), n_sliding
+    farthest = outermost + int(np.argmax(np.abs(travel[inwards[outermost:first_stuck]])))
+    return int(inwards[first_stuck]), first_stuck - farthest
 
 
 def _placed_by_load(
@@ -406,7 +456,9 @@ class StickZone(NamedTuple):
         """
         by_nodes = np.maximum(np.abs(edges - self.last_node), np.abs(edges - self.first_node))
         confined = np.where(self.holds(edges), np.minimum(by_nodes, by_stick_zones), by_stick_zones)
-        return np.where(edges == self.places, _PLACED * self.spacing, confined)
+        is_narrow = (_NARROW * self.spacing / (edges[1] - edges[0])) ** 2
+        placed = _PLACED * (1 + is_narrow) * self.spacing
+        return np.where(edges == self.places, placed, confined)
 
     def holds(self, edges: Array) -> Mask:
         """(2,) whether an edge lies between its two nodes."""

@@ -1,8 +1,9 @@
 """Contact and stick edges of many instants at once, from nodal answers.
 
-Stick edges that slip takes inwards are placed by the load: `between_nodes.Edge`. Of all others the
-square of the pressure, or of what the shear lacks of the Coulomb limit, goes to zero as the
-distance from it. Where that is not seen, the gap of the next node or the states of the nodes tell.
+Contact edges, and stick edges that slip takes inwards, are placed by the load between two nodes:
+`between_nodes.Edge`. Where it places none, the form of pressure and gap tells at contact edges. At
+stick edges the square of what the shear lacks of the Coulomb limit goes to zero as the distance.
+Where that is not seen, the states of the nodes tell.
 
 Arrays are (k, n): k instants, n nodes at ascending x. Edges and their uncertainties are (k, 2),
 left and right.
@@ -15,33 +16,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from halfplane_fe.between_nodes import StickOnItsWay
+from halfplane_fe.between_nodes import EdgesByLoad
 from halfplane_fe.law import force_to_limit
-from scenes import Profile, Tabulated
 from scenes.array_types import Array, Indices, Mask
 
-# Shares of the distance of two nodes by which an edge between them is uncertain whatever else is
-# known: the shape functions of quadratic elements know no square root. Fitted to random
-# half-planes, seed 230 of benchmarks/covered.py values, both presets. Contact edges by their form
-# err by 0.31 at most with twenty nodes and more in contact,
+# Share of the distance of two nodes by which a contact edge by its form is uncertain: the shape
+# functions of quadratic elements know no square root. Random half-planes, seed 230 of
+# benchmarks/covered.py values, both presets: 0.31 at most with twenty nodes and more in contact,
 _SHARE = 0.27
-# and by this share of the distance from the zero of p^2 with fewer:
+# and by this share of the distance from the zero of p^2 with fewer.
 _BY_ZERO = 0.68
-# those by p^2: a share that is left, and what a parabola lacks of p^2 the more the fewer nodes are
-# in contact, n: 0.036 + 1.8/n + 720/n^2.
-_SHARE_BY_SQUARES = 0.036
-_NODES_BY_SQUARES = 1.8
-_SQUARED_NODES_BY_SQUARES = 720.0
-# They are so many times as large where the curvature of the profile jumps, on a tabulated one,
-# where it bends at every row,
-_OF_KINKS = 1.75
-_OF_TABLE = 3.5
-# and where the first open node touches without pressure: it has just opened or is about to close.
-_OF_TOUCHING_NODE = 2.0
-# Distance from that node, over that of the two nodes, within which the edge is at it.
-_AT_NODE = 0.02
-# Share of the distance from the edge by its form.
-_BY_FORM = 0.45
 # Fitted stick edges: a share that is left,
 _FITTED_SHARE = 0.13
 # and how far the squares stand off the straight line, as a distance of its zero. Where an older
@@ -53,15 +37,6 @@ _BY_MISFIT = 6.0
 _BY_STATES = 0.45
 # Nodes that the second estimate of the contact edge takes, counted from the last closed one.
 _EXTRAPOLATED = 5
-# Outermost closed nodes whose pressure is the mesh's own.
-_RIM = 3
-# Nodes behind them that the square of the pressure is fitted to: at most, at least.
-_SQUARES = 12
-_FEWEST = 6
-# Root mean square of the relative residual above which a corner of the profile is among them.
-_ROUGH = 0.005
-# Elements by which that zero may differ from the edge by its form, which errs by an eighth of one.
-_NEAR = 0.2
 # Nodes of a slip zone below which it may be none at all.
 _UNRESOLVED = 4
 # Nodes that the slip zone may be wide where all of the contact seems to stick: an element, of
@@ -141,18 +116,16 @@ class StickEdges(NamedTuple):
     by_states: Array
 
 
-def contact_with_uncertainty(answer: NodalAnswer, roughness: float | None) -> Edges:
-    """Ends of the contact by the square of the pressure, where that is smooth, or else by the form
-    at the outermost nodes; scaled by E*.
-
-    `roughness` is that of the profile, `roughness_of`; None of unlike bodies: where they slip, the
-    pressure grows by another power than the root, and all edges are by the form.
+def contact_with_uncertainty(answer: NodalAnswer, by_load: EdgesByLoad) -> Edges:
+    """Ends of the contact by the load, or else by the form of pressure and gap at the outermost
+    nodes; scaled by E*.
     """
     by_form = contact_edges(answer.x, answer.pressure, answer.gap, answer.is_closed, 1.0)
-    if roughness is None:
-        return Edges(by_form, _contact_uncertainty(answer, by_form, by_form, 1.0))
-    places = fitted_contact_edges(answer.x, answer.pressure, answer.is_closed, by_form)
-    return Edges(places, _contact_uncertainty(answer, places, by_form, roughness))
+    is_placed = by_load.last_node >= 0
+    return Edges(
+        places=np.where(is_placed, by_load.places, by_form),
+        uncertainty=np.where(is_placed, by_load.uncertainty, _contact_uncertainty(answer, by_form)),
+    )
 
 
 def stick_with_uncertainty(
@@ -160,7 +133,7 @@ def stick_with_uncertainty(
     friction: float,
     contact: Edges,
     sticks_in_full: Mask,
-    by_load: StickOnItsWay,
+    by_load: EdgesByLoad,
 ) -> Edges:
     """Ends of the stick zone by the load that takes them inwards, or else by the distance of q from
     the Coulomb limit, where that is smooth, or else by the states of the nodes.
@@ -223,147 +196,28 @@ def contact_edges(x: Array, pressure: Array, gap: Array, closed: Mask, modulus: 
     return edges
 
 
-def fitted_contact_edges(x: Array, pressure: Array, closed: Mask, edges: Array) -> Array:
-    """Ends of the contact where the square of the pressure goes to zero, (k, 2), or `edges` where
-    it has no smooth form.
-
-    Towards a smooth edge p^2 is a power series in the distance. A parabola through the nodes behind
-    the outermost three, which are the mesh's own, has its zero there: hertz-paper's edges err by
-    1e-4 of a in the median, those by the form of the pressure at the last nodes by 3e-4. With a
-    corner of the profile among those nodes half and a quarter of them are taken; a zero far from
-    `edges` is none.
-
-    Parameters
-    ----------
-    x
-        (n,) nodes in ascending order [length]
-    pressure
-        (k, n) pressure at k instants [stress]
-    closed
-        (k, n) whether a node touches
-    edges
-        (k, 2) ends of the contact by the form of the pressure at the last nodes
-    """
-    fitted_edges = edges.copy()
-    n_behind_rim = np.count_nonzero(closed, axis=1) // 2 - _RIM
-    for side in _sides(x):
-        p, in_contact = side.outwards(pressure, closed)
-        last_node = _last(in_contact)
-        form = side.sign * edges[:, side.column]
-        element = 2 * _spacing(side.x, last_node)
-        has_no_fit = np.ones(len(closed), dtype=bool)
-        for divisor in (1, 2, 4):
-            n_fitted = np.minimum(_SQUARES, n_behind_rim) // divisor
-            row = np.flatnonzero(has_no_fit & (n_fitted >= _FEWEST))
-            zero, residual = _zero_of_parabola(
-                side.x, p[row], last_node[row], element[row], n_fitted[row]
-            )
-            is_near = np.abs(zero - form[row]) <= _NEAR * element[row]
-            smooth = (residual < _ROUGH) & is_near
-            fitted_edges[row[smooth], side.column] = side.sign * zero[smooth]
-            has_no_fit[row[smooth]] = False
-    return fitted_edges
-
-
-def _zero_of_parabola(
-    x: Array, pressure: Array, last_node: Indices, element: Array, n_fitted: Indices
-) -> tuple[Array, Array]:
-    """Zero of the parabola through the squares of the pressure behind the rim of the contact, (k,),
-    NaN without one, and the root mean square of its relative residual.
-
-    Parameters
-    ----------
-    x
-        (n,) nodes, outwards
-    pressure
-        (k, n) at k instants
-    last_node
-        (k,) outermost closed node
-    element
-        (k,) size that distances are divided by
-    n_fitted
-        (k,) nodes that it is fitted to
-    """
-    number = np.arange(_SQUARES)
-    counts = number < n_fitted[:, None]
-    nodes = np.where(counts, last_node[:, None] - _RIM - number, last_node[:, None])
-    square = np.take_along_axis(pressure, nodes, axis=1) ** 2
-    behind_rim = x[last_node - _RIM]
-    distance = (behind_rim[:, None] - x[nodes]) / element[:, None]
-    has_weight = counts & (square > 0)
-    weight = np.where(has_weight, 1 / np.where(square > 0, square, 1.0), 0.0)
-    matrix = np.stack([weight, weight * distance, weight * distance**2], axis=2)
-    # p^2 = a d^2 + b d + c, relative errors weighing alike
-    coefficients = (np.linalg.pinv(matrix) @ (weight * square)[:, :, None])[:, :, 0]
-    c, b, a = coefficients.T
-    parabola = c[:, None] + b[:, None] * distance + a[:, None] * distance**2
-    relative = (parabola * weight - 1) * counts
-    residual = np.sqrt(np.mean(relative**2, axis=1))
-    discriminant = b**2 - 4 * a * c
-    divisor = b + np.sqrt(np.maximum(discriminant, 0.0))
-    divisor = np.where((discriminant > 0) & (b > 0), divisor, np.nan)
-    return behind_rim + 2 * c / divisor * element, residual
-
-
-def roughness_of(profile: Profile) -> float:
-    """By how many times contact edges that are fitted by p^2 are more uncertain than those of a
-    smooth profile, for the kinks of a profile.
-    """
-    if isinstance(profile, Tabulated):
-        return _OF_TABLE
-    return _OF_KINKS if profile.kinks else 1.0
-
-
-def _contact_uncertainty(
-    answer: NodalAnswer, contact: Array, form: Array, roughness: float
-) -> Array:
-    """How far each contact edge may be from the true one, by the mesh, (k, 2) [length].
+def _contact_uncertainty(answer: NodalAnswer, contact: Array) -> Array:
+    """How far each contact edge by the form of pressure and gap may be from the true one, by the
+    mesh, (k, 2) [length].
 
     A share of the distance of the nodes around it, and in part how far the edge is from another
     estimate: the zero of a straight line through the squares of the pressure at the five nodes
-    before the last. With fewer nodes than that, the width of the contact. Of an edge fitted by a
-    parabola the other estimate is the edge by the form of the pressure at the last nodes: the fit
-    is at most as uncertain as that one and their distance.
-
-    Parameters
-    ----------
-    contact
-        (k, 2) ends of the contact
-    form
-        (k, 2) the ends by the form of the pressure at the last nodes
-    roughness
-        how many times more uncertain fitted edges are than those of a smooth profile
+    before the last. With fewer nodes than that, the width of the contact. `contact` (k, 2) are the
+    edges.
     """
-    x = answer.x
     width = contact[:, 1:] - contact[:, :1]
     uncertainty = np.repeat(width, 2, axis=1)
-    n_closed = np.count_nonzero(answer.is_closed, axis=1)
-    row = np.flatnonzero(n_closed > _EXTRAPOLATED)
-    nodes = n_closed[row]
-    share_by_squares = roughness * (
-        _SHARE_BY_SQUARES + _NODES_BY_SQUARES / nodes + _SQUARED_NODES_BY_SQUARES / nodes**2
-    )
-    for side in _sides(x):
+    row = np.flatnonzero(np.count_nonzero(answer.is_closed, axis=1) > _EXTRAPOLATED)
+    for side in _sides(answer.x):
         side_pressure, in_contact = side.outwards(answer.pressure[row], answer.is_closed[row])
         last_node = _last(in_contact)
         edge = side.sign * contact[row, side.column]
-        edge_by_form = side.sign * form[row, side.column]
         farthest = side.x[last_node - _EXTRAPOLATED]
         zero = _line_through_squares(side.x, side_pressure, last_node, _EXTRAPOLATED).zero
         zero = np.where(np.isnan(zero), farthest, zero)
         to_zero = np.minimum(np.abs(zero - edge), np.abs(farthest - edge))
         spacing = _spacing(side.x, last_node)
-        next_node = np.minimum(last_node + 1, len(x) - 1)
-        to_open_node = side.x[next_node] - edge_by_form
-        touches = to_open_node <= _AT_NODE * (side.x[next_node] - side.x[last_node])
-        share = share_by_squares * np.where(touches, _OF_TOUCHING_NODE, 1.0)
-        to_form = np.abs(edge - edge_by_form)
-        by_squares = share * spacing + _BY_FORM * to_form
-        at_most = _SHARE * spacing + to_form
-        by_form = _SHARE * spacing + _BY_ZERO * to_zero
-        uncertainty[row, side.column] = np.where(
-            edge == edge_by_form, by_form, np.minimum(by_squares, at_most)
-        )
+        uncertainty[row, side.column] = _SHARE * spacing + _BY_ZERO * to_zero
     return uncertainty
 
 

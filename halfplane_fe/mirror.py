@@ -161,10 +161,12 @@ def unfolded(run: PathRun, faces: Interface) -> PathRun:
         states = np.where(images.sign < 0, states_of_image[states], states)
         return replace(state, values=values, state=freeze(states, np.int8))
 
+    middle = len(faces.x) // 2
     return replace(
         run,
         states=[unfolded_state(state) for state in run.states],
         cycle_density=[density[images.place] * images.share for density in run.cycle_density],
         excess=[excess._replace(stick_zone=excess.stick_zone.mirrored()) for excess in run.excess],
-        stick_on_its_way=[run.stick_by_load.mirrored(len(faces.x) // 2)],
+        contact_edges=[edges.mirrored(middle) for edges in run.contact_edges],
+        stick_edges=[edges.mirrored(middle) for edges in run.stick_edges],
     )

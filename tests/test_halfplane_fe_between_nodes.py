@@ -206,7 +206,8 @@ def test_the_permanent_stick_zone_ends_between_its_last_node_and_the_next() -> N
     confined = placed.confine(edges)
     assert confined.tolist() == [-0.51, 0.53]
     stated = placed.uncertainty(confined, np.array([0.2, 0.2]))
-    assert stated == pytest.approx([between_nodes._PLACED * 0.05, 0.03])
+    narrow = (between_nodes._NARROW * 0.05 / 1.04) ** 2
+    assert stated == pytest.approx([between_nodes._PLACED * 0.05 * (1 + narrow), 0.03])
     assert placed.uncertainty(confined, np.array([0.2, 0.01]))[1] == 0.01
     unplaced = StickZone(last_node, first_node, np.full(2, np.nan))
     assert unplaced.confine(edges) == pytest.approx([-0.525, 0.53])
@@ -308,6 +309,20 @@ def stick_errors(scene: Scene) -> tuple[Array, Array]:
     node = np.searchsorted(answer.x, theory.stick_edges[slips])
     spacing = answer.x[node] - answer.x[node - 1]
     return errors / spacing, errors / answer.stick_edge_uncertainty[slips]
+
+
+def test_the_load_places_the_contact_edge_of_every_instant() -> None:
+    """To a fiftieth of the distance of two nodes; by the form of the pressure it is a tenth."""
+    answer = halfplane_fe.solve("hertz-paper", MeshSettings.coarse())
+    theory = semi_analytic.solve("hertz-paper", x=answer.x, time=answer.time)
+    loaded = answer.contact_half_width > 0.5
+    errors = np.abs(answer.contact_edges - theory.contact_edges)[loaded]
+    node = np.searchsorted(answer.x, theory.contact_edges[loaded])
+    spacing = answer.x[node] - answer.x[node - 1]
+    assert np.median(errors / spacing) < 0.03
+    over_stated = errors / answer.contact_edge_uncertainty[loaded]
+    assert np.mean(over_stated <= 1) > 0.95
+    assert np.median(over_stated) > 0.1
 
 
 def test_the_load_places_the_stick_edge_of_every_instant() -> None:
