@@ -68,9 +68,9 @@ _NARROW = 8.0
 # Shares of that distance by which a stick edge on its way is uncertain: one always; one over the
 # nodes that it has passed since slip began; one by how unevenly the load takes it on. It errs by
 # 0.015 in the median. Random half-planes, seeds 301, 302 and 310.
-_ON_ITS_WAY = 0.03
+_ON_ITS_WAY = 0.025
 _BESIDE_ITS_START = 0.08
-_BY_UNEVENNESS = 0.4
+_BY_UNEVENNESS = 0.3
 # The same of contact edges, three times as large where one node touches on each side: 0.02 in the
 # median between half-planes, 0.1 at most; of cylinders 0.08.
 _CONTACT = 0.09
@@ -387,7 +387,7 @@ def _placed_by_load(
     _, pressure_rates, shear_rates, _ = by_load
     to_limit = force_to_limit(state.pressure, state.shear, sense, problem.friction)
     rates_to_limit = force_to_limit(pressure_rates, shear_rates, sense, problem.friction)
-    turn = TurnOfSlip(sense, float(travel[node]), float(to_limit[last_stuck]))
+    turn = TurnOfSlip(sense, sense * float(travel[node]), float(to_limit[last_stuck]))
     edge = Edge.of_stick(problem, side, last_stuck, turn, by_load)
     if not edge.is_moved:
         return edge, math.inf

@@ -21,7 +21,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from halfplane_fe.between_nodes import Excess, StickOnItsWay, excess, stick_on_its_way
+from halfplane_fe.between_nodes import EdgesByLoad, Excess, contact_by_load, excess, stick_by_load
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.energy import certificates, increment_energies
 from halfplane_fe.law import slip_sign
@@ -236,8 +236,8 @@ class PathRun:
     cycle_change
         per revolution, largest change of a nodal p or q/f (f < 1) from its start to its end,
         over the largest p
-    stick_on_its_way
-        stick edges by the load, of the first state and of each batch of increments
+    contact_edges, stick_edges
+        by the load, of the first state and of each batch of increments
     slip_since_stop
         (n,) of each node at the last state, in one direction without a stop
     failure
@@ -254,9 +254,8 @@ class PathRun:
     excess: list[Excess] = field(default_factory=list)
     steady_from: int | None = None
     cycle_change: list[float] = field(default_factory=list)
-    stick_on_its_way: list[StickOnItsWay] = field(
-        default_factory=lambda: [StickOnItsWay.nowhere(1)]
-    )
+    contact_edges: list[EdgesByLoad] = field(default_factory=lambda: [EdgesByLoad.nowhere(1)])
+    stick_edges: list[EdgesByLoad] = field(default_factory=lambda: [EdgesByLoad.nowhere(1)])
     slip_since_stop: Array | float = 0.0
     failure: ConvergenceError | Interrupted | None = None
     _thinning: _Thinning = field(default_factory=_Thinning)
@@ -267,11 +266,6 @@ class PathRun:
         if not self.increment_records:
             return np.zeros(0)
         return np.concatenate([record[name] for record in self.increment_records])
-
-    @property
-    def stick_by_load(self) -> StickOnItsWay:
-        """Stick edges of all states by the load."""
-        return StickOnItsWay.joined(self.stick_on_its_way)
 
     @property
     def trend(self) -> Trend:
@@ -350,10 +344,8 @@ class PathRun:
             increment_records=[*self.increment_records, record],
             iterations=self.iterations + [increment.iterations for increment in increments],
             density=self.density + nodal_work.sum(axis=0),
-            stick_on_its_way=[
-                *self.stick_on_its_way,
-                stick_on_its_way(problem, states[1:], slips_since_stop),
-            ],
+            contact_edges=[*self.contact_edges, contact_by_load(problem, states[1:])],
+            stick_edges=[*self.stick_edges, stick_by_load(problem, states[1:], slips_since_stop)],
             slip_since_stop=slips_since_stop[-1],
         )
 

@@ -326,11 +326,14 @@ def test_the_load_places_the_contact_edge_of_every_instant() -> None:
 
 
 def test_the_load_places_the_stick_edge_of_every_instant() -> None:
-    """To a fortieth of the distance of two nodes (0.023); by the tractions it is a quarter."""
+    """To a fiftieth of the distance of two nodes (0.017; nine of ten 0.036), forwards and in
+    reverse; by the tractions it is a quarter.
+    """
     errors, over_stated = stick_errors(load_scene("hertz-paper"))
     assert np.median(errors) < 0.03
+    assert np.quantile(errors, 0.9) < 0.06
     assert np.mean(over_stated <= 1) > 0.95
-    assert np.median(over_stated) > 0.15
+    assert np.median(over_stated) > 0.1
 
 
 def test_beside_an_older_stick_edge_the_load_places_it_less_well() -> None:
