@@ -74,7 +74,7 @@ _BY_UNEVENNESS = 0.3
 # The same of contact edges, three times as large where one node touches on each side: 0.02 in the
 # median between half-planes, 0.1 at most; of cylinders 0.08.
 _CONTACT = 0.09
-# Closed nodes, of a half where only that is solved, below which no load places a contact edge.
+# Closed nodes on its side of x = 0 below which no load places a contact edge.
 _CLOSED = 6
 # What both are less certain by between elements of several sizes.
 _OF_SEVERAL_SIZES = 0.05
@@ -301,17 +301,21 @@ def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -
     """Edges of contact of k states by P."""
     edges = EdgesByLoad.nowhere(len(states))
     for row, state in enumerate(states):
-        closed = np.flatnonzero(state.closed)
-        if len(closed) < _CLOSED or not state.normal_load > 0:
+        if not state.normal_load > 0:
             continue
-        by_load = nodal(problem.rates(state.state, len(state.loads))[0])
-        for side, node in ((-1, int(closed[0])), (1, int(closed[-1]))):
-            share = _share_of_elements(problem, node)
+        by_load = None
+        for side in (-1, 1):
+            inwards = _inwards(problem, state, side)
+            share = (
+                _share_of_elements(problem, int(inwards[0])) if len(inwards) >= _CLOSED else None
+            )
             if share is None:
                 continue
-            edge = Edge.of_contact(problem, side, node, state, by_load)
+            if by_load is None:
+                by_load = nodal(problem.rates(state.state, len(state.loads))[0])
+            edge = Edge.of_contact(problem, side, int(inwards[0]), state, by_load)
             if edge.is_moved:
-                edges.put(row, node, edge, _CONTACT * (1 + 2 / len(closed)) + share)
+                edges.put(row, edge.node, edge, _CONTACT * (1 + 2 / len(inwards)) + share)
     return edges
 
 
@@ -327,7 +331,7 @@ def stick_by_load(
         return edges
     for row, (state, travel) in enumerate(zip(states, travels, strict=True)):
         for side in (-1, 1):
-            last_stuck, n_passed = _behind_slip_zone(state, travel, side)
+            last_stuck, n_passed = _behind_slip_zone(problem, state, travel, side)
             share = _share_of_elements(problem, last_stuck + side) if n_passed else None
             if share is None:
                 continue
@@ -351,13 +355,21 @@ def _share_of_elements(problem: ContactProblem, node: int) -> float | None:
     return _OF_SEVERAL_SIZES if alternates else None
 
 
-def _behind_slip_zone(state: InterfaceState, travel: Array, side: int) -> tuple[int, int]:
+def _inwards(problem: ContactProblem, state: InterfaceState, side: int) -> Indices:
+    """Closed nodes on one side of x = 0, from the outermost one inwards."""
+    is_on_side = state.closed & (side * problem.interface.x >= 0)
+    return np.flatnonzero(is_on_side)[::-side]
+
+
+def _behind_slip_zone(
+    problem: ContactProblem, state: InterfaceState, travel: Array, side: int
+) -> tuple[int, int]:
     """The last node that sticks behind the outermost slip zone on one side of x = 0, and how many
     nodes the edge has passed since slip began: none where too few stick.
 
     Slip began beside the node that has come farthest. `travel` (n,) is how far each has.
     """
-    inwards = np.flatnonzero(state.closed)[::-side]
+    inwards = _inwards(problem, state, side)
     slides = slip_sign(state.state[inwards]) != 0
     if not slides.any():
         return -1, 0
