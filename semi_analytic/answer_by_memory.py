@@ -649,7 +649,11 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
     covered_parts = series.covered_parts
     last_part = covered_parts[-1]
     loop_integral = _empty_loop_integral(series, request)
-    states = States(friction, request.wants("shear", "slip", "tangential_displacement"))
+    # With bulk stress and tilt the moment of the shear is in every answer.
+    needs_curves = request.bulk_tilt_path is not None or request.wants(
+        "shear", "slip", "tangential_displacement"
+    )
+    states = States(friction, needs_curves)
     path_sums = _SeriesSums(
         works=np.zeros(len(series.parts)),
         work_errors=np.zeros(len(series.parts)),

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from scipy import integrate, optimize
 
+from scene_cases import scene_of
 from scenes import (
     OPEN,
     SLIP_FORWARD,
@@ -782,6 +783,21 @@ def test_what_the_initial_loading_leaves_behind_is_not_taken_from_the_steady_cyc
     assert "initial loading" not in solution.work.skipped
     assert np.all(np.isfinite(solution.shear_moment))
     assert len(solution.cycle_dissipation) > 1 or options["fields"] == "shear"
+
+
+@pytest.mark.parametrize("straight_steps", [False, True], ids=["curved", "straight"])
+def test_the_moment_of_the_shear_is_the_same_whatever_else_is_asked_for(straight_steps):
+    scene = scene_of("dovetail-in-phase")
+    path = scene.load.path()
+    end_of_cycle = path.cycle_start + path.period
+    time = np.unique([*np.linspace(path.start, end_of_cycle, 31), path.cycle_start, end_of_cycle])
+    whole, short = (
+        solve(scene, x=[0.0], time=time, straight_steps=straight_steps, **fields)
+        for fields in ({}, {"fields": "dissipation"})
+    )
+    assert np.ptp(whole.shear_moment) > 0.1
+    assert short.shear_moment.tolist() == whole.shear_moment.tolist()
+    assert short.dissipation == whole.dissipation
 
 
 OUT_OF_PHASE = make_scene(
