@@ -13,7 +13,7 @@ from typing import Any
 
 from scenes import Scene
 from scenes.column_names import ALIASES
-from scenes.loads import KEYS
+from scenes.loads import BULK_AND_TILT_KEYS
 
 BEGIN = "<!-- scene keys: written by `make pages` -->"
 END = "<!-- end of scene keys -->"
@@ -151,13 +151,13 @@ def tables(schema: Mapping[str, Any]) -> Iterator[str]:
         if name == "uncertainty":
             yield from uncertainties(title, of_part[0], models)
             continue
-        shared = ("kind", *OF_FILES, *(KEYS if name == "load" else ()))
+        shared = ("kind", *OF_FILES, *(BULK_AND_TILT_KEYS if name == "load" else ()))
         yield from section(
             "" if kinds else title,
             [row for model in of_part for row in keys(model, kind_of(model), shared)],
         )
         if name == "load":
-            shared_keys = {key: dict(of_part[0]["properties"][key]) for key in KEYS}
+            shared_keys = {key: dict(of_part[0]["properties"][key]) for key in BULK_AND_TILT_KEYS}
             for value in shared_keys.values():
                 value["anyOf"] = [
                     way for way in value["anyOf"] if "Wave" not in way.get("$ref", "")

@@ -35,7 +35,7 @@ from scenes.measured import (
     ReadAs,
     Reduction,
     Table,
-    reduced,
+    reduced_record,
 )
 from scenes.segments import (
     ChebyshevSegment,
@@ -55,37 +55,34 @@ from scenes.unit_words import Kind
 if TYPE_CHECKING:
     from scenes.text_tables import MissingColumnError, TextTable
 
-# Of the loads: difference within which two are one.
-_ROUNDING = 1e-12
+# Loads that differ by less than this, over their size, are taken as equal.
+_ROUNDOFF = 1e-12
 
 
 InitialLoading = Literal["straight"] | tuple[Point, ...]
 
 
 def straight_loading(
-    initial_loading: InitialLoading, first_leg: LoadSegment, duration: float
+    initial_loading: InitialLoading, first_segment: LoadSegment, line_duration: float
 ) -> tuple[StraightSegment, ...]:
-    """Initial loading of a path: straight lines from P = Q = 0 through given points to the loads at
-    which the cycle starts.
+    """Initial loading of a load path: straight segments in the P-Q plane from P = Q = 0 through
+    given points to the loads at which the cycle starts.
 
     Parameters
     ----------
     initial_loading
-        [P, Q] points, or "straight" for none
-    first_leg
-        first segment of the cycle; the last line ends when it starts
-    duration
+        (P, Q) points between, or "straight" for none
+    first_segment
+        of the cycle; the last line ends when this starts
+    line_duration
         time that each line takes
     """
-    points = [
-        (0.0, 0.0),
-        *(() if initial_loading == "straight" else initial_loading),
-        tuple(float(load) for load in first_leg.loads(first_leg.start)),
-    ]
-    start_time = first_leg.start - (len(points) - 1) * duration
-    return straight_segments(
-        [(start_time + k * duration, *point) for k, point in enumerate(points)]
-    )
+    points_between = () if initial_loading == "straight" else initial_loading
+    cycle_start = tuple(float(load) for load in first_segment.loads(first_segment.start))
+    points = [(0.0, 0.0), *points_between, cycle_start]
+    start_time = first_segment.start - (len(points) - 1) * line_duration
+    times_and_loads = [(start_time + k * line_duration, *point) for k, point in enumerate(points)]
+    return straight_segments(times_and_loads)
 
 
 Harmonic = tuple[
@@ -182,9 +179,10 @@ DRIVEN = (
 
 V = TypeVar("V")
 Pair = tuple[Any, Any]
+# Attribute of a load segment -> keys of the two quantities that it carries.
 _KEY_PAIRS = {"bulk": ("bulk_stress_lower", "bulk_stress_upper"), "turning": ("tilt", "moment")}
-KEYS = (*_KEY_PAIRS["bulk"], *_KEY_PAIRS["turning"], "line_of_action")
-"""Keys of bulk stress and tilt, of every load."""
+BULK_AND_TILT_KEYS = (*_KEY_PAIRS["bulk"], *_KEY_PAIRS["turning"], "line_of_action")
+"""Keys of bulk stress, tilt and moment, which every load has."""
 
 
 class BulkAndTilt(Frozen, Generic[V]):
@@ -226,9 +224,9 @@ class BulkAndTilt(Frozen, Generic[V]):
     )
 
     @model_validator(mode="after")
-    def _can_be_followed(self) -> Self:
-        """Refuse a load that states the tilt in two ways, that has bulk stress or tilt beside a
-        prescribed displacement, or of which no path can be made (ValueError).
+    def _require_consistent_bulk_and_tilt(self) -> Self:
+        """Refuse a load that states the tilt in two ways, or bulk stress or tilt beside a
+        prescribed displacement, or lists of them that do not fit the load path (ValueError).
         """
         tilt_keys = [
             key for key in ("tilt", "moment", "line_of_action") if getattr(self, key) is not None
@@ -236,12 +234,12 @@ class BulkAndTilt(Frozen, Generic[V]):
         if len(tilt_keys) > 1:
             raise ValueError(f"{' and '.join(tilt_keys)} say the same thing: state one of them")
         if self.has_bulk_or_tilt and self.is_driven:
-            key = next(key for key in KEYS if getattr(self, key) is not None)
+            key = next(key for key in BULK_AND_TILT_KEYS if getattr(self, key) is not None)
             raise ValueError(
                 f"{key} does not go with tangential_displacement: leave one of the two out"
             )
         if self.has_bulk_or_tilt:
-            self.path()
+            self.path()  # refuses lists of another length
         return self
 
     @property
@@ -257,8 +255,10 @@ class BulkAndTilt(Frozen, Generic[V]):
         return bool(getattr(self, "approach", False))
 
     def path_of_actuators(self) -> LoadPath:
-        """What is prescribed over time, as a path of two quantities: P, or the approach of a normal
-        actuator; Q, or the displacement U of a tangential one.
+        """Path over time of the two prescribed quantities, in the places of P and Q of a load path.
+
+        The first is P [force per unit thickness], or the approach of a normal actuator [length].
+        The second is Q, or the displacement U of a tangential actuator [length].
 
         >>> load = PolygonLoad(
         ...     initial_loading=[(2, 0)],
@@ -268,12 +268,13 @@ class BulkAndTilt(Frozen, Generic[V]):
         >>> [float(value) for value in load.path_of_actuators().at(2.0)]
         [2.0, 0.01]
         """
+        # Each kind of load fills in what its keys prescribe.
         return self.path_of_loads()
 
     @property
     def has_bulk_or_tilt(self) -> bool:
         """Whether any of these keys is stated."""
-        return any(getattr(self, key) is not None for key in KEYS)
+        return any(getattr(self, key) is not None for key in BULK_AND_TILT_KEYS)
 
     @property
     def moment_given(self) -> bool:
@@ -283,8 +284,8 @@ class BulkAndTilt(Frozen, Generic[V]):
         return self.moment is not None or self.line_of_action is not None
 
     def path(self) -> LoadPath:
-        """Path of the loads P and Q over time, with bulk stresses and tilt or moment along it where
-        the load states them.
+        """Load path P(t), Q(t): initial loading, then the cycle. Its segments carry bulk stresses,
+        and tilt or moment, where the load states them.
 
         Raises
         ------
@@ -296,80 +297,95 @@ class BulkAndTilt(Frozen, Generic[V]):
         path = self.path_of_loads()
         if not self.has_bulk_or_tilt:
             return path
-        legs: tuple[LoadSegment, ...] = (*path.initial_loading, *path.cycle)
-        # For "bulk" and "turning" (tilt or moment) one segment along each leg.
-        further_segments: dict[str, Sequence[LoadSegment]] = {}
+        load_segments: tuple[LoadSegment, ...] = (*path.initial_loading, *path.cycle)
+        # Attribute of a load segment -> what each one carries: "bulk" both bulk stresses, "turning"
+        # tilt and moment.
+        companions: dict[str, Sequence[LoadSegment]] = {}
         if (line := self.line_of_action) is not None:
-            further_segments["turning"] = [
-                leg.companion_of(Combination(line.x, line.height)) for leg in legs
+            # The tilt is 0 there, and the moment M = x P + height Q.
+            moment_of_loads = Combination(line.x, line.height)
+            companions["turning"] = [
+                segment.companion_of(moment_of_loads) for segment in load_segments
             ]
-        for name, (first_key, second_key) in _KEY_PAIRS.items():
+        for attribute, (first_key, second_key) in _KEY_PAIRS.items():
             pair = getattr(self, first_key), getattr(self, second_key)
             if pair != (None, None):
-                further_segments[name] = self._segments_of_pair(path, legs, pair)
-        legs_with_companions = [
-            replace(leg, **dict(zip(further_segments, parts, strict=True)))
-            for leg, *parts in zip(legs, *further_segments.values(), strict=True)
+                companions[attribute] = self._companion_segments(path, load_segments, pair)
+        complete_segments = [
+            replace(segment, **dict(zip(companions, companions_of_segment, strict=True)))
+            for segment, *companions_of_segment in zip(
+                load_segments, *companions.values(), strict=True
+            )
         ]
-        count = len(path.initial_loading)
+        initial_count = len(path.initial_loading)
         return LoadPath(
-            tuple(legs_with_companions[:count]),
-            tuple(legs_with_companions[count:]),
+            tuple(complete_segments[:initial_count]),
+            tuple(complete_segments[initial_count:]),
             self.moment_given,
         )
 
     @abc.abstractmethod
     def path_of_loads(self) -> LoadPath:
-        """P and Q alone."""
+        """Load path of P and Q alone, or of what is prescribed in their places, without bulk stress
+        and tilt.
+        """
 
-    def curved(
+    def formula_segments(
         self,
         path: LoadPath,  # noqa: ARG002 straight loads follow no formula
         pair: Pair,  # noqa: ARG002
     ) -> Sequence[LoadSegment]:
-        """Two keys over the time of the last legs of `path`, those on which they follow formulas;
-        before, they are straight.
+        """Two quantities beside P and Q, such as both bulk stresses, on the last segments of the
+        load `path`: those on which they follow formulas of time. On earlier ones they are straight.
+
+        `pair` holds the values of their keys in the scene; None counts as 0.
         """
         return ()
 
-    def _segments_of_pair(
-        self, path: LoadPath, legs: Sequence[LoadSegment], pair: Pair
+    def _companion_segments(
+        self, path: LoadPath, load_segments: Sequence[LoadSegment], pair: Pair
     ) -> list[LoadSegment]:
-        """Two quantities over time beside P and Q, such as both bulk stresses: one segment along
-        each leg of the load path.
+        """Two quantities over time beside P and Q, such as both bulk stresses: one segment for each
+        load segment, over the same time.
 
-        Along the cycle they follow the formulas of the load, if it has some. Before, they are
-        straight between their values at the ends of legs; the last of these is where the formulas
-        begin. `pair` holds the values of the two keys in the scene.
+        Along the cycle they follow formulas of time, if the kind of load has them. Before, they are
+        straight lines between their values at the vertices of the load path; the last vertex is
+        where the formulas begin. `pair` holds the values of the two keys in the scene.
         """
-        curved = self.curved(path, pair)
-        straight_legs = legs[: len(legs) - len(curved)]
-        ends: Pair = curved[0].loads(curved[0].start) if curved else (0.0, 0.0)
-        normal_loads = np.array([0.0, *(float(leg.loads(leg.end)[0]) for leg in straight_legs)])
-        columns = [
-            self.at_corners(value, normal_loads, float(end)).tolist()
-            for value, end in zip(pair, ends, strict=True)
-        ]
-        corners = pairwise(zip(*columns, strict=True))
-        lines = (
-            StraightSegment(leg.start, leg.end, first_corner, last_corner)
-            for leg, (first_corner, last_corner) in zip(straight_legs, corners, strict=True)
+        curved_segments = self.formula_segments(path, pair)
+        straight_count = len(load_segments) - len(curved_segments)
+        straight_load_segments = load_segments[:straight_count]
+        values_at_cycle_start: Pair = (0.0, 0.0)
+        if curved_segments:
+            values_at_cycle_start = curved_segments[0].loads(curved_segments[0].start)
+        end_loads = (float(segment.loads(segment.end)[0]) for segment in straight_load_segments)
+        normal_loads = np.array([0.0, *end_loads])
+        first_values, second_values = (
+            self.values_at_vertices(key_value, normal_loads, float(value_at_start)).tolist()
+            for key_value, value_at_start in zip(pair, values_at_cycle_start, strict=True)
         )
-        return [*lines, *curved]
+        vertices = zip(first_values, second_values, strict=True)
+        straight_segments_of_pair = (
+            StraightSegment(segment.start, segment.end, first_vertex, last_vertex)
+            for segment, (first_vertex, last_vertex) in zip(
+                straight_load_segments, pairwise(vertices), strict=True
+            )
+        )
+        return [*straight_segments_of_pair, *curved_segments]
 
-    def at_corners(
-        self, value: Any, normal_loads: NDArray[np.float64], last_load: float
+    def values_at_vertices(
+        self, key_value: Any, normal_loads: NDArray[np.float64], value_at_cycle_start: float
     ) -> NDArray[np.float64]:
-        """Values of a bulk stress or tilt at the vertices of the initial loading, (n,): in
-        proportion to P, or as the quantity's own `initial_loading` lists them.
+        """Values (n,) of a bulk stress, tilt or moment at the n vertices of the initial loading: in
+        proportion to P, or as its own list `initial_loading` states them.
 
         Parameters
         ----------
-        value
-            of the key in the scene
+        key_value
+            what the scene states for the quantity
         normal_loads
             (n,) P at the vertices, from 0 on
-        last_load
+        value_at_cycle_start
             value of the quantity at the last vertex, where the cycle begins
 
         Raises
@@ -377,25 +393,26 @@ class BulkAndTilt(Frozen, Generic[V]):
         ValueError
             Where the list has another number of values than the initial loading has points.
         """
-        stated_values = getattr(value, "initial_loading", ())
-        count = len(normal_loads) - 2
-        if stated_values and len(stated_values) != count:
+        stated_values = getattr(key_value, "initial_loading", ())
+        # Without (0, 0) and the start of the cycle, which no list states.
+        point_count = len(normal_loads) - 2
+        if stated_values and len(stated_values) != point_count:
             raise ValueError(
                 f"initial_loading of a bulk stress or tilt has {len(stated_values)} values"
-                f" for {count} points of the load"
+                f" for {point_count} points of the load"
             )
         if stated_values:
-            return np.array([0.0, *stated_values, last_load])
-        return np.asarray(last_load * normal_loads / (normal_loads[-1] or 1.0))
+            return np.array([0.0, *stated_values, value_at_cycle_start])
+        return np.asarray(value_at_cycle_start * normal_loads / (normal_loads[-1] or 1.0))
 
 
 W = TypeVar("W", bound=Wave | WaveSum)
 
 
 class CyclicLoad(BulkAndTilt[W], Generic[W]):
-    """A load whose cycle has formulas of time, and its bulk stresses and tilts too."""
+    """A load whose P, Q, bulk stresses and tilt are sums of cosines of time along the cycle."""
 
-    def curved(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
+    def formula_segments(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
         means, waves = zip(
             *(
                 value.waves() if isinstance(value, Wave | WaveSum) else (value or 0.0, ())
@@ -403,7 +420,9 @@ class CyclicLoad(BulkAndTilt[W], Generic[W]):
             ),
             strict=True,
         )
-        return [HarmonicSegment(leg.start, leg.end, means, *waves) for leg in path.cycle]
+        return [
+            HarmonicSegment(segment.start, segment.end, means, *waves) for segment in path.cycle
+        ]
 
 
 class EllipseLoad(CyclicLoad[Wave]):
@@ -451,7 +470,7 @@ class EllipseLoad(CyclicLoad[Wave]):
                 "tangential_displacement stands in the place of mean_tangential_load,"
                 " tangential_amplitude and phase_degrees: leave these out"
             )
-        _require_one_normal_key(self, "normal_amplitude")
+        _require_load_or_approach(self, "normal_amplitude")
         return self
 
     @property
@@ -471,11 +490,11 @@ class EllipseLoad(CyclicLoad[Wave]):
         return self.phase_radians
 
     def path_of_loads(self) -> LoadPath:
-        """Path of P and Q over time: initial loading, then one revolution of the ellipse, which
-        begins where |Q - Q0| is largest while P grows.
+        """Load path of P and Q over time: initial loading, then one revolution of the ellipse,
+        which begins where |Q - Q0| is largest while P grows.
 
-        Where actuators are prescribed, the approach stands in the place of P, and the displacement
-        in that of Q.
+        Where actuators are prescribed, the approach [length] stands in the place of P, and the
+        displacement U [length] in that of Q.
         """
         tangential_mean = self.mean_tangential_load
         tangential_amplitude = self.tangential_amplitude
@@ -489,76 +508,80 @@ class EllipseLoad(CyclicLoad[Wave]):
         if self.approach is not None:
             normal_mean = self.approach.mean
             normal_amplitude = self.approach.amplitude
-        begin = phase + math.pi if phase >= 0 else phase + 2 * math.pi
+        # |Q - Q0| is largest at t = phase and half a revolution later; P grows for pi < t < 2 pi.
+        start_time = phase + math.pi if phase >= 0 else phase + 2 * math.pi
         revolution = ellipse_segment(
-            begin,
-            begin + 2 * math.pi,
+            start_time,
+            start_time + 2 * math.pi,
             (normal_mean, tangential_mean),
             (normal_amplitude, tangential_amplitude),
             phase,
         )
-        first_p, first_q = revolution.loads(begin)
-        first_loads = (float(first_p), float(first_q))
         if self.initial_loading == "parabola":
-            parabola = parabola_segment(begin - math.pi, begin, first_loads, 0.0)
+            first_p, first_q = revolution.loads(start_time)
+            first_loads = (float(first_p), float(first_q))
+            # dQ/dP = 0 at its end: there Q is at an extreme of the ellipse.
+            parabola = parabola_segment(start_time - math.pi, start_time, first_loads, 0.0)
             return LoadPath((parabola,), (revolution,))
         loading = straight_loading(self.initial_loading, revolution, math.pi)
         return LoadPath(loading, (revolution,))
 
 
 class StraightLoad(BulkAndTilt[tuple[float, ...]]):
-    """A load of straight lines, whose bulk stresses and tilts are straight between its corners
+    """A load of straight lines, whose bulk stresses and tilts are straight between its vertices
     too.
     """
 
-    entries: ClassVar[str]
-    """What the entries of a list stand for."""
+    rule_of_entries: ClassVar[str]
+    """What the entries of a list of bulk stresses or tilts belong to, for messages."""
 
     @abc.abstractmethod
-    def places(self, corners: int) -> tuple[Sequence[int], int]:
-        """Which entry of a list each corner of the path has, -1 for none; up to which corner a
-        number grows with P.
+    def entries_of_vertices(self, vertex_count: int) -> tuple[Sequence[int], int]:
+        """Number of the list entry that belongs to each vertex of the load path, -1 for a vertex
+        whose value is 0; and the number of the vertex up to which a single value grows with P.
         """
 
-    def entries_needed(self, places: Sequence[int]) -> int:
-        """How many entries a list has."""
-        return max(places) + 1
+    def needed_entry_count(self, entry_numbers: Sequence[int]) -> int:
+        """How many entries a list must have."""
+        return max(entry_numbers) + 1
 
-    def at_corners(
+    def values_at_vertices(
         self,
-        value: Any,
+        key_value: Any,
         normal_loads: NDArray[np.float64],
-        last_load: float,  # noqa: ARG002 no time is needed
+        value_at_cycle_start: float,  # noqa: ARG002 straight loads follow no formula
     ) -> NDArray[np.float64]:
-        """Values of a bulk stress or tilt at the n vertices of a load path of straight lines, (n,).
+        """Values (n,) of a bulk stress, tilt or moment at the n vertices of a load path of straight
+        lines.
 
         Parameters
         ----------
-        value
-            of the key in the scene: a number, which holds at all vertices of the cycle and grows in
-            proportion to P before; or a tuple with an entry for each vertex
+        key_value
+            what the scene states for the quantity: a number, which holds at all vertices of the
+            cycle and grows in proportion to P before; a tuple with an entry for each vertex; or
+            None for 0
         normal_loads
             (n,) P at the vertices, from 0 on
-        last_load
-            plays no part here
+        value_at_cycle_start
+            not used: no formula of time begins there
 
         Raises
         ------
         ValueError
             For a tuple of another length.
         """
-        places, first_place = self.places(len(normal_loads))
-        if not isinstance(value, tuple):
-            growth = normal_loads / (normal_loads[first_place] or 1.0)
-            return (value or 0.0) * np.where(
-                np.arange(len(normal_loads)) < first_place, growth, 1.0
-            )
-        if len(value) != (n_needed := self.entries_needed(places)):
+        entry_numbers, cycle_start = self.entries_of_vertices(len(normal_loads))
+        if not isinstance(key_value, tuple):
+            growth = normal_loads / (normal_loads[cycle_start] or 1.0)
+            is_before_cycle = np.arange(len(normal_loads)) < cycle_start
+            return (key_value or 0.0) * np.where(is_before_cycle, growth, 1.0)
+        needed_count = self.needed_entry_count(entry_numbers)
+        if len(key_value) != needed_count:
             raise ValueError(
-                f"a bulk stress or tilt has {len(value)} values, and {n_needed} are needed,"
-                f" {self.entries}"
+                f"a bulk stress or tilt has {len(key_value)} values, and {needed_count} are"
+                f" needed, {self.rule_of_entries}"
             )
-        return np.array([value[k] if k >= 0 else 0.0 for k in places])
+        return np.array([key_value[k] if k >= 0 else 0.0 for k in entry_numbers])
 
 
 class PolygonLoad(StraightLoad):
@@ -595,16 +618,18 @@ class PolygonLoad(StraightLoad):
     tangential_displacement: bool = Field(False, description=_IS_SECOND)
     approach: bool = Field(False, description=_IS_FIRST)
 
-    entries = "one for each point of initial_loading and cycle"
+    rule_of_entries = "one for each point of initial_loading and cycle"
 
-    def places(self, corners: int) -> tuple[Sequence[int], int]:
-        first_place = len(self.initial_loading)
-        return [*range(-1, first_place + len(self.cycle)), first_place - 1][:corners], first_place
+    def entries_of_vertices(self, vertex_count: int) -> tuple[Sequence[int], int]:
+        cycle_start = len(self.initial_loading)
+        # -1 for (0, 0); the return to the start of the cycle has the entry of that start.
+        entry_numbers = [*range(-1, cycle_start + len(self.cycle)), cycle_start - 1]
+        return entry_numbers[:vertex_count], cycle_start
 
     @model_validator(mode="after")
-    def _moves(self) -> Self:
-        """Refuse a polygon in which two vertices that follow each other have equal loads, bulk
-        stresses and tilt (ValueError), since nothing happens between them.
+    def _require_distinct_vertices(self) -> Self:
+        """Refuse a polygon in which two successive vertices have equal loads, bulk stresses and
+        tilt (ValueError), since nothing happens between them.
 
         Where the scene states the times of the vertices, such rests are allowed, and the times are
         checked instead.
@@ -614,23 +639,30 @@ class PolygonLoad(StraightLoad):
             self._check_times(self.times)
             return self
         path = self.path_of_actuators() if self.is_driven else self.path()
-        for leg in (*path.initial_loading, *path.cycle):
-            ends = np.array([leg.start, leg.end])
-            parts = [part for part in (leg, leg.bulk, leg.turning) if part is not None]
+        for segment in (*path.initial_loading, *path.cycle):
+            times_of_ends = np.array([segment.start, segment.end])
+            # `turning` has tilt and moment.
+            pairs_of_quantities = [
+                companion.loads(times_of_ends)
+                for companion in (segment, segment.bulk, segment.turning)
+                if companion is not None
+            ]
             if all(
-                load_at_begin == load_at_end
-                for part in parts
-                for load_at_begin, load_at_end in part.loads(ends)
+                value_at_begin == value_at_end
+                for pair in pairs_of_quantities
+                for value_at_begin, value_at_end in pair
             ):
-                has_lists = any(isinstance(getattr(self, key), tuple) for key in KEYS)
+                has_lists = any(isinstance(getattr(self, key), tuple) for key in BULK_AND_TILT_KEYS)
                 remark = " with the same bulk stress and tilt" if has_lists else ""
-                point = [float(load) for load in leg.loads(leg.start)]
+                point = [float(load) for load in segment.loads(segment.start)]
                 raise ValueError(f"the point {point} stands twice in a row{remark}: leave one out")
         return self
 
     @property
-    def _corners(self) -> list[Point]:
-        """The points of the path, (0, 0) and the return among them."""
+    def _vertices(self) -> list[Point]:
+        """(P, Q) at the vertices of the load path, with (0, 0) first and, where there is a cycle,
+        the return to its start last.
+        """
         return [
             (0.0, 0.0),
             *self.initial_loading,
@@ -642,11 +674,11 @@ class PolygonLoad(StraightLoad):
         """Refuse times of the vertices of a polygon that are too few, too many, or do not ascend
         (ValueError). Two vertices with equal loads and different times are a rest.
         """
-        count = len(self._corners)
-        if len(times) != count:
+        vertex_count = len(self._vertices)
+        if len(times) != vertex_count:
             raise ValueError(
-                f"times has {len(times)} entries, and {count} are needed: of (0, 0), of each point"
-                " of initial_loading and cycle, and of the return where there is a cycle"
+                f"times has {len(times)} entries, and {vertex_count} are needed: of (0, 0), of each"
+                " point of initial_loading and cycle, and of the return where there is a cycle"
             )
         for time_before, time_after in pairwise(times):
             if not time_before < time_after:
@@ -655,19 +687,19 @@ class PolygonLoad(StraightLoad):
                 )
 
     def path_of_loads(self) -> LoadPath:
-        corners = self._corners
-        times = self.times or tuple(float(k) for k in range(len(corners)))
-        rows = [(time, *point) for time, point in zip(times, corners, strict=True)]
-        segments = straight_segments(rows)
-        first_loads = len(self.initial_loading)
-        return LoadPath(segments[:first_loads], segments[first_loads:])
+        vertices = self._vertices
+        times = self.times or tuple(float(k) for k in range(len(vertices)))
+        times_and_loads = [(time, *vertex) for time, vertex in zip(times, vertices, strict=True)]
+        segments = straight_segments(times_and_loads)
+        initial_count = len(self.initial_loading)
+        return LoadPath(segments[:initial_count], segments[initial_count:])
 
 
-def _require_one_normal_key(load: EllipseLoad | HarmonicLoad, varying: str) -> None:
+def _require_load_or_approach(load: EllipseLoad | HarmonicLoad, variation_key: str) -> None:
     """Refuse a cyclic load that states neither the mean of P nor an approach in its place, or both
     of them, or an approach without a tangential displacement (ValueError).
 
-    `varying` is the key of what P varies by: an amplitude or harmonics.
+    `variation_key` is the key of what is added to the mean of P: its amplitude or harmonics.
     """
     if load.approach is None:
         if not load.mean_normal_load:
@@ -680,9 +712,9 @@ def _require_one_normal_key(load: EllipseLoad | HarmonicLoad, varying: str) -> N
             "approach goes with tangential_displacement: state that too, with mean = 0 alone where"
             " nothing moves along the faces"
         )
-    if load.mean_normal_load or getattr(load, varying):
+    if load.mean_normal_load or getattr(load, variation_key):
         raise ValueError(
-            f"approach stands in the place of mean_normal_load and {varying}: leave these out"
+            f"approach stands in the place of mean_normal_load and {variation_key}: leave these out"
         )
     if not load.approach.mean > 0:
         raise ValueError(
@@ -743,15 +775,15 @@ class HarmonicLoad(CyclicLoad[WaveSum]):
                 "tangential_displacement stands in the place of mean_tangential_load and"
                 " tangential_harmonics: leave these out"
             )
-        _require_one_normal_key(self, "normal_harmonics")
+        _require_load_or_approach(self, "normal_harmonics")
         return self
 
     def path_of_loads(self) -> LoadPath:
-        """Path of P and Q over time: initial loading, then one revolution of the harmonics, from
+        """Load path of P and Q over time: initial loading, then one cycle of the harmonics, from
         time 0 to 2 pi.
 
-        Where actuators are prescribed, the approach stands in the place of P, and the displacement
-        in that of Q.
+        Where actuators are prescribed, the approach [length] stands in the place of P, and the
+        displacement U [length] in that of Q.
         """
         tangential_mean = self.mean_tangential_load
         tangential_harmonics = self.tangential_harmonics
@@ -763,14 +795,15 @@ class HarmonicLoad(CyclicLoad[WaveSum]):
         if self.approach is not None:
             normal_mean = self.approach.mean
             normal_harmonics = self.approach.harmonics
-        revolution = HarmonicSegment(
+        cycle = HarmonicSegment(
             0.0,
             2 * math.pi,
             (normal_mean, tangential_mean),
             _in_radians(normal_harmonics),
             _in_radians(tangential_harmonics),
         )
-        return LoadPath(straight_loading(self.initial_loading, revolution, math.pi), (revolution,))
+        # Each line of the initial loading takes half a cycle.
+        return LoadPath(straight_loading(self.initial_loading, cycle, math.pi), (cycle,))
 
     def in_words(self, unit: str) -> str:
         return (
@@ -810,7 +843,7 @@ class RecordRow(Frozen):
     row: int = Field(ge=1, description="number of the row of numbers, from 1 on")
 
 
-_CURE_OF_TIMES = (
+_ADVICE_ON_TIMES = (
     "; where they have too few digits, state interval, the time from row to row; where a second"
     " test follows, leave it out by end"
 )
@@ -921,12 +954,12 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             kinds = {"time": "time", "P": "load", "U": "length"}
         if self.approach:
             kinds = {"time": "time", "approach": "length", "U": "length"}
-        for name in self._no_columns:
+        for name in self._stated_quantities:
             kinds.pop(name, None)
         return kinds
 
     @property
-    def _no_columns(self) -> dict[str, float]:
+    def _stated_quantities(self) -> dict[str, float]:
         """Quantities that are stated in place of a column."""
         stated = {"time": self.interval, "P": self.constant_normal_load}
         return {name: value for name, value in stated.items() if value is not None}
@@ -941,18 +974,18 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         try:
             return super()._table_of(path, columns, stated)
         except MissingColumnError as fault:
-            raise InputError(f"{fault}{self._cure_of_missing(fault)}") from fault
+            raise InputError(f"{fault}{self._advice_on_missing_columns(fault)}") from fault
 
-    def _cure_of_missing(self, fault: MissingColumnError) -> str:
+    def _advice_on_missing_columns(self, fault: MissingColumnError) -> str:
         """Advice for the message on columns that a measured file lacks: keys of the scene that can
         stand in their place; empty where the file has none of the columns.
         """
         missing_names = set(fault.columns)
         if missing_names == set(self.column_kinds):
             return ""
-        names_of_displacement = {plain(alias) for alias in aliases_of("U")}
+        headings_of_displacement = {plain(alias) for alias in aliases_of("U")}
         has_displacement = any(
-            plain(heading) in names_of_displacement for heading in fault.headings
+            plain(heading) in headings_of_displacement for heading in fault.headings
         )
         proposals = []
         if "time" in missing_names:
@@ -966,19 +999,23 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             proposals.append("tangential_displacement = true, where the rig prescribed U")
         return "".join(f"; or {proposal}" for proposal in proposals)
 
-    def _of_no_column(self) -> list[tuple[str, str]]:
-        words: list[tuple[str, str]] = []
+    def _stated_quantities_in_words(self) -> list[tuple[str, str]]:
+        descriptions: list[tuple[str, str]] = []
         if self.interval is not None:
-            words.append(("time", f"no column: {self.interval:.9g} from row to row (interval)"))
+            time_step = f"{self.interval:.9g}"
+            descriptions.append(("time", f"no column: {time_step} from row to row (interval)"))
         if self.constant_normal_load is not None:
-            value = f"{self.constant_normal_load:.9g}"
-            words.append(("P", f"no column: {value} in every row (constant_normal_load)"))
-        return words
+            normal_load = f"{self.constant_normal_load:.9g}"
+            descriptions.append(
+                ("P", f"no column: {normal_load} in every row (constant_normal_load)")
+            )
+        return descriptions
 
-    def _with_no_columns(self, values: Array) -> Array:
+    def _with_stated_quantities(self, values: Array) -> Array:
         if self.constant_normal_load is not None:
-            place = 0 if self.interval is not None else 1
-            values = np.insert(values, place, self.constant_normal_load, axis=1)
+            # P comes after the times, which are put before it below where the file has none.
+            column_of_p = 0 if self.interval is not None else 1
+            values = np.insert(values, column_of_p, self.constant_normal_load, axis=1)
         if self.interval is not None:
             values = np.insert(values, 0, self.interval * np.arange(len(values)), axis=1)
         return values
@@ -995,9 +1032,9 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return self
 
     @model_validator(mode="after")
-    def _threshold_has_a_use(self) -> Self:
-        """Refuse keys on how a record of loads is reduced, where they have no use or contradict
-        other keys: threshold, average, least_normal_load, reduce (ValueError with what to do).
+    def _require_useful_reduction_keys(self) -> Self:
+        """Refuse the keys threshold, average, least_normal_load and reduce, by which a record of
+        loads is reduced, where they have no effect or contradict other keys (ValueError).
         """
         if self.threshold is not None and self.reduce is None:
             raise ValueError(
@@ -1031,7 +1068,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return self
 
     def check_rows(self) -> None:
-        """Refuse rows that are no record of loads over time.
+        """Refuse rows between `start` and `end` that are no record of time, P and Q.
 
         Raises
         ------
@@ -1058,7 +1095,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             np.diff(times[first_row:row_beyond]) <= 0,
             lambda k: (
                 f"time = {times[k]:.12g} {faults_of_times[int(times[k] < times[k - 1])]}: the times"
-                f" must ascend{_CURE_OF_TIMES if self.file is not None else ''}"
+                f" must ascend{_ADVICE_ON_TIMES if self.file is not None else ''}"
             ),
             first_row + 1,
         )
@@ -1083,8 +1120,10 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             )
 
     def bounds(self) -> tuple[int, int]:
-        """First and one past the last row of the record that count, numbered from 0, by the keys
-        `start` and `end`, each a time or the number of a row.
+        """Numbers, from 0, of the first row of the record that is used and of the one after the
+        last, by the keys `start` and `end`.
+
+        Each key is a time, or the number of a row from 1, and belongs to the rows that are used.
         """
         time = self.rows.values[:, 0]
         first_row = 0
@@ -1100,8 +1139,8 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return first_row, row_beyond
 
     def used_rows(self) -> Table:
-        """The rows (n, 3) of time, P and Q of the record that count: those between `start` and
-        `end`, with noise at small loads removed.
+        """Rows (n, 3) of time, P and Q of the record from `start` to `end`, with noise at small
+        loads removed.
 
         Where a least normal load is stated, rows below it get Q = 0 and P not below 0. All but the
         last of those before the first loaded row are dropped, and that one gets the least load.
@@ -1126,16 +1165,20 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return Table.of(rows_between)
 
     def kept_rows(self) -> NDArray[np.float64]:
-        """The rows (m, 3) that the path goes through, after means and reduction."""
+        """Rows (m, 3) of time, P and Q that the load path goes through: the used rows after means
+        and reduction.
+        """
         rows = self.used_rows()
         if self.average == 1 and self.reduce is None:
             return rows.values
-        size = self.threshold or Threshold()
-        return reduced(rows, self.average, self.reduce, size.P, size.Q)
+        threshold = self.threshold or Threshold()
+        return reduced_record(rows, self.average, self.reduce, threshold.P, threshold.Q)
 
     def series(self) -> NDArray[np.float64]:
-        """The rows (n, 3) of time, P and Q that the load path goes through, after cuts, means and
-        reduction of the record. A row with P = Q = 0 is put before a record that starts loaded.
+        """Load series (n, 3) of time, P and Q: the rows that the load path goes through.
+
+        They are those of the record after cuts, means and reduction. A record that starts loaded
+        gets a row P = Q = 0 before.
 
         Raises
         ------
@@ -1147,22 +1190,24 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         return self._rows_from_rest()
 
     def _rows_from_rest(self) -> NDArray[np.float64]:
-        """The rows that the path goes through, loads or ways of actuators, from (0, 0) on."""
+        """Rows (n, 3) that the path goes through, from (0, 0) on: time, P or the approach, Q or the
+        displacement U.
+        """
         rows = self.kept_rows()
         if not np.any(rows[0, 1:]):
             return rows
         duration = (rows[-1, 0] - rows[0, 0]) / (len(rows) - 1)
         return np.concatenate([[[rows[0, 0] - duration, 0.0, 0.0]], rows])
 
-    entries = "one for each row"
+    rule_of_entries = "one for each row"
 
-    def places(self, corners: int) -> tuple[Sequence[int], int]:
-        first_place, row_beyond = self.bounds()
+    def entries_of_vertices(self, vertex_count: int) -> tuple[Sequence[int], int]:
+        first_row, row_beyond = self.bounds()
         # 1 where a line from (0, 0) comes before the rows
-        lines_before = corners - (row_beyond - first_place)
-        return [*[-1] * lines_before, *range(first_place, row_beyond)], 1
+        vertices_before = vertex_count - (row_beyond - first_row)
+        return [*[-1] * vertices_before, *range(first_row, row_beyond)], 1
 
-    def entries_needed(self, places: Sequence[int]) -> int:  # noqa: ARG002
+    def needed_entry_count(self, entry_numbers: Sequence[int]) -> int:  # noqa: ARG002
         return len(self.rows)
 
     def path_of_loads(self) -> LoadPath:
@@ -1193,12 +1238,12 @@ class TimeSeriesLoad(StraightLoad, FromFile):
             rows_text += (
                 f", which pass the others within {threshold.P:.6g} in P and {threshold.Q:.6g} in Q"
             )
-        limits_text = (
+        ranges_text = (
             f"P goes from {least_values[1]:.6g} to {largest_values[1]:.6g} and Q from"
             f" {least_values[2]:.6g} to {largest_values[2]:.6g}"
             f" {unit}"
         )
-        return f"the loads follow {rows_text}. {limits_text}{repetition_text}"
+        return f"the loads follow {rows_text}. {ranges_text}{repetition_text}"
 
 
 class CallableLoad(BulkAndTilt[PythonFunction]):
@@ -1235,7 +1280,7 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
     )
 
     @model_validator(mode="after")
-    def _check(self) -> Self:
+    def _require_continuous_loads(self) -> Self:
         """Refuse functions of time whose P or Q jumps, also from the end of a cycle that repeats to
         its begin (ValueError with time and values).
         """
@@ -1250,7 +1295,7 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
             for name, value_before, value_after in zip(
                 ("normal_load", "tangential_load"), loads_before, loads_after, strict=True
             ):
-                if abs(float(value_before - value_after)) > 1e3 * _ROUNDING * max(
+                if abs(float(value_before - value_after)) > 1e3 * _ROUNDOFF * max(
                     abs(float(loads_before[0])), abs(float(loads_after[0]))
                 ):
                     raise ValueError(
@@ -1260,10 +1305,11 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         return self
 
     def _segments(self) -> list[ChebyshevSegment]:
-        """Approximate P and Q, given as functions of time, by Chebyshev series on intervals, short
-        enough also for bulk stresses and tilt that are functions.
+        """Load segments of P and Q, given as functions of time, by Chebyshev series on successive
+        intervals of time.
 
-        The intervals end at the corners of any of the functions.
+        The intervals are short enough also for bulk stresses and tilt that are functions, and end
+        where any of the functions has a corner, a jump of its rate.
 
         Raises
         ------
@@ -1274,24 +1320,31 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
             "normal_load": values_of(self.normal_load),
             "tangential_load": values_of(self.tangential_load),
         }
-        functions |= {
-            key: values_of(getattr(self, key)) for key in KEYS if callable(getattr(self, key))
-        }
-        # Not in halves: a function of few turns is met between its corners, not on them.
-        edges = self.duration * np.array([0.0, 0.23, 0.47, 0.74, 1.0])
-        times = np.linspace(0, self.duration, 65)
+        for key in BULK_AND_TILT_KEYS:
+            key_value = getattr(self, key)
+            if callable(key_value):
+                functions[key] = values_of(key_value)
+        sample_times = np.linspace(0, self.duration, 65)
         for name, function in functions.items():
-            is_not_finite = ~np.isfinite(function(times))
+            is_not_finite = ~np.isfinite(function(sample_times))
             if np.any(is_not_finite):
-                raise ValueError(f"{name} is not finite at time {times[is_not_finite][0]:.6g}")
+                raise ValueError(
+                    f"{name} is not finite at time {sample_times[is_not_finite][0]:.6g}"
+                )
+        # Largest value of each function. Errors of Q are relative to P.
         scales = {
-            name: float(np.max(np.abs(function(times)))) for name, function in functions.items()
+            name: float(np.max(np.abs(function(sample_times))))
+            for name, function in functions.items()
         }
-        load_scale = scales["tangential_load"] = scales["normal_load"]
+        load_scale = scales["normal_load"]
+        scales["tangential_load"] = load_scale
+        # Not at simple fractions of the duration, where a function of few periods has its corners:
+        # a corner is to lie inside an interval, and is located there.
+        interval_ends = self.duration * np.array([0.0, 0.23, 0.47, 0.74, 1.0])
         # Twice, so that the corners of each function are ends of intervals for all.
         for name, function in [*functions.items()] * 2:
             try:
-                edges = fit(function, edges, scales[name] or 1.0).edges
+                interval_ends = fit(function, interval_ends, scales[name] or 1.0).edges
             except Unresolved as fault:
                 cause = "not finite, or it jumps or swings too fast"
                 raise ValueError(
@@ -1300,18 +1353,18 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
                 ) from fault
         load_functions = [functions["normal_load"], functions["tangential_load"]]
         return [
-            _chebyshev_piece(begin, end, load_functions, load_scale)
-            for begin, end in pairwise(edges.tolist())
+            _chebyshev_segment(begin, end, load_functions, load_scale)
+            for begin, end in pairwise(interval_ends.tolist())
         ]
 
     def path_of_loads(self) -> LoadPath:
-        """Path of P and Q over time: initial loading, unless the functions start unloaded, then
-        the functions, as a cycle where they repeat.
+        """Load path of P and Q over time: initial loading, unless P and Q start at 0, then their
+        functions of time, as a cycle where they repeat.
         """
         segments = tuple(self._segments())
         first_loads = np.abs(segments[0].loads(0.0))
         last_loads = np.abs(segments[-1].loads(self.duration))
-        starts_loaded = np.max(first_loads) > _ROUNDING * np.max(last_loads)
+        starts_loaded = np.max(first_loads) > _ROUNDOFF * np.max(last_loads)
         initial_loading: tuple[LoadSegment, ...] = ()
         if self.repeats or self.initial_loading != "straight" or starts_loaded:
             initial_loading = straight_loading(self.initial_loading, segments[0], self.duration / 2)
@@ -1319,24 +1372,24 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
             return LoadPath(initial_loading, segments)
         return LoadPath((*initial_loading, *segments), ())
 
-    def curved(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
+    def formula_segments(self, path: LoadPath, pair: Pair) -> Sequence[LoadSegment]:
         """Two quantities over time beside P and Q, such as both bulk stresses, as Chebyshev series
-        along the segments of the load `path` from time 0 on.
+        over the same times as the segments of the load `path` from time 0 on.
 
-        `pair` holds the two: functions of time, numbers, or None for 0.
+        `pair` holds what the scene states for the two: functions of time, numbers, or None for 0.
         """
-        functions = [
-            (
-                values_of(key_value)
-                if callable(key_value)
-                else lambda time, key_value=key_value: np.full(np.shape(time), key_value or 0.0)
-            )
-            for key_value in pair
-        ]
+
+        def function_of(key_value: Any) -> Callable[[Any], Any]:
+            if callable(key_value):
+                return values_of(key_value)
+            return lambda time: np.full(np.shape(time), key_value or 0.0)
+
+        functions = [function_of(key_value) for key_value in pair]
+        # Straight lines of the initial loading end at time 0.
         return [
-            _chebyshev_piece(leg.start, leg.end, functions)
-            for leg in (*path.initial_loading, *path.cycle)
-            if leg.start >= 0
+            _chebyshev_segment(segment.start, segment.end, functions)
+            for segment in (*path.initial_loading, *path.cycle)
+            if segment.start >= 0
         ]
 
     def in_words(self, unit: str) -> str:
@@ -1346,27 +1399,24 @@ class CallableLoad(BulkAndTilt[PythonFunction]):
         )
 
 
-def _chebyshev_piece(
-    begin: float, end: float, functions: Sequence[Callable[[Any], Any]], scale: float = 0.0
+def _chebyshev_segment(
+    begin: float, end: float, functions: Sequence[Callable[[Any], Any]], load_scale: float = 0.0
 ) -> ChebyshevSegment:
     """Segment of a load path from time `begin` to `end` whose two loads are Chebyshev series
-    through values of two `functions` of time.
+    through values of two `functions` of time, from an array of times to one of loads.
 
-    Terms at the end of a series that are below the round-off of `scale`, the size of the loads, are
+    Last terms of a series that are below the round-off of `load_scale`, the size of the loads, are
     left out.
     """
-    coefficients = [
-        series(function(begin + (end - begin) * (1 + NODES) / 2)) for function in functions
-    ]
-    degrees = [
-        int(np.max(np.flatnonzero(np.abs(coefficients_of_load) > 1e-16 * scale), initial=0))
-        for coefficients_of_load in coefficients
-    ]
+    times = begin + (end - begin) * (1 + NODES) / 2  # at Chebyshev points
+
+    def coefficients_of(function: Callable[[Any], Any]) -> tuple[float, ...]:
+        coefficients = series(function(times))
+        is_above_roundoff = np.abs(coefficients) > 1e-16 * load_scale
+        degree = int(np.max(np.flatnonzero(is_above_roundoff), initial=0))
+        return tuple(coefficients[: degree + 1].tolist())
+
+    first_function, second_function = functions
     return ChebyshevSegment(
-        begin,
-        end,
-        *(
-            tuple(coefficients_of_load[: degree + 1].tolist())
-            for coefficients_of_load, degree in zip(coefficients, degrees, strict=True)
-        ),
+        begin, end, coefficients_of(first_function), coefficients_of(second_function)
     )

@@ -5,7 +5,7 @@ fewer rows for a long record.
 from __future__ import annotations
 
 import abc
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -44,8 +44,8 @@ class Table:
 
     @classmethod
     def of(cls, rows: ArrayLike | Table) -> Table:
-        """Make a table from lists, an array or another table: rows of equally many finite numbers;
-        ValueError with the first row that is none.
+        """Table (n_rows, n_columns) of lists, of an array or of another table: rows of equally many
+        finite numbers; ValueError with the first row that is none.
         """
         try:
             values = (
@@ -101,8 +101,7 @@ class Table:
 
 
 ReadAs = tuple[tuple[str, str], ...]
-# Keys that say how a file is read.
-READING = (
+READING_KEYS = (
     "columns",
     "units",
     "thickness",
@@ -112,7 +111,8 @@ READING = (
     "interval",
     "constant_normal_load",
 )
-# What each of them is, for descriptions.
+"""Keys of a scene that say how a text file is read."""
+# What some of them are, for the descriptions of keys.
 COLUMNS = "headings or numbers (from 1) of columns without a usual name"
 UNITS = "units of columns whose headings state none; turned into those of the scene"
 SCALE = "factors of the columns, such as a calibration"
@@ -131,7 +131,7 @@ class ColumnUnit:
     Attributes
     ----------
     word
-        as it stands in the file or was stated; empty where there is none
+        the unit as it stands in the file or was stated; empty where there is none
     source
         "in its heading", "in the line of units", or "stated"
     factor
@@ -140,7 +140,7 @@ class ColumnUnit:
         whether it is a force per length
     fault
         why the word is no unit that can be used; empty where it can
-    words
+    remark
         all this for the user; empty where the unit of a time is not stated
     """
 
@@ -149,7 +149,7 @@ class ColumnUnit:
     factor: float
     per_length: bool
     fault: str
-    words: str
+    remark: str
 
     @property
     def known(self) -> bool:
@@ -158,12 +158,14 @@ class ColumnUnit:
 
 
 def unit_of_column(
-    table: TextTable, column: int, kind: Kind, units: str, stated: str | None = None
+    table: TextTable, column: int, kind: Kind, units: str, stated_unit: str | None = None
 ) -> ColumnUnit:
-    """Find the unit of a column of a text table, and its factor to the units of the scene.
+    """Unit of one column of a text table, with the factor from the file's numbers to the units of
+    the scene.
 
-    It is the `stated` one, else the one in the line of units or in the heading of the column.
-    Without one, or with an unknown one, the factor is 1 and the description says so.
+    It is the unit that the user states, else that in the file's line of units, else that in the
+    column's heading. Where there is none, or it is not understood, the factor is 1 and the remark
+    says so.
 
     Parameters
     ----------
@@ -172,31 +174,43 @@ def unit_of_column(
     column
         number of the column, from 0
     kind
-        what its unit must be, such as a length
+        kind of its unit, such as "load" or "length"
     units
         units of the scene, such as "N, mm, MPa"
-    stated
+    stated_unit
         unit that the user states for the column, if any
     """
-    unit_name = stated or table.units[column] or short_unit_in(table.headings[column], kind)
+    heading = table.headings[column]
+    # The unit of "P [N]" or "P / N"; and that of "Force N", a last word of up to three letters.
+    _, marked_unit = unit_in(heading)
+    unit_at_end = short_unit_in(heading, kind)
+    word = stated_unit or table.units[column] or unit_at_end
     source = "in its heading"
-    if stated:
+    if stated_unit:
         source = "stated"
-    elif unit_name and unit_name not in (
-        unit_in(table.headings[column])[1],
-        short_unit_in(table.headings[column], kind),
-    ):
+    elif word and word not in (marked_unit, unit_at_end):
         source = "in the line of units"
-    if not unit_name:
-        remark = "no unit stated: taken to be in that of the scene"
-        return ColumnUnit("", source, 1.0, False, "", "" if kind == "time" else remark)
-    try:
-        factor, per_length = unit_factor(unit_name, kind, units)
-    except ValueError as reason:
-        remark = f"{unit_name!r} {source} is no unit that is known: taken as it stands"
-        return ColumnUnit(unit_name, source, 1.0, False, str(reason), remark)
-    remark = f"{unit_name} ({source}), times {factor:.9g}"
-    return ColumnUnit(unit_name, source, factor, per_length, "", remark)
+    factor = 1.0
+    per_length = False
+    fault = ""
+    if not word:
+        # A missing unit of time needs no remark, since it changes no result.
+        remark = "" if kind == "time" else "no unit stated: taken to be in that of the scene"
+    else:
+        try:
+            factor, per_length = unit_factor(word, kind, units)
+            remark = f"{word} ({source}), times {factor:.9g}"
+        except ValueError as reason:
+            fault = str(reason)
+            remark = f"{word!r} {source} is no unit that is known: taken as it stands"
+    return ColumnUnit(
+        word=word,
+        source=source,
+        factor=factor,
+        per_length=per_length,
+        fault=fault,
+        remark=remark,
+    )
 
 
 def layout_in_words(path: Path, table: TextTable) -> list[tuple[str, str]]:
@@ -216,27 +230,41 @@ def layout_in_words(path: Path, table: TextTable) -> list[tuple[str, str]]:
     return layout
 
 
-class _Reading(NamedTuple):
-    """How a column becomes numbers of the scene: (number - zero) x factor; and this in words."""
+class _ColumnReading(NamedTuple):
+    """How the numbers of a column become those of the scene: (number - zero) x factor.
+
+    Attributes
+    ----------
+    zero
+        number of the file that means zero
+    factor
+        to the units of the scene
+    unit_known
+        whether there is a unit, and it was understood
+    description
+        all this for the user
+    """
 
     zero: float
     factor: float
     unit_known: bool
-    words: str
+    description: str
 
 
 class FromFile(Frozen):
-    """Keys of which one, `table`, is rows of numbers that may stand in a text `file` instead,
-    relative to the scene file.
+    """Part of a scene with rows of numbers, which may stand in a text `file` instead, relative to
+    the scene file.
 
     A number of the scene is sign x scale x unit x (number of the file - zero) / thickness.
     """
 
     table: ClassVar[str]
+    """Name of the key that holds the rows."""
     quantities: ClassVar[dict[str, Kind]]
+    """Columns of the rows in their order, and the kind of unit of each."""
     further: ClassVar[dict[str, Kind]] = {}
     """Keys that are lists, an entry for each row, which may be columns of the file too, where
-    `columns` names them.
+    `columns` names them; and the kind of unit of each.
     """
 
     kind: str
@@ -249,12 +277,13 @@ class FromFile(Frozen):
         return self.quantities
 
     @model_validator(mode="after")
-    def _read(self, validation: ValidationInfo) -> Self:
-        """Read measured rows from the file that the scene names, unless they are stated in the
-        scene itself: each column is converted into the scene's units.
+    def _read_file(self, validation: ValidationInfo) -> Self:
+        """Fill in the rows from the text file that the scene names, unless the scene itself states
+        them: each column is converted into the scene's units.
 
-        The key `read_as` then describes, for the user, how each column was read. The context of
-        the `validation` has the folder of the scene file and the units of the scene.
+        Columns of bulk stress, tilt or moment become the keys of these names. The key `read_as`
+        then describes, for the user, how each column was read. The context of the `validation` has
+        the folder of the scene file and the units of the scene.
 
         Raises
         ------
@@ -271,73 +300,77 @@ class FromFile(Frozen):
         units = (validation.context or {}).get("units")
         if not isinstance(units, str):
             units = _DEFAULT_UNITS
-        columns = getattr(self, "columns", None)
-        column_names = self._named(columns)
-        kinds = self.column_kinds | {name: self.further[name] for name in column_names}
-        table = self._table_of(path, tuple(kinds), columns)
-        reading_words = layout_in_words(path, table)
+        stated_columns = getattr(self, "columns", None)
+        optional_names = self._optional_columns_in(stated_columns)
+        kinds = self.column_kinds | {name: self.further[name] for name in optional_names}
+        table = self._table_of(path, tuple(kinds), stated_columns)
+        # (what, how) for the key `read_as`
+        descriptions = layout_in_words(path, table)
         is_converted = False
         for column, (name, kind) in enumerate(kinds.items()):
-            column_reading = self._reading(path, table, column, name, kind, units)
+            column_reading = self._reading_of_column(path, table, column, name, kind, units)
             is_converted = is_converted or (column_reading.unit_known and kind != "time")
             # Numbers that are not finite are refused later, with their row.
             with np.errstate(over="ignore", invalid="ignore"):
                 table.values[:, column] -= column_reading.zero
                 table.values[:, column] *= column_reading.factor
-            reading_words.append((name, column_reading.words))
-        reading_words += self._of_no_column()
+            descriptions.append((name, column_reading.description))
+        descriptions += self._stated_quantities_in_words()
         if table.unused:
-            headings = ", ".join(map(repr, table.unused[:_MOST_HEADINGS]))
-            rest_of_names = f" and {len(table.unused) - _MOST_HEADINGS} more" * (
-                len(table.unused) > _MOST_HEADINGS
-            )
-            reading_words.append(("not read", f"{headings}{rest_of_names}"))
+            descriptions.append(("not read", _headings_in_words(table.unused)))
         if is_converted:
-            reading_words.append((SCENE_UNITS, units))
-        stated_twice = [name for name in column_names if getattr(self, name) is not None]
-        if stated_twice:
+            descriptions.append((SCENE_UNITS, units))
+        names_stated_twice = [name for name in optional_names if getattr(self, name) is not None]
+        if names_stated_twice:
             raise InputError(
-                f"{self.file}: {stated_twice[0]} is a column of the file and stated beside it:"
-                " leave one out"
+                f"{self.file}: {names_stated_twice[0]} is a column of the file and stated beside"
+                " it: leave one out"
             )
-        values = Table.of(self._with_no_columns(table.values)).values
-        n_columns = values.shape[1] - len(column_names)
-        keys_read: dict[str, Any] = {
-            self.table: Table.of(values[:, :n_columns]),
-            "read_as": tuple(reading_words),
+        values = Table.of(self._with_stated_quantities(table.values)).values
+        # The optional columns come last.
+        n_table_columns = values.shape[1] - len(optional_names)
+        values_of_keys: dict[str, Any] = {
+            self.table: Table.of(values[:, :n_table_columns]),
+            "read_as": tuple(descriptions),
         }
-        for column, name in enumerate(column_names):
-            keys_read[name] = tuple(values[:, n_columns + column].tolist())
-        for name, value in keys_read.items():
-            object.__setattr__(self, name, value)
-        self.model_fields_set.update(keys_read)
+        for number, name in enumerate(optional_names):
+            values_of_keys[name] = tuple(values[:, n_table_columns + number].tolist())
+        # The model is frozen, and is still being validated here.
+        for key, key_value in values_of_keys.items():
+            object.__setattr__(self, key, key_value)
+        self.model_fields_set.update(values_of_keys)
         return self
 
     def _table_of(self, path: Path, columns: tuple[str, ...], stated: Frozen | None) -> TextTable:
-        """The columns of the file.
+        """The named `columns` of the text file at `path`, where `stated` gives headings or numbers
+        of columns without a usual name.
 
         Raises
         ------
         InputError
-            As the reader of tables.
+            For a file that cannot be read, or lacks a column.
         """
         from scenes.text_tables import text_table  # only a scene that names a file needs it
 
         return text_table(path, columns, stated=_stated_columns(stated))
 
-    def _of_no_column(self) -> list[tuple[str, str]]:
-        """The quantities that stand in the scene in place of a column, in words."""
+    def _stated_quantities_in_words(self) -> list[tuple[str, str]]:
+        """Quantities that the scene states in place of a column, such as a constant P, as (name,
+        description for the user).
+        """
         return []
 
-    def _with_no_columns(self, values: Array) -> Array:
-        """Rows (n, m) of the columns that are read, with the quantities that are no column."""
+    def _with_stated_quantities(self, values: Array) -> Array:
+        """Rows (n, m) of all columns, from the rows of those that the file has: the quantities that
+        the scene states in place of a column are filled in.
+        """
         return values
 
-    def _reading(
+    def _reading_of_column(
         self, path: Path, table: TextTable, column: int, name: str, kind: Kind, units: str
-    ) -> _Reading:
-        """How one column of a text file is turned into numbers of the scene: zero, factor, whether
-        its unit is known, and a description of all that for the user.
+    ) -> _ColumnReading:
+        """How the numbers of one column of a text file become those of the scene: the number that
+        means zero, the factor, whether the unit is known, and a description for the user.
 
         Parameters
         ----------
@@ -361,19 +394,20 @@ class FromFile(Frozen):
             per length with one.
         """
         heading = table.headings[column]
-        is_clock = bool(table.clock_start) and kind == "time"
-        unit = self._unit_of_reading(path, table, column, name, kind, units)
+        is_time_of_day = bool(table.clock_start) and kind == "time"
+        unit = self._understood_unit(path, table, column, name, kind, units)
         thickness = getattr(self, "thickness", None) if kind == "load" else None
         if unit.known and kind == "load":
             _check_thickness(path, name, unit, thickness)
         scale = _stated_columns(getattr(self, "scale", None)).get(name)
         zero = _stated_columns(getattr(self, "zero", None)).get(name)
         sign = _stated_columns(getattr(self, "sign", None)).get(name, 1)
+        # Without a line of headings, `heading` is the reader's own word, such as "column 2".
         phrases = [repr(heading) if table.head else heading]
-        if is_clock:
+        if is_time_of_day:
             phrases.append(f"times of day: seconds since {table.clock_start}")
-        elif unit.words:
-            phrases.append(unit.words)
+        elif unit.remark:
+            phrases.append(unit.remark)
         if zero is not None:
             phrases.append(f"zero at {zero:.9g} of the file")
         if scale is not None:
@@ -384,16 +418,33 @@ class FromFile(Frozen):
             phrases.append("sign turned")
         # The quotient is formed first: the order decides about the last digit.
         factor = unit.factor * ((1.0 if scale is None else scale) * sign / (thickness or 1.0))
-        return _Reading(0.0 if zero is None else zero, factor, unit.known, ", ".join(phrases))
+        return _ColumnReading(
+            zero=0.0 if zero is None else zero,
+            factor=factor,
+            unit_known=unit.known,
+            description=", ".join(phrases),
+        )
 
-    def _unit_of_reading(
+    def _understood_unit(
         self, path: Path, table: TextTable, column: int, name: str, kind: Kind, units: str
     ) -> ColumnUnit:
         """Unit of one column of a text file, as the user states it or as the file does, with its
         factor to the units of the scene.
 
-        The arguments are those of the column's reading: file, table, number and quantity of the
-        column, kind of unit, units of the scene.
+        Parameters
+        ----------
+        path
+            of the file, for messages
+        table
+            the file's columns, headings and units
+        column
+            number of the column in the `table`, from 0
+        name
+            quantity that it holds, such as "P"
+        kind
+            kind of its unit, such as "load" or "length"
+        units
+            units of the scene, such as "N, mm, MPa"
 
         Raises
         ------
@@ -424,37 +475,37 @@ class FromFile(Frozen):
         return unit
 
     @classmethod
-    def _named(cls, columns: Frozen | None) -> list[str]:
-        """Which of the further columns a table of `columns` names."""
+    def _optional_columns_in(cls, columns: Frozen | None) -> list[str]:
+        """Names of the optional columns, such as a bulk stress, that the key `columns` states."""
         return [name for name in _stated_columns(columns) if name in cls.further]
 
     def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
-        """The keys of this table that its user gave, with some changed; not checked yet.
+        """Keys of this part of the scene that the user gave, with `changes` (key -> new value)
+        merged in; not validated yet.
 
-        Where the file, or how it is read, changes, the rows that were read from the old one are
-        left out. Where the rows change, the file and all keys of reading are left out. `changes`
-        maps keys to new values.
+        Where the file, or how it is read, changes, the rows that were read from the old file are
+        left out. Where the rows change, the file and the keys on how it is read are left out.
         """
         keys = super().merged(changes)
-        columns_read = self._named(getattr(self, "columns", None))
-        if self.table in changes and "file" not in changes:
-            for key in ("file", "read_as", *READING, *(set(columns_read) - changes.keys())):
-                keys.pop(key, None)
-        elif (
-            self.table not in changes
-            and keys.get("file") is not None
-            and not changes.keys().isdisjoint(("file", *READING))
-        ):
-            for key in (self.table, "read_as", *(set(columns_read) - changes.keys())):
-                keys.pop(key, None)
+        optional_names = self._optional_columns_in(getattr(self, "columns", None))
+        keys_from_file = {"read_as"} | (set(optional_names) - changes.keys())
+        rows_change = self.table in changes
+        reading_changes = not changes.keys().isdisjoint(("file", *READING_KEYS))
+        outdated_keys: set[str] = set()
+        if rows_change and "file" not in changes:
+            outdated_keys = {"file", *READING_KEYS} | keys_from_file
+        elif not rows_change and keys.get("file") is not None and reading_changes:
+            outdated_keys = {self.table} | keys_from_file
+        for key in outdated_keys:
+            keys.pop(key, None)
         return keys
 
     @abc.abstractmethod
     def check_rows(self) -> None:
-        """RowError for the first row that is at fault."""
+        """Refuse rows that are no valid measurement: RowError with the first row at fault."""
 
     @model_validator(mode="after")
-    def _check(self, validation: ValidationInfo) -> Self:
+    def _require_valid_rows(self, validation: ValidationInfo) -> Self:
         """Refuse rows that are no valid measurement, with the line of the file that they come from,
         and keys on how a file is read where no file is named (ValueError).
         """
@@ -470,7 +521,7 @@ class FromFile(Frozen):
                 table = text_table(path, tuple(self.column_kinds), stated=columns)
                 place = f"{path}, line {table.lines[fault.row]}"
             raise ValueError(f"{place}: {fault.rule}") from fault
-        unused_keys = [key for key in READING if getattr(self, key, None) is not None]
+        unused_keys = [key for key in READING_KEYS if getattr(self, key, None) is not None]
         if self.file is None and unused_keys:
             raise ValueError(
                 f"{unused_keys[0]} says how a file is read, and `{self.table}` stand in the units"
@@ -483,7 +534,8 @@ def _check_thickness(path: Path, name: str, unit: ColumnUnit, thickness: float |
     """Refuse a column of forces where the scene states no thickness to divide them by, and one of
     forces per length where it does (InputError).
 
-    `name` is the quantity of the column, `thickness` that of the contact out of the plane [length].
+    `name` is the quantity of the column, such as "P"; `thickness` is that of the contact out of the
+    plane [length], or None.
     """
     if unit.per_length != (thickness is not None):
         return
@@ -501,78 +553,87 @@ def _folder(validation: ValidationInfo) -> Path:
     return Path((validation.context or {}).get("folder", "."))
 
 
-# Headings in a sentence.
+# Headings of unused columns that a sentence lists.
 _MOST_HEADINGS = 12
-# Of the library; where nothing else is stated.
+# Units of the scene where it states none.
 _DEFAULT_UNITS = "N, mm, MPa"
 SCENE_UNITS = "units of the scene"
 """Key of `read_as`: into which units the columns of a file were turned; left out where none was."""
 
 
+def _headings_in_words(headings: Sequence[str]) -> str:
+    """Headings for a sentence: the first twelve, and the number of the others."""
+    first_headings = ", ".join(map(repr, headings[:_MOST_HEADINGS]))
+    n_unlisted = len(headings) - _MOST_HEADINGS
+    return f"{first_headings} and {n_unlisted} more" if n_unlisted > 0 else first_headings
+
+
 def _stated_columns(table: Frozen | None) -> dict[str, Any]:
-    """What a table with a key for each column states of them."""
+    """Column name -> what a part of the scene with a key for each column states of it."""
     return {} if table is None else {name: value for name, value in table if value is not None}
 
 
 # --------------------------------------------------------------------- fewer rows for a long record
 Rows = NDArray[np.int64]
 Reduction = Literal["turning_points", "tolerance"]
-# Of the largest load: what rounding may make of a distance.
-_ROUNDING = 1e-12
+# Round-off of a distance in the P-Q plane, over the largest load.
+_ROUNDOFF = 1e-12
 
 
 @lru_cache(maxsize=4)  # a record of two million rows takes seconds, and is asked for by each engine
-def reduced(
+def reduced_record(
     rows: Table,
     average: int,
     reduction: Reduction | None,
     normal_threshold: float,
     tangential_threshold: float,
 ) -> Array:
-    """Reduce a long record of time, P and Q to fewer rows, (m, 3), by means of neighbouring rows,
-    by turning points, or by straight lines within a tolerance.
+    """Rows (m, 3) of time, P and Q that stand for a long record: means of neighbouring rows, of
+    which the turning points or the ends of straight lines within a tolerance are taken.
 
-    The first and the last row always stay. Results are cached, since each solution asks for them.
+    The first and the last row (or mean) always stay. Arrays are read-only and cached, since each
+    solution asks for them.
 
     Parameters
     ----------
     rows
-        the record, columns time, P and Q
+        the record (n, 3), columns time, P and Q
     average
         how many neighbouring rows are replaced by their mean first; 1 for none
     reduction
-        "turning_points": rows at which P or Q turns by more than its threshold. "tolerance":
-        straight lines, each as long as it can be, that pass the other rows, in their order, at
-        distances of at most the thresholds. None: all
+        "turning_points": rows at which P or Q reverses after a swing above its threshold.
+        "tolerance": ends of straight lines, each as long as it can be, that pass the other rows, in
+        their order, at distances of at most the thresholds. None: all rows
     normal_threshold, tangential_threshold
-        of P and of Q
+        of P and of Q [force per unit thickness]
 
     Examples
     --------
     >>> record = Table.of([[0, 9, 0], [1, 9, 5], [2, 9, 4.9], [3, 9, 8], [4, 9, -8]])
-    >>> reduced(record, 1, "turning_points", 0.0, 0.5)[:, 2].tolist()
+    >>> reduced_record(record, 1, "turning_points", 0.0, 0.5)[:, 2].tolist()
     [0.0, 8.0, -8.0]
-    >>> reduced(record, 2, None, 0.0, 0.0)[:, 2].tolist()
+    >>> reduced_record(record, 2, None, 0.0, 0.0)[:, 2].tolist()
     [2.5, 6.45, -8.0]
     """
     values = means(rows.values, average)
     if reduction is None:
         kept_values = values
     elif reduction == "turning_points":
-        rows_of_turns = (
-            turning_points(values[:, column], threshold)
-            for column, threshold in ((1, normal_threshold), (2, tangential_threshold))
-        )
-        kept_values = values[np.unique(np.concatenate([[0, len(values) - 1], *rows_of_turns]))]
+        rows_of_ends = [0, len(values) - 1]
+        rows_of_turns_in_p = turning_points(values[:, 1], normal_threshold)
+        rows_of_turns_in_q = turning_points(values[:, 2], tangential_threshold)
+        kept_values = values[
+            np.unique(np.concatenate([rows_of_ends, rows_of_turns_in_p, rows_of_turns_in_q]))
+        ]
     else:
         thresholds = np.array([normal_threshold, tangential_threshold])
-        kept_values = values[within(values[:, 1:], thresholds)]
+        kept_values = values[rows_within_tolerance(values[:, 1:], thresholds)]
     kept_values.flags.writeable = False
     return kept_values
 
 
 def means(values: Array, count: int) -> Array:
-    """The mean of each `count` neighbouring rows; the last of them may be of fewer."""
+    """Mean of each `count` neighbouring rows of `values` (n, m); the last mean may be of fewer."""
     if count == 1:
         return values
     starts = np.arange(0, len(values), count)
@@ -582,70 +643,69 @@ def means(values: Array, count: int) -> Array:
 
 
 def turning_points(values: Array, threshold: float) -> Rows:
-    """Rows (m,) of a measured series `values` (n,) at which it turns round, small swings left out:
-    an extreme counts once the series has left it by more than the `threshold`.
+    """Row numbers (m,) of the turning points of a measured series `values` (n,), small swings left
+    out: an extreme counts once the series has left it by more than the `threshold`.
 
     >>> turning_points(np.array([0.0, 3.0, 2.9, 3.2, 1.0, 2.0]), threshold=0.5).tolist()
     [0, 3, 4]
     """
     steps = np.diff(values)
     moving_rows = np.flatnonzero(steps)
-    # Rows of all extremes; of a plateau the first row.
-    turning_rows = moving_rows[:-1][steps[moving_rows[:-1]] * steps[moving_rows[1:]] < 0] + 1
-    turns: list[int] = []
+    # Rows of all extremes, large or small; of a plateau the first row.
+    extreme_rows = moving_rows[:-1][steps[moving_rows[:-1]] * steps[moving_rows[1:]] < 0] + 1
+    rows_of_turns: list[int] = []
     direction = 0  # of the swing that is followed: 1 up, -1 down, 0 unknown yet
-    row_of_least = 0  # extremes of that swing so far
+    row_of_least = 0  # of the least and the largest value in that swing so far
     row_of_largest = 0
     for row, value in zip(
-        (*turning_rows.tolist(), len(values) - 1),
-        (*values[turning_rows].tolist(), float(values[-1])),
+        (*extreme_rows.tolist(), len(values) - 1),
+        (*values[extreme_rows].tolist(), float(values[-1])),
         strict=True,
     ):
         row_of_largest = row if value > values[row_of_largest] else row_of_largest
         row_of_least = row if value < values[row_of_least] else row_of_least
         if direction >= 0 and values[row_of_largest] - value > threshold:
-            turns.append(row_of_largest)
+            rows_of_turns.append(row_of_largest)
             direction = -1
             row_of_least = row
         elif direction <= 0 and value - values[row_of_least] > threshold:
-            turns.append(row_of_least)
+            rows_of_turns.append(row_of_least)
             direction = 1
             row_of_largest = row
-    return np.array(turns, dtype=np.int64)
+    return np.array(rows_of_turns, dtype=np.int64)
 
 
-def within(path: Array, tolerance: Array) -> Rows:
-    """Rows (m,) of a load path that are enough to follow it: straight lines between them pass all
-    other points in their order, each within a tolerance.
+def rows_within_tolerance(loads: Array, tolerance: Array) -> Rows:
+    """Row numbers (m,) of a load path that are enough to follow it: straight lines in the P-Q plane
+    between these rows pass all others in their order, within a tolerance of each load.
 
     From each kept row the next one is as far away as a line allows, found by doubled, then halved
-    steps. A line that is near two neighbouring points is near the straight path between them, since
-    distance is convex.
+    numbers of rows. A line that is near two neighbouring points is near the straight path between
+    them, since distance is convex.
 
     Parameters
     ----------
-    path
-        (n, 2) P and Q of all rows
+    loads
+        (n, 2) P and Q of all rows [force per unit thickness]
     tolerance
-        (2,) largest distance in P and in Q
+        (2,) largest distance in P and in Q [force per unit thickness]
     """
-    slack = tolerance + _ROUNDING * np.max(np.abs(path), initial=0.0)
+    tolerance_and_roundoff = tolerance + _ROUNDOFF * np.max(np.abs(loads), initial=0.0)
 
     def line_fits(first_row: int, last_row: int) -> bool:
-        """Whether the straight line from `first_row` to `last_row` passes all rows between them in
-        order, within the `slack` of each load.
+        """Whether the straight line in the P-Q plane from row `first_row` to `last_row` of `loads`
+        passes all rows between them in order, within the tolerance of each load.
 
         Near each row the line has an interval of positions (0 at its begin, 1 at its end). The
         intervals must allow ascending positions.
         """
-        start = path[first_row]
-        change = path[last_row] - path[first_row]
-        points_between = path[first_row + 1 : last_row] - start
+        change = loads[last_row] - loads[first_row]
+        loads_from_first = loads[first_row + 1 : last_row] - loads[first_row]
         with np.errstate(divide="ignore", invalid="ignore"):
-            position_at_lower = (points_between - slack) / change
-            position_at_upper = (points_between + slack) / change
+            position_at_lower = (loads_from_first - tolerance_and_roundoff) / change
+            position_at_upper = (loads_from_first + tolerance_and_roundoff) / change
         is_constant = change == 0
-        if np.any(np.abs(points_between[:, is_constant]) > slack[is_constant]):
+        if np.any(np.abs(loads_from_first[:, is_constant]) > tolerance_and_roundoff[is_constant]):
             return False
         least_position = np.max(
             np.where(is_constant, 0.0, np.minimum(position_at_lower, position_at_upper)),
@@ -659,22 +719,22 @@ def within(path: Array, tolerance: Array) -> Rows:
         )
         return bool(np.all(np.maximum.accumulate(least_position) <= largest_position))
 
-    row_numbers = [0]
-    last_number = len(path) - 1
-    while row_numbers[-1] < last_number:
-        first_number = row_numbers[-1]
-        rows_reached = 1
-        while first_number + 2 * rows_reached <= last_number and line_fits(
-            first_number, first_number + 2 * rows_reached
+    kept_rows = [0]
+    last_row = len(loads) - 1
+    while kept_rows[-1] < last_row:
+        first_row = kept_rows[-1]
+        steps_that_fit = 1
+        while first_row + 2 * steps_that_fit <= last_row and line_fits(
+            first_row, first_row + 2 * steps_that_fit
         ):
-            rows_reached *= 2
-        # A line over `rows_reached` fits; one over `rows_not_reached` does not, or was not tried.
-        rows_not_reached = min(2 * rows_reached, last_number - first_number + 1)
-        while rows_not_reached - rows_reached > 1:
-            rows_tried = (rows_reached + rows_not_reached) // 2
-            if line_fits(first_number, first_number + rows_tried):
-                rows_reached = rows_tried
+            steps_that_fit *= 2
+        # A line over so many steps from row to row does not fit, or was not tried.
+        steps_too_many = min(2 * steps_that_fit, last_row - first_row + 1)
+        while steps_too_many - steps_that_fit > 1:
+            steps_tried = (steps_that_fit + steps_too_many) // 2
+            if line_fits(first_row, first_row + steps_tried):
+                steps_that_fit = steps_tried
             else:
-                rows_not_reached = rows_tried
-        row_numbers.append(first_number + rows_reached)
-    return np.array(row_numbers, dtype=np.int64)
+                steps_too_many = steps_tried
+        kept_rows.append(first_row + steps_that_fit)
+    return np.array(kept_rows, dtype=np.int64)

@@ -21,7 +21,7 @@ from scenes.errors import InputError, shown
 from scenes.files import keys_of, parsed_toml, write_keys
 from scenes.frozen import Frozen, Positive, ShortForm, a_scale, checked, did_you_mean, validated
 from scenes.loads import CallableLoad, EllipseLoad, HarmonicLoad, PolygonLoad, TimeSeriesLoad
-from scenes.measured import READING, SCENE_UNITS
+from scenes.measured import READING_KEYS, SCENE_UNITS
 from scenes.notebook_forms import registered_forms
 from scenes.profiles import Profile
 from scenes.rig import Rig
@@ -471,7 +471,7 @@ class Scene(Frozen):
         """
         scene_keys = json.loads(self.model_dump_json(exclude_none=True))
         for table in (scene_keys["profile"], scene_keys["load"]):
-            for key in ("file", *READING):
+            for key in ("file", *READING_KEYS):
                 table.pop(key, None)
         write_keys(Path(path), scene_keys)
 

@@ -40,7 +40,7 @@ from scenes import (
     parabola_segment,
 )
 from scenes.errors import NotFoundError
-from scenes.measured import turning_points, within
+from scenes.measured import rows_within_tolerance, turning_points
 
 TURN = 2 * math.pi
 ELLIPSE = ellipse_segment(4.0, 4.0 + TURN, (3.0, 1.1), (1.0, 0.7), 1.3)
@@ -490,13 +490,15 @@ def test_a_reduced_path_stays_within_its_tolerance_in_order(
     points: list[tuple[int, int]], size: float
 ) -> None:
     path = np.array(points, dtype=float)
-    vertices = within(path, np.array([size, size]))
+    vertices = rows_within_tolerance(path, np.array([size, size]))
     assert (vertices[0], vertices[-1]) == (0, len(path) - 1)
     assert np.all(np.diff(vertices) > 0)
     assert (
         distance_in_order(path, vertices) <= size + 0.01
     )  # of the samples on a line of at most 10
-    scaled = within(path * [1, 0.25], np.array([size, size / 4]))  # each load has its own tolerance
+    scaled = rows_within_tolerance(
+        path * [1, 0.25], np.array([size, size / 4])
+    )  # each load has its own tolerance
     assert scaled.tolist() == vertices.tolist()
 
 

@@ -202,7 +202,7 @@ def _column_of_loop(
         if unit.word == unit_of_scene:  # whatever words the scene has for its units
             words_of_unit = f"{unit.word} (in its heading), times 1"
             unit = replace(
-                unit, factor=1.0, per_length=kind == "load", fault="", words=words_of_unit
+                unit, factor=1.0, per_length=kind == "load", fault="", remark=words_of_unit
             )
         if thickness_stated and "/" in unit.word:
             raise InputError(
@@ -221,7 +221,7 @@ def _column_of_loop(
                 f" multiplied{or_thickness}"
             )
         unit_factor = unit.factor
-        words.append(unit.words)
+        words.append(unit.remark)
     if thickness_stated:
         words.append(f"over the thickness {mapping.thickness:.9g}")
     if mapping.sign(quantity) < 0:
