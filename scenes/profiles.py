@@ -43,14 +43,16 @@ from scenes.unit_words import Kind
 if TYPE_CHECKING:
     from scenes.height_slopes import LoadErrors
 
+# The slopes at both ends of an interval fit one parabola where their mean is that of the secant to
+# this, over the slopes.
 _ALIKE_SLOPES = 1e-12
-# Of a slope: what two neighbouring secants of rows on a line may differ by. Their rounding is less,
-# and those of a parabola differ by one part in as many as there are rows.
-_SECANT_ROUNDING = 1e-9
-# Of an interval between two rows: nearer than this to an end there is no further knot. What it
-# costs the curve is that share of a slope; a shorter piece has no digits left in its curvature.
-_SHORTEST_SHARE = 1e-6
-# Of x: rows nearer to each other than this have no slope between them that rounding leaves.
+# Largest difference of two neighbouring secants of rows on a line, over the slope. Round-off is
+# less, and secants of a parabola differ by one part in as many as there are rows.
+_SECANT_ROUNDOFF = 1e-9
+# A knot inside an interval between two rows is at least this far from its ends, over its length. It
+# changes a slope by as much; in a shorter part the curvature would have no digits left.
+_SHORTEST_PART = 1e-6
+# Least distance of two rows, over x: between nearer ones round-off leaves no slope.
 _CLOSEST_DISTANCE = 1e-9
 # Rows of one side. The normal load is a sum over all of them: 2,000 take 0.2 s, and the fields of a
 # cycle some seconds.
@@ -62,8 +64,18 @@ _COARSE_STEPS = 1000
 
 
 class Spline(NamedTuple):
-    """h'' constant between knots: `x` (n + 1,) from 0 up, `height`, `slope` there (n + 1,),
-    `curvature` (n,) between them.
+    """Quadratic spline of one side of a profile: a parabola between any two neighbouring knots.
+
+    Attributes
+    ----------
+    x
+        (n + 1,) distances of the knots from the middle, from 0 up [length]
+    height
+        (n + 1,) gap h at the knots [length]
+    slope
+        (n + 1,) h' at the knots
+    curvature
+        (n,) h'' between the knots [1/length]
     """
 
     x: Array
@@ -378,16 +390,17 @@ class Wedge(TwoCurvatures):
 
 
 def first_fall(coefficients: Array) -> float | None:
-    """Find where a polynomial sum c_k s^k is negative for s > 0: the middle of the first interval
-    between roots on which it is; None where it never is.
+    """Place s > 0 at which a polynomial sum c_k s^k, such as a profile's slope, is negative; None
+    where it never is.
 
+    It is the middle of the first interval between roots on which the polynomial is negative.
     `coefficients` (n,) are c_k from k = 0 on, not all 0.
 
     >>> first_fall(np.array([2.0, -3.0, 1.0])), first_fall(np.array([1.0, 0.0]))  # (1 - s)(2 - s)
     (1.5, None)
     """
     roots = polynomial.polyroots(np.trim_zeros(coefficients, "b"))
-    # Round-off splits a double root into a complex pair, apart by the square root of a rounding.
+    # Round-off splits a double root into a complex pair, apart by the square root of round-off.
     positive_roots = np.sort(
         roots.real[(np.abs(roots.imag) <= 1e-7 * np.abs(roots)) & (roots.real > 0)]
     )
@@ -395,11 +408,11 @@ def first_fall(coefficients: Array) -> float | None:
         [[0.0], positive_roots, [2 * positive_roots[-1] if len(positive_roots) else 1.0]]
     )
     middles = (interval_ends[:-1] + interval_ends[1:]) / 2
-    falling_places = middles[
-        polynomial.polyval(middles, coefficients)
-        < -1e-12 * polynomial.polyval(middles, np.abs(coefficients))
-    ]
-    return float(falling_places[0]) if len(falling_places) else None
+    # Relative to the sum of the sizes of all terms: less is round-off.
+    values = polynomial.polyval(middles, coefficients)
+    sizes_of_terms = polynomial.polyval(middles, np.abs(coefficients))
+    negative_places = middles[values < -1e-12 * sizes_of_terms]
+    return float(negative_places[0]) if len(negative_places) else None
 
 
 class EvenPolynomial(MayBeFitted):
@@ -418,11 +431,12 @@ class EvenPolynomial(MayBeFitted):
     )
 
     @model_validator(mode="after")
-    def _rises(self) -> Self:
+    def _require_rising_polynomial(self) -> Self:
         """Refuse a polynomial profile that is flat, or that falls somewhere on x > 0 (ValueError
         with the place).
         """
-        # h' / (2 x) as a polynomial in s = (x/length)^2.
+        # h = sum of rises[k] s^(k + 1) with s = (x/length)^2: these are the coefficients of dh/ds,
+        # which has the sign of h'.
         slope_coefficients = np.array(self.rises) * np.arange(1.0, len(self.rises) + 1)
         if not np.any(slope_coefficients):
             raise ValueError(
@@ -449,7 +463,7 @@ class EvenPolynomial(MayBeFitted):
 
 def _require_rising(slope: Pieces) -> None:
     """Refuse a profile whose slope is negative somewhere, zero everywhere, or jumps (ValueError
-    with the place); `slope` is h' for x > 0 as series on intervals.
+    with the place); `slope` is h' for x > 0 as Chebyshev series on intervals.
     """
     begins = slope.edges[:-1, None]
     lengths = np.diff(slope.edges)[:, None]
@@ -468,9 +482,9 @@ def _require_rising(slope: Pieces) -> None:
     slope_sizes = np.abs(slopes_at_begin[1:]) + np.abs(slopes_at_end[:-1])
     is_jump = jumps > 1e-7 * slope_sizes + 1e-14 * np.max(slopes)
     if np.any(is_jump):
-        corner = slope.edges[1:-1][is_jump][0]
+        x_of_jump = slope.edges[1:-1][is_jump][0]
         raise ValueError(
-            f"the profile has no derivative at x = {corner:.6g}: its slope jumps there"
+            f"the profile has no derivative at x = {x_of_jump:.6g}: its slope jumps there"
         )
 
 
@@ -484,8 +498,8 @@ def _integral(slope: Pieces) -> Pieces:
     return Pieces(slope.edges, coefficients)
 
 
-# Octaves of x below the extent that a slope is taken over from.
-_N_OCTAVES = 53
+# Intervals of x are halved so often from the extent towards 0: down to extent/10^16.
+_N_HALVINGS = 53
 
 
 class CallableProfile(Gap):
@@ -519,9 +533,11 @@ class CallableProfile(Gap):
     _load_errors: LoadErrors = PrivateAttr()
 
     @model_validator(mode="after")
-    def _resolve(self) -> Self:
-        """Approximate the profile's slope by Chebyshev series on intervals, from the Python
-        function of its height or of its slope, and integrate it to the height.
+    def _resolve_slope(self) -> Self:
+        """Approximate the profile's slope h' by Chebyshev series on intervals of x > 0, from the
+        Python function of its height or of its slope, and integrate it to the height.
+
+        The intervals end at extent, extent/2, extent/4, ... and at corners of the slope.
 
         Raises
         ------
@@ -536,7 +552,7 @@ class CallableProfile(Gap):
         values_at = values_of(self.height_function or self.slope_function)
         self._require_symmetric(values_at)
         edges = np.union1d(
-            self.extent * 0.5 ** np.arange(_N_OCTAVES, -1.0, -1.0),
+            self.extent * 0.5 ** np.arange(_N_HALVINGS, -1.0, -1.0),
             [place for place in self.breaks if place < self.extent],
         )
         try:
@@ -618,8 +634,8 @@ class CallableProfile(Gap):
 
     @property
     def rounding_of_height(self) -> LoadErrors:
-        """What the rounding of a height function leaves uncertain in P(a) and dP/da; nothing where
-        the slope is given.
+        """Relative errors of P(a) and dP/da from round-off in a height function; 0 where the slope
+        is given.
         """
         return self._load_errors
 
@@ -700,16 +716,19 @@ class Tabulated(FromFile):
 
     def check_rows(self) -> None:
         if self.fit is None:
-            self._sides()
+            self._rows_of_sides()
         else:
             from scenes.fitting import FitRequest, fitted_keys
 
             x, h = self.points.values.T
             self._keys = fitted_keys(x, h, FitRequest(**dict(self.fit)))
 
-    def _sides(self) -> tuple[tuple[Array, Array], ...]:
-        """The measured rows as (x, h) arrays that start at x = 0, h = 0: one pair, both sides
-        averaged, of a symmetric profile; else the left side, x counted to the left, and the right.
+    def _rows_of_sides(self) -> tuple[tuple[Array, Array], ...]:
+        """Measured rows of each side of the profile as arrays x (k,) and h (k,) [length] that start
+        at x = 0, h = 0.
+
+        A symmetric profile has one such pair, both sides averaged; any other has two, the left side
+        with x counted to the left, and the right side.
 
         Raises
         ------
@@ -718,17 +737,17 @@ class Tabulated(FromFile):
         """
         rows = self.points.values
         if self.symmetric:
-            return (one_sided(rows, self.asymmetry),)
+            return (one_side_of_profile(rows, self.asymmetry),)
         rows_of_left = rows[rows[:, 0] <= 0][::-1] * [-1.0, 1.0] if rows.shape[1] == 2 else rows
         try:
-            left_side = one_sided(rows_of_left, self.asymmetry)
+            left_side = one_side_of_profile(rows_of_left, self.asymmetry)
         except RowError as fault:
             raise RowError(
                 max(len(rows_of_left) - 1 - fault.row, 0),
                 f"left side, x counted to the left: {fault.rule}",
             ) from fault
         try:
-            return left_side, one_sided(rows[rows[:, 0] >= 0], self.asymmetry)
+            return left_side, one_side_of_profile(rows[rows[:, 0] >= 0], self.asymmetry)
         except RowError as fault:
             raise RowError(len(rows[rows[:, 0] < 0]) + fault.row, fault.rule) from fault
 
@@ -769,7 +788,7 @@ class Tabulated(FromFile):
                 "profile: rows with the key `fit` are to be part of a scene; without one take"
                 " scenes.fit_profile"
             )
-        splines = [rising_spline(*side) for side in self._sides()]
+        splines = [rising_spline(*side) for side in self._rows_of_sides()]
         return splines[0], splines[-1]
 
     def row_before(self, distance: float) -> int:
@@ -788,7 +807,7 @@ class Tabulated(FromFile):
         """The step in which h is written [length], where rises of neighbouring rows are few of
         these; None where it is finer.
         """
-        rises = np.abs(np.diff(self._sides()[-1][1]))
+        rises = np.abs(np.diff(self._rows_of_sides()[-1][1]))
         least_rise = float(np.min(rises[rises > 0]))
         is_whole = (
             np.max(np.abs(rises / least_rise - np.round(rises / least_rise))) < _ROUNDING_OF_STEPS
@@ -803,28 +822,29 @@ class Tabulated(FromFile):
 
         def height_by(spline: Spline) -> Array:
             """Gap at |x| on one side, by its spline; straight beyond the last knot."""
-            knot = np.clip(
+            last_knot_before = np.clip(
                 np.searchsorted(spline.x, np.abs(x_array), side="right") - 1, 0, len(spline.x) - 1
             )
-            distance = np.abs(x_array) - spline.x[knot]
-            curvature = np.append(spline.curvature, 0.0)[knot]
-            slope = spline.slope[knot]
-            return np.asarray(spline.height[knot] + distance * (slope + curvature * distance / 2))
+            distance = np.abs(x_array) - spline.x[last_knot_before]
+            curvature = np.append(spline.curvature, 0.0)[last_knot_before]
+            slope = spline.slope[last_knot_before]
+            height = spline.height[last_knot_before]
+            return np.asarray(height + distance * (slope + curvature * distance / 2))
 
         left_height, right_height = map(height_by, self.sides())
         return np.where(x_array < 0, left_height, right_height)
 
 
-def one_sided(points: Array, asymmetry: float) -> tuple[Array, Array]:
-    """One side x >= 0 of a measured symmetric profile, x and h (k,), from rows of one side or of
-    both, which are then averaged; h counts from that at x = 0.
+def one_side_of_profile(points: Array, asymmetry: float) -> tuple[Array, Array]:
+    """Arrays x (k,) and h (k,) [length] of one side x >= 0 of a measured symmetric profile, from
+    rows of one side or of both, which are then averaged; h is 0 at x = 0.
 
     Parameters
     ----------
     points
         (n, 2) x, ascending, and h [length]
     asymmetry
-        largest difference of the two sides that is admitted, over the range of h
+        largest admitted difference of h between the two sides, over the range of h
 
     Raises
     ------
@@ -849,6 +869,7 @@ def one_sided(points: Array, asymmetry: float) -> tuple[Array, Array]:
     middle_row = int(np.flatnonzero(x == 0)[0])
     right_x = x[middle_row:]
     right_h = h[middle_row:]
+    left_h = h[middle_row::-1]  # from the middle outwards, as right_h
     largest_difference = asymmetry * float(np.ptp(h))
     if middle_row:
         left_x = -x[middle_row::-1]
@@ -858,19 +879,21 @@ def one_sided(points: Array, asymmetry: float) -> tuple[Array, Array]:
                 row,
                 f"x = {x[row]:.6g} has no partner on the other side: both sides, or x >= 0 alone",
             )
-        rule = (
+        fault_of_asymmetry = (
             f"the profile is not symmetric: the sides differ by more than {largest_difference:.3g}"
             " there"
         )
         RowError.refuse(
-            np.abs(right_h - h[middle_row::-1]) > largest_difference, lambda _: rule, middle_row
+            np.abs(right_h - left_h) > largest_difference,
+            lambda _: fault_of_asymmetry,
+            middle_row,
         )
-        right_h = (right_h + h[middle_row::-1]) / 2
-    rule = (
+        right_h = (right_h + left_h) / 2
+    fault_of_size = (
         f"the profile has {len(right_x):,} rows of x >= 0, and at most {_MOST_ROWS:,} are taken:"
         " leave out all but every n-th"
     )
-    RowError.refuse(np.arange(len(right_x)) >= _MOST_ROWS, lambda _: rule, middle_row)
+    RowError.refuse(np.arange(len(right_x)) >= _MOST_ROWS, lambda _: fault_of_size, middle_row)
     RowError.refuse(
         np.diff(right_h) < 0,
         lambda row: f"h = {h[row]:.6g} falls: the profile must rise for x > 0",
@@ -884,62 +907,73 @@ def one_sided(points: Array, asymmetry: float) -> tuple[Array, Array]:
 
 
 def rising_spline(x: Array, h: Array) -> Spline:
-    """Quadratic spline through rows of a profile x, h (n,) that rises wherever the rows rise, and
-    bends up where they do.
+    """Schumaker's quadratic spline through rows of one side of a profile, x (n,) and h (n,)
+    [length], that rises wherever the rows rise, and is convex where they are.
 
-    Slopes at the rows are those of parabolas through three neighbours, 0 in the middle, and never
-    beyond twice a secant. An interval gets one further knot where a single parabola would not meet
-    both its slopes. Where three rows lie on a line the spline follows it: any other slope at its
-    ends would bend it back.
+    Slopes at the rows are those of parabolas through three neighbours, 0 at x = 0, and never beyond
+    twice that of a secant (the line between two neighbouring rows). An interval gets one knot
+    inside where a single parabola would not meet the slopes at both its ends. Where three rows lie
+    on a line the spline follows it: any other slope at its ends would bend it back.
 
     Source: Schumaker, SIAM J. Numer. Anal. 20 (1983).
     """
-    steps = np.diff(x)
-    secants = np.diff(h) / steps
-    slopes = np.zeros(len(x))
-    is_in_line = np.concatenate(
+    lengths = np.diff(x)
+    secant_slopes = np.diff(h) / lengths
+
+    # Slopes at the rows. An interval is on a line where its secant is that of a neighbour.
+    left_secants = secant_slopes[:-1]
+    right_secants = secant_slopes[1:]
+    is_row_in_line = np.concatenate(
         [
             [False],
-            np.abs(np.diff(secants)) <= _SECANT_ROUNDING * np.maximum(secants[:-1], secants[1:]),
+            np.abs(np.diff(secant_slopes))
+            <= _SECANT_ROUNDOFF * np.maximum(left_secants, right_secants),
             [False],
         ]
     )
-    line_slopes = np.where(is_in_line[:-1] | is_in_line[1:], secants, np.inf)
-    line_slope = np.minimum(line_slopes[:-1], line_slopes[1:])
-    parabola_slope = (secants[:-1] * steps[1:] + secants[1:] * steps[:-1]) / (
-        steps[:-1] + steps[1:]
+    is_interval_on_line = is_row_in_line[:-1] | is_row_in_line[1:]
+    slopes_of_lines = np.where(is_interval_on_line, secant_slopes, np.inf)
+    line_slope_at_row = np.minimum(slopes_of_lines[:-1], slopes_of_lines[1:])
+    parabola_slope_at_row = (left_secants * lengths[1:] + right_secants * lengths[:-1]) / (
+        lengths[:-1] + lengths[1:]
     )
-    slopes[1:-1] = np.where(np.isfinite(line_slope), line_slope, parabola_slope)
-    slopes[-1] = np.clip(2 * secants[-1] - slopes[-2], 0.0, 2 * secants[-1])
-    slopes[1:-1] = np.minimum(slopes[1:-1], 2 * np.minimum(secants[:-1], secants[1:]))
-    begin_excess = slopes[:-1] - secants
-    end_excess = slopes[1:] - secants
-    bent_intervals = np.flatnonzero(
-        np.abs(begin_excess + end_excess) > _ALIKE_SLOPES * (slopes[:-1] + slopes[1:])
+    slopes = np.zeros(len(x))
+    slopes[1:-1] = np.where(
+        np.isfinite(line_slope_at_row), line_slope_at_row, parabola_slope_at_row
     )
-    # Place of the further knot, 0 at the begin of its interval, 1 at the end. Where the secant's
+    slopes[-1] = np.clip(2 * secant_slopes[-1] - slopes[-2], 0.0, 2 * secant_slopes[-1])
+    slopes[1:-1] = np.minimum(slopes[1:-1], 2 * np.minimum(left_secants, right_secants))
+
+    # Intervals that one parabola does not fit: the mean of both slopes is not the secant's.
+    excess_at_begin = slopes[:-1] - secant_slopes
+    excess_at_end = slopes[1:] - secant_slopes
+    split_intervals = np.flatnonzero(
+        np.abs(excess_at_begin + excess_at_end) > _ALIKE_SLOPES * (slopes[:-1] + slopes[1:])
+    )
+    # Place of the knot inside, 0 at the begin of its interval, 1 at the end. Where the secant's
     # slope lies between both slopes, it is such that both parts bend one way; else, with an
     # inflection, it is the middle.
-    bends_one_way = begin_excess * end_excess < 0
-    knot_place = np.where(
-        bends_one_way, end_excess / np.where(bends_one_way, end_excess - begin_excess, 1.0), 0.5
-    )[bent_intervals]
-    knot_place = np.clip(knot_place, _SHORTEST_SHARE, 1 - _SHORTEST_SHARE)
-    knot_slopes = (
-        2 * secants[bent_intervals]
-        - knot_place * slopes[bent_intervals]
-        - (1 - knot_place) * slopes[bent_intervals + 1]
+    bends_one_way = excess_at_begin * excess_at_end < 0
+    difference_of_excess = np.where(bends_one_way, excess_at_end - excess_at_begin, 1.0)
+    knot_place = np.where(bends_one_way, excess_at_end / difference_of_excess, 0.5)[split_intervals]
+    knot_place = np.clip(knot_place, _SHORTEST_PART, 1 - _SHORTEST_PART)
+    slope_at_knot = (
+        2 * secant_slopes[split_intervals]
+        - knot_place * slopes[split_intervals]
+        - (1 - knot_place) * slopes[split_intervals + 1]
     )
-    knots = np.insert(
-        x,
-        bent_intervals + 1,
-        x[bent_intervals] + knot_place * (x[bent_intervals + 1] - x[bent_intervals]),
+    x_of_knot = x[split_intervals] + knot_place * (x[split_intervals + 1] - x[split_intervals])
+
+    all_x = np.insert(x, split_intervals + 1, x_of_knot)
+    # Slopes below 0 are so by round-off alone.
+    all_slopes = np.maximum(np.insert(slopes, split_intervals + 1, slope_at_knot), 0.0)
+    rises = np.diff(all_x) * (all_slopes[:-1] + all_slopes[1:]) / 2
+    return Spline(
+        x=all_x,
+        height=np.concatenate([[0.0], np.cumsum(rises)]),
+        slope=all_slopes,
+        curvature=np.diff(all_slopes) / np.diff(all_x),
     )
-    # Slopes below 0 are so by rounding alone.
-    all_slopes = np.maximum(np.insert(slopes, bent_intervals + 1, knot_slopes), 0.0)
-    rises = np.diff(knots) * (all_slopes[:-1] + all_slopes[1:]) / 2
-    heights = np.concatenate([[0.0], np.cumsum(rises)])
-    return Spline(knots, heights, all_slopes, np.diff(all_slopes) / np.diff(knots))
 
 
 Curve = Annotated[
@@ -978,7 +1012,7 @@ def fit_profile(
     extent: float | None = None,
     tilt: float | None = None,
 ) -> Hertz | FlatRounded | EvenPolynomial | Tabulated:
-    """Fit a smooth profile to measured rows of x and h by least squares: convex, and symmetric
+    """Smooth profile fitted to measured rows of x and h by least squares: convex, and symmetric
     about a middle that need not be at x = 0.
 
     Parameters
@@ -986,12 +1020,15 @@ def fit_profile(
     points
         (n, 2) x, ascending, and the gap h [length]
     kind
-        "hertz", "flat_rounded", "even_polynomial" or "smoothing_spline"
+        of the fitted curve: "hertz", "flat_rounded", "even_polynomial" or "smoothing_spline"
     noise
-        standard deviation of h; by default that of the residuals
-    centre, extent, tilt
-        x of the middle, distance from it beyond which rows are left out, and slope of the trace;
-        by default middle and slope are fitted, and all rows count
+        standard deviation of h [length]; by default that of the residuals
+    centre
+        x of the middle [length]; fitted by default
+    extent
+        distance from the middle beyond which rows are left out [length]; by default none is
+    tilt
+        slope dh/dx by which the measured trace is turned; fitted by default
 
     Returns
     -------
@@ -1011,8 +1048,9 @@ def fit_profile(
     >>> round(profile.radius, 6), round(profile.fitted.centre, 9)
     (1000.0, 0.1)
     """
-    fit = {"kind": kind, "noise": noise, "centre": centre, "extent": extent, "tilt": tilt}
-    keys = {"kind": "tabulated", "points": points, "fit": fit}
+    # As in a scene: a table of rows with the key `fit`, which validation turns into the curve.
+    keys_of_fit = {"kind": kind, "noise": noise, "centre": centre, "extent": extent, "tilt": tilt}
+    keys = {"kind": "tabulated", "points": points, "fit": keys_of_fit}
     try:
         return _curve_of_rows(_ANY_PROFILE.validate_python(keys))  # type: ignore[return-value]
     except ValidationError as faults:
