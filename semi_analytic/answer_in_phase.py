@@ -21,13 +21,13 @@ from semi_analytic.answer import (
     neglected_coupling,
 )
 from semi_analytic.bulk_and_tilt import PathLoads, leaning_profile
-from semi_analytic.loops_in_phase import WAY_NODES, Way, loop_of
+from semi_analytic.loops_in_phase import STROKE_NODES, Stroke, work_by_loads
 from semi_analytic.memory import PROMISED
 
 _INSTANTS = 400  # of the cycle, besides turning points
 
 
-def in_phase(question: Question, strokes: tuple[Way, Way]) -> Findings:
+def in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Findings:
     """Half-plane answer for the steady cycle of loads in phase: pressure, edges, state and friction
     work under P, Q, bulk strain and tilt that go there and back on one line.
 
@@ -74,7 +74,7 @@ def in_phase(question: Question, strokes: tuple[Way, Way]) -> Findings:
     if question.wants("dissipation"):
         friction_work, errors["dissipation"] = _work_of(strokes)
     if question.wants("loop_work"):
-        loop_work = loop_of(strokes)
+        loop_work = work_by_loads(strokes)
     if question.wants("dissipation_density"):
         density, errors["dissipation_density"] = _density_of(strokes, x)
     permanent_stick_edges = stick_edges[np.argmax(tangential_load)]
@@ -111,7 +111,7 @@ def in_phase(question: Question, strokes: tuple[Way, Way]) -> Findings:
         message="the second cycle ends in the state it started from",
         notes=tuple(neglected_coupling(scene.material)),
         errors={name: error for name, error in errors.items() if error > PROMISED},
-        counts={"quadrature_nodes": 4 * WAY_NODES**2, "cycles_solved": 1},
+        counts={"quadrature_nodes": 4 * STROKE_NODES**2, "cycles_solved": 1},
         seconds={"dissipation": clock.perf_counter() - started},
     )
 
@@ -138,7 +138,7 @@ def _rises(time: Array, force: Array, period: float) -> NDArray[np.bool_]:
 
 
 def _stick_zones(
-    strokes: tuple[Way, Way], tangential_load: Array, is_forward: NDArray[np.bool_]
+    strokes: tuple[Stroke, Stroke], tangential_load: Array, is_forward: NDArray[np.bool_]
 ) -> tuple[Array, Array]:
     """Middles and half-widths of the stick zone at instants of the steady cycle, (n,) each
     [length].
@@ -154,22 +154,24 @@ def _stick_zones(
     return middle, half_width
 
 
-def _work_of(strokes: tuple[Way, Way]) -> tuple[float, float]:
+def _work_of(strokes: tuple[Stroke, Stroke]) -> tuple[float, float]:
     """Friction work W of the steady cycle [energy per thickness], and its relative error: what half
     as many quadrature nodes change.
     """
-    work = math.fsum(stroke.work(WAY_NODES) for stroke in strokes)
-    work_by_half_the_nodes = math.fsum(stroke.work(WAY_NODES // 2) for stroke in strokes)
+    work = math.fsum(stroke.work(STROKE_NODES) for stroke in strokes)
+    work_by_half_the_nodes = math.fsum(stroke.work(STROKE_NODES // 2) for stroke in strokes)
     return work, abs(work_by_half_the_nodes / work - 1)
 
 
-def _density_of(strokes: tuple[Way, Way], x: Array) -> tuple[Array, float]:
+def _density_of(strokes: tuple[Stroke, Stroke], x: Array) -> tuple[Array, float]:
     """Friction work per area W(x) of the steady cycle at points (k,), and its error over the
     largest: what half as many quadrature nodes change.
     """
     forward, reverse = strokes
-    density = forward.density(x, WAY_NODES) + reverse.density(x, WAY_NODES)
-    by_half_the_nodes = forward.density(x, WAY_NODES // 2) + reverse.density(x, WAY_NODES // 2)
+    density = forward.density(x, STROKE_NODES) + reverse.density(x, STROKE_NODES)
+    by_half_the_nodes = forward.density(x, STROKE_NODES // 2) + reverse.density(
+        x, STROKE_NODES // 2
+    )
     largest_density = float(np.max(density))
     change = largest_error(np.abs(by_half_the_nodes - density))
     return density, change / largest_density if largest_density > 0 else 0.0

@@ -44,20 +44,20 @@ from semi_analytic.batches import DissipationBatch, dissipation
 from semi_analytic.phases import accepts_phase, phase_in_radians
 from semi_analytic.solution import solve
 
-# Samples of W in f over f_min: 1 + 10^k close to sliding, where W has all its changes in P_T; by
-# the logarithm up to _MIDDLE of f_min or Q1/P1, whichever is more, by which W has all its turning
-# points; few beyond, where it only nears W_inf.
-_CLOSE = 17
-_EVEN = 72
-_FAR = 9
-_MIDDLE = 1e2
-_MOST = 1e6
-# f_min itself is admitted, but for its own rounding.
-_BESIDE = 1e-12
-# Of W: a turning point that stands out by less is round-off, and a root that misses by more was not
-# found.
-_STANDS_OUT = 1e-10
-_FOUND = 1e-8
+# Samples of W over f. The first are at f_min (1 + 10^k), close to gross sliding, where W has all
+# its changes in P_T. Then they are even in ln f up to _MIDDLE_FACTOR times f_min or Q1/P1, the
+# larger: by there W has all its turning points. Few are beyond, where W only nears W_inf.
+_SAMPLES_CLOSE_TO_SLIDING = 17
+_EVEN_SAMPLES = 72
+_FAR_SAMPLES = 9
+_MIDDLE_FACTOR = 1e2
+_LARGEST_FACTOR = 1e6
+# The first sample is beyond f_min by its round-off.
+_ROUNDOFF_OF_LIMIT = 1e-12
+# Fractions of W: a turning point with smaller rises beside it is round-off, and a root with a
+# larger residual was not found.
+_LEAST_RISE = 1e-10
+_LARGEST_RESIDUAL = 1e-8
 _LOADS = (
     "mean_normal_load",
     "normal_amplitude",
@@ -271,15 +271,15 @@ def sliding_limit(
 def _of_ellipses(
     target: ArrayLike, profile_and_material: dict[str, Any], loads: dict[str, Any]
 ) -> FrictionBatch:
-    """Every coefficient of friction at which elliptic loads dissipate the `target`, the measured W
-    of a cycle [energy per thickness].
+    """Every coefficient of friction at which elliptic loads dissipate `target`, the measured W of a
+    cycle [energy per thickness]; arrays broadcast.
 
     Parameters
     ----------
     profile_and_material
-        profile and material by these names
+        values of the arguments `profile` and `material` of `dissipation`
     loads
-        numbers or arrays of the ellipses, by the names of the arguments of `dissipation`
+        its arguments for the ellipses, by name: numbers or arrays
     """
     # One call without friction checks every argument and gives the shape of the loads and of the
     # profile's numbers.
@@ -289,23 +289,27 @@ def _of_ellipses(
     shape = frictionless.value.shape
     profile = profile_and_material["profile"]
 
-    def of_members(name: str, value: Any, members: NDArray[np.intp] | slice) -> Any:
-        """The values (k,) of an argument for some members."""
+    def values_of_members(name: str, value: Any, members: NDArray[np.intp] | slice) -> Any:
+        """An argument of `dissipation`, or a key of its profile, for k members of the batch:
+        numbers as (k,), other values as they are.
+        """
         if name == "rises":
-            return [of_members("", rise, members) for rise in value]
+            return [values_of_members("", rise, members) for rise in value]
         if name in ("kind", "fitted"):
             return value
         return np.broadcast_to(real_numbers(value, name), shape).flat[members]
 
     def work(friction: Array, members: NDArray[np.intp]) -> Array:
-        """Friction work per cycle of members of the batch, numbers (n,), each with its own
-        coefficient of friction (n,): (n,).
+        """Friction work of a steady cycle of n members of the batch, each at its own coefficient of
+        friction (n,): (n,) [energy per thickness]. `members` (n,) are their indices in the batch.
         """
-        loads_of_members = {name: of_members(name, value, members) for name, value in loads.items()}
+        loads_of_members = {
+            name: values_of_members(name, value, members) for name, value in loads.items()
+        }
         profile_of_members = profile
         if isinstance(profile, Mapping):
             profile_of_members = {
-                name: of_members(name, value, members) for name, value in profile.items()
+                name: values_of_members(name, value, members) for name, value in profile.items()
             }
         batch = dissipation(
             **profile_and_material | {"profile": profile_of_members},
@@ -314,31 +318,36 @@ def _of_ellipses(
         )
         return batch.value
 
-    flat_loads = {name: of_members(name, value, slice(None)) for name, value in loads.items()}
+    flat_loads = {
+        name: values_of_members(name, value, slice(None)) for name, value in loads.items()
+    }
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         least_friction = sliding_limit(*flat_loads.values())
         amplitude_ratio = flat_loads["tangential_amplitude"] / flat_loads["normal_amplitude"]
-        no_slip = np.where(flat_loads["normal_amplitude"] > 0, amplitude_ratio, 0.0)
-    return _inverse(target, work, least_friction, no_slip, shape, frictionless.notes)
+        load_amplitude_ratio = np.where(flat_loads["normal_amplitude"] > 0, amplitude_ratio, 0.0)
+    return _inverse(target, work, least_friction, load_amplitude_ratio, shape, frictionless.notes)
 
 
 def _of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
     """Every coefficient of friction at which a steady cycle of the scene dissipates `target`, for
-    loads that are no ellipse: W by `solve` at each coefficient that is tried.
+    loads other than an ellipse [energy per thickness].
 
-    The search begins at the least coefficient without gross sliding, the largest |Q|/P of the path.
+    W is found by `solve` at each coefficient tried. They begin at f_min, the largest |Q|/P of the
+    path.
     """
 
     def work_at(friction: float) -> float:
-        scene_at = scene.vary(friction=friction)
-        return solve(scene_at, x=0.0, fields="dissipation", cycles="steady").dissipation
+        scene_at_friction = scene.vary(friction=friction)
+        return solve(scene_at_friction, x=0.0, fields="dissipation", cycles="steady").dissipation
 
     path = scene.load.path()
-    loads_of_legs = [leg.loads(sampled(leg, 513)) for leg in (*path.initial_loading, *path.cycle)]
+    loads_of_segments = [
+        segment.loads(sampled(segment, 513)) for segment in (*path.initial_loading, *path.cycle)
+    ]
     with np.errstate(divide="ignore", invalid="ignore"):
         least_friction = max(
             float(np.nanmax(np.abs(tangential_load) / normal_load))
-            for normal_load, tangential_load in loads_of_legs
+            for normal_load, tangential_load in loads_of_segments
         )
     # Between the samples of a curved path |Q|/P may be a little larger.
     for relative_excess in (0.0, *10.0 ** np.arange(-12, -3)):
@@ -350,20 +359,34 @@ def _of_path(target: ArrayLike, scene: Scene) -> FrictionBatch:
         break
     else:
         least_friction = math.inf
-    normal_load = np.concatenate([loads_of_leg[0] for loads_of_leg in loads_of_legs])
-    tangential_load = np.concatenate([loads_of_leg[1] for loads_of_leg in loads_of_legs])
+    normal_load = np.concatenate([loads_of_segment[0] for loads_of_segment in loads_of_segments])
+    tangential_load = np.concatenate(
+        [loads_of_segment[1] for loads_of_segment in loads_of_segments]
+    )
     load_varies = float(np.ptp(normal_load)) > 1e-9 * float(np.max(np.abs(normal_load)))
-    no_slip = float(np.ptp(tangential_load) / np.ptp(normal_load)) if load_varies else 0.0
+    load_amplitude_ratio = (
+        float(np.ptp(tangential_load) / np.ptp(normal_load)) if load_varies else 0.0
+    )
 
     def work(friction: Array, _member: NDArray[np.intp]) -> Array:
         return np.array([work_at(coefficient) for coefficient in friction.tolist()])
 
-    return _inverse(target, work, np.array([least_friction]), np.array([no_slip]), (), ())
+    return _inverse(
+        target, work, np.array([least_friction]), np.array([load_amplitude_ratio]), (), ()
+    )
 
 
 class _WorkCurve(NamedTuple):
-    """W over the coefficient of friction: ln f and W of each member, ascending in f, (k, m) each;
-    whether W of a member is known, and its largest f, (m,) each.
+    """Samples of the friction work W over the coefficient of friction f, for m members of a batch.
+
+    Attributes
+    ----------
+    log_f, works
+        (k, m) ln f, ascending, and W at k samples of each member
+    is_solvable
+        (m,) whether W of the member is known at all its samples
+    largest_f
+        (m,) largest sampled f
     """
 
     log_f: Array
@@ -373,31 +396,31 @@ class _WorkCurve(NamedTuple):
 
 
 Work = Callable[[Array, NDArray[np.intp]], Array]
-"""W (k,) by coefficients of friction and the numbers of their members, (k,) each."""
+"""Friction work W (k,) by coefficients of friction (k,) and the indices (k,) of members at them."""
 
 
 def _inverse(
     target: ArrayLike,
     work: Work,
     least_friction_of_member: Array,
-    no_slip: Array,
+    load_amplitude_ratio: Array,
     shape: tuple[int, ...],
     notes: tuple[str, ...],
 ) -> FrictionBatch:
     """Every coefficient of friction at which the friction work W of a cycle is the measured
     `target`, with the reason where there is none.
 
-    Each member of a batch has its own curve W(f), which is sampled, refined at its turning points
-    and intersected.
+    W(f) of each member of a batch is sampled, and its turning points are added. Between samples on
+    either side of the target the roots are then found by iteration.
 
     Parameters
     ----------
     work
-        function that gives W by coefficients and the numbers of their members
-    least_friction_of_member, no_slip
-        (m,) f_min and Q1/P1 of the members; beyond Q1/P1 nothing slips
+        function that gives W by coefficients and the indices of members
+    least_friction_of_member, load_amplitude_ratio
+        (m,) f_min, below which the member slides grossly, and Q1/P1, 0 where P is constant
     shape
-        shape of the members' arrays
+        shape of the batch, m members in all; it broadcasts with `target`
     notes
         what a reader of the result must not miss
     """
@@ -408,15 +431,15 @@ def _inverse(
         raise InputError(
             f"friction_from: the dissipation must be numbers that broadcast with the loads: {fault}"
         ) from fault
-    curve = _sampled_work(work, least_friction_of_member, no_slip)
+    curve = _sampled_work(work, least_friction_of_member, load_amplitude_ratio)
     curve = _with_turning_points(curve, work)
     n_members = len(least_friction_of_member)
     member = np.broadcast_to(np.arange(n_members).reshape(shape), full_shape).ravel()
     flat_targets = np.broadcast_to(target_works, full_shape).ravel()
     roots, n_roots, is_unsettled = _roots_of(curve, work, member, flat_targets)
-    is_known = np.isfinite(curve.works)
-    least_work = np.min(np.where(is_known, curve.works, np.inf), axis=0)[member]
-    most_work = np.max(np.where(is_known, curve.works, -np.inf), axis=0)[member]
+    is_work_known = np.isfinite(curve.works)
+    least_work = np.min(np.where(is_work_known, curve.works, np.inf), axis=0)[member]
+    most_work = np.max(np.where(is_work_known, curve.works, -np.inf), axis=0)[member]
     is_solvable = curve.is_solvable[member]
     # The first condition that holds is the reason.
     conditions = {
@@ -456,25 +479,29 @@ def _inverse(
     )
 
 
-def _sampled_work(work: Work, least_friction: Array, no_slip: Array) -> _WorkCurve:
-    """Friction work W at samples of the coefficient f between the least without gross sliding and
-    the largest that is looked at, for each member of a batch.
+def _sampled_work(work: Work, least_friction: Array, load_amplitude_ratio: Array) -> _WorkCurve:
+    """Friction work W of m members of a batch at samples of the coefficient f, from f_min up to 1e6
+    times the larger of f_min and Q1/P1.
 
-    Samples are dense next to f_min = `least_friction` (m,), and go up to 100 times the larger of
-    f_min and Q1/P1 = `no_slip`, then further apart. `work` gives W by coefficients f and the
-    numbers of their members.
+    f_min = `least_friction` (m,) is the least f without gross sliding, Q1/P1 =
+    `load_amplitude_ratio` (m,). Samples are dense next to f_min and sparse beyond 100 times the
+    larger. `work` gives W by coefficients and the indices of members.
     """
     n_members = len(least_friction)
     is_solvable = np.isfinite(least_friction) & (least_friction > 0)
-    least_f = np.where(is_solvable, least_friction, 1.0) * (1 + _BESIDE)
-    middle_f = np.maximum(least_f, np.where(is_solvable, no_slip, 0.0)) * _MIDDLE
-    largest_f = middle_f * (_MOST / _MIDDLE)
-    shares = np.concatenate([[0.0], np.logspace(-8, math.log10(0.05), _CLOSE - 1)])
+    least_f = np.where(is_solvable, least_friction, 1.0) * (1 + _ROUNDOFF_OF_LIMIT)
+    middle_f = (
+        np.maximum(least_f, np.where(is_solvable, load_amplitude_ratio, 0.0)) * _MIDDLE_FACTOR
+    )
+    largest_f = middle_f * (_LARGEST_FACTOR / _MIDDLE_FACTOR)
+    relative_excess = np.concatenate(
+        [[0.0], np.logspace(-8, math.log10(0.05), _SAMPLES_CLOSE_TO_SLIDING - 1)]
+    )
     log_f = np.concatenate(
         [
-            np.log(least_f) + np.log1p(shares)[:, None],
-            np.linspace(np.log(least_f * 1.08), np.log(middle_f), _EVEN),
-            np.linspace(np.log(middle_f), np.log(largest_f), _FAR + 1)[1:],
+            np.log(least_f) + np.log1p(relative_excess)[:, None],
+            np.linspace(np.log(least_f * 1.08), np.log(middle_f), _EVEN_SAMPLES),
+            np.linspace(np.log(middle_f), np.log(largest_f), _FAR_SAMPLES + 1)[1:],
         ]
     )
     member = np.broadcast_to(np.arange(n_members), log_f.shape)
@@ -486,11 +513,11 @@ def _sampled_work(work: Work, least_friction: Array, no_slip: Array) -> _WorkCur
 
 
 def _with_turning_points(curve: _WorkCurve, work: Work) -> _WorkCurve:
-    """The sampled curve of friction work W over the coefficient f, with the turning points of W
-    among its samples.
+    """The samples of friction work W over the coefficient f, with the extrema of W between them
+    added as samples.
 
-    A turning point may lie between two samples and hide two roots. `work` gives W by coefficients
-    and the numbers of their members.
+    Between two samples an extremum may hide two roots. `work` gives W by coefficients and the
+    indices of members.
     """
     # `scipy.optimize` alone does not load it
     from scipy.optimize import elementwise  # noqa: PLC0415
@@ -498,61 +525,62 @@ def _with_turning_points(curve: _WorkCurve, work: Work) -> _WorkCurve:
     log_f, works, is_solvable, _ = curve
     rise = np.diff(works, axis=0)
     largest_work = np.max(np.where(is_solvable, works, 0.0), axis=0)
-    stands_out = np.minimum(np.abs(rise[:-1]), np.abs(rise[1:])) >= _STANDS_OUT * largest_work
-    sample, member_of_turn = np.nonzero(is_solvable & stands_out & (rise[:-1] * rise[1:] < 0))
-    if not len(sample):
+    is_above_roundoff = (
+        np.minimum(np.abs(rise[:-1]), np.abs(rise[1:])) >= _LEAST_RISE * largest_work
+    )
+    first_sample, member_of_turn = np.nonzero(
+        is_solvable & is_above_roundoff & (rise[:-1] * rise[1:] < 0)
+    )
+    if not len(first_sample):
         return curve
-    sign_to_minimum = np.where(
-        rise[sample, member_of_turn] < 0, 1.0, -1.0
-    )  # W falls before a least value
-    turning_point = elementwise.find_minimum(
-        lambda log_f_at_trial, member, sense: (
-            sense
+    # W falls before a minimum; of a maximum -W is minimised.
+    sign_to_minimum = np.where(rise[first_sample, member_of_turn] < 0, 1.0, -1.0)
+    extremum = elementwise.find_minimum(
+        lambda log_f_at_trial, member, sign: (
+            sign
             * work(np.exp(log_f_at_trial).ravel(), member.ravel().astype(int)).reshape(
                 log_f_at_trial.shape
             )
         ),
-        tuple(log_f[sample + k, member_of_turn] for k in (0, 1, 2)),
+        tuple(log_f[first_sample + k, member_of_turn] for k in (0, 1, 2)),
         args=(member_of_turn.astype(float), sign_to_minimum),
     )
-    number_of_turn = np.arange(len(sample)) - np.searchsorted(
+    # A row for the first extremum of each member, the next for its second, ...
+    row_of_turn = np.arange(len(first_sample)) - np.searchsorted(
         np.sort(member_of_turn), np.sort(member_of_turn)
     )
     order_by_member = np.argsort(member_of_turn, kind="stable")
-    log_f_at_turn = np.full((int(number_of_turn.max()) + 1, works.shape[1]), np.nan)
+    log_f_at_turn = np.full((int(row_of_turn.max()) + 1, works.shape[1]), np.nan)
     work_at_turn = log_f_at_turn.copy()
-    log_f_at_turn[number_of_turn, member_of_turn[order_by_member]] = turning_point.x[
+    log_f_at_turn[row_of_turn, member_of_turn[order_by_member]] = extremum.x[order_by_member]
+    work_at_turn[row_of_turn, member_of_turn[order_by_member]] = (sign_to_minimum * extremum.f_x)[
         order_by_member
     ]
-    work_at_turn[number_of_turn, member_of_turn[order_by_member]] = (
-        sign_to_minimum * turning_point.f_x
-    )[order_by_member]
     log_f = np.concatenate([log_f, log_f_at_turn])
     works = np.concatenate([works, work_at_turn])
-    ascending = np.argsort(log_f, axis=0)
+    ascending_order = np.argsort(log_f, axis=0)
     return curve._replace(
-        log_f=np.take_along_axis(log_f, ascending, 0),
-        works=np.take_along_axis(works, ascending, 0),
+        log_f=np.take_along_axis(log_f, ascending_order, 0),
+        works=np.take_along_axis(works, ascending_order, 0),
     )
 
 
 def _roots_of(
     curve: _WorkCurve, work: Work, member: NDArray[np.intp], target: Array
 ) -> tuple[Array, NDArray[np.intp], NDArray[np.bool_]]:
-    """Every coefficient f at which the friction work W of a member is its target: (n, k), NaN
-    behind the last root of each; the number of roots, and whether the search did not converge, (n,)
-    each.
+    """Every coefficient f at which the friction work W of a member is its target: (n, k), ascending
+    and NaN behind the last. Also the number of roots, and whether a search failed, (n,) each.
 
-    Between two samples of W on either side of the target there is one root.
+    Each pair of neighbouring samples with the target between their W encloses one root.
 
     Parameters
     ----------
     curve
-        W at samples of f for each member
+        samples of W over f for each member of the batch, turning points included
     work
-        function that gives W by coefficients and the numbers of their members
+        function that gives W by coefficients and the indices of members
     member, target
-        (n,) number of the member, and W
+        (n,) index of the member, and its W [energy per thickness]
     """
     # `scipy.optimize` alone does not load it
     from scipy.optimize import elementwise  # noqa: PLC0415
@@ -560,32 +588,34 @@ def _roots_of(
     log_f, works, is_solvable, _ = curve
     is_valid = np.isfinite(target) & (target > 0) & is_solvable[member]
     is_above = works[:, member] > np.where(is_valid, target, np.inf)
-    is_known = np.isfinite(works[:, member])
-    crosses = (is_above[:-1] != is_above[1:]) & is_known[:-1] & is_known[1:] & is_valid
-    sample, number_of_target = np.nonzero(crosses)
-    order_by_target = np.lexsort((sample, number_of_target))
-    sample = sample[order_by_target]
-    number_of_target = number_of_target[order_by_target]
-    n_roots = np.bincount(number_of_target, minlength=len(target))
-    roots = np.full((len(target), max(1, int(n_roots.max(initial=0)))), np.nan)
+    is_work_known = np.isfinite(works[:, member])
+    encloses_root = (
+        (is_above[:-1] != is_above[1:]) & is_work_known[:-1] & is_work_known[1:] & is_valid
+    )
+    sample_before, target_of_root = np.nonzero(encloses_root)
+    order_by_target = np.lexsort((sample_before, target_of_root))
+    sample_before = sample_before[order_by_target]
+    target_of_root = target_of_root[order_by_target]
+    root_count = np.bincount(target_of_root, minlength=len(target))
+    roots = np.full((len(target), max(1, int(root_count.max(initial=0)))), np.nan)
     is_unsettled = np.zeros(len(target), dtype=bool)
-    if len(sample):
-        member_of_root = member[number_of_target]
-        crossing = elementwise.find_root(
+    if len(sample_before):
+        member_of_root = member[target_of_root]
+        found_roots = elementwise.find_root(
             lambda log_f_at_trial, member_of_trial, goal_work: (
                 work(np.exp(log_f_at_trial).ravel(), member_of_trial.ravel().astype(int)).reshape(
                     log_f_at_trial.shape
                 )
                 - goal_work
             ),
-            (log_f[sample, member_of_root], log_f[sample + 1, member_of_root]),
-            args=(member_of_root.astype(float), target[number_of_target]),
+            (log_f[sample_before, member_of_root], log_f[sample_before + 1, member_of_root]),
+            args=(member_of_root.astype(float), target[target_of_root]),
         )
         roots[
-            number_of_target,
-            np.arange(len(sample)) - np.searchsorted(number_of_target, number_of_target),
-        ] = np.exp(crossing.x)
+            target_of_root,
+            np.arange(len(sample_before)) - np.searchsorted(target_of_root, target_of_root),
+        ] = np.exp(found_roots.x)
         is_unsettled[
-            number_of_target[~(np.abs(crossing.f_x) <= _FOUND * target[number_of_target])]
+            target_of_root[~(np.abs(found_roots.f_x) <= _LARGEST_RESIDUAL * target[target_of_root])]
         ] = True
-    return roots, n_roots, is_unsettled
+    return roots, root_count, is_unsettled

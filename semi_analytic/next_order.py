@@ -1,14 +1,14 @@
-"""How large the next order of finite bodies is, N_4 and T_4 beside N and T, and what the orders
-after it leave of the changes that the bodies make: what `corrected` and
+"""How large the fourth order of finite bodies, N_4 and T_4, is beside their curvatures N and T, and
+which fraction of the changes of a value by the bodies stays uncertain: what `corrected` and
 `reports.advising_by_numbers` state.
 
-With r = |N_4 a^2/N| the order after the next is 0.02 r + 0.1 r^2 of what N and its next order
-change, likewise of T; the next order of tilt and bulk strain, which is not known, 0.6 of the larger
-r of their change; and their product with the curvatures, which are not solved together, half of
-both changes. 3e-5 of W is uncertain in any case.
+With r = |N_4 a^2/N| the order after the fourth is taken as 0.02 r + 0.1 r^2 of the change by N and
+N_4; likewise for T. The next order of tilt and bulk strain is not known; it is taken as the larger
+r times 0.6 of their change. Tilt and strain are not solved together with the curvatures; that is
+taken as half the product of both changes. 3e-5 of a value is uncertain in any case.
 
 Fitted to 133 random bodies under six load cycles (benchmarks/bound.py, seeds 49 to 51): of those
-that are not declined 98 % are covered, at 3.9 times what is left.
+that are not declined 98 % are covered, the uncertainty being 3.9 times the error.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _AFTER_NEXT = (0.02, 0.1)
 _NEXT_ORDER_OF_TILT_AND_STRAIN = 0.6
 _PRODUCT = 0.5
 LEAST_UNCERTAIN_FRACTION = 3e-5
-"""Of a value that the bodies change: it is uncertain by this share whatever they are."""
+"""Relative uncertainty of a value that the bodies change, whatever they are."""
 
 CURVATURES = {
     "curvature under P": (
@@ -41,29 +41,29 @@ CURVATURES = {
         "tangential_mixed",
     ),
 }
-"""The even numbers of `BodyEffects` by the load that they follow: the curvature that leads, that of
-bodies without a mirror line, the next order.
+"""The numbers of `BodyEffects` that are even in x, by the load that they follow: the curvature, the
+coupling one of bodies without a mirror line, the two of fourth order.
 """
 
 
 def ratio_of_next_order(effects: BodyEffects, half_width: float) -> float:
-    """The larger of |N_4 a^2/N| and |T_4 a^2/T|, a being a half-width."""
+    """The larger of |N_4 a^2/N| and |T_4 a^2/T|, fourth order over curvature; a is `half_width`."""
     return max(_ratio(effects, curvature, half_width) for curvature, *_ in CURVATURES.values())
 
 
 def uncertain_fraction_of_curvatures(effects: BodyEffects, half_width: float) -> dict[str, float]:
-    """What is uncertain of the change that each curvature of finite bodies makes, as a share of
-    that change, by the curvature in words.
+    """Relative uncertainty of the change of a value by each curvature of finite bodies, under the
+    names of `CURVATURES`.
 
-    It is the error of the curvature's number, and what the order after the next may add;
-    `half_width` is that of the contact [length].
+    It is the relative uncertainty of the curvature itself, plus the order after the fourth, 0.02 r
+    + 0.1 r^2 with r = |N_4 a^2/N|. a is the `half_width` of contact [length].
 
     >>> effects = BodyEffects(
     ...     datum_length=1.0, normal_curvature=Estimate(1.0, 0.001), normal_fourth=Estimate(-0.5)
     ... )
     >>> {
-    ...     name: round(left, 6)
-    ...     for name, left in uncertain_fraction_of_curvatures(effects, 1.0).items()
+    ...     name: round(fraction, 6)
+    ...     for name, fraction in uncertain_fraction_of_curvatures(effects, 1.0).items()
     ... }
     {'curvature under P': 0.036, 'curvature under Q': 0.0}
     """
@@ -74,14 +74,16 @@ def uncertain_fraction_of_curvatures(effects: BodyEffects, half_width: float) ->
 
 
 def uncertain_fraction_of_tilt_and_strain(of_curvatures: float, ratio: float) -> float:
-    """Of what tilt and bulk strain change of the dissipation, in its ratio, what is uncertain
-    beside a change `of_curvatures`; `ratio` is that of `ratio_of_next_order`.
+    """Relative uncertainty of the change of the dissipation by tilt and bulk strain: their next
+    order, and their product with the curvatures.
+
+    `of_curvatures` is the relative change by the curvatures, `ratio` that of `ratio_of_next_order`.
     """
     return _NEXT_ORDER_OF_TILT_AND_STRAIN * ratio + _PRODUCT * abs(of_curvatures)
 
 
 def with_these_alone(effects: BodyEffects, words: str) -> BodyEffects:
-    """The effects with nothing odd, and with one group of `CURVATURES` alone."""
+    """The effects without tilt and bulk strain, and with one group of `CURVATURES` alone."""
     other_effects: dict[str, Any] = dict.fromkeys(ODD_NUMBERS, ZERO)
     for other_words, names in CURVATURES.items():
         if other_words != words:
@@ -90,19 +92,20 @@ def with_these_alone(effects: BodyEffects, words: str) -> BodyEffects:
 
 
 def without_next_order(effects: BodyEffects) -> BodyEffects:
-    """The effects to the curvatures alone."""
+    """The effects without the fourth order."""
     next_order: dict[str, Any] = dict.fromkeys(NEXT_ORDER, ZERO)
     return replace(effects, **next_order)
 
 
 def has_next_order(effects: BodyEffects) -> bool:
-    """Whether a number of the next order is not 0."""
+    """Whether any number of fourth order is not 0."""
     return any(getattr(effects, name).value for name in NEXT_ORDER)
 
 
 def _uncertain_fraction_of_curvature(
     effects: BodyEffects, curvature: str, half_width: float
 ) -> float:
+    """Relative uncertainty of the change by one curvature; 0 where the curvature is 0."""
     estimate: Estimate = getattr(effects, curvature)
     if not estimate.value:
         return 0.0
@@ -112,7 +115,7 @@ def _uncertain_fraction_of_curvature(
 
 
 def _ratio(effects: BodyEffects, curvature: str, half_width: float) -> float:
-    """|N_4 a^2/N| of one curvature; 0 where there is none."""
+    """|N_4 a^2/N|, fourth order over curvature, of one curvature; 0 where the curvature is 0."""
     leading_estimate: Estimate = getattr(effects, curvature)
     if not leading_estimate.value:
         return 0.0

@@ -1,14 +1,15 @@
-"""What tilt and bulk strain of the bodies add to the dissipation of a rig's steady cycle.
+"""Friction work that tilt and bulk strain of the bodies add in the steady cycle of a rig, where
+displacements are prescribed.
 
-The memory of `odd_memory` follows paths of few segments with smooth ends of strokes, and the loads
-that follow from displacements are known step by step. So the steady cycle is stated again:
+`odd_memory` takes load paths of few segments, with smooth ends of strokes. The loads that follow
+from displacements are known at many instants. So the steady cycle is replaced:
 
-- where P rests, by its turning points: between them only the order counts;
-- on an ellipse or harmonics, by harmonics of Q, for P is one of them;
-- on other cycles, by straight steps between fewer rows. Their strokes end at vertices of the path.
+- at constant P, by a polygon of the turning points of Q: between them only their order counts;
+- on an ellipse or harmonics, by a sum of harmonics of P and of Q;
+- on other cycles, by straight steps between fewer instants. Their strokes end at vertices.
 
-The initial loading does not count in a steady cycle. Where one side of the contact slips alone,
-that order does not hold: grids follow the same loads, see `answer_of_rig`.
+The initial loading does not count in a steady cycle. Where one side of the contact slips alone, the
+second order does not hold: grids follow the same loads, see `answer_of_rig`.
 """
 
 from __future__ import annotations
@@ -27,26 +28,26 @@ from scenes.array_types import Array
 from semi_analytic.driven import Driven
 from semi_analytic.odd_memory import Declined, OddAnswer, odd_answer
 
-# Instants of a cycle at which Q is taken for its harmonics, and these: twice as many change the
-# work that they add by less than 1e-3 of itself.
+# Instants of a cycle from which harmonics are computed, and harmonics: twice as many change the
+# added work by less than 1e-3 of itself.
 _INSTANTS = 256
 _HARMONICS = 24
-# Steps of a cycle of neither kind.
+# Steps of a cycle with neither constant P nor harmonics.
 _STEPS = 200
-# Share of a load within which two are one.
+# Two loads are equal within this fraction of the larger.
 _SAME = 1e-9
-# Amplitudes below this share of the largest are none.
-_NO_WAVE = 1e-7
+# Amplitudes below this fraction of the largest are set to 0.
+_LEAST_AMPLITUDE = 1e-7
 
 
 def odd_part_of_rig(
     scene: Scene, effects: BodyEffects, driven: Driven, last_cycle: slice
 ) -> OddAnswer:
-    """Friction work that tilt and bulk strain of finite bodies add in the steady cycle of a rig, in
-    the second order of these small numbers.
+    """Friction work that tilt and bulk strain of finite bodies add in the steady cycle of a rig, to
+    the second order in both.
 
-    The cycle is the rows `last_cycle` of a path with displacements prescribed; `effects` are the
-    numbers of the bodies, `driven` the loads that were found.
+    Rows are instants of the followed path, `last_cycle` those of the steady cycle. `driven` holds
+    the loads that follow from the prescribed displacements, `effects` tilt and strain per load.
 
     Raises
     ------
@@ -64,78 +65,86 @@ def odd_part_of_rig(
 def loads_of_cycle(
     scene: Scene, driven: Driven, last_cycle: slice, most_steps: int = _STEPS
 ) -> Scene:
-    """The scene of a rig with the loads P and Q that were found in its last cycle, in the place of
-    the displacements.
+    """The scene of a rig with displacements replaced by the loads P and Q of its last cycle, as a
+    load path without rig.
 
-    Loads at constant P are a polygon of the turning points of Q, those of harmonic displacements
-    sums of harmonics, others straight steps.
+    At constant P the path is a polygon of the turning points of Q. For harmonic displacements it is
+    a sum of harmonics, for others straight steps.
 
     Parameters
     ----------
+    driven, last_cycle
+        the followed path, and its rows (instants) in the last cycle
     most_steps
-        of a cycle that has neither constant P nor harmonics, at most
+        largest number of straight steps
 
     Raises
     ------
     Declined
-        Where Q rests.
+        Where P and Q are constant.
     """
-    load = driven.followed.normal_load[last_cycle]
-    force = driven.followed.tangential_load[last_cycle]
+    normal_load = driven.followed.normal_load[last_cycle]
+    tangential_load = driven.followed.tangential_load[last_cycle]
     time = driven.time[last_cycle]
     load_of_cycle: HarmonicLoad | PolygonLoad
-    if np.ptp(load) <= _SAME * float(np.max(load)):
-        load_of_cycle = _turning_points(load, force)
+    if np.ptp(normal_load) <= _SAME * float(np.max(normal_load)):
+        load_of_cycle = _polygon_of_turning_points(normal_load, tangential_load)
     elif isinstance(scene.load, EllipseLoad | HarmonicLoad):
-        load_of_cycle = _harmonics(time, load, force)
+        load_of_cycle = _harmonics(time, normal_load, tangential_load)
     else:
-        load_of_cycle = _steps(load, force, most_steps)
+        load_of_cycle = _straight_steps(normal_load, tangential_load, most_steps)
     return scene.vary(load=load_of_cycle, rig=Rig(), cycles=2)
 
 
-def _turning_points(load: Array, force: Array) -> PolygonLoad:
-    """The cycle as straight steps between the turning points of Q, from the largest Q on."""
-    rise = np.diff(force)
-    moves = np.flatnonzero(rise)
-    ends = moves[np.sign(rise[moves]) != np.sign(rise[np.roll(moves, -1)])] + 1
-    if len(ends) < 2:
+def _polygon_of_turning_points(normal_load: Array, tangential_load: Array) -> PolygonLoad:
+    """The cycle of P and Q (n,) at constant P as straight steps between the turning points of Q,
+    the largest Q first.
+    """
+    step_of_load = np.diff(tangential_load)
+    moving_steps = np.flatnonzero(step_of_load)
+    next_moving_steps = np.roll(moving_steps, -1)
+    turns_back = np.sign(step_of_load[moving_steps]) != np.sign(step_of_load[next_moving_steps])
+    turning_rows = moving_steps[turns_back] + 1
+    if len(turning_rows) < 2:
         raise Declined("Q rests")
-    turns = force[ends]
-    turns = np.roll(turns, -int(np.argmax(turns)))
-    points = [(float(load[0]), float(turn)) for turn in turns]
+    turning_loads = tangential_load[turning_rows]
+    turning_loads = np.roll(turning_loads, -int(np.argmax(turning_loads)))
+    points = [(float(normal_load[0]), float(turning_load)) for turning_load in turning_loads]
     return PolygonLoad(initial_loading=(points[0],), cycle=tuple(points[1:]))
 
 
 def _harmonics(time: Array, normal_load: Array, tangential_load: Array) -> HarmonicLoad:
-    """One period of P and Q over time, (n,) each, as a harmonic load: means, amplitudes and phases
-    of the first harmonics by Fourier's transform.
+    """One period of P and Q over time, (n,) each, as a load of means and the first harmonics, by
+    the discrete Fourier transform.
 
-    Waves too small to matter have amplitude 0.
+    Amplitudes below 1e-7 of the largest are set to 0.
     """
-    instants = time[0] + (time[-1] - time[0]) * np.arange(_INSTANTS) / _INSTANTS
+    equal_times = time[0] + (time[-1] - time[0]) * np.arange(_INSTANTS) / _INSTANTS
 
-    def waves(values: Array) -> tuple[float, tuple[tuple[float, float], ...]]:
-        """Mean, amplitudes and phases in degrees."""
-        fourier_terms = np.fft.rfft(np.interp(instants, time, values)) / _INSTANTS
+    def mean_and_harmonics(values: Array) -> tuple[float, tuple[tuple[float, float], ...]]:
+        """Mean of n values, and (amplitude, phase in degrees) of each harmonic."""
+        fourier_terms = np.fft.rfft(np.interp(equal_times, time, values)) / _INSTANTS
         amplitudes = 2 * np.abs(fourier_terms[1 : _HARMONICS + 1])
         phases = -np.degrees(np.angle(fourier_terms[1 : _HARMONICS + 1]))
-        amplitudes[amplitudes < _NO_WAVE * np.max(amplitudes)] = 0.0
+        amplitudes[amplitudes < _LEAST_AMPLITUDE * np.max(amplitudes)] = 0.0
         return float(fourier_terms[0].real), tuple(
             zip(amplitudes.tolist(), phases.tolist(), strict=True)
         )
 
-    mean_normal_load, normal_waves = waves(normal_load)
-    mean_tangential_load, tangential_waves = waves(tangential_load)
+    mean_normal_load, normal_harmonics = mean_and_harmonics(normal_load)
+    mean_tangential_load, tangential_harmonics = mean_and_harmonics(tangential_load)
     return HarmonicLoad(
         mean_normal_load=mean_normal_load,
-        normal_harmonics=normal_waves,
+        normal_harmonics=normal_harmonics,
         mean_tangential_load=mean_tangential_load,
-        tangential_harmonics=tangential_waves,
+        tangential_harmonics=tangential_harmonics,
     )
 
 
-def _steps(load: Array, force: Array, steps: int) -> PolygonLoad:
-    """The cycle by straight steps between some of its rows."""
-    rows = np.unique(np.linspace(0, len(load) - 1, steps + 1).astype(int))
-    points = list(zip(load[rows].tolist(), force[rows].tolist(), strict=True))
+def _straight_steps(normal_load: Array, tangential_load: Array, steps: int) -> PolygonLoad:
+    """The cycle of P and Q (n,) as at most `steps` straight steps between some of its instants,
+    evenly chosen.
+    """
+    rows = np.unique(np.linspace(0, len(normal_load) - 1, steps + 1).astype(int))
+    points = list(zip(normal_load[rows].tolist(), tangential_load[rows].tolist(), strict=True))
     return PolygonLoad(initial_loading=(points[0],), cycle=tuple(points[1:-1]))

@@ -5,7 +5,7 @@
 #           to Q; b1, b2 ends of stick, w = sqrt((b1 - xi)(b2 - xi)), m = (b1 + b2)/2, c = (b2 -
 #           b1)/2; e = eps/(A f k a)
 
-Above |eps| = (A/(pi a)) |Q| the stick zone leaves both edges, and friction has two signs on its two
+Above |eps| = (A/(pi a)) |Q| the stick zone leaves both edges, and shear has two signs on its two
 sides. With eps < 0, right end forward and left end reverse,
 
     eps/(A f k) = m - (2/pi) int_{-a}^{b1} sqrt(a^2 - xi^2)/w d xi
@@ -31,22 +31,23 @@ from scenes.chebyshev import Pieces, halved
 from semi_analytic.quadrature import crowded_nodes, gauss, graded
 from semi_analytic.tilted_profile import TiltedProfile
 
-# Parts in which loads grow from nothing to those asked for, and steps of Newton's method in each at
-# most.
-_PARTS = 12
-_STEPS = 30
-# Step by which derivatives are taken: they need few digits.
-_WIDTH = 1e-6
-# Integrals that are taken at a time.
-_MEMBERS = 10_000
+# Steps of the continuation in which the loads grow from nothing, and steps of Newton's method in
+# each at most.
+_LOAD_STEPS = 12
+_NEWTON_STEPS = 30
+# Step of difference quotients over the slip depth: Newton's method needs few digits of them.
+_DIFFERENCE = 1e-6
+# Integrals evaluated together, a bound on memory.
+_INTEGRALS_AT_ONCE = 10_000
 
 
-def loads_of(left: Array, right: Array) -> tuple[Array, Array]:
-    """Bulk strain and tangential load under which a parabola's ends slip in opposite senses, up to
-    given depths of slip; Nowell and Hills' problem at constant P, (n,) each.
+def loads_of(left_depth: Array, right_depth: Array) -> tuple[Array, Array]:
+    """Dimensionless bulk strain e < 0 and tangential load Q/(f P) under which the two ends of a
+    Hertzian contact slip in opposite directions up to given depths (n,): (n,) each.
 
-    The contact is -1 < x < 1. It slips up to the depth d1 = `left` from its left end and d2 =
-    `right` from its right end. Returned are the scaled bulk strain e < 0 and Q/(f P).
+    The contact is -1 < x < 1, in units of its half-width a, and sticks in -1 + d1 < x < 1 - d2. d1
+    = `left_depth`, d2 = `right_depth`, e = eps/(A f k a) of the module's text. Source: Nowell and
+    Hills (1987), at constant P.
 
     >>> e, q = loads_of(
     ...     np.array([0.5]), np.array([0.5])
@@ -54,37 +55,40 @@ def loads_of(left: Array, right: Array) -> tuple[Array, Array]:
     >>> round(float(e[0]), 10), round(abs(float(q[0])), 12)
     (-0.601898288, 0.0)
     """
-    stick_middle = (left - right) / 2
-    stick_half_width = 1 - (left + right) / 2
+    stick_middle = (left_depth - right_depth) / 2
+    stick_half_width = 1 - (left_depth + right_depth) / 2
     # notation: xi = b1 - d1 v^2 places in the left slip zone, b1 the left stick edge, v the nodes
-    nodes, weights = graded(np.zeros(left.shape), np.ones(left.shape))
-    depth = left[..., None] * (1 - nodes * nodes)
+    nodes, weights = graded(np.zeros(left_depth.shape), np.ones(left_depth.shape))
+    depth = left_depth[..., None] * (1 - nodes * nodes)
     xi = depth - 1
-    root_ratio = np.sqrt((1 - nodes) * (1 + nodes) * (2 - depth) / (2 - depth - right[..., None]))
-    terms = weights * 2 * left[..., None] * root_ratio
-    e = stick_middle - 2 / np.pi * np.sum(terms, axis=-1)
-    moment = 4 / np.pi * np.sum(xi * terms, axis=-1)
-    return (
-        e,
+    root_ratio = np.sqrt(
+        (1 - nodes) * (1 + nodes) * (2 - depth) / (2 - depth - right_depth[..., None])
+    )
+    # sqrt(1 - xi^2)/w d xi, w = sqrt((b1 - xi)(b2 - xi))
+    integrand_weights = weights * 2 * left_depth[..., None] * root_ratio
+    e = stick_middle - 2 / np.pi * np.sum(integrand_weights, axis=-1)
+    moment = 4 / np.pi * np.sum(xi * integrand_weights, axis=-1)
+    force = (
         1
         + 2 * e * stick_middle
         - 2 * stick_middle * stick_middle
         - stick_half_width * stick_half_width
-        + moment,
+        + moment
     )
+    return e, force
 
 
 def slip_depths(e: Array, force: Array) -> tuple[Array, Array]:
-    """Depths d1 and d2 of slip at the left and the right end of the contact -1 < x < 1 of a
-    parabola at constant P, (n,) each.
+    """Depths d1 and d2 of the slip zones at the left and the right end of a Hertzian contact -1 < x
+    < 1, (n,) each, that slip in opposite directions: the inverse of `loads_of`.
 
-    The scaled bulk strain `e` < 0 and Q/(f P) = `force`, (n,) each, grow in proportion from
-    nothing; the ends slip in opposite senses.
+    `e` < 0 is the dimensionless bulk strain eps/(A f k a) of the module's text, `force` is Q/(f P),
+    (n,) each. They grow in proportion from nothing at constant P.
 
     Raises
     ------
     ArithmeticError
-        Where there are none: one slip zone closes again, or sticks next to nothing.
+        Where no depths are found: one slip zone closes again, or the stick zone shrinks to nothing.
     """
     loads = np.stack([e, force])
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -97,48 +101,49 @@ def slip_depths(e: Array, force: Array) -> tuple[Array, Array]:
 
 
 def _depths(loads: Array) -> Array:
-    """Depths of slip (2, n) at the left and the right end of the contact -1 < x < 1 under `loads`
-    (2, n), scaled bulk strain e < 0 and Q/(f P), by Newton's method.
+    """Depths (2, n) of the slip zones at the left and the right end of the contact -1 < x < 1 under
+    `loads` (2, n), dimensionless bulk strain e < 0 and Q/(f P), by Newton's method.
 
-    The loads grow in parts, each from the solution of the part before. NaN, or no solution, where
-    the method fails.
+    The loads grow in steps, each starting from the solution of the step before. Where the method
+    fails the result is NaN or no solution.
     """
     e, force = loads
-    depth = np.stack([-e - force / 2, -e + force / 2]) / _PARTS
-    for part in range(1, _PARTS + 1):
-        load_share = part / _PARTS
-        for _ in range(_STEPS):
-            residual_of_loads = np.stack(loads_of(*depth)) - load_share * loads
-            step = _newton_step(depth, residual_of_loads)
+    depth = np.stack([-e - force / 2, -e + force / 2]) / _LOAD_STEPS
+    for load_step in range(1, _LOAD_STEPS + 1):
+        load_fraction = load_step / _LOAD_STEPS
+        for _ in range(_NEWTON_STEPS):
+            residual_of_loads = np.stack(loads_of(*depth)) - load_fraction * loads
+            depth_step = _newton_step(depth, residual_of_loads)
             # Never more than half the way to an end of contact, or to where both slip zones meet.
             longest_step = np.minimum(depth / 2, np.maximum(2 - depth.sum(axis=0), 0.0) / 4)
-            depth = depth - np.clip(step, -longest_step, longest_step)
-            if np.all(np.abs(step) <= 1e-14 * depth) or not np.all(np.isfinite(depth)):
+            depth = depth - np.clip(depth_step, -longest_step, longest_step)
+            is_converged = np.all(np.abs(depth_step) <= 1e-14 * depth)
+            if is_converged or not np.all(np.isfinite(depth)):
                 break
-        if part < _PARTS:
-            next_depth = depth * (part + 1) / part
-            depth = np.where(next_depth.sum(axis=0) < 2, next_depth, depth)
+        if load_step < _LOAD_STEPS:
+            extrapolated_depth = depth * (load_step + 1) / load_step
+            depth = np.where(extrapolated_depth.sum(axis=0) < 2, extrapolated_depth, depth)
     return depth
 
 
 def _newton_step(depth: Array, residual: Array) -> Array:
-    """Newton's change of the slip depths at both ends of the contact, (2, n), for residuals (2, n)
-    of the two loads, bulk strain and Q/(f P), that the depths give.
+    """Newton's step of the slip depths (2, n) at both ends of the contact, to be subtracted;
+    `residual` (2, n) is that of the two loads, e and Q/(f P), as functions of the depths.
 
-    Derivatives are central differences; the system of two equations is solved in closed form.
+    Derivatives are central differences; the two equations are solved by Cramer's rule.
     """
-    rates = []
+    derivatives = []
     for end_number in (0, 1):
-        difference = _WIDTH * depth * (np.arange(2) == end_number)[:, None]
+        difference = _DIFFERENCE * depth * (np.arange(2) == end_number)[:, None]
         loads_after = np.stack(loads_of(*(depth + difference)))
         loads_before = np.stack(loads_of(*(depth - difference)))
-        rates.append((loads_after - loads_before) / (2 * difference[end_number]))
-    (e_by_left, force_by_left), (e_by_right, force_by_right) = rates
+        derivatives.append((loads_after - loads_before) / (2 * difference[end_number]))
+    (e_by_left, force_by_left), (e_by_right, force_by_right) = derivatives
     residual_of_e, residual_of_force = residual
     determinant = e_by_left * force_by_right - e_by_right * force_by_left
-    step_of_left = force_by_right * residual_of_e - e_by_right * residual_of_force
-    step_of_right = e_by_left * residual_of_force - force_by_left * residual_of_e
-    return np.stack([step_of_left, step_of_right]) / determinant
+    left_numerator = force_by_right * residual_of_e - e_by_right * residual_of_force
+    right_numerator = e_by_left * residual_of_force - force_by_left * residual_of_e
+    return np.stack([left_numerator, right_numerator]) / determinant
 
 
 def _by_gauss(begin: Array, end: Array) -> tuple[Array, Array]:
@@ -149,30 +154,44 @@ def _by_gauss(begin: Array, end: Array) -> tuple[Array, Array]:
 
 
 @lru_cache(maxsize=8)  # the same zones under other values of `rigid`
-def _stick_zones(eccentric: float, forced: float, largest_load: float) -> tuple[Pieces, Pieces]:
-    """b1/a and b2/a over P - eta up to `largest_load`: -e = `eccentric` (P - eta) and Q/(f P) =
-    `forced` (P - eta).
+def _stick_zones(
+    strain_per_unloading: float, force_per_unloading: float, largest_unloading: float
+) -> tuple[Pieces, Pieces]:
+    """Left and right stick edges b1/a and b2/a as functions of the unloading P - eta = |Q|/f, from
+    0 to `largest_unloading`: -e and Q/(f P) are the two factors times P - eta.
     """
 
-    def ends(v: Array) -> tuple[Array, Array]:
-        left, right = slip_depths(-eccentric * v.ravel(), forced * v.ravel())
-        return (left - 1).reshape(v.shape), (1 - right).reshape(v.shape)
+    def stick_edges(unloading: Array) -> tuple[Array, Array]:
+        left_depth, right_depth = slip_depths(
+            -strain_per_unloading * unloading.ravel(), force_per_unloading * unloading.ravel()
+        )
+        left_edge = (left_depth - 1).reshape(unloading.shape)
+        right_edge = (1 - right_depth).reshape(unloading.shape)
+        return left_edge, right_edge
 
-    marks = np.array([0.0, largest_load])
-    return halved(lambda v: ends(v)[0], marks, 1.0), halved(lambda v: ends(v)[1], marks, 1.0)
+    ends = np.array([0.0, largest_unloading])
+    return (
+        halved(lambda unloading: stick_edges(unloading)[0], ends, 1.0),
+        halved(lambda unloading: stick_edges(unloading)[1], ends, 1.0),
+    )
 
 
 @dataclass(frozen=True, eq=False)
 class OppositeSlip(TiltedProfile):
-    """The parabola at constant P under bulk strain kappa Q that is large; its I(eta), eta <= P, are
-    stick zones.
+    """A parabola at constant P under a large bulk strain eps = kappa Q, so that the two ends of
+    contact slip in opposite directions.
+
+    In place of contact intervals under loads eta, I(eta) are the stick zones after |Q| = f (P -
+    eta); `P - eta` is called the unloading.
 
     Attributes
     ----------
     friction, largest_tangential_load
-        f, and the largest |Q| that is asked for; P is the largest load of `intervals`
+        f, and the largest |Q| of the path [force per thickness]; P is the largest load of
+        `intervals`
     tangential_fraction
-        1; 0 where Q = 0, and a load T that nobody applies stands in its place: eps = kappa T
+        1; 0 where Q = 0 and bulk strain alone changes: then a fictitious load T stands in the place
+        of Q, eps = kappa T
     """
 
     friction: float = 1.0
@@ -190,19 +209,20 @@ class OppositeSlip(TiltedProfile):
         return self.intervals.largest_load, float(m), float(c)
 
     @property
-    def _deepest(self) -> float:
-        """P - eta of the largest Q."""
+    def _largest_unloading(self) -> float:
+        """P - eta = |Q|/f at the largest |Q| [force per thickness]."""
         return self.largest_tangential_load / self.friction
 
     @cached_property
-    def _zones(self) -> tuple[Pieces, Pieces]:
-        """b1 and b2 from the centre of contact, over a, as functions of P - eta: e = eps pi a/(2 A
-        f P), for A P = pi a^2/(2 R).
+    def _stick_edges(self) -> tuple[Pieces, Pieces]:
+        """Left and right stick edges b1 and b2 as functions of P - eta, from the centre of contact,
+        over a: e = eps pi a/(2 A f P), since A P = pi a^2/(2 R).
         """
         largest_load, _, half_width = self._contact
-        forced = -self.tangential_fraction * float(np.sign(self.lean)) / largest_load
+        force_per_unloading = -self.tangential_fraction * float(np.sign(self.lean)) / largest_load
+        strain_per_unloading = abs(self.lean) * half_width / (2 * largest_load)
         return _stick_zones(
-            abs(self.lean) * half_width / (2 * largest_load), forced, self._deepest * (1 + 1e-9)
+            strain_per_unloading, force_per_unloading, self._largest_unloading * (1 + 1e-9)
         )
 
     @cached_property
@@ -211,46 +231,48 @@ class OppositeSlip(TiltedProfile):
 
     def at(self, load: ArrayLike) -> tuple[Array, Array]:
         largest_load, middle, half_width = self._contact
-        v = np.clip(largest_load - np.asarray(load, dtype=float), 0.0, self._deepest)
-        left_of_v, right_of_v = self._zones
-        left = left_of_v(v)
-        right = right_of_v(v)
-        return middle + half_width * (left + right) / 2, half_width * (right - left) / 2
+        unloading = np.clip(
+            largest_load - np.asarray(load, dtype=float), 0.0, self._largest_unloading
+        )
+        left_edge_at, right_edge_at = self._stick_edges
+        left_edge = left_edge_at(unloading)
+        right_edge = right_edge_at(unloading)
+        stick_middle = middle + half_width * (left_edge + right_edge) / 2
+        return stick_middle, half_width * (right_edge - left_edge) / 2
 
     def is_nested(self, load: float) -> bool:
         """Whether stick zones recede at both ends, whatever the load is."""
-        ends = self.interval(load - self._deepest * np.linspace(0, 1, 200))
+        ends = self.interval(load - self._largest_unloading * np.linspace(0, 1, 200))
         slack = 1e-12 * self._contact[2]
         return bool(np.all(np.diff(ends[:, 0]) >= -slack) and np.all(np.diff(ends[:, 1]) <= slack))
 
     def load(self, half_width: ArrayLike) -> Array:
-        """The load P_x = P - |Q|/f of the force at which the stick edge passes each place x =
-        `half_width`, by bisection [force per thickness].
+        """The load P_x = P - |Q|/f of the |Q| at which a stick edge passes x = `half_width`, by
+        bisection, any shape [force per thickness]. Here x is a place and carries its sign.
 
-        At constant P the stick zone under |Q| takes the place of the contact under the smaller load
-        P - |Q|/f. Out of contact the value exceeds P, in proportion to the distance from the edge;
-        it is 0 where nothing slips up to the largest Q.
+        Beyond the contact the value is above P, in proportion to the distance from its edge; it is
+        0 where the point sticks up to the largest |Q|.
         """
         largest_load, middle, contact_half_width = self._contact
-        relative_place = (np.asarray(half_width, dtype=float) - middle) / contact_half_width
-        least_unloading = np.zeros(relative_place.shape)
-        largest_unloading = np.full(relative_place.shape, self._deepest)
-        left_edge, right_edge = self._zones
+        relative_x = (np.asarray(half_width, dtype=float) - middle) / contact_half_width
+        lower_bound = np.zeros(relative_x.shape)
+        upper_bound = np.full(relative_x.shape, self._largest_unloading)
+        left_edge_at, right_edge_at = self._stick_edges
         for _ in range(60):
-            unloading = (least_unloading + largest_unloading) / 2
+            unloading = (lower_bound + upper_bound) / 2
             is_outside = np.where(
-                relative_place < 0,
-                relative_place < left_edge(unloading),
-                relative_place > right_edge(unloading),
+                relative_x < 0,
+                relative_x < left_edge_at(unloading),
+                relative_x > right_edge_at(unloading),
             )
-            least_unloading = np.where(is_outside, least_unloading, unloading)
-            largest_unloading = np.where(is_outside, unloading, largest_unloading)
-        deepest_unloading = np.array(self._deepest)
-        never_slips = (relative_place >= left_edge(deepest_unloading)) & (
-            relative_place <= right_edge(deepest_unloading)
+            lower_bound = np.where(is_outside, lower_bound, unloading)
+            upper_bound = np.where(is_outside, unloading, upper_bound)
+        largest_unloading = np.array(self._largest_unloading)
+        always_sticks = (relative_x >= left_edge_at(largest_unloading)) & (
+            relative_x <= right_edge_at(largest_unloading)
         )
-        loads = np.where(never_slips, 0.0, largest_load - (least_unloading + largest_unloading) / 2)
-        distance_beyond = np.abs(relative_place) - 1
+        loads = np.where(always_sticks, 0.0, largest_load - (lower_bound + upper_bound) / 2)
+        distance_beyond = np.abs(relative_x) - 1
         return np.where(distance_beyond > 0, largest_load * (1 + distance_beyond), loads)
 
     def sense(self, x: ArrayLike) -> Array:
@@ -267,20 +289,20 @@ class OppositeSlip(TiltedProfile):
         ) / (np.pi * self.intervals.compliance)
         return np.asarray(self.sense(x) * pressure + 0 * np.asarray(load, dtype=float))
 
-    def _to_the_top(
+    def _integral_up_to_largest_load(
         self, x: ArrayLike, load: ArrayLike, kernel: Literal["inverse_root", "arccosh_ratio"]
     ) -> Array:
-        """Integral over loads eta from `load` to the largest load P of a kernel K(x, eta) at places
-        x: shear or slip of a unit of load on each stick zone.
+        """Integral over eta from `load` to the largest load P of a kernel K(x, eta): pi times the
+        traction (inverse_root), or pi/A times the slip (arccosh_ratio), at x by a unit of load on
+        the stick zone I(eta). Arrays broadcast.
 
-        "inverse_root" (shear) is integrated over the loads at which x is inside the zone, eta >
-        P_x; "arccosh_ratio" (slip) over those at which it is outside, eta < P_x. P_x is the load at
-        which the zone's edge is at x. The ranges between neighbouring loads are integrated one by
-        one and summed from P down: those close to P_x by the rule for singular ends, the others by
-        Gauss' rule.
+        "inverse_root" is integrated where x is inside the zone, eta > P_x; "arccosh_ratio" where it
+        is outside, eta < P_x. P_x is the load at which a stick edge is at x, where the kernel is
+        singular. The ranges between neighbouring loads are integrated one by one and summed from P
+        down: those close to P_x by `graded`, for singular ends, the others by Gauss' rule.
         """
         largest_load = self.intervals.largest_load
-        least_load = largest_load - self._deepest
+        least_load = largest_load - self._largest_unloading
         places, loads = np.broadcast_arrays(
             np.asarray(x, dtype=float), np.clip(load, least_load, largest_load)
         )
@@ -300,15 +322,15 @@ class OppositeSlip(TiltedProfile):
             is_integrated = end_loads > begin_loads
         range_integrals = np.zeros(is_integrated.shape)
         is_near = distance_to_edge_load < 3 * (load_above - load_below)
-        for pairs_of_rule, rule in (
+        for is_of_rule, rule in (
             (is_integrated & is_near, graded),
             (is_integrated & ~is_near, _by_gauss),
         ):
-            range_number, point_number = np.nonzero(pairs_of_rule)
-            for first_pair in range(0, len(range_number), _MEMBERS):
+            range_indices, place_indices = np.nonzero(is_of_rule)
+            for first_pair in range(0, len(range_indices), _INTEGRALS_AT_ONCE):
                 pairs = (
-                    range_number[first_pair : first_pair + _MEMBERS],
-                    point_number[first_pair : first_pair + _MEMBERS],
+                    range_indices[first_pair : first_pair + _INTEGRALS_AT_ONCE],
+                    place_indices[first_pair : first_pair + _INTEGRALS_AT_ONCE],
                 )
                 eta, weight = rule(begin_loads[pairs], end_loads[pairs])
                 kernel_at_nodes = getattr(self, kernel)(different_places[pairs[1], None], 0.0, eta)
@@ -319,28 +341,30 @@ class OppositeSlip(TiltedProfile):
         )
 
     def pressure_rise(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """Integral of dp/d eta up to a load, less that up to P: -q/f after Q = f (P - eta)."""
+        """Integral of dp/d eta at x from P to `load`: -q(x)/f after |Q| = f (P - load) [stress]."""
         sticks = self.load(x) < np.minimum(load, self.intervals.largest_load)
-        of_stick = self._to_the_top(x, load, "inverse_root") / np.pi
-        return -np.where(sticks, of_stick, self.pressure(x, load))
+        shear_in_stick_zone = self._integral_up_to_largest_load(x, load, "inverse_root") / np.pi
+        return -np.where(sticks, shear_in_stick_zone, self.pressure(x, load))
 
     def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """Integral of the kernel of slip up to a load, less that up to P."""
-        return -self._to_the_top(x, load, "arccosh_ratio")
+        """Integral of the slip kernel `arccosh_ratio` at x over eta, from P to `load`."""
+        return -self._integral_up_to_largest_load(x, load, "arccosh_ratio")
 
     def log_distance(self, load: ArrayLike) -> Array:
-        """Integral of `log_ratio` up to a load, less that up to P."""
+        """Integral of `log_ratio` over eta from P to `load`."""
         largest_load = self.intervals.largest_load
-        least_load = np.clip(load, largest_load - self._deepest, largest_load)
+        least_load = np.clip(load, largest_load - self._largest_unloading, largest_load)
         eta, weight = graded(least_load, np.full(np.shape(least_load), largest_load))
         return np.asarray(-np.sum(weight * self.log_ratio(eta), axis=-1))
 
     def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:
-        """Lam = int_{P_c}^P of the loop's rate at P_c less that at eta [force per thickness]."""
+        """Lam = int over eta from P_c to P of g(P_c) - g(eta), P_c = load - slipped, g the rate
+        of U + kappa m_q per load on I(eta), over A/pi [force per thickness].
+        """
         load, slipped = np.broadcast_arrays(
             np.asarray(load, dtype=float), np.asarray(slipped, dtype=float)
         )
         rate = self._as_loop.log_ratio
-        front = load - slipped
-        eta, weight = crowded_nodes(front, load)
-        return np.asarray(np.sum(weight * (rate(front)[..., None] - rate(eta)), axis=-1))
+        edge_load = load - slipped
+        eta, weight = crowded_nodes(edge_load, load)
+        return np.asarray(np.sum(weight * (rate(edge_load)[..., None] - rate(eta)), axis=-1))

@@ -19,8 +19,8 @@ Result = TypeVar("Result")
 
 
 def phase_in_radians(phase_degrees: ArrayLike | None, phase_radians: ArrayLike | None) -> ArrayLike:
-    """The lag of Q behind P in radians, from a lag given in degrees or in radians; a quarter of a
-    revolution where neither is given.
+    """The phase lag of Q behind P in radians, any shape, from one in degrees or in radians; pi/2
+    where neither is given.
 
     Raises
     ------

@@ -191,9 +191,9 @@ def _findings_of_steady_cycle(question: Question) -> Findings | None:
         findings = by_memory(question, cycle_with_one_curve)
     else:
         from semi_analytic.answer_in_phase import in_phase  # noqa: PLC0415 - loads in phase
-        from semi_analytic.loops_in_phase import ways_in_phase  # noqa: PLC0415
+        from semi_analytic.loops_in_phase import strokes_in_phase  # noqa: PLC0415
 
-        strokes = ways_in_phase(scene)
+        strokes = strokes_in_phase(scene)
         if strokes is None:
             return None
         method_name = "quadratures of loads in phase"

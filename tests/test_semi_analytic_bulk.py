@@ -40,7 +40,7 @@ from semi_analytic.elasticity import composite_modulus
 from semi_analytic.fields import Integrals
 from semi_analytic.grid import GridRequest, follow_on_grid, remainder_of
 from semi_analytic.history import history_of
-from semi_analytic.loops_in_phase import ways_in_phase
+from semi_analytic.loops_in_phase import strokes_in_phase
 from semi_analytic.profiles import contact_of, convex_profile
 from semi_analytic.tilted_profile import NestedIntervals, TiltedProfile
 from semi_analytic_cases import PAPER, PROFILES, extreme, fretting, leaning, make_scene
@@ -1013,7 +1013,7 @@ def test_loops_in_phase_without_bulk_are_those_of_the_memory_curve():
         "tangential_amplitude": 1.4,
     }
     scene = make_scene(EllipseLoad(**load, phase_degrees=0, initial_loading=[(3.0, 0.0)]))
-    ways = ways_in_phase(scene)
+    ways = strokes_in_phase(scene)
     known = solve(scene, x=np.linspace(0, 2.2, 45), cycles="steady")
     assert sum(way.work() for way in ways) == pytest.approx(known.dissipation, rel=1e-12)
     density = sum(way.density(known.x) for way in ways)
@@ -1035,7 +1035,7 @@ NOT_IN_PHASE = {
 
 @pytest.mark.parametrize("name", NOT_IN_PHASE)
 def test_other_loops_are_not_taken_for_loops_in_phase(name):
-    assert ways_in_phase(make_scene(NOT_IN_PHASE[name])) is None
+    assert strokes_in_phase(make_scene(NOT_IN_PHASE[name])) is None
 
 
 def test_loops_in_phase_are_taken_up_to_the_limit_of_moderate_bulk():
@@ -1043,8 +1043,8 @@ def test_loops_in_phase_are_taken_up_to_the_limit_of_moderate_bulk():
     first.
     """
     limit = 0.5863230143
-    assert ways_in_phase(fretting(0.9995 * limit)) is not None
-    assert ways_in_phase(fretting(1.0005 * limit)) is None
+    assert strokes_in_phase(fretting(0.9995 * limit)) is not None
+    assert strokes_in_phase(fretting(1.0005 * limit)) is None
 
 
 def test_what_is_left_is_estimated_from_the_trend():
