@@ -280,29 +280,29 @@ class Bodies(Frozen):
         return any(body.kind in (*_PADS, "cylinder") for body in (self.lower, self.upper))
 
     @model_validator(mode="after")
-    def _fit_together(self) -> Self:
-        """Refuse two bodies that make no contact problem: a pad on another curved body, since one
-        profile cannot be the face of both, or a pad wider than the body it faces (ValueError).
+    def _is_a_contact_problem(self) -> Self:
+        """Refuse two bodies that make no contact problem (ValueError): a pad on another pad or a
+        cylinder, since one profile cannot be the face of both; a pad wider than the body it faces.
         """
         kinds_of_bodies = (self.lower.kind, self.upper.kind)
-        kinds_with_a_profile = [kind for kind in kinds_of_bodies if kind in (*_PADS, "cylinder")]
-        if len(kinds_with_a_profile) == 2 and kinds_with_a_profile != ["cylinder", "cylinder"]:
+        curved_kinds = [kind for kind in kinds_of_bodies if kind in (*_PADS, "cylinder")]
+        if len(curved_kinds) == 2 and curved_kinds != ["cylinder", "cylinder"]:
             raise ValueError(
                 f"a {kinds_of_bodies[1]} on a {kinds_of_bodies[0]}: a pad faces a half_plane, a"
                 " block or a t_shape, for the profile is its own alone"
             )
-        for pad, name, body_it_faces in (
+        for body, name, opposite_body in (
             (self.upper, "upper", self.lower),
             (self.lower, "lower", self.upper),
         ):
-            if not isinstance(pad, Pad | ShoulderedPad):
+            if not isinstance(body, Pad | ShoulderedPad):
                 continue
-            if pad.face_half_width > body_it_faces.face_half_width:
+            if body.face_half_width > opposite_body.face_half_width:
                 raise ValueError(
-                    f"the {name} body, a pad of width {pad.width:g}, is wider than the"
-                    f" {body_it_faces.kind} that it faces, of width"
-                    f" {2 * body_it_faces.face_half_width:g}: make the pad narrower or the"
-                    f" {body_it_faces.kind} wider"
+                    f"the {name} body, a pad of width {body.width:g}, is wider than the"
+                    f" {opposite_body.kind} that it faces, of width"
+                    f" {2 * opposite_body.face_half_width:g}: make the pad narrower or the"
+                    f" {opposite_body.kind} wider"
                 )
         return self
 
@@ -338,19 +338,20 @@ class Face:
 
 
 def arc_depth(x: Array, radius: float, flat_half_length: float = 0.0) -> Array:
-    """Depth d of a face below its highest point at x, where circular arcs of radius R begin at the
-    ends of a flat: d = s^2/(R + sqrt(R^2 - s^2)), without cancellation for small s.
+    """Depth of the face of a cylinder, or of a flat with rounded edges, below its highest point
+    [length], at places x along the face, in their shape.
 
-    # notation: s = |x| - b, at most R, and 0 on the flat; b `flat_half_length`
+    With b `flat_half_length`, s = |x| - b the distance from the end of the flat, and R `radius` of
+    the arcs: s^2/(R + sqrt(R^2 - s^2)), that is R - sqrt(R^2 - s^2) without cancellation. It is 0
+    on the flat; s is at most R.
 
     >>> arc_depth(np.array([0.0, 3.0, 5.0]), 5.0).tolist()
     [0.0, 1.0, 5.0]
     """
     distance = np.maximum(np.abs(x) - flat_half_length, 0.0)
-    height_left = np.maximum(
-        radius - distance, 0.0
-    )  # negative by rounding at the very end of the arc
-    return np.asarray(distance**2 / (radius + np.sqrt(height_left * (radius + distance))))
+    # Negative by rounding alone, at the very end of the arc.
+    radius_minus_distance = np.maximum(radius - distance, 0.0)
+    return np.asarray(distance**2 / (radius + np.sqrt(radius_minus_distance * (radius + distance))))
 
 
 def face_of(shape: Shape, profile: Profile) -> Face:

@@ -87,8 +87,12 @@ class BodyEffects:
     factorisations: int = 0
 
     def __repr__(self) -> str:
-        """Six lines of text on what the finite size of two bodies adds to half-planes: compliances,
-        curvatures, the next order, tilt and strain, without uncertainties.
+        """Six lines of text on what the finite size of two bodies adds to half-planes, each value
+        under its symbol in the class docstring, without uncertainties.
+
+        Values are per load: approach and tangential displacement (c_n, c_t), curvature of gap and
+        slip (N, T; N_Q by Q, T_P by P), coefficients of x^4 and x^2 s^2 of the kernels (next
+        order), slope of the gap (alpha), strain of the lower face minus the upper (e).
 
         >>> BodyEffects(datum_length=1000.0, normal_curvature=Estimate(8.5e-8, 1e-12))
         BodyEffects: what the bodies add to half-planes with a datum length of 1000
@@ -98,7 +102,7 @@ class BodyEffects:
           tilt: alpha_P = 0, alpha_Q = 0; bulk strain: e_P = 0, e_Q = 0
           Dundurs' beta = 0; 0 unknowns, 0 factorisations
         """
-        rows = (
+        groups = (
             ("compliance: ", {"c_n": self.normal_compliance, "c_t": self.tangential_compliance}),
             (
                 "curvature: ",
@@ -128,10 +132,12 @@ class BodyEffects:
             "BodyEffects: what the bodies add to half-planes with a datum length of"
             f" {self.datum_length:g}"
         )
-        for heading, numbers in rows:
-            begin = heading if heading.startswith(";") else f"\n  {heading}"
-            values = [f"{symbol} = {number.value:.4g}" for symbol, number in numbers.items()]
-            text += begin + ", ".join(values)
+        for heading, estimates in groups:
+            # Bulk strain stands behind tilt, in the same line.
+            text += heading if heading.startswith(";") else f"\n  {heading}"
+            text += ", ".join(
+                f"{symbol} = {estimate.value:.4g}" for symbol, estimate in estimates.items()
+            )
         return (
             f"{text}\n  Dundurs' beta = {self.dundurs_beta:.3g}; {self.unknowns} unknowns,"
             f" {self.factorisations} factorisations"

@@ -44,7 +44,7 @@ class ClockColumn:
         self._midnights = 0
 
     def seconds(self, text: str) -> float | None:
-        """Seconds from the first row of a column to a clock time such as "12:30:05,25" or
+        """Seconds from the first row of this column to a clock time such as "12:30:05,25" or
         "29.11.2026 12:30:05 PM"; None for a text that is no time.
 
         A time of day without a date that goes back by more than half a day is one of the next day.
@@ -53,37 +53,53 @@ class ClockColumn:
         Raises
         ------
         ValueError
-            For a date whose day and month can't be told from each other, where that matters.
+            For a date unlike the first one, where day and month of either can't be told from each
+            other.
         """
         match = _INSTANT.match(text)
         if match is None:
             return None
         minutes = 60 * int(match["hours"] or 0) + int(match["minutes"])
         # some loggers write hh:mm:ss:fff
-        seconds = 60.0 * minutes + float(match["seconds"].replace(",", ".").replace(":", "."))
-        if match["half"]:
-            is_afternoon = match["half"][0] in "Pp"
-            seconds = seconds % (_SECONDS_OF_DAY / 2) + is_afternoon * _SECONDS_OF_DAY / 2
-        if match["zone"] and match["zone"] != "Z":
-            sign = -1.0 if match["zone"][0] == "+" else 1.0
-            hours_and_minutes = match["zone"][1:].replace(":", "")
-            offset = 3600.0 * int(hours_and_minutes[:2]) + 60.0 * int(hours_and_minutes[2:])
-            seconds += sign * offset
+        seconds_of_minute = float(match["seconds"].replace(",", ".").replace(":", "."))
+        since_midnight = 60.0 * minutes + seconds_of_minute
+        am_or_pm = match["half"]
+        if am_or_pm:
+            half_day = _SECONDS_OF_DAY / 2
+            since_midnight = since_midnight % half_day + (am_or_pm[0] in "Pp") * half_day
+        since_midnight -= _zone_offset(match["zone"])
+
         date_text = match["date"] or ""
         if not self.first_text:
             self.first_text = text
             self._first_date = date_text
-            self._first_seconds = self._last_seconds = seconds
-        days = 0
+            self._first_seconds = since_midnight
+            self._last_seconds = since_midnight
+        days_since_first = 0
         if date_text and date_text != self._first_date:
-            days = _day(date_text) - _day(self._first_date)
+            days_since_first = _day(date_text) - _day(self._first_date)
         elif not date_text:
-            if seconds < self._last_seconds - _SECONDS_OF_DAY / 2:
+            if since_midnight < self._last_seconds - _SECONDS_OF_DAY / 2:
                 self._midnights += 1
-            self._last_seconds = seconds
-            days = self._midnights
+            self._last_seconds = since_midnight
+            days_since_first = self._midnights
         # To the tenth of a nanosecond: beyond is round-off of the subtraction.
-        return round(days * _SECONDS_OF_DAY + (seconds - self._first_seconds), 10)
+        return round(
+            days_since_first * _SECONDS_OF_DAY + (since_midnight - self._first_seconds), 10
+        )
+
+
+def _zone_offset(zone: str | None) -> float:
+    """Seconds by which the clock of a time zone is ahead of UTC; 0 for no zone.
+
+    >>> _zone_offset("+05:30"), _zone_offset("-0100"), _zone_offset("Z")
+    (19800.0, -3600.0, 0.0)
+    """
+    if not zone or zone == "Z":
+        return 0.0
+    sign = -1.0 if zone[0] == "-" else 1.0
+    hours_and_minutes = zone[1:].replace(":", "")
+    return sign * (3600.0 * int(hours_and_minutes[:2]) + 60.0 * int(hours_and_minutes[2:]))
 
 
 @lru_cache(maxsize=64)

@@ -207,20 +207,22 @@ def aliases_of(column: str) -> tuple[str, ...]:
 
 
 def plain(name: str) -> str:
-    """Reduce the name of a column to letters and digits, so that spellings of one name compare
-    equal: without case, accents, blanks, underscores, quotes, and a unit in brackets.
+    """The name of a column reduced to lower-case letters and digits, so that spellings of one name
+    compare equal: without accents, blanks, underscores, quotes, and a unit in brackets.
 
-    A single letter keeps its case: P is a load and p a pressure.
+    A single letter keeps its case: P is a load and p a pressure. A colon stays: "points:0" is a
+    name of x.
 
     >>> plain(" Contact_Pressure [MPa]"), plain("CSHEAR1 (top)"), plain("P [N/mm]")
     ('contactpressure', 'cshear1', 'P')
     >>> plain("Déplacement (mm)"), plain("Höhe")
     ('deplacement', 'hohe')
     """
-    name_alone = name.split("[", maxsplit=1)[0].split("(", maxsplit=1)[0]
-    letters = "".join(
-        letter
-        for letter in unicodedata.normalize("NFKD", name_alone)
-        if letter.isalnum() or letter == ":"
+    name_before_unit = name.split("[", maxsplit=1)[0].split("(", maxsplit=1)[0]
+    # NFKD parts an accent from its letter.
+    name_of_letters = "".join(
+        character
+        for character in unicodedata.normalize("NFKD", name_before_unit)
+        if character.isalnum() or character == ":"
     )
-    return letters if len(letters) == 1 else letters.lower()
+    return name_of_letters if len(name_of_letters) == 1 else name_of_letters.lower()

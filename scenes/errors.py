@@ -84,15 +84,15 @@ class InadmissibleLoadError(InputError):
         "gross sliding" or "separation"
     begin
         instant and loads from which on it happens
-    worst
-        those where the fault shows, if not there: a path that slides from the unloaded state on
-        does so at P = Q = 0
+    worst_instant
+        those at which it is worst, if not there: a path that slides from the unloaded state on
+        begins to do so at P = Q = 0
     friction
         f
     where
-        words on that place, such as "worst in the cycle"
+        words on the worst instant, such as "worst in the cycle"
     rule
-        what is broken and what to do, in place of the words for `reason`
+        what is violated and what to do, in place of the words for `reason`
 
     Examples
     --------
@@ -121,13 +121,14 @@ class InadmissibleLoadError(InputError):
         reason
             "gross sliding" or "separation"
         begin, worst_instant
-            instant at which the fault begins, and the one at which it is greatest; by default one
+            instant at which sliding or separation begins, and the one at which it is worst; None:
+            the same instant
         friction
             coefficient f, which the message on gross sliding names
         where
-            part of the load path, in words
+            part of the load path in words, such as "worst in the cycle"
         rule
-            what is required instead; by default that of the reason
+            what is violated and what to do; "": the sentence in `_RULES` for the reason
         """
         if worst_instant is None:
             worst_instant = begin
@@ -135,13 +136,13 @@ class InadmissibleLoadError(InputError):
         self.normal_load = begin.normal_load
         self.tangential_load = begin.tangential_load
         self.worst_time = worst_instant.time
-        begin_text = f" from time {begin.time:.6g} on," if worst_instant.time != begin.time else ""
+        onset_text = f" from time {begin.time:.6g} on," if worst_instant.time != begin.time else ""
         place_text = f" {where}" if where else ""
         loads_text = f"P = {worst_instant.normal_load:.6g}, Q = {worst_instant.tangential_load:.6g}"
         if reason == "gross sliding" and friction is not None:
             loads_text += f", f = {friction:g}"
         super().__init__(
-            f"load: {reason}{begin_text}{place_text} at time {worst_instant.time:.6g} with"
+            f"load: {reason}{onset_text}{place_text} at time {worst_instant.time:.6g} with"
             f" {loads_text}: {rule or _RULES[reason]}"
         )
 

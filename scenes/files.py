@@ -133,7 +133,8 @@ def parsed_toml(text: str) -> dict[str, Any]:
     """Parse a TOML text into a table of keys; ValueError for every fault of it, with its line.
 
     Depth of tables, number of keys and length of names are limited. They are counted before the
-    parser sees the text, since its memory grows with the square of the dots in a key.
+    parser sees the text, since its memory grows with the square of the number of parts of a key
+    such as a.b.c.
 
     >>> parsed_toml("a.b = 3")
     {'a': {'b': 3}}
@@ -141,23 +142,23 @@ def parsed_toml(text: str) -> dict[str, Any]:
     Traceback (most recent call last):
     ValueError: Tables nested deeper than 8 (at line 1, column 1)
     """
-    depth = 0  # of brackets that are open
+    n_open_brackets = 0
     n_keys = 0
-    sign_before = ""
+    symbol_before = ""
     for token in _TOML_TOKENS.finditer(text):
-        sign = token["sign"] or ""
-        is_table_heading = sign == "[" and depth == 0 and sign_before != "="
-        n_keys += sign == "=" or is_table_heading
-        depth += (sign in "[{") - (sign in "]}") if sign else 0
-        sign_before = sign
-        if token["deep"] or token["long"] or depth > _LARGEST_DEPTH or n_keys > _MOST_KEYS:
-            fault = f"Tables nested deeper than {_LARGEST_DEPTH}"
-            if not token["deep"] and depth <= _LARGEST_DEPTH:
-                fault = (
-                    f"A key or a number of {_LONGEST_NAME} characters or more"
-                    if token["long"]
-                    else f"More than {_MOST_KEYS:,} keys"
-                )
+        symbol = token["sign"] or ""  # a bracket, or the equals sign between key and value
+        is_table_heading = symbol == "[" and n_open_brackets == 0 and symbol_before != "="
+        n_keys += symbol == "=" or is_table_heading
+        n_open_brackets += (symbol in "[{") - (symbol in "]}") if symbol else 0
+        symbol_before = symbol
+        is_too_deep = bool(token["deep"]) or n_open_brackets > _LARGEST_DEPTH
+        if is_too_deep or token["long"] or n_keys > _MOST_KEYS:
+            if is_too_deep:
+                fault = f"Tables nested deeper than {_LARGEST_DEPTH}"
+            elif token["long"]:
+                fault = f"A key or a number of {_LONGEST_NAME} characters or more"
+            else:
+                fault = f"More than {_MOST_KEYS:,} keys"
             line = text.count("\n", 0, token.start()) + 1
             column = token.start() - text.rfind("\n", 0, token.start())
             raise ValueError(f"{fault} (at line {line}, column {column})")
@@ -237,19 +238,18 @@ def within_memory(path: Path, most_bytes: int) -> Generator[None, None, None]:
         yield
         return
     soft_limit, hard_limit = resource.getrlimit(resource.RLIMIT_AS)
-    try:  # the address space of this process
-        used_bytes = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * int(
-            resource.getpagesize()
-        )
-    except OSError:
+    try:  # the address space of this process, in pages
+        n_pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+        used_bytes = n_pages * int(resource.getpagesize())
+    except OSError:  # no Linux: its largest use so far, in kB
         used_bytes = int(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) * 1024
     bytes_allowed = used_bytes + most_bytes
-    limits = [
+    finite_limits = [
         limit
         for limit in (soft_limit, hard_limit, bytes_allowed)
         if limit != resource.RLIM_INFINITY
     ]
-    resource.setrlimit(resource.RLIMIT_AS, (min(limits), hard_limit))
+    resource.setrlimit(resource.RLIMIT_AS, (min(finite_limits), hard_limit))
     try:
         yield
     except MemoryError as reason:
@@ -295,9 +295,10 @@ def write_keys(path: Path, keys: Mapping[str, Any]) -> None:
 
 
 def replace_file(path: str | Path, content: bytes | memoryview, part: Path | None = None) -> None:
-    """Write a file so that a reader, or a crash, finds the old one or the new one, whole.
+    """Replace a file in one go: a reader, or the disk after a crash, has the whole old file or the
+    whole new one.
 
-    The content goes to another file in the same folder, which then takes the place of the old one.
+    The content goes to a temporary file in the same folder, which is then renamed to `path`.
 
     Parameters
     ----------
@@ -306,7 +307,8 @@ def replace_file(path: str | Path, content: bytes | memoryview, part: Path | Non
     content
         bytes of the new file
     part
-        the file to be written first; None for a new one
+        an existing, empty temporary file in the same folder, with a name of the caller's; None: one
+        is made
 
     Raises
     ------
@@ -314,21 +316,26 @@ def replace_file(path: str | Path, content: bytes | memoryview, part: Path | Non
         Where it can't be written; the old one stays.
     """
     target = Path(os.path.realpath(path))  # a link stays one
-    if part is None:  # of no machine: what a killed process leaves is taken away by its age
+    temporary_path = part
+    if temporary_path is None:
+        # Zeros in place of a machine and a process: what a killed process leaves is removed once it
+        # is old (`reports.folder.remove_left_behind`).
         handle, name = tempfile.mkstemp(prefix=".halfplane-000000-", dir=target.parent)
         os.close(handle)
-        part = Path(name)
+        temporary_path = Path(name)
     try:
-        with part.open("r+b") as file:
+        with temporary_path.open("r+b") as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())  # some disks say only now that they are full
+        # A temporary file is private; the new file gets the rights of any file of this user. The
+        # mask can only be read by setting it.
         mask = os.umask(0)
         os.umask(mask)
-        os.chmod(part, 0o666 & ~mask)
-        os.replace(part, target)
+        os.chmod(temporary_path, 0o666 & ~mask)
+        os.replace(temporary_path, target)
     finally:
-        part.unlink(missing_ok=True)
+        temporary_path.unlink(missing_ok=True)
 
 
 def toml_text(keys: Mapping[str, Any]) -> str:
@@ -348,29 +355,33 @@ def toml_text(keys: Mapping[str, Any]) -> str:
     return "\n".join(_lines(keys, "")).lstrip("\n") + "\n"
 
 
-def _lines(keys: Mapping[str, Any], outer_key: str) -> Iterator[str]:
-    """Lines of a TOML file for a table: its own keys first, then the tables in it, each under a
-    heading that begins with `outer_key`, the name of the table with a point, "" at the top.
+def _lines(keys: Mapping[str, Any], heading_begin: str) -> Iterator[str]:
+    """Lines of a TOML file for a table of keys: first the keys with plain values, then the tables
+    in it, each under a heading [name] or, for a list of tables, [[name]].
+
+    `heading_begin` is the full name of this table with a point behind it, as in "load.", and ""
+    at the top.
     """
-    tables_of_keys = {
+    inner_tables = {
         key: value if isinstance(value, list) else [value]
         for key, value in keys.items()
         if _is_table(value)
     }
     for key in keys:
-        if key not in tables_of_keys:
+        if key not in inner_tables:
             # Words, numbers and lists of JSON are those of TOML, but for one control character.
             yield f"{key} = {json.dumps(keys[key], ensure_ascii=False)}".replace("\x7f", "\\u007f")
-    for key, tables_of_key in tables_of_keys.items():
-        for inner_table in tables_of_key:
+    for key, tables_of_key in inner_tables.items():
+        for table in tables_of_key:
             if isinstance(keys[key], list):
-                yield from ("", f"[[{outer_key}{key}]]")
-            elif not inner_table or not all(map(_is_table, inner_table.values())):
-                yield from ("", f"[{outer_key}{key}]")
-            yield from _lines(inner_table, f"{outer_key}{key}.")
+                yield from ("", f"[[{heading_begin}{key}]]")
+            elif not table or not all(map(_is_table, table.values())):
+                yield from ("", f"[{heading_begin}{key}]")
+            yield from _lines(table, f"{heading_begin}{key}.")
 
 
 def _is_table(value: Any) -> bool:
+    """Whether the value of a key is a table, or a list of tables."""
     return isinstance(value, dict) or (
         isinstance(value, list) and bool(value) and isinstance(value[0], dict)
     )

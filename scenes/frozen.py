@@ -96,28 +96,31 @@ def refusal(faults: ValidationError, keys: Any, model: type[Frozen]) -> str:
     model
         class of the table, such as a scene or its load
     """
-    # Unknown keys first: a misspelt key is a missing one too. Then the deepest: of the alternatives
-    # for a table the one that got farthest.
-    errors = sorted(
-        faults.errors(), key=lambda fault: (fault["type"] != "extra_forbidden", -len(fault["loc"]))
-    )
-    worst_fault = errors[0]
-    key = _key(worst_fault, keys)
-    faulty_keys = dict.fromkeys(_key(error, keys) for error in errors)
-    other_faults_text = _also([name for name in faulty_keys if name not in (key, "")])
-    return _fault_in_words(worst_fault, key, model) + other_faults_text
+
+    def rank(fault: ErrorDetails) -> tuple[bool, int]:
+        """Unknown keys first: a misspelt key is a missing one too. Then the deepest: of the
+        alternatives for a table the one that got farthest.
+        """
+        return fault["type"] != "extra_forbidden", -len(fault["loc"])
+
+    ranked_faults = sorted(faults.errors(), key=rank)
+    worst_fault = ranked_faults[0]
+    worst_key = _key(worst_fault, keys)
+    faulty_keys = dict.fromkeys(_key(fault, keys) for fault in ranked_faults)
+    further_keys = [key for key in faulty_keys if key not in (worst_key, "")]
+    return _fault_in_words(worst_fault, worst_key, model) + _further_keys_in_words(further_keys)
 
 
 def _fault_in_words(fault: ErrorDetails, key: str, model: type[Frozen]) -> str:
     """One fault of a table of keys as a sentence: key, value, rule and what to do.
 
-    `fault` is pydantic's, `key` the full name of its key in the file, `model` the class of the
-    table.
+    `fault` is as pydantic reports it, `key` the full name of its key in the file, as in
+    "load.points.3", and `model` the class of the table, whose `keys_listed` says where a user
+    finds the keys.
     """
     value = fault["input"]
-    rule = RULES.get(fault["type"]) or fault["msg"].removeprefix("Value error, ").removeprefix(
-        "Input "
-    )
+    pydantic_rule = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
+    rule = RULES.get(fault["type"]) or pydantic_rule
     match fault["type"]:
         case "extra_forbidden":
             unknown_key = str(fault["loc"][-1])
@@ -155,40 +158,43 @@ def keys_of_all_tables(model: type[Frozen]) -> frozenset[str]:
     return frozenset(name for table in tables for name in table.get("properties", {}))
 
 
-def _also(keys: Sequence[str]) -> str:
+def _further_keys_in_words(keys: Sequence[str]) -> str:
     """Names of further keys at fault, in brackets, for the end of a message: of many the first
-    four, and how many more.
+    four, and how many more. Empty for no keys.
 
-    >>> _also(["friction.coefficient"]), _also(list("abcdef")), _also([])
-    (' (also at fault: friction.coefficient)', ' (also at fault: a, b, c, d and 2 more, named once
-    these are mended)', '')
+    >>> _further_keys_in_words(["friction.coefficient"]), _further_keys_in_words([])
+    (' (also at fault: friction.coefficient)', '')
+    >>> _further_keys_in_words(list("abcdef"))
+    ' (also at fault: a, b, c, d and 2 more, named once these are mended)'
     """
-    remainder = (
-        f" and {len(keys) - _MOST_KEYS_NAMED} more, named once these are mended"
-        if len(keys) > _MOST_KEYS_NAMED
-        else ""
-    )
-    return f" (also at fault: {', '.join(keys[:_MOST_KEYS_NAMED])}{remainder})" if keys else ""
+    if not keys:
+        return ""
+    names = ", ".join(keys[:_MOST_KEYS_NAMED])
+    n_unnamed = len(keys) - _MOST_KEYS_NAMED
+    remainder = f" and {n_unnamed} more, named once these are mended" if n_unnamed > 0 else ""
+    return f" (also at fault: {names}{remainder})"
 
 
 def neglected(word: str) -> str:
-    """Reason why an unknown key, `word`, cannot be stated: the physics it names is neglected, or it
-    belongs to the loads; with a blank before it, empty where neither is the case.
+    """Reason why no scene has the unknown key `word`, for the end of a message, with a blank before
+    it: physics that the model neglects, or a key that belongs to the table of the loads.
+
+    Empty where neither is the case. A key is recognised by how the words in it begin.
 
     >>> neglected("yield_stress")
     " the materials are linear elastic, without plasticity: docs/theory.md, 'What is neglected'"
     >>> neglected("phase")
     ''
     """
-    words = re.split("[^a-z]+", word.lower())
-    if any(part.startswith(_WORDS_OF_LOADS) for part in words):
+    words_in_key = re.split("[^a-z]+", word.lower())
+    if any(word_in_key.startswith(_WORDS_OF_LOADS) for word_in_key in words_in_key):
         return (
             " bulk_stress_lower, bulk_stress_upper, tilt, moment and line_of_action are keys of"
             " [load]: docs/scene-keys.md"
         )
-    for stems, limit in _NEGLECTED_PHYSICS.items():
-        if any(part.startswith(stems) for part in words):
-            return f" {limit}: docs/theory.md, 'What is neglected'"
+    for word_beginnings, assumption in _NEGLECTED_PHYSICS.items():
+        if any(word_in_key.startswith(word_beginnings) for word_in_key in words_in_key):
+            return f" {assumption}: docs/theory.md, 'What is neglected'"
     return ""
 
 
@@ -213,18 +219,21 @@ def did_you_mean(word: str, known_words: Iterable[str]) -> str:
 
 
 def _key(fault: ErrorDetails, keys: Any) -> str:
-    """Full name of the key that a fault of validation is about, as in "load.points.3": pydantic's
-    location of it without parts that do not stand in the file, whose table is `keys`.
+    """Full name in the file of the key that a fault is about, as in "load.points.3".
+
+    pydantic's location of the fault also names alternatives of a model, such as kinds; these do
+    not stand in the file and are left out. `keys` is the table of the file, as dicts and lists.
     """
     path: list[str] = []
-    level: Any = keys  # the part of the file that the path has reached
+    value_at_path: Any = keys
     for part in fault["loc"]:
-        if isinstance(part, int) and isinstance(level, list) and part < len(level):
-            level = level[part]
-        elif isinstance(level, dict) and part in level:
-            level = level[str(part)]
-        elif fault["type"] == "missing" and isinstance(level, dict) and part == fault["loc"][-1]:
-            level = None
+        is_last = part == fault["loc"][-1]
+        if isinstance(part, int) and isinstance(value_at_path, list) and part < len(value_at_path):
+            value_at_path = value_at_path[part]
+        elif isinstance(value_at_path, dict) and part in value_at_path:
+            value_at_path = value_at_path[str(part)]
+        elif fault["type"] == "missing" and isinstance(value_at_path, dict) and is_last:
+            value_at_path = None
         else:
             continue
         path.append(str(part))
@@ -281,7 +290,9 @@ class Frozen(BaseModel, metaclass=_OneDoor):
     keys_listed: ClassVar[str] = "`halfplane schema`"
     """Where a user finds the keys."""
     written: ClassVar[tuple[str, ...]] = ()
-    """Keys that were written with the others and are not right for other values."""
+    """Keys that the program adds to those of the user, such as the record of a fit: they are not
+    right for other values.
+    """
 
     @field_validator("*")
     @classmethod
@@ -330,29 +341,29 @@ class Frozen(BaseModel, metaclass=_OneDoor):
         return checked(type(self), self.merged(changes), "vary")
 
     def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
-        """The keys of this table that its user gave, with some changed; not checked yet.
+        """Keys and values that the user gave for this table, some of them changed: what a changed
+        copy is made from. Nothing is validated yet.
 
-        Keys that the program itself has written are left out, since they are not right for other
-        values. A change that is a mapping of the same `kind` as a table is merged into that table,
-        any other replaces the value. `changes` maps keys to new values.
+        `changes` maps keys to new values. A mapping given for a key whose value is a table of the
+        same `kind` is merged into that table; any other value replaces the present one. Keys that
+        the program itself has written, such as the record of a fit, are left out: they are not
+        right for other values.
         """
-        given_names = self.model_fields_set - {*self.written}
-        keys = {
-            name: given_value for name, given_value in self if name == "kind" or name in given_names
-        }
-        for name, new_value in changes.items():
-            is_key = name in type(self).model_fields
-            present_value = getattr(self, name) if is_key else None
-            kind = getattr(present_value, "kind", None)
+        given_keys = self.model_fields_set - {*self.written}
+        table = {key: value for key, value in self if key == "kind" or key in given_keys}
+        for key, changed_value in changes.items():
+            is_known = key in type(self).model_fields
+            present_value = getattr(self, key) if is_known else None
+            present_kind = getattr(present_value, "kind", None)
             if (
                 isinstance(present_value, Frozen)
-                and isinstance(new_value, Mapping)
-                and new_value.get("kind", kind) == kind
+                and isinstance(changed_value, Mapping)
+                and changed_value.get("kind", present_kind) == present_kind
             ):
-                keys[name] = present_value.merged(new_value)
+                table[key] = present_value.merged(changed_value)
             else:
-                keys[name] = new_value
-        return keys
+                table[key] = changed_value
+        return table
 
     def __dir__(self) -> list[str]:
         """Keys and methods of a table, which tab completion shows; not those of pydantic."""
@@ -421,8 +432,8 @@ M = TypeVar("M", bound=Frozen)
 
 
 def validated(table: M, model: type[Frozen]) -> M:
-    """Check what a caller passes as a scene, or as a part of one, before it is used; the checked
-    table of keys.
+    """Check a scene, or a part of one, that a Python caller passes, before it is used: a checked
+    copy.
 
     Parameters
     ----------
@@ -434,8 +445,8 @@ def validated(table: M, model: type[Frozen]) -> M:
     Raises
     ------
     InputError
-        One sentence: for another class, and for values that were set past the checks
-        (`model_construct`) and do not pass.
+        One sentence: for another class, and for values that do not pass, set by pydantic's
+        `model_construct`, which checks nothing.
 
     Examples
     --------
@@ -445,14 +456,13 @@ def validated(table: M, model: type[Frozen]) -> M:
     scenes.errors.InputError: Elastic: poisson_ratio = 0.7 is refused: should be less than 0.5
     """
     if not isinstance(table, model):
-        cause = (
+        advice = (
             "; load_scene reads one from the library or a file" if model.__name__ == "Scene" else ""
         )
-        raise InputError(f"a {model.__name__} is needed, not {shown(table)}{cause}")
+        raise InputError(f"a {model.__name__} is needed, not {shown(table)}{advice}")
     name = getattr(table, "name", "")
-    return checked(
-        type(table), table, f"{model.__name__} {shown(name)}" if name else type(table).__name__
-    )
+    where = f"{model.__name__} {shown(name)}" if name else type(table).__name__
+    return checked(type(table), table, where)
 
 
 def checked(
@@ -463,9 +473,9 @@ def checked(
     Parameters
     ----------
     model
-        class of the table, such as Scene
+        class of the table of keys, such as Scene
     keys
-        key -> value, or a table of that class
+        a mapping of keys to values, or an instance of `model`, which is checked again
     where
         how the message of a refusal begins, as in "vary"
     of_file
@@ -479,7 +489,9 @@ def checked(
         One sentence: key, value, rule and what to do.
     """
     units = keys.get("units") if isinstance(keys, Mapping) else getattr(keys, "units", None)
-    context = {"folder": folder} | ({"units": units} if isinstance(units, str) else {})
+    context: dict[str, Any] = {"folder": folder}
+    if isinstance(units, str):
+        context["units"] = units
     prefix = f"{where}: " if where else ""
     try:
         if of_file:  # as JSON, where strict still lets 1 be a float and a list a tuple
