@@ -5,7 +5,8 @@ spline; all convex. A row is one measured point: x along the face, and h, the ga
 #           kappa = h'' >= 0, b half-length of a flat, sigma noise of h,
 #           alpha tilt: slope at which the trace lay in the instrument
 
-Each is a sum of kappa's with factors that are not negative, so that the contact can't split:
+Each has a curvature that is a sum of basis curvatures kappa_j with weights w_j that are not
+negative, so that the profile is convex and the contact can't split:
 
     h(x) = h0 + alpha (x - x0) + sum over j of w_j B_j(s)
     w_j >= 0,   B_j'' = kappa_j,   B_j(0) = B_j'(0) = 0
@@ -47,43 +48,45 @@ from scenes.array_types import Array
 from scenes.errors import NotFoundError, RowError
 from scenes.spikes import STANDS_OUT, rows_that_stand_out
 
-# Rows that a fit needs: it has up to six numbers, and the noise may have to come from what is left.
+# Points that a fit needs: it has up to six parameters, and residuals have to be left for the noise.
 _FEWEST_ROWS = 8
 _MOST_ROWS = 20_000
-# A middle that is given may lie beside the rows by this share of their reach: rows of one side need
-# not begin at x = 0.
-_SHARE_BESIDE_ROWS = 0.1
-# Parts of the rows; the first has risen where it lies by more than this share of all heights above
-# the lowest.
+# Least distance of the points from a known middle, over their largest one, up to which points on
+# one side are enough: they need not begin exactly at x = 0.
+_LARGEST_GAP_AT_MIDDLE = 0.1
+# Points at x >= 0 are one half of a profile where the mean height of the first of so many parts is
+# above the lowest by no more than this fraction of the range of these means.
 _N_PARTS = 8
-_SHARE_OF_RISE = 0.05
-# Rise of a curve, over that of the rows, below which it is none.
+_LARGEST_RISE_AT_MIDDLE = 0.05
+# Range of the fitted profile, over that of the heights, below which it is round-off.
 _LEAST_BEND = 1e-9
-# Fits about another middle, by which other rows lie within the extent.
+# Repeats of a fit whose points depend on it: those within the extent, or without spikes.
 _MOST_PASSES = 5
-# Of half the length of the trace: its middle lies no farther from that of the contact.
+# Distance of the lowest place of a parabola from mid-length, over the half-length of the trace,
+# from which on the trace counts as tilted.
 _LARGEST_OFFSET = 0.3
-# Of the rows: more that stand out are no spikes. Of the largest residual: less is round-off error.
-_SHARE_OF_SPIKES = 0.05
+# Fraction of the points above which those that stand out are noise, not spikes.
+_LARGEST_FRACTION_OF_SPIKES = 0.05
+# Standard deviation of residuals, over the largest residual, below which it is round-off.
 _ROUND_OFF = 1e-9
-# Of the rows: fewer heights that differ are steps of the last digit.
-_SHARE_OF_DISTINCT = 0.7
-# Places c, in L^2, of the polynomials (u - c)^2.
-_TOUCHING_PLACES = np.concatenate([np.linspace(0.0, 1.0, 21), np.geomspace(1.1, 10.0, 12)])
-# Knots of the spline; rows that it leaves behind; weights that are tried, over that at which rows
-# and steps count alike.
+# Number of different heights over that of points, below which heights are steps of the last digit.
+_LEAST_FRACTION_OF_HEIGHTS = 0.7
+# Double roots c of the curvature polynomials (u - c)^2, u = (s/L)^2.
+_DOUBLE_ROOTS = np.concatenate([np.linspace(0.0, 1.0, 21), np.geomspace(1.1, 10.0, 12)])
+# Knots of the spline, from its middle on, and points of the table that stands for it in the scene.
 _N_KNOTS = 31
 _N_SPLINE_ROWS = 61
+# Smoothing weights that are tried where none is known.
 _TRIAL_WEIGHTS = np.logspace(-9, 3, 19)
-# Half-lengths of the flat, in L, of which the best begins the search; the longest.
+# Half-lengths of the flat, over L, of which the best begins the search; the longest.
 _TRIAL_HALF_LENGTHS = np.linspace(0.02, 0.94, 24)
 _LONGEST_HALF_LENGTH = 0.98
-# Middles, in L from that of a parabola through the rows, with which the half-lengths are tried
-# where a tilt has moved the parabola.
+# Middles, over L from the lowest place of a parabola, which are tried together with the
+# half-lengths where a tilt has moved that place.
 _TRIAL_MIDDLES = np.linspace(-0.45, 0.45, 7)
-# Median of the square of a normal deviate.
+# Median of the square of a standard normal deviate.
 _MEDIAN_OF_SQUARE = 0.4549
-# Standard deviation of the tilts that are expected, over the rise of the rows over their length.
+# Standard deviation of the tilts that are expected, over the range of heights over the length.
 _EXPECTED_TILT = 0.1
 
 
@@ -148,7 +151,7 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
         residuals = h[rows_in_fit] - fit.height_at(x[rows_in_fit])
         further_candidates = rows_in_fit[_rows_far_from_fit(residuals)]
         n_candidates = len(candidate_rows) + len(further_candidates)
-        if not len(further_candidates) or n_candidates > _SHARE_OF_SPIKES * len(x):
+        if not len(further_candidates) or n_candidates > _LARGEST_FRACTION_OF_SPIKES * len(x):
             break
         candidate_rows = np.sort(np.append(candidate_rows, further_candidates))
         fit = _fit_of_rows(np.delete(x, candidate_rows), np.delete(h, candidate_rows), request)
@@ -189,7 +192,7 @@ def _spikes_of(x: Array, h: Array) -> NDArray[np.int64]:
     sigma = max(math.sqrt(_variance(x, h)), 1e-12 * float(np.ptp(h)))
     distinct_heights = np.unique(h)
     # noise hides below the step of the last digit
-    if 1 < len(distinct_heights) < _SHARE_OF_DISTINCT * len(h):
+    if 1 < len(distinct_heights) < _LEAST_FRACTION_OF_HEIGHTS * len(h):
         sigma = max(sigma, float(np.min(np.diff(distinct_heights))))
     return rows_that_stand_out(x, h, sigma) if sigma > 0 else np.array([], dtype=np.int64)
 
@@ -279,7 +282,7 @@ def _check_rows_of_fit(
             " needed",
         )
     distances = np.abs(x - middle)
-    begins_near_middle = np.min(distances) <= _SHARE_BESIDE_ROWS * float(np.max(distances))
+    begins_near_middle = np.min(distances) <= _LARGEST_GAP_AT_MIDDLE * float(np.max(distances))
     if not x[0] <= middle < x[-1] and not (middle_is_known and begins_near_middle):
         fault = (
             f"the middle, x = {middle:.6g}, is not among the rows, which go from x = {x[0]:.6g}"
@@ -506,7 +509,9 @@ def _is_half_a_profile(x: Array, h: Array) -> bool:
     if len(x) < _FEWEST_ROWS or x[0] < 0:
         return False
     mean_heights = np.array([part.mean() for part in np.array_split(h, _N_PARTS)])
-    return bool(mean_heights[0] - mean_heights.min() <= _SHARE_OF_RISE * np.ptp(mean_heights))
+    return bool(
+        mean_heights[0] - mean_heights.min() <= _LARGEST_RISE_AT_MIDDLE * np.ptp(mean_heights)
+    )
 
 
 def fitted_again(
@@ -602,19 +607,16 @@ def _variance(x: Array, h: Array) -> float:
     return float(np.median(scaled_squares)) / _MEDIAN_OF_SQUARE
 
 
-# Coefficients (m, 4) of polynomials in u that are nowhere negative for u >= 0 and span all such: 1,
-# u, (u - c)^2 and u (u - c)^2.
-_BEND_POLYNOMIALS = np.concatenate(
+# Coefficients (m, 4) of curvature polynomials of u = (s/L)^2 that are nowhere negative for u >= 0,
+# in ascending powers: 1, u, (u - c)^2 and u (u - c)^2. Sums approximate all such of degree 3.
+_CURVATURE_POLYNOMIALS = np.concatenate(
     [
         np.eye(4)[:2],
-        *(
-            [[c * c, -2 * c, 1.0, 0.0], [0.0, c * c, -2 * c, 1.0]]
-            for c in _TOUCHING_PLACES.tolist()
-        ),
+        *([[c * c, -2 * c, 1.0, 0.0], [0.0, c * c, -2 * c, 1.0]] for c in _DOUBLE_ROOTS.tolist()),
     ]
 )
-_BEND_POLYNOMIALS /= np.abs(_BEND_POLYNOMIALS).max(axis=1, keepdims=True)
-# What two integrals make of 1, u, u^2 and u^3, over s^2.
+_CURVATURE_POLYNOMIALS /= np.abs(_CURVATURE_POLYNOMIALS).max(axis=1, keepdims=True)
+# Divisors that two integrations of 1, s^2, s^4 and s^6 bring: s^(k+2)/((k+1)(k+2)) of s^k.
 _INTEGRAL_FACTORS = np.array([1 * 2, 3 * 4, 5 * 6, 7 * 8])
 
 
@@ -666,7 +668,7 @@ class _ScaledRows:
             case "hertz" | "flat_rounded":
                 return np.maximum(s - flat_half_length, 0.0)[:, None] ** 2 / 2
             case "even_polynomial":
-                return (s[:, None] ** [2, 4, 6, 8] / _INTEGRAL_FACTORS) @ _BEND_POLYNOMIALS.T
+                return (s[:, None] ** [2, 4, 6, 8] / _INTEGRAL_FACTORS) @ _CURVATURE_POLYNOMIALS.T
         # A hat is the second difference of ramps (s - knot)_+; integrated twice, of these cubes.
         knot_distance = float(self.knots[1])
         integrated_ramps = np.maximum(
@@ -935,7 +937,7 @@ class _Fit:
                     "flat_half_length": length_unit * self.flat_half_length,
                 }
             case "even_polynomial":
-                curvature_coefficients = self.basis_weights @ _BEND_POLYNOMIALS
+                curvature_coefficients = self.basis_weights @ _CURVATURE_POLYNOMIALS
                 rises = height_unit * curvature_coefficients / _INTEGRAL_FACTORS
                 return {"kind": "polynomial", "length": length_unit, "rises": tuple(rises.tolist())}
         x = np.linspace(0.0, self.rows.knots[-1], _N_SPLINE_ROWS)
