@@ -59,7 +59,7 @@ _MOST_LINES_LOOKED_AT = 200
 _MOST_BYTES_LOOKED_AT = 50_000
 # How a file begins that is JSON, XML or HTML: no heading does.
 _MARKUP_START = re.compile(r"\s*(?:\{|\[\s*(?:[\[{\"\d-]|$)|<[?!\w])")
-_REMARK_MARKS = ("#", "**", "%", "//")
+_COMMENT_MARKS = ("#", "**", "%", "//")
 SEPARATORS = {"\t": "tab", ";": "semicolon", ",": "comma", None: "blanks"}
 # A number whose digits stand in groups of three: 1,234.5 or 1.234,5 or 1 234 or 1'234.
 _GROUPED_DIGITS = re.compile(r"[-+]?\d{1,3}([.,'’ \u00a0\u202f]\d{3})+([.,]\d*)?$")
@@ -81,7 +81,7 @@ class TextTable:
     Attributes
     ----------
     names
-        of the columns: those asked for, else the headings
+        of the columns: the quantities to be read, else the headings
     values
         (n_rows, n_columns)
     lines
@@ -95,9 +95,9 @@ class TextTable:
     head
         number of the line of headings, 0 where there is none
     skipped
-        number of lines above it that are no remarks
+        number of lines above it that are no comments
     unused
-        headings of the columns that were not asked for
+        headings of the columns that were not read
     left_out
         lines that are no rows, in words: between headings and rows, behind the rows, headings
         that are repeated
@@ -126,20 +126,37 @@ class TextTable:
 
 @dataclass(frozen=True)
 class _Layout:
-    """Where the table stands in its file: `first` is the line of its first row, `used` are the
-    columns that are read, `between` the lines between headings and rows that hold neither units
-    nor numbers; `clock` is which of the columns holds times.
+    """Where the columns and rows of a text table stand in its file.
+
+    Attributes
+    ----------
+    separator
+        between cells; None for blanks
+    names
+        heading of each of the n columns; "column 1" and so on where the file has none
+    units
+        (n,) as written in the file, empty where a column has none
+    columns_read
+        numbers (from 0) of the columns that are read
+    heading_line, first_row_line
+        line numbers (from 1) of the headings, 0 for none, and of the first row
+    n_lines_above
+        lines above the headings, or above the rows of a table without headings
+    lines_between
+        numbers of the lines between headings and rows that hold neither units nor numbers
+    time_column
+        number (from 0) of the column that may hold times of day, None for no such column
     """
 
     separator: str | None
     names: tuple[str, ...]
     units: tuple[str, ...]
-    used: tuple[int, ...]
-    head: int
-    first: int
-    skipped: int
-    between: tuple[int, ...] = ()
-    clock: int | None = None
+    columns_read: tuple[int, ...]
+    heading_line: int
+    first_row_line: int
+    n_lines_above: int
+    lines_between: tuple[int, ...] = ()
+    time_column: int | None = None
 
 
 Line = tuple[int, str]
@@ -156,12 +173,12 @@ class TableKind:
     role, cure
         what the file is to the user, and what to do about one that is too large
     is_known
-        whether a heading is one of those expected, where no columns are asked for
+        whether a heading is one of those expected, where every column is read
     example, keys_by_number
         headings of this kind of table, and the keys that take columns by number instead; both
         for the sentence of a refusal
     numbered
-        whether rows without a line of headings are read where no columns are asked for, as
+        whether rows without a line of headings are read where every column is read, as
         "column 1" and so on
     """
 
@@ -175,18 +192,30 @@ class TableKind:
 
 @dataclass(frozen=True)
 class _Request:
-    """Which columns of which file are wanted; the attributes are the parameters of `text_table`."""
+    """Which columns of which file the caller wants.
+
+    Attributes
+    ----------
+    path
+        of the file
+    quantities
+        to be read, such as "time"; empty for every column
+    stated
+        quantity -> heading, or column number (from 1), where the user names its column
+    kind
+        what the table is to the user, and which headings it has
+    """
 
     path: Path
-    columns: tuple[str, ...]
+    quantities: tuple[str, ...]
     stated: Mapping[str, str | int]
     kind: TableKind
 
     @property
-    def by_number(self) -> bool:
-        """Whether all columns are stated by number."""
-        stated_columns = [self.stated.get(name) for name in self.columns]
-        return bool(self.columns) and all(isinstance(place, int) for place in stated_columns)
+    def takes_columns_by_number(self) -> bool:
+        """Whether the user states the column of every quantity by its number."""
+        stated_columns = [self.stated.get(name) for name in self.quantities]
+        return bool(self.quantities) and all(isinstance(column, int) for column in stated_columns)
 
 
 def text_table(
@@ -195,24 +224,24 @@ def text_table(
     stated: Mapping[str, str | int] | None = None,
     kind: TableKind = TableKind(),
 ) -> TextTable:
-    """Read columns of numbers from a text file that some program has written, whatever its
-    separator, decimal sign, encoding and headings.
+    """Read columns of numbers from a text file of another program, whatever its separator, decimal
+    sign, encoding and headings.
 
-    Lines that start with #, **, % or // are remarks.
+    Lines that start with #, **, % or // are comments and are skipped.
 
     Parameters
     ----------
     path
         of the file
     columns
-        quantities that are asked for, each found by the headings that are known for it. The line
-        of headings may be left out where the file has these columns alone, in this order. A # in a
-        row then begins a remark. Empty: every column
+        quantities to be read, such as "time" or "normal_load". The column of each is found by its
+        usual headings, listed in `column_names`. A file of these columns alone, in this order,
+        needs no headings. A # in a row then begins a comment. Empty: every column is read
     stated
-        heading, or number from 1 on, of columns that the user named
+        quantity -> heading of its column, or column number (from 1), where the user names it
     kind
-        what the table is to the user, for messages, and which headings are known where no columns
-        are asked for
+        what the table is to the user, for messages; and which headings to expect where `columns` is
+        empty
 
     Raises
     ------
@@ -235,7 +264,7 @@ def text_table(
         is_utf_16 = encodings[0].startswith("utf-16")
         for encoding in encodings:
             with contextlib.suppress(UnicodeError), path.open(encoding=encoding) as stream:
-                read_lines = partial(_lines, path, stream, longest_line)
+                read_lines = partial(_numbered_lines, path, stream, longest_line)
                 return _table_in_lines(request, read_lines, _ENCODINGS[encoding])
     except OSError as reason:
         raise InputError(f"{path}: the file can't be read: {reason.strerror}") from reason
@@ -247,16 +276,16 @@ def text_table(
 def _table_in_lines(
     request: _Request, read_lines: Callable[[], Iterator[Line]], encoding_in_words: str
 ) -> TextTable:
-    """Find the layout of a text table in the first lines of its file, then read all its rows.
+    """Read a text table: its layout from the first lines of the file, then all its rows.
 
     Parameters
     ----------
     request
-        file, columns and kind of the table
+        file, quantities and kind of the table
     read_lines
-        yields the lines of the file from the first one on at each call
+        yields number and text of the lines, from the first one on at each call
     encoding_in_words
-        what the file is written in, for the user
+        character encoding of the file, as told to the user
 
     Raises
     ------
@@ -265,69 +294,73 @@ def _table_in_lines(
     """
     first_lines = list(islice(read_lines(), _MOST_LINES_LOOKED_AT))
     layout = None
-    if request.kind.numbered and not request.columns:
-        layout = _rows_alone(first_lines)
+    # A kind of table that may stand without headings is first taken for bare rows of numbers.
+    if request.kind.numbered and not request.quantities:
+        layout = _layout_of_bare_rows(first_lines)
     if layout is None:
         layout = _layout(request, first_lines)
     has_decimal_comma = layout.separator != "," and _has_decimal_comma(read_lines(), layout)
-    rows = _numbers(request, read_lines, layout, has_decimal_comma)
-    headings = tuple(layout.names[k] for k in layout.used)
-    if not layout.head:
-        headings = tuple(f"column {k + 1}" for k in layout.used)
+    rows = _read_rows(request, read_lines, layout, has_decimal_comma)
+    headings = tuple(layout.names[k] for k in layout.columns_read)
+    if not layout.heading_line:
+        headings = tuple(f"column {k + 1}" for k in layout.columns_read)
     return TextTable(
-        names=request.columns or headings,
+        names=request.quantities or headings,
         values=rows.values,
         lines=rows.lines,
         headings=headings,
-        units=tuple(layout.units[k] for k in layout.used),
+        units=tuple(layout.units[k] for k in layout.columns_read),
         separator=SEPARATORS[layout.separator],
         decimal="comma" if has_decimal_comma else "point",
         encoding=encoding_in_words,
-        head=layout.head,
-        skipped=layout.skipped,
-        unused=_unused(layout),
-        left_out=(*_between_in_words(layout), *rows.left_out),
+        head=layout.heading_line,
+        skipped=layout.n_lines_above,
+        unused=_headings_of_unread_columns(layout),
+        left_out=(*_skipped_lines_in_words(layout), *rows.left_out),
         clock_start=rows.clock_start,
     )
 
 
-def _encodings_of(start: bytes) -> list[str]:
-    """Encodings that a text file may be written in, by its first bytes, the likeliest first:
-    UTF-16 has a mark at its start, or a zero in most of every second byte.
+def _encodings_of(first_bytes: bytes) -> list[str]:
+    """Character encodings, likeliest first, that a text file with these first bytes may have.
+
+    UTF-16 has a byte-order mark at its start, or a zero in most of every second byte.
 
     >>> _encodings_of("Zeit;P".encode("utf-16-le")), _encodings_of(b"time,P")
     (['utf-16-le'], ['utf-8-sig', 'cp1252', 'cp932', 'latin-1'])
     """
-    if start.startswith(_MARKS_OF_UTF_16):
+    if first_bytes.startswith(_MARKS_OF_UTF_16):
         return ["utf-16"]
-    if b"\0" not in start:
+    if b"\0" not in first_bytes:
         return ["utf-8-sig", "cp1252", "cp932", "latin-1"]
-    pairs = max(len(start) // 2, 1)
-    if start[1::2].count(0) > _ZEROS_OF_UTF_16 * pairs:
+    n_pairs_of_bytes = max(len(first_bytes) // 2, 1)
+    if first_bytes[1::2].count(0) > _ZEROS_OF_UTF_16 * n_pairs_of_bytes:
         return ["utf-16-le"]
-    if start[0::2].count(0) > _ZEROS_OF_UTF_16 * pairs:
+    if first_bytes[0::2].count(0) > _ZEROS_OF_UTF_16 * n_pairs_of_bytes:
         return ["utf-16-be"]
     return ["utf-8-sig"]
 
 
-def _unused(layout: _Layout) -> tuple[str, ...]:
+def _headings_of_unread_columns(layout: _Layout) -> tuple[str, ...]:
     """Headings of the columns that are not read."""
-    if not layout.head:
+    if not layout.heading_line:
         return ()
     return tuple(
-        name for number, name in enumerate(layout.names) if name and number not in layout.used
+        name
+        for number, name in enumerate(layout.names)
+        if name and number not in layout.columns_read
     )
 
 
-def _between_in_words(layout: _Layout) -> list[str]:
+def _skipped_lines_in_words(layout: _Layout) -> list[str]:
     """The lines between headings and rows that are left out."""
-    if not layout.between:
+    if not layout.lines_between:
         return []
-    lines = ", ".join(map(str, layout.between[:5]))
+    lines = ", ".join(map(str, layout.lines_between[:5]))
     return [f"line {lines}, between the headings and the rows: no numbers"]
 
 
-def _lines(path: Path, stream: TextIO, longest_line: int) -> Iterator[Line]:
+def _numbered_lines(path: Path, stream: TextIO, longest_line: int) -> Iterator[Line]:
     """Yield number and text of every line of an open file that is not empty, from the first line
     on; InputError for a line longer than `longest_line` characters.
     """
@@ -354,18 +387,18 @@ def _cells(text: str, separator: str | None) -> list[str]:
     return cells
 
 
-def _number(text: str, comma: bool) -> float | None:
-    """None where it is no number as this file writes them."""
-    if "_" in text or (comma and "." in text):
+def _number(text: str, has_decimal_comma: bool) -> float | None:
+    """The number in a cell; None where it is none with this decimal sign."""
+    if "_" in text or (has_decimal_comma and "." in text):
         return None
-    with_point = text.replace(",", ".") if comma else text
+    with_point = text.replace(",", ".") if has_decimal_comma else text
     try:
         return float(with_point)
     except ValueError:
         return None
 
 
-def _numeric(text: str, separator: str | None) -> bool:
+def _is_numeric(text: str, separator: str | None) -> bool:
     """Whether every cell is a number, with or without marks between thousands, or a time of day."""
     return all(
         _is_number_or_time(cell, separator) or _GROUPED_DIGITS.match(cell)
@@ -374,7 +407,10 @@ def _numeric(text: str, separator: str | None) -> bool:
 
 
 def _headings(text: str, separator: str | None) -> list[list[str]]:
-    """The ways to cut a line of headings: where blanks separate, a heading may hold single ones."""
+    """Cells of a line of headings, one list for each way to cut it.
+
+    Where blanks separate the cells, a heading may also hold single blanks.
+    """
     ways = [_cells(text, separator)]
     return (
         ways
@@ -383,31 +419,39 @@ def _headings(text: str, separator: str | None) -> list[list[str]]:
     )
 
 
-def _rows_alone(lines: list[Line]) -> _Layout | None:
-    """Layout of a text table without headings that begins with a row of two numbers or more, its
-    columns named "column 1" and so on; None where the first line is no such row.
+def _layout_of_bare_rows(lines: list[Line]) -> _Layout | None:
+    """Layout of a text table without headings whose first line is a row of two numbers or more;
+    None for any other first line. The columns are named "column 1" and so on.
     """
-    lines_without_remarks = [
-        (number, text) for number, text in lines if not text.startswith(_REMARK_MARKS)
+    lines_without_comments = [
+        (number, text) for number, text in lines if not text.startswith(_COMMENT_MARKS)
     ]
-    if not lines_without_remarks:
+    if not lines_without_comments:
         return None
-    number, text = lines_without_remarks[0]
-    for mark in SEPARATORS:
-        cells = _cells(text, mark)
-        if len(cells) > 1 and _numeric(text, mark):
-            names = tuple(f"column {k + 1}" for k in range(len(cells)))
-            return _Layout(mark, names, ("",) * len(cells), tuple(range(len(cells))), 0, number, 0)
+    line_number, text = lines_without_comments[0]
+    for separator in SEPARATORS:
+        cells = _cells(text, separator)
+        n_columns = len(cells)
+        if n_columns > 1 and _is_numeric(text, separator):
+            return _Layout(
+                separator=separator,
+                names=tuple(f"column {k + 1}" for k in range(n_columns)),
+                units=("",) * n_columns,
+                columns_read=tuple(range(n_columns)),
+                heading_line=0,
+                first_row_line=line_number,
+                n_lines_above=0,
+            )
     return None
 
 
 def _layout(request: _Request, lines: list[Line]) -> _Layout:
-    """Find where headings, units and rows of a text table stand, and its separator, from the first
+    """Separator of a text table, and where its headings, units and rows stand, from the first
     `lines` of its file.
 
-    A line is taken for the headings where it has those that are asked for. Without such, a line
-    with two known headings is looked for first, then the first line of two words or more. Where no
-    line has headings, the rows may stand alone.
+    The line of headings is the first one that has the headings of all quantities to be read. Where
+    every column is read it is the first line with two headings that the kind of table expects, else
+    the first of two words or more. A table without headings has rows alone: see `_plain_layout`.
 
     Raises
     ------
@@ -415,224 +459,234 @@ def _layout(request: _Request, lines: list[Line]) -> _Layout:
         For a file that has no such table.
     """
     path = request.path
-    columns = request.columns
-    lines_without_remarks = [line for line in lines if not line[1].startswith(_REMARK_MARKS)]
+    quantities = request.quantities
+    lines_without_comments = [line for line in lines if not line[1].startswith(_COMMENT_MARKS)]
     needed_text = "a line of names and rows of numbers"
-    if columns:
-        needed_text = f"{len(columns)} columns {', '.join(columns)}"
-    if not lines_without_remarks:
+    if quantities:
+        needed_text = f"{len(quantities)} columns {', '.join(quantities)}"
+    if not lines_without_comments:
         raise InputError(f"{path}: the file is empty; {needed_text} are needed")
-    if _MARKUP_START.match(lines_without_remarks[0][1]):
+    if _MARKUP_START.match(lines_without_comments[0][1]):
         raise InputError(
             f"{path}: this is JSON, XML or HTML and no table: write {needed_text}, separated"
             " by commas"
         )
-    fewest_known_headings = (0,) if columns else (2, 0)
-    for fewest_known in fewest_known_headings:
-        layouts_with_uneven_rows: list[_Layout] = []
+    fewest_expected_headings = (0,) if quantities else (2, 0)
+    for fewest_expected in fewest_expected_headings:
+        layouts_at_fault: list[_Layout] = []
         for index in range(len(lines)):
-            if _is_row(lines[index][1], max(len(columns), 1)):
+            if _is_row(lines[index][1], max(len(quantities), 1)):
                 break
-            for layout, has_even_rows in _layouts_below(request, lines, index, fewest_known):
-                if has_even_rows:
+            for layout, first_row_fits in _layouts_with_headings_at(
+                request, lines, index, fewest_expected
+            ):
+                if first_row_fits:
                     return layout
-                layouts_with_uneven_rows.append(layout)
-        # Rows without a cell for each heading are at fault, if no other line fits. A line with
-        # another separator than the rows does not have their headings.
-        _, mark_of_rows, cells_of_row = _first_row(lines_without_remarks, max(len(columns), 2))
-        for layout in layouts_with_uneven_rows:
-            if not cells_of_row or layout.separator == mark_of_rows:
+                layouts_at_fault.append(layout)
+        # No line of headings fits its rows: take the first all the same, and report the row later
+        # as one at fault. Headings cut by another separator than the rows are not theirs.
+        fewest_cells = max(len(quantities), 2)
+        _, separator_of_rows, cells_of_row = _first_row(lines_without_comments, fewest_cells)
+        for layout in layouts_at_fault:
+            if not cells_of_row or layout.separator == separator_of_rows:
                 return layout
-    return _plain_layout(request, lines_without_remarks)
+    return _plain_layout(request, lines_without_comments)
 
 
 def _is_row(text: str, fewest_cells: int) -> bool:
-    """Whether a line is a row of numbers by any separator, and no remark."""
-    return not text.startswith(_REMARK_MARKS) and any(
-        len(_cells(text, mark)) >= fewest_cells and _numeric(text, mark) for mark in SEPARATORS
+    """Whether a line is a row of numbers by any separator, and no comment."""
+    return not text.startswith(_COMMENT_MARKS) and any(
+        len(_cells(text, separator)) >= fewest_cells and _is_numeric(text, separator)
+        for separator in SEPARATORS
     )
 
 
-def _layouts_below(
-    request: _Request, lines: list[Line], index: int, fewest_known: int
+def _layouts_with_headings_at(
+    request: _Request, lines: list[Line], index: int, fewest_expected: int
 ) -> Iterator[tuple[_Layout, bool]]:
-    """Possible layouts of a text table whose headings stand in `lines[index]`, one for each way to
-    cut that line; each with whether the first row has a cell for each heading.
+    """Layouts of a text table if `lines[index]` holds its headings, one for each separator that
+    may cut that line; with each, whether the first row has a cell for every heading.
 
     Parameters
     ----------
     request
-        the columns that are asked for, if any
+        file, quantities and kind of the table
     lines
         first lines of the file, with their numbers
     index
-        of the line that may have the headings
-    fewest_known
-        how many headings must be known names, where no columns are asked for
+        of the line that may hold the headings
+    fewest_expected
+        headings that the kind of table must expect in this line, where every column is read
     """
     line_number, text = lines[index]
-    is_remark = text.startswith(_REMARK_MARKS)
-    heading_text = text.lstrip("#*%/ ") if is_remark else text
-    for mark in SEPARATORS:
-        for names in _headings(heading_text, mark):
-            if request.columns:
-                used_columns = _used(request, line_number, names)
+    is_comment = text.startswith(_COMMENT_MARKS)
+    heading_text = text.lstrip("#*%/ ") if is_comment else text
+    may_skip_lines = bool(request.quantities) or fewest_expected > 0
+    for separator in SEPARATORS:
+        for headings in _headings(heading_text, separator):
+            columns_read: tuple[int, ...] | None = tuple(range(len(headings)))
+            if request.quantities:
+                columns_read = _columns_of_quantities(request, line_number, headings)
             else:
-                used_columns = tuple(range(len(names)))
-                known_count = sum(map(request.kind.is_known, names))
-                if is_remark or len(names) < 2 or known_count < fewest_known:
+                n_expected = sum(map(request.kind.is_known, headings))
+                if is_comment or len(headings) < 2 or n_expected < fewest_expected:
                     continue
-            if used_columns is None or request.by_number:
+            # Columns that are stated by number need no headings: `_plain_layout` finds their rows.
+            if columns_read is None or request.takes_columns_by_number:
                 continue
-            may_skip_lines = bool(request.columns) or fewest_known > 0
             layout, first_row = _layout_with_headings(
-                request, lines, index, mark, _NamedColumns(names, used_columns), may_skip_lines
+                request,
+                lines,
+                index,
+                separator,
+                _NamedColumns(headings, columns_read),
+                may_skip_lines,
             )
-            has_even_rows = first_row is None or (
-                _fits(first_row, mark, used_columns, len(names))
-                and _has_number(first_row, mark, used_columns)
+            first_row_fits = first_row is None or (
+                _has_cell_for_each_heading(first_row, separator, columns_read, len(headings))
+                and _has_number(first_row, separator, columns_read)
             )
-            # A remark has headings only if the rows below it fit.
-            if is_remark and (
-                first_row is None or not has_even_rows or not _numeric(first_row, mark)
+            # A comment holds the headings only where the rows below it fit.
+            if is_comment and (
+                first_row is None or not first_row_fits or not _is_numeric(first_row, separator)
             ):
                 continue
-            yield layout, has_even_rows
+            yield layout, first_row_fits
 
 
 class _NamedColumns(NamedTuple):
-    """Headings of all columns of a table, and the numbers (from 0) of those that are read."""
+    """Headings of all columns of a table, and numbers (from 0) of those that are read."""
 
     names: list[str]
-    used: tuple[int, ...]
+    columns_read: tuple[int, ...]
 
 
 def _layout_with_headings(
     request: _Request,
     lines: list[Line],
     index: int,
-    mark: str | None,
+    separator: str | None,
     columns: _NamedColumns,
     may_skip_lines: bool,
 ) -> tuple[_Layout, str | None]:
-    """Layout of a text table whose headings stand in `lines[index]`, cut by the separator `mark`;
-    and the text of its first row, None where there is none.
+    """Layout of a text table whose headings stand in `lines[index]`, cut by `separator`; and the
+    text of its first row, None for a table without rows.
 
-    Units are looked for in lines below the headings, in the headings, and in lines above.
-    `may_skip_lines`: whether other lines may stand between headings and rows.
+    The unit of a column is that of a line of units below the headings, else that within its
+    heading, else that of a line of units above. `may_skip_lines`: whether lines without numbers may
+    stand between headings and rows.
     """
-    line_number = lines[index][0]
-    n_columns = len(columns.names)
-    lines_below = [line for line in lines[index + 1 :] if not line[1].startswith(_REMARK_MARKS)]
-    lines_above = [line for line in lines[:index] if not line[1].startswith(_REMARK_MARKS)]
-    below_headings = _below_headings(lines_below, mark, columns.used, n_columns, may_skip_lines)
-    units_above = _labelled_units(lines_above, mark, n_columns)
+    heading_line = lines[index][0]
+    lines_below = [line for line in lines[index + 1 :] if not line[1].startswith(_COMMENT_MARKS)]
+    lines_above = [line for line in lines[:index] if not line[1].startswith(_COMMENT_MARKS)]
+    units_above = _labelled_units(lines_above, separator, len(columns.names))
+    units_below, lines_between, rows = _lines_below_headings(
+        lines_below, separator, columns, may_skip_lines
+    )
     units = [
-        unit_below or unit_in(name)[1] or unit_above
-        for unit_below, name, unit_above in zip(
-            below_headings.units, columns.names, units_above, strict=True
+        unit_below or unit_in(heading)[1] or unit_above
+        for unit_below, heading, unit_above in zip(
+            units_below, columns.names, units_above, strict=True
         )
     ]
-    number_of_first_row = line_number + 1
+    first_row_line = heading_line + 1
     first_row = None
-    if below_headings.rows:
-        number_of_first_row, first_row = below_headings.rows[0]
+    if rows:
+        first_row_line, first_row = rows[0]
     layout = _Layout(
-        separator=mark,
+        separator=separator,
         names=tuple(columns.names),
         units=tuple(units),
-        used=columns.used,
-        head=line_number,
-        first=number_of_first_row,
-        skipped=len(lines_above),
-        between=below_headings.between,
-        clock=_place_of_time(request, columns.names, columns.used),
+        columns_read=columns.columns_read,
+        heading_line=heading_line,
+        first_row_line=first_row_line,
+        n_lines_above=len(lines_above),
+        lines_between=lines_between,
+        time_column=_time_column(request, columns.names, columns.columns_read),
     )
     return layout, first_row
 
 
-class _Below(NamedTuple):
-    """The lines below headings: units (n_columns,) that stand in a line of their own, numbers of
-    lines without numbers, and the lines from the first row on.
+class _LinesBelowHeadings(NamedTuple):
+    """What stands below the headings of a text table: units (n_columns,) of a line of their own, empty
+    without one; numbers of the lines skipped before the rows; the lines from the first row on.
     """
 
     units: list[str]
-    between: tuple[int, ...]
+    skipped_lines: tuple[int, ...]
     rows: list[Line]
 
 
-def _below_headings(
-    lines: list[Line],
-    mark: str | None,
-    columns_read: Sequence[int],
-    n_headings: int,
-    may_skip: bool,
-) -> _Below:
-    """Find the line of units, if there is one, and the first row of numbers among the lines below
-    the headings of a text table.
+def _lines_below_headings(
+    lines: list[Line], separator: str | None, columns: _NamedColumns, may_skip_lines: bool
+) -> _LinesBelowHeadings:
+    """Line of units, where there is one, and first row of numbers among the `lines` below the
+    headings of a text table.
 
     Parameters
     ----------
     lines
-        below the headings, without remarks
-    mark
-        separator; None for blanks
-    columns_read
-        numbers (from 0) of the columns that are read: a row has a number in one of them
-    n_headings
-        number of headings
-    may_skip
-        whether lines that hold neither units nor numbers may stand between
+        below the headings, without comments
+    separator
+        between cells; None for blanks
+    columns
+        headings, and columns that are read: a row has a number in one of these
+    may_skip_lines
+        whether lines that hold neither units nor numbers may stand before the first row
     """
-    units = [""] * n_headings
+    n_columns = len(columns.names)
+    units = [""] * n_columns
     skipped_lines: list[int] = []
-    for index, (number, text) in enumerate(lines):
-        cells = _cells(text, mark)
-        if _has_number(text, mark, columns_read):
-            return _Below(units, tuple(skipped_lines), lines[index:])
+    for index, (line_number, text) in enumerate(lines):
+        cells = _cells(text, separator)
+        if _has_number(text, separator, columns.columns_read):
+            return _LinesBelowHeadings(units, tuple(skipped_lines), lines[index:])
         unit_cells = [cell.strip("[](){}<> ").strip("-") for cell in cells]
-        has_cell_for_headings = len(cells) == n_headings or (
-            mark is not None and len(cells) < n_headings
+        has_cell_for_headings = len(cells) == n_columns or (
+            separator is not None and len(cells) < n_columns
         )
         if has_cell_for_headings and not any(units) and _are_units(cells):
-            units = unit_cells + [""] * (n_headings - len(cells))
-        elif may_skip:
-            skipped_lines.append(number)
+            units = unit_cells + [""] * (n_columns - len(cells))
+        elif may_skip_lines:
+            skipped_lines.append(line_number)
         else:
-            return _Below(units, (), lines[index:])
+            return _LinesBelowHeadings(units, (), lines[index:])
     # No row of numbers: the lines below are reported as rows at fault.
-    return _Below([""] * n_headings, (), lines)
+    return _LinesBelowHeadings([""] * n_columns, (), lines)
 
 
-def _labelled_units(lines: list[Line], mark: str | None, count: int) -> list[str]:
-    """Units of `count` columns from a line above the rows whose first cell says "units", as
-    oscilloscopes and LabVIEW write it; empty texts where there is none.
+def _labelled_units(lines: list[Line], separator: str | None, n_columns: int) -> list[str]:
+    """Units (n_columns,) of the columns from a line above the rows whose first cell says "units",
+    as oscilloscopes and LabVIEW write it; empty texts without such a line.
 
-    The line has a unit for each column but the first, or the volts of an instrument for all.
+    The line holds a unit for each column but the first. Or it begins with the raw unit of an
+    instrument, such as volts, which then is that of all columns.
 
     >>> _labelled_units([(1, "Horizontal Units,s"), (2, "Vertical Units,V,V")], ",", 3)
     ['', 'V', 'V']
     >>> _labelled_units([(1, "Vertical Units,V,,-1.0,5.1,Vertical Units,V,,-1.0,0.2")], ",", 2)
     ['V', 'V']
     """
-    units = [""] * count
-    n_found = 0
+    units = [""] * n_columns
+    most_cells_of_units = 0
     for _, text in lines:
-        label, *cells = _cells(text, mark)
+        label, *cells = _cells(text, separator)
         if not _WORDS_FOR_UNITS.search(plain(label).lower()) or not cells:
             continue
-        has_numbers = any(_is_number_or_time(cell, mark) for cell in cells)
-        if n_found < len(cells) < count and _are_units(cells) and not has_numbers:
-            n_found = len(cells)
-            units[1:] = cells + [""] * (count - 1 - n_found)
-        elif not n_found and cells[0].lower() in _RAW_UNITS:
-            units = [cells[0]] * count
+        has_numbers = any(_is_number_or_time(cell, separator) for cell in cells)
+        # Of several lines of units the one with most cells is taken.
+        is_line_of_units = most_cells_of_units < len(cells) < n_columns and _are_units(cells)
+        if is_line_of_units and not has_numbers:
+            most_cells_of_units = len(cells)
+            units[1:] = cells + [""] * (n_columns - 1 - most_cells_of_units)
+        elif not most_cells_of_units and cells[0].lower() in _RAW_UNITS:
+            units = [cells[0]] * n_columns
     return units
 
 
 def _are_units(cells: Sequence[str]) -> bool:
-    """Whether the cells of a line in a text table are units: all stand in brackets, or one at least
-    is a known unit or a raw one of an instrument, such as volts.
+    """Whether the cells of a line in a text table are units: all stand in brackets, or at least one
+    is a known unit or a raw unit of an instrument, such as volts.
 
     >>> _are_units(["s", "kN", "-"]), _are_units(["(s)", "(V)"]), _are_units(["a", "b"])
     (True, True, False)
@@ -644,116 +698,132 @@ def _are_units(cells: Sequence[str]) -> bool:
     return any(is_unit(word) or word.lower() in _RAW_UNITS for word in words)
 
 
-def _is_number_or_time(cell: str, mark: str | None) -> bool:
-    return _number(cell, mark != "," and "," in cell) is not None or is_clock_time(cell)
+def _is_number_or_time(cell: str, separator: str | None) -> bool:
+    return _number(cell, separator != "," and "," in cell) is not None or is_clock_time(cell)
 
 
-def _fits(row: str, mark: str | None, used: Sequence[int], count: int) -> bool:
-    """Whether a row has a cell for each of `count` headings. Between separators that are no blanks
-    the last cells may be left out, but for those that are read.
+def _has_cell_for_each_heading(
+    row: str, separator: str | None, columns_read: Sequence[int], n_headings: int
+) -> bool:
+    """Whether a row has a cell for each of `n_headings` headings. Where the separator is no blank,
+    the last cells may be left out, but for those of the columns that are read.
     """
-    n_cells = len(_cells(row, mark))
-    if mark is None:
-        return n_cells == count
-    return max(used) < n_cells <= count
+    n_cells = len(_cells(row, separator))
+    if separator is None:
+        return n_cells == n_headings
+    return max(columns_read) < n_cells <= n_headings
 
 
-def _has_number(row: str, mark: str | None, used: Sequence[int]) -> bool:
+def _has_number(row: str, separator: str | None, columns_read: Sequence[int]) -> bool:
     """Whether a column that is read holds a number in this row: the separator is right."""
-    cells = _cells(row, mark)
-    return any(_is_number_or_time(cells[k], mark) for k in used if k < len(cells))
+    cells = _cells(row, separator)
+    return any(_is_number_or_time(cells[k], separator) for k in columns_read if k < len(cells))
 
 
-def _place_of_time(request: _Request, names: Sequence[str], used: tuple[int, ...]) -> int | None:
-    """Which column may hold times of day: the one of time."""
-    if "time" in request.columns:
-        return used[request.columns.index("time")]
-    if request.columns:
+def _time_column(
+    request: _Request, headings: Sequence[str], columns_read: tuple[int, ...]
+) -> int | None:
+    """Number (from 0) of the column of time, which may hold times of day; None without one."""
+    if "time" in request.quantities:
+        return columns_read[request.quantities.index("time")]
+    if request.quantities:
         return None
-    times = {plain(alias) for alias in ALIASES["time"]}
-    return next((k for k, name in enumerate(names) if plain(name) in times), None)
+    names_of_time = {plain(alias) for alias in ALIASES["time"]}
+    return next((k for k, heading in enumerate(headings) if plain(heading) in names_of_time), None)
 
 
-def _used(request: _Request, line_number: int, headings: Sequence[str]) -> tuple[int, ...] | None:
-    """Match the columns that are asked for with the headings of a line: number (from 0) of the
-    heading of each; None where one is not found, or one heading would stand for two columns.
+def _columns_of_quantities(
+    request: _Request, line_number: int, headings: Sequence[str]
+) -> tuple[int, ...] | None:
+    """Number (from 0) of the column of each quantity to be read, by the headings of a line; None
+    where a quantity has no column here, or two would have the same.
 
     Raises
     ------
     InputError
-        Where several headings could be that of one column.
+        Where several headings could be that of one quantity.
     """
-    places_of_columns = [
-        _places_of(column, request.stated.get(column), headings) for column in request.columns
+    candidates_of_quantities = [
+        _candidate_columns(quantity, request.stated.get(quantity), headings)
+        for quantity in request.quantities
     ]
-    if not all(places_of_columns):
+    if not all(candidates_of_quantities):
         return None
-    used_columns: list[int] = []
-    for column, places_of_column in zip(request.columns, places_of_columns, strict=True):
-        if len(places_of_column) > 1:
-            candidates = ", ".join(repr(headings[k]) for k in places_of_column)
+    columns_read: list[int] = []
+    for quantity, candidates in zip(request.quantities, candidates_of_quantities, strict=True):
+        if len(candidates) > 1:
+            candidate_headings = ", ".join(repr(headings[k]) for k in candidates)
             raise InputError(
-                f"{request.path}, line {line_number}: {candidates} could each be {column}; say"
-                f" which by columns = {{{column} = ...}}"
+                f"{request.path}, line {line_number}: {candidate_headings} could each be"
+                f" {quantity}; say which by columns = {{{quantity} = ...}}"
             )
-        used_columns += places_of_column
-    return tuple(used_columns) if len(set(used_columns)) == len(used_columns) else None
+        columns_read += candidates
+    return tuple(columns_read) if len(set(columns_read)) == len(columns_read) else None
 
 
-def _places_of(column: str, stated: str | int | None, headings: Sequence[str]) -> list[int]:
-    """Numbers (from 0) of the headings that may be that of a column: as the user has `stated` it,
-    by heading or by number from 1 on, else by the first of its known names that occurs.
+def _candidate_columns(
+    quantity: str, stated: str | int | None, headings: Sequence[str]
+) -> list[int]:
+    """Numbers (from 0) of the columns that may hold a quantity, such as "time", by their headings.
+
+    Where the user has `stated` a heading or a column number (from 1), that one alone. Else the
+    columns under the first of the quantity's usual headings that occurs: see `column_names`.
     """
     if isinstance(stated, int):
         return [stated - 1] if stated <= len(headings) else []
     if stated is not None:
-        word = stated.strip()
-        return [k for k, name in enumerate(headings) if word in (name, unit_in(name)[0])]
-    names_of_headings = []  # for each heading its spellings, with and without a unit
-    for name in headings:
-        texts = (name, unit_in(name)[0], name_without_unit(name))
-        names_of_headings.append({plain(text).lower() for text in texts})
-    for alias in aliases_of(column):
-        places_of_alias = [
+        stated_heading = stated.strip()
+        return [
             k
-            for k, names_of_heading in enumerate(names_of_headings)
-            if plain(alias).lower() in names_of_heading
+            for k, heading in enumerate(headings)
+            if stated_heading in (heading, unit_in(heading)[0])
         ]
-        if places_of_alias:
-            return places_of_alias
+    spellings_of_headings = []  # for each heading, with and without its unit
+    for heading in headings:
+        texts = (heading, unit_in(heading)[0], name_without_unit(heading))
+        spellings_of_headings.append({plain(text).lower() for text in texts})
+    for alias in aliases_of(quantity):
+        columns_of_alias = [
+            k
+            for k, spellings in enumerate(spellings_of_headings)
+            if plain(alias).lower() in spellings
+        ]
+        if columns_of_alias:
+            return columns_of_alias
     return []
 
 
 def _plain_layout(request: _Request, lines: list[Line]) -> _Layout:
-    """Layout of a text table without headings that are known: rows of numbers alone, one cell for
-    each column that is asked for, or columns that the user states by number.
+    """Layout of a text table in which no line of headings was recognised: rows of numbers with one
+    cell for each quantity to be read, or columns that the user states by number.
 
-    `lines` are the first ones of the file, without remarks.
+    `lines` are the first ones of the file, without comments.
 
     Raises
     ------
     InputError
         For a file that is no such table: what is wrong with it, and what to do.
     """
-    columns = request.columns
+    quantities = request.quantities
     first_text = lines[0][1]
     begins_with_rows = any(
-        len(_cells(first_text, separator)) > 1 and _numeric(first_text, separator)
+        len(_cells(first_text, separator)) > 1 and _is_numeric(first_text, separator)
         for separator in SEPARATORS
     )
-    if not columns:
+    if not quantities:
         raise _fault_of_no_names(request, lines[0], begins_with_rows)
-    first_row = _first_row(lines, len(columns))
-    if request.by_number:
-        stated_places = [int(request.stated[name]) - 1 for name in columns]
-        first_row = _first_row_with_numbers(lines, stated_places) or first_row
+    first_row = _first_row(lines, len(quantities))
+    if request.takes_columns_by_number:
+        stated_columns = [int(request.stated[name]) - 1 for name in quantities]
+        # Other cells of the row may hold text.
+        first_row = _first_row_with_numbers(lines, stated_columns) or first_row
     row_index, _, cells_of_row = first_row
-    has_cell_for_column = (
+    has_cell_for_each_quantity = (
         row_index == 0
-        and len(cells_of_row) == len(columns)
+        and len(cells_of_row) == len(quantities)
         and not any(isinstance(heading, str) for heading in request.stated.values())
     )
-    if cells_of_row and (request.by_number or has_cell_for_column):
+    if cells_of_row and (request.takes_columns_by_number or has_cell_for_each_quantity):
         return _layout_of_rows(request, lines, first_row)
     if begins_with_rows:
         raise _fault_of_count(request, lines[0], len(cells_of_row))
@@ -761,231 +831,250 @@ def _plain_layout(request: _Request, lines: list[Line]) -> _Layout:
 
 
 def _layout_of_rows(request: _Request, lines: list[Line], first_row: FirstRow) -> _Layout:
-    """Layout of a text table whose columns are taken by number, or in the order in which they are
-    asked for, from its first row on; headings and units from lines above, where there are some.
+    """Layout of a text table from its first row on. The columns are those that the user states by
+    number, or stand in the order of the quantities to be read.
+
+    Headings and units are taken from lines above the row, where there are any.
 
     Raises
     ------
     InputError
-        For a number of a column beyond the cells of the row.
+        For a column number beyond the cells of the row.
     """
     row_index, separator, cells_of_row = first_row
-    columns = request.columns
-    n_cells = len(cells_of_row)
-    used_columns = tuple(range(len(columns)))
-    if request.by_number:
-        used_columns = tuple(int(request.stated[name]) - 1 for name in columns)
-    if max(used_columns) >= n_cells:
+    first_row_line = lines[row_index][0]
+    quantities = request.quantities
+    n_columns = len(cells_of_row)
+    columns_read = tuple(range(len(quantities)))
+    if request.takes_columns_by_number:
+        columns_read = tuple(int(request.stated[name]) - 1 for name in quantities)
+    if max(columns_read) >= n_columns:
         raise InputError(
-            f"{request.path}, line {lines[row_index][0]}: there is no column"
-            f" {max(used_columns) + 1}: the line has {n_cells}"
+            f"{request.path}, line {first_row_line}: there is no column"
+            f" {max(columns_read) + 1}: the line has {n_columns}"
         )
-    column_names = dict(zip(used_columns, columns, strict=True))
-    names = [column_names.get(k, f"column {k + 1}") for k in range(n_cells)]
-    heading_line, headings, units = _above(lines[:row_index], separator, n_cells)
-    labelled_units = _labelled_units(lines, separator, n_cells)
-    units = units or ("",) * n_cells
-    units = tuple(unit or labelled for unit, labelled in zip(units, labelled_units, strict=True))
-    n_skipped = row_index
+    quantity_of_column = dict(zip(columns_read, quantities, strict=True))
+    names = [quantity_of_column.get(k, f"column {k + 1}") for k in range(n_columns)]
+    heading_line, headings, units_above = _headings_above_rows(
+        lines[:row_index], separator, n_columns
+    )
+    labelled_units = _labelled_units(lines, separator, n_columns)
+    units = tuple(
+        unit_above or labelled_unit
+        for unit_above, labelled_unit in zip(
+            units_above or ("",) * n_columns, labelled_units, strict=True
+        )
+    )
+    n_lines_above = row_index
     if heading_line:
-        n_skipped = sum(line[0] < heading_line for line in lines)
+        n_lines_above = sum(line_number < heading_line for line_number, _ in lines)
     return _Layout(
-        separator,
-        headings or tuple(names),
-        units,
-        used_columns,
-        heading_line,
-        lines[row_index][0],
-        n_skipped,
-        clock=_place_of_time(request, names, used_columns),
+        separator=separator,
+        names=headings or tuple(names),
+        units=units,
+        columns_read=columns_read,
+        heading_line=heading_line,
+        first_row_line=first_row_line,
+        n_lines_above=n_lines_above,
+        time_column=_time_column(request, names, columns_read),
     )
 
 
 def _fault_of_no_names(request: _Request, first_line: Line, begins_with_rows: bool) -> InputError:
-    """Error for a text table without headings where no columns are asked for by number: its first
-    line must name the columns.
+    """Error for a text table of which every column is to be read and that has no headings: its
+    first line must name the columns.
     """
-    number, text = first_line
-    fault = f"it is {shown(text)}"
-    if begins_with_rows or _numeric(text, None):
-        fault = "it has numbers only"
+    line_number, text = first_line
+    fault_text = f"it is {shown(text)}"
+    if begins_with_rows or _is_numeric(text, None):
+        fault_text = "it has numbers only"
     advice = ""
     if request.kind.keys_by_number and begins_with_rows:
         advice = f"; or take them by number: {request.kind.keys_by_number}"
     return InputError(
-        f"{request.path}, line {number}: the first line must name the columns, such as"
-        f" {request.kind.example}; {fault}{advice}"
+        f"{request.path}, line {line_number}: the first line must name the columns, such as"
+        f" {request.kind.example}; {fault_text}{advice}"
     )
 
 
 def _fault_of_count(request: _Request, first_line: Line, n_cells: int) -> InputError:
-    """Error for a text table of numbers alone whose rows have another number of cells, `n_cells`,
-    than there are columns asked for.
+    """Error for a text table of numbers alone whose rows have `n_cells` cells, another number than
+    that of the quantities to be read.
     """
-    number, text = first_line
-    columns = request.columns
+    line_number, text = first_line
+    quantities = request.quantities
     advice = ""
-    if n_cells == 2 * len(columns):
+    if n_cells == 2 * len(quantities):
         advice = "; semicolons between the columns where commas stand in the numbers"
-    numbered_columns = ", ".join(f"{name} = {k}" for k, name in enumerate(columns, 1))
+    numbered_quantities = ", ".join(f"{name} = {k}" for k, name in enumerate(quantities, 1))
     return InputError(
-        f"{request.path}, line {number}: {len(columns)} numbers ({', '.join(columns)}) are needed,"
-        f" not {shown(text)}{advice}; or say which by columns = {{{numbered_columns}}}"
+        f"{request.path}, line {line_number}: {len(quantities)} numbers"
+        f" ({', '.join(quantities)}) are needed, not {shown(text)}{advice}; or say which by"
+        f" columns = {{{numbered_quantities}}}"
     )
 
 
 def _fault_of_headings(request: _Request, lines: list[Line]) -> InputError:
-    """Error for a text table in whose headings the columns that are asked for are not found: which
-    are lacking, and how to state them.
+    """Error for a text table without headings for all quantities to be read: which quantities have
+    none, and how the user states their columns.
     """
-    columns = request.columns
-    list_of_columns = ", ".join(columns)
-    (number, text), names = _likeliest_headings(request, lines)
-    lacking_columns = [name for name in columns if not _is_among(request, name, names)]
-    if not lacking_columns and len(names) >= len(columns):
+    quantities = request.quantities
+    list_of_quantities = ", ".join(quantities)
+    (line_number, text), headings = _likeliest_heading_line(request, lines)
+    lacking_quantities = [name for name in quantities if not _has_column(request, name, headings)]
+    if not lacking_quantities and len(headings) >= len(quantities):
         return InputError(
-            f"{request.path}, line {number}: columns: {list_of_columns} must be of different"
-            f" columns of {shown(text)}"
+            f"{request.path}, line {line_number}: columns: {list_of_quantities} must be of"
+            f" different columns of {shown(text)}"
         )
+    # Each quantity has a heading, but there are fewer headings than quantities: name them all.
+    quantities_to_state = lacking_quantities or quantities
     stated_headings = [
-        shown(request.stated[name]) for name in lacking_columns if name in request.stated
+        shown(request.stated[name]) for name in lacking_quantities if name in request.stated
     ]
-    reason = f"none is known as {' or '.join(lacking_columns or columns)}"
+    reason = f"none is known as {' or '.join(quantities_to_state)}"
     if stated_headings:
         reason = f"no heading is {' or '.join(stated_headings)}"
     return MissingColumnError(
-        lacking_columns or columns,
-        names,
-        f"{request.path}, line {number}: the columns are {list_of_columns}, not {shown(text)}:"
-        f" {reason}; say which by columns = {{{(lacking_columns or columns)[0]} = ...}}, by its"
-        " heading or its number from 1 on",
+        quantities_to_state,
+        headings,
+        f"{request.path}, line {line_number}: the columns are {list_of_quantities}, not"
+        f" {shown(text)}: {reason}; say which by columns = {{{quantities_to_state[0]} = ...}}, by"
+        " its heading or its number from 1 on",
     )
 
 
-def _is_among(request: _Request, column: str, headings: Sequence[str]) -> bool:
-    """Whether a heading is that of a column."""
-    return bool(_places_of(column, request.stated.get(column), headings))
+def _has_column(request: _Request, quantity: str, headings: Sequence[str]) -> bool:
+    """Whether one of the headings is that of a quantity to be read."""
+    return bool(_candidate_columns(quantity, request.stated.get(quantity), headings))
 
 
-def _likeliest_headings(request: _Request, lines: list[Line]) -> tuple[Line, list[str]]:
-    """The line of a text table that probably has its headings, and its cells, for a message on
-    columns that are not found.
+def _likeliest_heading_line(request: _Request, lines: list[Line]) -> tuple[Line, list[str]]:
+    """The line of a text table that most probably holds its headings, and these headings; for the
+    message on quantities without a column.
 
-    It is the line above the rows in which most of the columns are found. Where none is found, it is
-    the line above the first row of numbers, or above its units, else the first line.
+    It is the line above the rows with headings for most of the quantities. Where no line has one,
+    it is the line above the first row of numbers, or above its units, else the first line.
     """
-    for fewest_cells in (len(request.columns), 2, 1):
-        row_index, mark, cells = _first_row(lines, fewest_cells)
-        if cells:
+    for fewest_cells in (len(request.quantities), 2, 1):
+        row_index, separator_of_rows, cells_of_row = _first_row(lines, fewest_cells)
+        if cells_of_row:
             break
-    separators = (mark,) if cells else tuple(SEPARATORS)
-    best_line = lines[max(row_index - 1, 0)]
-    if row_index > 1 and _are_units(_cells(best_line[1], mark)):
-        best_line = lines[row_index - 2]
-    best_names = max(
+    separators = (separator_of_rows,) if cells_of_row else tuple(SEPARATORS)
+    likeliest_line = lines[max(row_index - 1, 0)]
+    if row_index > 1 and _are_units(_cells(likeliest_line[1], separator_of_rows)):
+        likeliest_line = lines[row_index - 2]
+    likeliest_headings = max(
         (
-            cells_of_line
+            headings
             for separator in separators
-            for cells_of_line in _headings(best_line[1], separator)
+            for headings in _headings(likeliest_line[1], separator)
         ),
         key=len,
     )
-    most_found = 0
+    most_columns = 0
     for line in lines[:row_index]:
         for separator in separators:
-            for names in _headings(line[1], separator):
-                n_found = sum(_is_among(request, column, names) for column in request.columns)
-                if n_found > most_found:
-                    most_found = n_found
-                    best_line = line
-                    best_names = names
-    return best_line, best_names
+            for headings in _headings(line[1], separator):
+                n_columns = sum(
+                    _has_column(request, quantity, headings) for quantity in request.quantities
+                )
+                if n_columns > most_columns:
+                    most_columns = n_columns
+                    likeliest_line = line
+                    likeliest_headings = headings
+    return likeliest_line, likeliest_headings
 
 
-def _first_row(lines: list[Line], count: int) -> FirstRow:
-    """Find the first line that is a row of `count` numbers or more by any separator: its index,
+def _first_row(lines: list[Line], fewest_cells: int) -> FirstRow:
+    """The first line that is a row of `fewest_cells` numbers or more by any separator: its index,
     separator and cells; 0, None and no cells where there is none.
     """
     for k, (_, text) in enumerate(lines):
-        for mark in SEPARATORS:
-            cells = _cells(text, mark)
-            if _numeric(text, mark) and len(cells) >= count:
-                return k, mark, cells
+        for separator in SEPARATORS:
+            cells = _cells(text, separator)
+            if _is_numeric(text, separator) and len(cells) >= fewest_cells:
+                return k, separator, cells
     return 0, None, []
 
 
-def _first_row_with_numbers(lines: list[Line], places: Sequence[int]) -> FirstRow | None:
-    """Find the first line that has numbers in the cells at given `places` (from 0), as the next one
-    has, whatever stands in other cells: its index, separator and cells; None where there is none.
+def _first_row_with_numbers(lines: list[Line], columns: Sequence[int]) -> FirstRow | None:
+    """The first line with numbers in the given columns (from 0), whatever its other cells hold: its
+    index, separator and cells; None where there is none. The line after it must have them too.
 
     >>> rows = [(1, "Model,7,,0.0,5.1"), (2, "Source,CH1,,0.1,5.2"), (3, ",,,0.2,5.3")]
     >>> _first_row_with_numbers(rows, [3, 4])
     (0, ',', ['Model', '7', '', '0.0', '5.1'])
     """
 
-    def has_numbers(text: str, mark: str | None) -> bool:
-        cells = _cells(text, mark)
-        return max(places) < len(cells) and all(
-            _is_number_or_time(cells[place], mark) for place in places
+    def has_numbers(text: str, separator: str | None) -> bool:
+        cells = _cells(text, separator)
+        return max(columns) < len(cells) and all(
+            _is_number_or_time(cells[column], separator) for column in columns
         )
 
-    for mark in SEPARATORS:
+    for separator in SEPARATORS:
         for k, (row, next_row) in enumerate(pairwise([text for _, text in lines])):
-            if has_numbers(row, mark) and has_numbers(next_row, mark):
-                return k, mark, _cells(row, mark)
+            if has_numbers(row, separator) and has_numbers(next_row, separator):
+                return k, separator, _cells(row, separator)
     return None
 
 
-def _above(
-    lines: list[Line], mark: str | None, n_columns: int
+def _headings_above_rows(
+    lines: list[Line], separator: str | None, n_columns: int
 ) -> tuple[int, tuple[str, ...], tuple[str, ...]]:
-    """Headings and units of a text table whose columns are taken by number, from the last lines
-    above its rows: number of the line of headings, headings and units (n_columns,).
+    """Headings that stand above the first row of a text table whose columns are taken by number:
+    number (from 1) of their line, headings (n_columns,) and units (n_columns,).
 
-    0 and empty tuples where the line just above the rows has no cell for each column.
+    `lines` are those above the row. Of the lines with `n_columns` cells the last one holds the
+    headings; if its cells are units, the one before does. 0 and empty tuples where other lines
+    stand between headings and row.
     """
-    lines_of_headings = [
+    lines_with_all_cells = [
         (number, cells_of_line)
         for number, text in lines
-        for cells_of_line in _headings(text, mark)
+        for cells_of_line in _headings(text, separator)
         if len(cells_of_line) == n_columns
     ]
     units = [""] * n_columns
-    if len(lines_of_headings) > 1 and _are_units(lines_of_headings[-1][1]):
-        units = [cell.strip("[](){}<> ") for cell in lines_of_headings[-1][1]]
-        lines_of_headings.pop()
-    if not lines_of_headings or lines_of_headings[-1][0] < lines[-1][0] - 1:
+    if len(lines_with_all_cells) > 1 and _are_units(lines_with_all_cells[-1][1]):
+        units = [cell.strip("[](){}<> ") for cell in lines_with_all_cells[-1][1]]
+        lines_with_all_cells.pop()
+    # One line may stand between: the line of units.
+    if not lines_with_all_cells or lines_with_all_cells[-1][0] < lines[-1][0] - 1:
         return 0, (), ()
-    number, names = lines_of_headings[-1]
-    units_of_names = [unit or unit_in(name)[1] for unit, name in zip(units, names, strict=True)]
-    return number, tuple(names), tuple(units_of_names)
+    heading_line, headings = lines_with_all_cells[-1]
+    units_of_columns = [
+        unit or unit_in(heading)[1] for unit, heading in zip(units, headings, strict=True)
+    ]
+    return heading_line, tuple(headings), tuple(units_of_columns)
 
 
 def _has_decimal_comma(lines: Iterator[Line], layout: _Layout) -> bool:
-    """Whether a comma is the decimal sign of a text table: the first row decides that has a comma
-    or a point in a column that is read. Times of day do not count.
+    """Whether a comma is the decimal sign of a text table. The first row decides that has a comma
+    or a point in a column that is read; times of day do not count.
 
     In a cell with both signs the later one is the decimal sign; the other stands between thousands.
     """
-    for number, text in lines:
-        if number < layout.first or not ("," in text or "." in text):
+    for line_number, text in lines:
+        if line_number < layout.first_row_line or not ("," in text or "." in text):
             continue
         cells = _cells(text, layout.separator)
-        used_cells = [cells[k] for k in layout.used if k < len(cells)]
-        used_cells = [cell for cell in used_cells if not is_clock_time(cell)]
-        has_point = any("." in cell for cell in used_cells)
-        has_comma = any("," in cell for cell in used_cells)
-        if has_point or has_comma:
-            return has_comma and (
-                not has_point or any(0 <= cell.find(".") < cell.rfind(",") for cell in used_cells)
-            )
+        cells_read = [cells[k] for k in layout.columns_read if k < len(cells)]
+        cells_read = [cell for cell in cells_read if not is_clock_time(cell)]
+        has_point = any("." in cell for cell in cells_read)
+        has_comma = any("," in cell for cell in cells_read)
+        if has_comma and has_point:
+            return any(0 <= cell.find(".") < cell.rfind(",") for cell in cells_read)
+        if has_comma or has_point:
+            return has_comma
     return False
 
 
 @dataclass(frozen=True, eq=False)
 class _Rows:
-    """The numbers (n, m) of the columns that are read, the line (n,) of each row; lines that are no
-    rows, in words; the first cell of a column of times of day.
+    """Rows of a text table: numbers (n_rows, n_columns) of the columns that are read; line (n_rows,) of
+    each row; lines that are no rows, in words; first cell of a column of times of day.
     """
 
     values: Array
@@ -1001,9 +1090,9 @@ class _RowReader:
     Attributes
     ----------
     request
-        file, columns and kind of the table
+        file, quantities and kind of the table
     read_lines
-        yields the lines of the file from the first one on at each call
+        yields number and text of the lines, from the first one on at each call
     layout
         where headings and rows stand, and the separator
     has_decimal_comma
@@ -1019,15 +1108,17 @@ class _RowReader:
     line_numbers: array[int] = field(default_factory=lambda: array("q"))
 
     def lines(self) -> Iterator[Line]:
-        """The lines from the first row on, without remarks, with their numbers in the file;
-        InputError for more rows than are read.
+        """Number and text of each row of the table, from its first one on, without comments.
+
+        `line_numbers` then holds the numbers. InputError for more rows than `MOST_ROWS`.
         """
-        may_have_remarks = bool(self.request.columns)
+        # Where every column is read, as those of result files are, a # may belong to a cell.
+        may_end_in_comment = bool(self.request.quantities)
         line_numbers = self.line_numbers
-        first_line = self.layout.first
+        first_row_line = self.layout.first_row_line
         del line_numbers[:]
         for number, text in self.read_lines():
-            if number < first_line or text.startswith(_REMARK_MARKS):
+            if number < first_row_line or text.startswith(_COMMENT_MARKS):
                 continue
             if len(line_numbers) == MOST_ROWS:
                 raise InputError(
@@ -1035,41 +1126,47 @@ class _RowReader:
                     f" rows, the most that are read; {self.request.kind.cure}"
                 )
             line_numbers.append(number)
-            if may_have_remarks and "#" in text:
+            if may_end_in_comment and "#" in text:
                 yield number, text.split("#", 1)[0].rstrip()
             else:
                 yield number, text
 
-    def even_rows(self) -> Iterator[str]:
-        """The rows as numpy's loadtxt takes them, with a decimal point; ValueError for a row with
-        another number of cells, or with a point in a table with decimal commas.
+    def rows_for_loadtxt(self) -> Iterator[str]:
+        """Text of each row for `numpy.loadtxt`, with a decimal point.
+
+        A bare ValueError ends it at a row with too few or too many cells, or with a point in a
+        table with decimal commas: the rows are then read cell by cell, which reports the fault.
         """
-        mark = self.layout.separator
+        separator = self.layout.separator
         has_decimal_comma = self.has_decimal_comma
+        # Between separators that are no blanks, cells behind the last column read may be left out.
         most_separators = len(self.layout.names) - 1
-        fewest_separators = most_separators if mark is None else max(self.layout.used)
+        fewest_separators = most_separators if separator is None else max(self.layout.columns_read)
         for _, text in self.lines():
             # Empty cells at the end of a line are none.
-            row = text if mark is None else text.rstrip(f"{mark} ")
-            separator_count = len(row.split()) - 1 if mark is None else row.count(mark)
-            is_even = fewest_separators <= separator_count <= most_separators
-            if not is_even or (has_decimal_comma and "." in row):
+            row = text if separator is None else text.rstrip(f"{separator} ")
+            n_separators = len(row.split()) - 1 if separator is None else row.count(separator)
+            has_right_cells = fewest_separators <= n_separators <= most_separators
+            if not has_right_cells or (has_decimal_comma and "." in row):
                 raise ValueError
             yield row.replace(",", ".") if has_decimal_comma else row
 
 
-def _numbers(
-    request: _Request, lines: Callable[[], Iterator[Line]], layout: _Layout, has_decimal_comma: bool
+def _read_rows(
+    request: _Request,
+    read_lines: Callable[[], Iterator[Line]],
+    layout: _Layout,
+    has_decimal_comma: bool,
 ) -> _Rows:
-    """Read the rows of numbers of a text table, all at once by numpy; where that fails, cell by
-    cell up to the fault.
+    """Read the rows of numbers of a text table: all at once by numpy, else cell by cell, which
+    takes longer but reads times of day and reports the first fault.
 
     Parameters
     ----------
     request
-        file, columns and kind of the table
-    lines
-        yields the lines of the file from the first one on at each call
+        file, quantities and kind of the table
+    read_lines
+        yields number and text of the lines, from the first one on at each call
     layout
         where headings and rows stand, and the separator
     has_decimal_comma
@@ -1080,31 +1177,36 @@ def _numbers(
     InputError
         For a table without rows, and for the first row with a fault.
     """
-    reader = _RowReader(request, lines, layout, has_decimal_comma)
+    reader = _RowReader(request, read_lines, layout, has_decimal_comma)
     if next(reader.lines(), None) is None:
-        headings = ", ".join(layout.names[k] for k in layout.used[:6])
-        rest_text = ", ..." if len(layout.used) > 6 else ""
+        headings = ", ".join(layout.names[k] for k in layout.columns_read[:6])
+        rest_text = ", ..." if len(layout.columns_read) > 6 else ""
         raise InputError(f"{request.path}: no row of numbers below the names {headings}{rest_text}")
     try:
         values = np.loadtxt(
-            reader.even_rows(),
+            reader.rows_for_loadtxt(),
             delimiter=layout.separator,
             comments=None,
             ndmin=2,
-            usecols=layout.used,
+            usecols=layout.columns_read,
         )
     except InputError:
         raise
     except ValueError:
-        values = np.array([[np.nan]])
-    if (np.abs(values) <= LARGEST).all():
+        values = None
+    # A cell that is nan or beyond the largest number is a fault too, which needs its line.
+    if values is not None and (np.abs(values) <= LARGEST).all():
         return _Rows(values, np.array(reader.line_numbers, dtype=np.int64))
-    return _numbers_cell_by_cell(request.path, reader.lines(), layout, has_decimal_comma)
+    return _read_rows_cell_by_cell(request.path, reader.lines(), layout, has_decimal_comma)
 
 
-def _numbers_cell_by_cell(path: Path, rows: Iterator[Line], layout: _Layout, comma: bool) -> _Rows:
-    """Read the rows of a text table cell by cell: times of day become seconds, and lines of text
-    behind the last row, or that repeat the headings, are left out and reported.
+def _read_rows_cell_by_cell(
+    path: Path, rows: Iterator[Line], layout: _Layout, has_decimal_comma: bool
+) -> _Rows:
+    """Read the rows of a text table cell by cell; times of day become seconds since the first row.
+
+    Lines of text behind the last row, and lines that repeat the headings, are left out and
+    reported.
 
     Parameters
     ----------
@@ -1114,7 +1216,7 @@ def _numbers_cell_by_cell(path: Path, rows: Iterator[Line], layout: _Layout, com
         number and text of the lines from the first row on
     layout
         headings, separator and columns that are read
-    comma
+    has_decimal_comma
         whether the decimal sign is a comma
 
     Raises
@@ -1127,107 +1229,114 @@ def _numbers_cell_by_cell(path: Path, rows: Iterator[Line], layout: _Layout, com
     line_numbers = array("q")
     text_since_last_row: list[Line] = []
     lines_with_headings: list[int] = []
-    for line, text in rows:
+    for line_number, text in rows:
         cells = _cells(text, layout.separator)
         if cells == [name.strip() for name in layout.names]:
-            lines_with_headings.append(line)
+            lines_with_headings.append(line_number)
             continue
-        if _is_text(cells, layout, comma):
-            text_since_last_row.append((line, text))
+        if _is_text(cells, layout, has_decimal_comma):
+            text_since_last_row.append((line_number, text))
             continue
-        if text_since_last_row:  # text between rows is refused as a row at fault
-            _row(path, *text_since_last_row[0], layout, comma, clock)
-        values.extend(_row(path, line, text, layout, comma, clock))
-        line_numbers.append(line)
-    if not line_numbers:
-        _row(path, *text_since_last_row[0], layout, comma, clock)
+        if text_since_last_row:  # text between rows is at fault: reading it as a row raises
+            _values_of_row(path, text_since_last_row[0], layout, has_decimal_comma, clock)
+        values.extend(_values_of_row(path, (line_number, text), layout, has_decimal_comma, clock))
+        line_numbers.append(line_number)
+    if not line_numbers:  # text alone: the same
+        _values_of_row(path, text_since_last_row[0], layout, has_decimal_comma, clock)
     left_out = []
     if lines_with_headings:
-        left_out.append(
-            f"line {', '.join(map(str, lines_with_headings[:5]))}: the headings once more"
-        )
+        numbers_in_words = ", ".join(map(str, lines_with_headings[:5]))
+        left_out.append(f"line {numbers_in_words}: the headings once more")
     if text_since_last_row:
-        line, text = text_since_last_row[0]
-        line_count = (
-            "1 line" if len(text_since_last_row) == 1 else f"{len(text_since_last_row)} lines"
+        first_line, first_text = text_since_last_row[0]
+        n_lines = len(text_since_last_row)
+        count_in_words = "1 line" if n_lines == 1 else f"{n_lines} lines"
+        left_out.append(
+            f"{count_in_words} behind the rows, from line {first_line} on: {shown(first_text)}"
         )
-        left_out.append(f"{line_count} behind the rows, from line {line} on: {shown(text)}")
     return _Rows(
-        np.array(values).reshape(-1, len(layout.used)),
+        np.array(values).reshape(-1, len(layout.columns_read)),
         np.array(line_numbers, dtype=np.int64),
         tuple(left_out),
         clock.first_text,
     )
 
 
-def _is_text(cells: Sequence[str], layout: _Layout, comma: bool) -> bool:
+def _is_text(cells: Sequence[str], layout: _Layout, has_decimal_comma: bool) -> bool:
     """Whether a line is text and no row: a word stands in the first column that is read."""
-    place = layout.used[0]
-    first_cell = cells[place] if place < len(cells) else cells[0]
+    column = layout.columns_read[0]
+    first_cell = cells[column] if column < len(cells) else cells[0]
     return (
         first_cell[:1].isalpha()
-        and _number(first_cell, comma) is None
+        and _number(first_cell, has_decimal_comma) is None
         and not is_clock_time(first_cell)
     )
 
 
-def _row(
-    path: Path, line: int, line_text: str, layout: _Layout, comma: bool, clock: ClockColumn
+def _values_of_row(
+    path: Path, line: Line, layout: _Layout, has_decimal_comma: bool, clock: ClockColumn
 ) -> list[float]:
-    """Read one line of a text table: the numbers of the columns that are read, a time of day as
-    seconds since the first row.
+    """Numbers of one row of a text table in the columns that are read; a time of day as seconds
+    since the first row.
 
     Parameters
     ----------
-    path, line, line_text
-        file, number of the line for messages, and its text
+    path
+        of the file, for messages
+    line
+        number and text of the row
     layout
-        names, separator and used columns of the table
-    comma
+        headings, separator and columns that are read
+    has_decimal_comma
         whether the decimal sign is a comma
     clock
-        turns times of day into seconds
+        turns times of day into seconds, row after row
 
     Raises
     ------
     InputError
         For another number of cells than of headings, or a cell that is no finite number.
     """
-    cells = _cells(line_text, layout.separator)
-    if not _fits(line_text, layout.separator, layout.used, len(layout.names)):
-        list_of_names = ", ".join(layout.names[:6]) + (", ..." if len(layout.names) > 6 else "")
+    line_number, row_text = line
+    names = layout.names
+    cells = _cells(row_text, layout.separator)
+    if not _has_cell_for_each_heading(row_text, layout.separator, layout.columns_read, len(names)):
+        list_of_names = ", ".join(names[:6]) + (", ..." if len(names) > 6 else "")
         advice = ""
-        if layout.separator == "," and len(cells) > len(layout.names):
+        if layout.separator == "," and len(cells) > len(names):
             advice = (
                 "; commas between the columns leave points for the numbers, without marks between"
                 " thousands"
             )
         raise InputError(
-            f"{path}, line {line}: {len(layout.names)} numbers ({list_of_names}) are needed, not"
-            f" {shown(line_text)}{advice}"
+            f"{path}, line {line_number}: {len(names)} numbers ({list_of_names}) are needed, not"
+            f" {shown(row_text)}{advice}"
         )
     numbers: list[float] = []
-    for column in layout.used:
-        number = _number(cells[column], comma)
-        advice = ""
-        if number is None and column == layout.clock:
+    for column in layout.columns_read:
+        cell = cells[column]
+        number = _number(cell, has_decimal_comma)
+        reason_of_clock = ""
+        if number is None and column == layout.time_column:
             try:
-                number = clock.seconds(cells[column])
+                number = clock.seconds(cell)
             except ValueError as reason:
-                advice = f": {reason}"
+                reason_of_clock = f": {reason}"
         if number is None or not abs(number) <= LARGEST:
-            if _GROUPED_DIGITS.match(cells[column]):
+            advice = reason_of_clock
+            if _GROUPED_DIGITS.match(cell):
+                decimal_sign = "comma" if has_decimal_comma else "point"
                 advice = (
-                    f"; the decimal sign of this file is a {'comma' if comma else 'point'}: write"
-                    " no marks between thousands"
+                    f"; the decimal sign of this file is a {decimal_sign}: write no marks between"
+                    " thousands"
                 )
-            elif not cells[column]:
+            elif not cell:
                 advice = ": fill it in, or take out the line"
-            elif column == layout.clock and not advice:
+            elif column == layout.time_column and not advice:
                 advice = f", nor a time such as {WORDS}"
             raise InputError(
-                f"{path}, line {line}: {layout.names[column]} = {shown(cells[column])} is not a"
-                f" finite number of at most {LARGEST:g}{advice}"
+                f"{path}, line {line_number}: {names[column]} = {shown(cell)} is not a finite"
+                f" number of at most {LARGEST:g}{advice}"
             )
         numbers.append(number)
     return numbers
