@@ -306,12 +306,12 @@ def covariance_ignored() -> Planted:
 
 def percent_read_as_a_share() -> Planted:
     """5 % counts as 5 times the value."""
-    share = uncertainty._share_of
+    relative_uncertainty = uncertainty._relative_uncertainty
 
     def planted(key: str, stated: str, *rest: Any) -> float:
-        return share(key, stated, *rest) * (100 if "%" in stated else 1)
+        return relative_uncertainty(key, stated, *rest) * (100 if "%" in stated else 1)
 
-    return mock.patch.object(uncertainty, "_share_of", planted)
+    return mock.patch.object(uncertainty, "_relative_uncertainty", planted)
 
 
 # tests/test_reports_inputs.py holds each to what two scenes, one load cell and the text say.

@@ -26,7 +26,7 @@ from scenes.notebook_forms import registered_forms
 from scenes.profiles import Profile
 from scenes.rig import Rig
 from scenes.segments import NORMAL_LOAD, TANGENTIAL_LOAD, largest_ratio, largest_ratio_of
-from scenes.uncertainty import Input, Uncertainty, inputs_of, moved
+from scenes.uncertainty import Input, Uncertainty, inputs_of, moved_scene
 from scenes.unit_words import inconsistent
 
 Origin = Literal["paper", "benchmark", "made-up-record"]
@@ -381,9 +381,9 @@ class Scene(Frozen):
 
     def moved(self, changes: Mapping[str, float]) -> Self:
         """The scene with inputs moved by shares of their values, the phase by degrees:
-        `uncertainty.moved`.
+        `uncertainty.moved_scene`.
         """
-        return moved(self, changes)
+        return moved_scene(self, changes)
 
     def __repr__(self) -> str:
         """Five lines of text on the scene: name and title, bodies and materials, profile and

@@ -608,8 +608,8 @@ def _layout_with_headings(
 
 
 class _LinesBelowHeadings(NamedTuple):
-    """What stands below the headings of a text table: units (n_columns,) of a line of their own, empty
-    without one; numbers of the lines skipped before the rows; the lines from the first row on.
+    """What stands below the headings of a text table: units (n_columns,) of a line of their own,
+    empty without one; numbers of lines skipped before the rows; lines from the first row on.
     """
 
     units: list[str]
@@ -1073,8 +1073,8 @@ def _has_decimal_comma(lines: Iterator[Line], layout: _Layout) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Rows:
-    """Rows of a text table: numbers (n_rows, n_columns) of the columns that are read; line (n_rows,) of
-    each row; lines that are no rows, in words; first cell of a column of times of day.
+    """Rows of a text table: numbers (n_rows, n_columns) of the columns read, line (n_rows,)
+    of each row, lines that are no rows, in words, and the first cell of a column of times of day.
     """
 
     values: Array

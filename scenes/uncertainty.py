@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Annotated, Any, Literal, NamedTuple, Protocol, Self, TypeVar
 
@@ -69,11 +69,11 @@ def _parsed(text: str) -> _Amount | None:
 
 
 def _require_amount(kind: AmountKind, value: Any) -> str:
-    """Check the text of a standard uncertainty: a percentage, such as "5 %", or an amount with a
-    unit, such as "0.1 mm"; returned unchanged.
+    """Check the text of a standard uncertainty and return it without blanks at its ends: a
+    percentage of the value, such as "5 %", or an amount with a unit, such as "0.1 mm".
 
-    ValueError, with what to write, for a bare number, an unknown form, an amount where only a
-    percentage is taken (kind "share"), or more than half of the value.
+    ValueError, with what to write, for a bare number, for text of another form, for an amount where
+    a percentage alone is taken (kind "share"), and for more than half of the value.
     """
     what_to_write = f"write {_EXAMPLES[kind]}, in quotation marks"
     if not isinstance(value, str):
@@ -108,7 +108,7 @@ def _require_small(share: float, value: Any) -> None:
 
 
 def share_of(text: str) -> float:
-    """The share that a checked text in per cent states.
+    """Standard uncertainty as a fraction of the value, from a checked text in per cent.
 
     >>> share_of("5 %")
     0.05
@@ -411,8 +411,10 @@ S = TypeVar("S", bound=HasInputs)
 
 
 def inputs_of(scene: HasInputs) -> tuple[Input, ...]:
-    """Inputs of a scene for which a standard uncertainty is stated, each with its value, and with
-    the uncertainty as a fraction of the value (in degrees for the phase).
+    """Inputs of a scene for which a standard uncertainty is stated, each with its value.
+
+    `standard` of each is the standard uncertainty as a fraction of the value; for the phase it is
+    in degrees.
 
     Raises
     ------
@@ -423,30 +425,31 @@ def inputs_of(scene: HasInputs) -> tuple[Input, ...]:
     if scene.uncertainty is None:
         return ()
     inputs = []
-    for key, uncertainty_words in scene.uncertainty.stated():
-        value = _value_of(scene, key)
-        if isinstance(uncertainty_words, str):
-            standard = _share_of(key, uncertainty_words, value, scene.units)
-            stated_text = uncertainty_words
-        else:
-            standard = uncertainty_words
-            stated_text = f"{uncertainty_words:.4g}°"
-        inputs.append(Input(key, _words_of(key), stated_text, value, standard))
+    for key, stated in scene.uncertainty.stated():
+        value = _value_of_input(scene, key)
+        if isinstance(stated, str):
+            standard_uncertainty = _relative_uncertainty(key, stated, value, scene.units)
+            stated_text = stated
+        else:  # the phase, in degrees
+            standard_uncertainty = stated
+            stated_text = f"{stated:.4g}°"
+        inputs.append(Input(key, _words_of(key), stated_text, value, standard_uncertainty))
     return tuple(inputs)
 
 
-def _share_of(key: str, uncertainty_words: str, value: float | None, units: str) -> float:
-    """Standard uncertainty of an input as a fraction of its value, from its text: "5 %", or an
-    amount with a unit, such as "0.1 mm".
+def _relative_uncertainty(key: str, stated_text: str, value: float | None, units: str) -> float:
+    """Standard uncertainty of an input as a fraction of its value, from a checked text: "5 %", or
+    an amount with a unit, such as "0.1 mm".
 
     Parameters
     ----------
     key
         of the input, such as "profile.radius"
-    uncertainty_words
-        the text
+    stated_text
+        standard uncertainty as the scene file states it
     value
-        of the input in the scene's units; None of the scale of a load, which takes per cent alone
+        of the input in the scene's units; None for the load P or Q (or U, approach), whose
+        uncertainty scales all values alike and is stated in per cent
     units
         of the scene, such as "N, mm, MPa"
 
@@ -455,46 +458,47 @@ def _share_of(key: str, uncertainty_words: str, value: float | None, units: str)
     ValueError
         For a unit that is not known, and for more than half of the value.
     """
-    amount = _parsed(uncertainty_words)
+    amount = _parsed(stated_text)
     assert amount is not None  # the table was checked
     if amount.unit == "%":
-        return share_of(uncertainty_words)
+        return share_of(stated_text)
     kind: Kind = "stress" if key.endswith("young_modulus") else "length"
     try:
-        factor, _ = unit_factor(amount.unit, kind, units)
+        units_of_scene_per_unit, _ = unit_factor(amount.unit, kind, units)
     except ValueError as reason:
+        # A file's column has a scale to state instead; an uncertainty has none.
         reason_text = str(reason).removesuffix("; use scale")
         raise ValueError(
-            f"uncertainty.{key} = {shown(uncertainty_words)} is refused: {reason_text}; write a"
+            f"uncertainty.{key} = {shown(stated_text)} is refused: {reason_text}; write a"
             ' share, such as "1 %"'
         ) from reason
-    assert value is not None  # only scales have none, and they are shares
-    relative_uncertainty = amount.number * factor / value
+    assert value is not None  # loads are stated in per cent
+    relative_uncertainty = amount.number * units_of_scene_per_unit / value
     try:
-        _require_small(relative_uncertainty, uncertainty_words)
+        _require_small(relative_uncertainty, stated_text)
     except ValueError as reason:
         raise ValueError(f"uncertainty.{key} is refused: {reason}") from reason
     return relative_uncertainty
 
 
-def _value_of(scene: HasInputs, key: str) -> float | None:
-    """Value of the input of a scene that an uncertainty is stated for; None where the input is the
-    scale of all loads, which has no value of its own.
+def _value_of_input(scene: HasInputs, key: str) -> float | None:
+    """Value, in the scene's units, of the input that an uncertainty is stated for; None for a load,
+    whose uncertainty scales all its values alike.
 
     `key` is "friction" or a load (no point), "table.name", such as "profile.radius", or
     "table.body.name", such as "material.upper.poisson_ratio". ValueError where the scene has no
     such input.
     """
     if "." not in key:
-        return _value_of_load(scene, key)
+        return _value_of_load_input(scene, key)
     table, *body_of_table, name = key.split(".")
     reason = ""
-    part_of_scene: Any = getattr(scene, table)
+    part_of_scene: Any = getattr(scene, table)  # then the body's own part of it
     if table == "material":
-        are_alike = scene.material.alike
-        if not body_of_table and not are_alike:
+        is_one_material = scene.material.alike
+        if not body_of_table and not is_one_material:
             reason = "the bodies are of two materials; state it under upper and lower"
-        elif body_of_table and are_alike:
+        elif body_of_table and is_one_material:
             reason = "both bodies are of one material; state it without upper and lower"
         part_of_scene = getattr(part_of_scene, body_of_table[0] if body_of_table else "upper")
     elif body_of_table:
@@ -511,9 +515,9 @@ def _value_of(scene: HasInputs, key: str) -> float | None:
     return float(value)
 
 
-def _value_of_load(scene: HasInputs, key: str) -> float | None:
-    """Value of the friction coefficient or the phase, for an uncertainty stated under this `key`;
-    None where it is that of the scale of P, Q, approach or displacement.
+def _value_of_load_input(scene: HasInputs, key: str) -> float | None:
+    """Value of the friction coefficient, or phase lag of Q behind P [degrees], for an uncertainty
+    stated under this `key`; None for P, Q, approach or displacement, which are scaled.
 
     ValueError where the scene has no such input, with the one to state instead.
     """
@@ -525,8 +529,9 @@ def _value_of_load(scene: HasInputs, key: str) -> float | None:
         if not value:
             reason = "the contact is frictionless; leave it out"
     elif key == "phase_degrees":
-        wave = getattr(load, "tangential_displacement", None) or load
-        value = getattr(wave, "phase_degrees", None)
+        # The lag is that of the prescribed tangential displacement, where there is one.
+        lagging_input = getattr(load, "tangential_displacement", None) or load
+        value = getattr(lagging_input, "phase_degrees", None)
         if not isinstance(load, EllipseLoad | HarmonicLoad):
             reason = (
                 "an ellipse and harmonics have a phase, and the load of this scene is a"
@@ -546,27 +551,27 @@ def _value_of_load(scene: HasInputs, key: str) -> float | None:
 
 
 # --------------------------------------------------------------------- the scene with moved inputs
-def moved(scene: S, changes: Mapping[str, float]) -> S:
-    """The scene with some inputs changed by small amounts, to see how its solution depends on
-    them; its stated uncertainties and expected values are left out.
+def moved_scene(scene: S, changes: Mapping[str, float]) -> S:
+    """Copy of a scene with some inputs changed by small amounts, to see how its solution depends on
+    them; stated uncertainties and expected values are left out.
 
     Parameters
     ----------
     scene
-        to be changed
+        as it stands in its file
     changes
-        key of an input, such as "profile.radius" -> relative change of its value; of
-        "phase_degrees" the change in degrees
+        key of an input, such as "profile.radius" -> relative change of its value;
+        "phase_degrees" -> change of the phase in degrees
 
     Raises
     ------
     InputError
-        Where a moved value is none that a scene admits.
+        Where a scene does not admit a changed value.
 
     Examples
     --------
     >>> from scenes import load_scene
-    >>> scene = moved(load_scene("hertz-paper"), {"friction": 0.1, "phase_degrees": 3.0})
+    >>> scene = moved_scene(load_scene("hertz-paper"), {"friction": 0.1, "phase_degrees": 3.0})
     >>> round(scene.friction.coefficient, 12), scene.load.phase_degrees
     (1.1, 93.0)
     """
@@ -578,180 +583,186 @@ def moved(scene: S, changes: Mapping[str, float]) -> S:
         elif "." not in key:
             changes_of_load[key] = change
         else:
-            table, keys = _moved_table(scene, key, change)
-            changed_tables[table] = _merged(changed_tables.get(table, {}), keys)
+            table, entries = _changed_entry(scene, key, change)
+            changed_tables[table] = _merged_entries(changed_tables.get(table, {}), entries)
     if changes_of_load:
-        changed_tables["load"] = _moved_load(scene, changes_of_load)
+        changed_tables["load"] = _changed_load(scene, changes_of_load)
     # The profile of cylinders follows from their radii.
-    if _moves_a_cylinder(scene, changed_tables):
+    if _changes_a_cylinder(scene, changed_tables):
         bodies = scene.bodies.vary(**changed_tables["bodies"])
         changed_tables["profile"] = {"radius": bodies.relative_radius()}
     return scene.vary(**changed_tables)
 
 
-def _moved_table(scene: HasInputs, key: str, change: float) -> tuple[str, dict[str, Any]]:
-    """Change one input of a scene by a relative `change`: name of its table in the scene, and the
-    keys to be changed in that table, nested as there.
+def _changed_entry(scene: HasInputs, key: str, change: float) -> tuple[str, dict[str, Any]]:
+    """One input of a scene, changed by the relative `change`: the table of the scene that holds it,
+    such as "bodies", and its new value, nested as in that table: {"upper": {"height": 1.1}}.
 
-    `key` is "table.name", such as "profile.radius", or "table.body.name".
+    `key` is "table.name", such as "profile.radius", or "table.body.name". One material of both
+    bodies has "table.name".
     """
     table, *body_of_table, name = key.split(".")
     part_of_scene: Any = getattr(scene, table)
     if table == "material" and not body_of_table:
         part_of_scene = part_of_scene.upper
-    for place in body_of_table:
-        part_of_scene = getattr(part_of_scene, place)
-    keys: dict[str, Any] = {name: getattr(part_of_scene, name) * (1 + change)}
-    for place in body_of_table:
-        keys = {place: keys}
-    return table, keys
+    for body in body_of_table:
+        part_of_scene = getattr(part_of_scene, body)
+    entries: dict[str, Any] = {name: getattr(part_of_scene, name) * (1 + change)}
+    for body in body_of_table:
+        entries = {body: entries}
+    return table, entries
 
 
-def _merged(base_keys: dict[str, Any], further_keys: dict[str, Any]) -> dict[str, Any]:
-    """Both mappings, nested ones merged."""
-    joined_keys = dict(base_keys)
-    for key, value in further_keys.items():
-        if isinstance(value, dict) and isinstance(joined_keys.get(key), dict):
-            joined_keys[key] = _merged(joined_keys[key], value)
+def _merged_entries(entries: dict[str, Any], further_entries: dict[str, Any]) -> dict[str, Any]:
+    """Entries of one table of a scene from two mappings, nested ones merged."""
+    all_entries = dict(entries)
+    for key, value in further_entries.items():
+        if isinstance(value, dict) and isinstance(all_entries.get(key), dict):
+            all_entries[key] = _merged_entries(all_entries[key], value)
         else:
-            joined_keys[key] = value
-    return joined_keys
+            all_entries[key] = value
+    return all_entries
 
 
-def _moves_a_cylinder(scene: HasInputs, varied: Mapping[str, Any]) -> bool:
-    moved_bodies = varied.get("bodies", {})
+def _changes_a_cylinder(scene: HasInputs, changed_tables: Mapping[str, Any]) -> bool:
+    """Whether the changed tables of a scene hold another radius of a body that is a cylinder."""
+    changed_bodies = changed_tables.get("bodies", {})
     return any(
-        isinstance(getattr(scene.bodies, name), Cylinder) and "radius" in keys
-        for name, keys in moved_bodies.items()
+        isinstance(getattr(scene.bodies, body), Cylinder) and "radius" in entries
+        for body, entries in changed_bodies.items()
     )
 
 
-def _moved_load(scene: HasInputs, changes: Mapping[str, float]) -> Any:
-    """Keys of the load of a scene with P and Q scaled, and with the lag of Q behind P changed.
+def _changed_load(scene: HasInputs, changes: Mapping[str, float]) -> dict[str, Any]:
+    """Changed entries of a scene's table `load`: P and Q scaled all along the load path, and the
+    phase lag of Q behind P increased.
 
-    Where actuators are prescribed, approach and displacement are scaled in the place of P and Q.
-    `changes` maps "normal_load", "tangential_load", "approach", "tangential_displacement" to
-    relative changes, and "phase_degrees" to degrees.
+    Under displacement control, the approach is scaled in the place of P and the relative tangential
+    displacement in the place of Q. `changes` maps "normal_load", "tangential_load", "approach" and
+    "tangential_displacement" to relative changes, and "phase_degrees" to degrees.
     """
     load = scene.load
     normal_factor = 1 + changes.get("normal_load", changes.get("approach", 0.0))
     displacement_change = changes.get("tangential_displacement", 0.0)
     tangential_factor = 1 + changes.get("tangential_load", displacement_change)
-    lag = changes.get("phase_degrees", 0.0)
-    initial_points = getattr(load, "initial_loading", ())
-    if isinstance(initial_points, tuple):
-        initial_points = [
+    added_lag = changes.get("phase_degrees", 0.0)
+
+    def scaled_points(points: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+        return [
             (normal_factor * normal_load, tangential_factor * tangential_load)
-            for normal_load, tangential_load in initial_points
+            for normal_load, tangential_load in points
         ]
+
+    if isinstance(load, TimeSeriesLoad):  # a record has no initial loading of its own
+        return _changed_record(load, normal_factor, tangential_factor)
+    # Points (P, Q) in order; or the form of the curve to the cycle, "straight" or "parabola".
+    initial_loading = load.initial_loading
+    if isinstance(initial_loading, tuple):
+        initial_loading = scaled_points(initial_loading)
+    entries: dict[str, Any] = {}
     if isinstance(load, EllipseLoad):
-        return _moved_ellipse(load, normal_factor, tangential_factor, lag) | {
-            "initial_loading": initial_points
-        }
-    if isinstance(load, HarmonicLoad):
-        return _moved_harmonics(load, normal_factor, tangential_factor, lag) | {
-            "initial_loading": initial_points
-        }
-    if isinstance(load, PolygonLoad):
-        cycle = [
-            (normal_factor * normal_load, tangential_factor * tangential_load)
-            for normal_load, tangential_load in load.cycle
-        ]
-        return {"initial_loading": initial_points, "cycle": cycle}
-    if isinstance(load, TimeSeriesLoad):
-        return _moved_record(load, normal_factor, tangential_factor)
-    return _moved_functions(load, normal_factor, tangential_factor) | {
-        "initial_loading": initial_points
-    }
+        entries = _changed_ellipse(load, normal_factor, tangential_factor, added_lag)
+    elif isinstance(load, HarmonicLoad):
+        entries = _changed_harmonics(load, normal_factor, tangential_factor, added_lag)
+    elif isinstance(load, PolygonLoad):
+        entries = {"cycle": scaled_points(load.cycle)}
+    else:
+        entries = _changed_functions(load, normal_factor, tangential_factor)
+    return entries | {"initial_loading": initial_loading}
 
 
-def _moved_ellipse(
-    load: EllipseLoad, normal_factor: float, tangential_factor: float, lag: float
+def _changed_ellipse(
+    load: EllipseLoad, normal_factor: float, tangential_factor: float, added_lag: float
 ) -> dict[str, Any]:
-    """Keys of an elliptical load path scaled in P and in Q, with Q lagging behind P by `lag`
-    degrees more.
+    """Changed entries of the table of an elliptical load path: P and Q scaled by the two factors,
+    and the phase lag of Q behind P increased by `added_lag` [degrees].
 
-    Where actuators are prescribed, approach and displacement stand in the place of P and Q.
+    Under displacement control, the approach and the relative tangential displacement U stand in the
+    place of P and Q.
     """
-    keys: dict[str, Any] = {}
+    entries: dict[str, Any] = {}
     if load.approach is not None:
-        keys["approach"] = {
+        entries["approach"] = {
             "mean": normal_factor * load.approach.mean,
             "amplitude": normal_factor * load.approach.amplitude,
         }
     else:
-        keys["mean_normal_load"] = normal_factor * load.mean_normal_load
-        keys["normal_amplitude"] = normal_factor * load.normal_amplitude
-    if load.tangential_displacement is not None:
-        wave = load.tangential_displacement
-        keys["tangential_displacement"] = {
-            "mean": tangential_factor * wave.mean,
-            "amplitude": tangential_factor * wave.amplitude,
-            "phase_degrees": _turned(wave.phase_degrees + lag),
+        entries["mean_normal_load"] = normal_factor * load.mean_normal_load
+        entries["normal_amplitude"] = normal_factor * load.normal_amplitude
+    displacement = load.tangential_displacement
+    if displacement is not None:
+        entries["tangential_displacement"] = {
+            "mean": tangential_factor * displacement.mean,
+            "amplitude": tangential_factor * displacement.amplitude,
+            "phase_degrees": _wrapped_degrees(displacement.phase_degrees + added_lag),
         }
-        return keys
-    return keys | {
-        "mean_tangential_load": tangential_factor * load.mean_tangential_load,
-        "tangential_amplitude": tangential_factor * load.tangential_amplitude,
-        "phase_degrees": _turned(load.phase_degrees + lag),
-    }
+    else:
+        entries["mean_tangential_load"] = tangential_factor * load.mean_tangential_load
+        entries["tangential_amplitude"] = tangential_factor * load.tangential_amplitude
+        entries["phase_degrees"] = _wrapped_degrees(load.phase_degrees + added_lag)
+    return entries
 
 
-def _turned(degrees: float) -> float:
+def _wrapped_degrees(degrees: float) -> float:
     """The same angle between -180 and 180 degrees.
 
-    >>> _turned(183.0), _turned(90.0)
+    >>> _wrapped_degrees(183.0), _wrapped_degrees(90.0)
     (-177.0, 90.0)
     """
     return degrees if -180 <= degrees <= 180 else (degrees + 180) % 360 - 180
 
 
-def _moved_harmonics(
-    load: HarmonicLoad, normal_factor: float, tangential_factor: float, lag: float
+def _changed_harmonics(
+    load: HarmonicLoad, normal_factor: float, tangential_factor: float, added_lag: float
 ) -> dict[str, Any]:
-    """Keys of a load of harmonics scaled in P and in Q, with Q lagging behind P by `lag` degrees
-    more: the k-th harmonic of Q by k times as much.
+    """Changed entries of the table of a load by Fourier series: P and Q scaled by the two factors,
+    and Q delayed behind P by `added_lag` [degrees] of the cycle: its k-th harmonic by k times that.
 
-    Where actuators are prescribed, approach and displacement stand in the place of P and Q.
+    Under displacement control, the approach and the relative tangential displacement U stand in the
+    place of P and Q. A harmonic is (amplitude, phase in degrees).
     """
-    old_normal = load.normal_harmonics if load.approach is None else load.approach.harmonics
-    normal_harmonics = [(normal_factor * amplitude, phase) for amplitude, phase in old_normal]
-    keys: dict[str, Any] = {
-        "mean_normal_load": normal_factor * load.mean_normal_load,
-        "normal_harmonics": normal_harmonics,
-    }
-    if load.approach is not None:
-        keys = {
-            "approach": {"mean": normal_factor * load.approach.mean, "harmonics": normal_harmonics}
+    entries: dict[str, Any] = {}
+    approach = load.approach
+    normal_harmonics = [
+        (normal_factor * amplitude, phase)
+        for amplitude, phase in (load.normal_harmonics if approach is None else approach.harmonics)
+    ]
+    if approach is not None:
+        entries["approach"] = {
+            "mean": normal_factor * approach.mean,
+            "harmonics": normal_harmonics,
         }
+    else:
+        entries["mean_normal_load"] = normal_factor * load.mean_normal_load
+        entries["normal_harmonics"] = normal_harmonics
     displacement = load.tangential_displacement
-    old_tangential = load.tangential_harmonics if displacement is None else displacement.harmonics
+    stated_harmonics = load.tangential_harmonics if displacement is None else displacement.harmonics
     tangential_harmonics = [
-        (tangential_factor * amplitude, phase + number * lag)
-        for number, (amplitude, phase) in enumerate(old_tangential, 1)
+        (tangential_factor * amplitude, phase + k * added_lag)
+        for k, (amplitude, phase) in enumerate(stated_harmonics, 1)
     ]
     if displacement is not None:
-        keys["tangential_displacement"] = {
+        entries["tangential_displacement"] = {
             "mean": tangential_factor * displacement.mean,
             "harmonics": tangential_harmonics,
         }
-        return keys
-    return keys | {
-        "mean_tangential_load": tangential_factor * load.mean_tangential_load,
-        "tangential_harmonics": tangential_harmonics,
-    }
+    else:
+        entries["mean_tangential_load"] = tangential_factor * load.mean_tangential_load
+        entries["tangential_harmonics"] = tangential_harmonics
+    return entries
 
 
-def _moved_record(
+def _changed_record(
     load: TimeSeriesLoad, normal_factor: float, tangential_factor: float
 ) -> dict[str, Any]:
-    """Keys of a record of loads scaled in P and in Q: the rows that the load path goes through,
-    and no reduction any more, so that rows that a threshold has left out stay out.
+    """Changed entries of the table of a recorded load: rows (n, 3) of time, P and Q, with P and Q
+    scaled by the two factors.
 
-    Beside lists of bulk stress or tilt, which have an entry for each row, all rows are scaled.
+    The rows are those that the load path goes through. The keys that chose them (start and end,
+    averaging, thresholds) are reset: on scaled loads a threshold would choose other rows.
     """
     factors = np.array([1.0, normal_factor, tangential_factor])
-    if load.has_bulk_or_tilt:  # lists with an entry for each row go with all rows
+    if load.has_bulk_or_tilt:  # their lists have an entry for each row: no row may go
         return {"rows": load.rows.values * factors}
     return {
         "rows": load.kept_rows() * factors,
@@ -764,9 +775,11 @@ def _moved_record(
     }
 
 
-def _moved_functions(
+def _changed_functions(
     load: CallableLoad, normal_factor: float, tangential_factor: float
 ) -> dict[str, Any]:
+    """Changed entries of a load by functions of time: P and Q scaled by the two factors."""
+
     def scaled(function: Callable[[Any], Any], factor: float) -> Callable[[Any], Any]:
         return lambda time: factor * function(time)
 
