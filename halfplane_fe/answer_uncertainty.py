@@ -20,12 +20,11 @@ from halfplane_fe.scales import COARSE_CYCLES, contact_modulus, needs_shear
 from halfplane_fe.supports import shapes_alike
 from halfplane_fe.task import Task, surface_grading
 from halfplane_fe.uncertainty import (
-    DENSITY_RULE,
     Meshes,
     Peak,
     RunValues,
     density_uncertainty,
-    factor_of_little_slip,
+    displacement_uncertainties,
     norm_uncertainties,
     of_small_contacts,
     peak_uncertainty,
@@ -34,7 +33,7 @@ from halfplane_fe.uncertainty import (
     share_of_flanks,
     share_of_shapes,
     share_of_slip_zone,
-    uncertainties,
+    slip_uncertainty,
     uncertainty,
 )
 from scenes import OPEN, Scene
@@ -129,19 +128,17 @@ def value_uncertainties(
     coarse_values = task.scales.values
     values = _values_beside_coarse_run(task, problem, run)
     estimates = _displacement_uncertainties(task, values, arrays)
+    estimates["largest_slip"] = 0.0
     estimates |= _norms_of_tractions(task, arrays)
-    density_error = 0.0
+    estimates["largest_dissipation_density"] = 0.0
     if needs_shear(scene):
+        estimates["largest_slip"] = slip_uncertainty(
+            values, coarse_values, _scaled_work(task, arrays), plain=task.has_plain_errors
+        )
         density_error = density_uncertainty(arrays["x"], arrays["dissipation_density"])
-        refinement = task.scales.element / task.element
-        from_coarse = _from_coarse_run(values, coarse_values)
         if task.has_plain_errors:
-            density_error = max(density_error, from_coarse)
-        else:
-            by_coarse_run = DENSITY_RULE.uncertainty(0.0, from_coarse, refinement)
-            density_error += float(np.nan_to_num(by_coarse_run))
-        density_error *= factor_of_little_slip(_scaled_work(task, arrays))
-    estimates["largest_dissipation_density"] = density_error
+            density_error = max(density_error, _from_coarse_run(values, coarse_values))
+        estimates["largest_dissipation_density"] = density_error
     estimates["largest_pressure"] = _peak_uncertainty(
         task, arrays, is_coupled=problem.interface.coupling is not None
     )
@@ -160,21 +157,12 @@ def value_uncertainties(
 def _displacement_uncertainties(
     task: Task, values: RunValues, arrays: Mapping[str, Any]
 ) -> dict[str, float]:
-    """Uncertainties of tangential displacement, normal approach and largest slip by the mesh
-    [length], from their difference between the fine and the coarse run, and of both displacements
-    by contacts that are a few elements wide.
+    """Uncertainties of tangential displacement and normal approach by the mesh [length], from their
+    difference between the fine and the coarse run, and by contacts that are a few elements wide.
     """
     scales = task.scales
-    element = task.element
-    slip_width = _width_of_slip_zone(arrays, element * scales.half_width)
-    meshes = Meshes(
-        refinement=scales.element / element,
-        coarse=scales.element * scales.half_width / slip_width,
-        plain=task.has_plain_errors,
-    )
-    has_shear = needs_shear(task.scene)
-    scaled_work = _scaled_work(task, arrays) if has_shear else 0.0
-    estimates = uncertainties(values, scales.values, meshes, has_shear, scaled_work)
+    meshes = Meshes(refinement=scales.element / task.element, plain=task.has_plain_errors)
+    estimates = displacement_uncertainties(values, scales.values, meshes, needs_shear(task.scene))
     elements_at_edges = 2 * _spacing_at_edges(arrays["x"], arrays["contact_edges"])
     for displacement, load in (
         ("tangential_displacement", arrays["tangential_load"]),

@@ -26,8 +26,11 @@ from halfplane_fe.uncertainty import (
     Peak,
     Place,
     Rule,
+    RunValues,
+    density_uncertainty,
     peak_uncertainty,
     scatter_of_nodes,
+    slip_uncertainty,
 )
 from meshes import MeshSettings, SurfaceGrading
 from reports import Comparison, compare
@@ -116,15 +119,40 @@ def test_an_error_of_known_order_is_found_from_two_meshes(order: float, refineme
     assert difference * Place(refinement, order).share_left() == pytest.approx(error, rel=1e-12)
 
 
-def test_meshes_that_agree_by_chance_are_no_proof() -> None:
-    rule = Rule(order=1.5, factor=2.0, least=0.1)
-    share_left = 1 / (4.0**1.5 - 1)
-    assert rule.uncertainty(7.0, 0.0, 4.0, 0.25) == pytest.approx(
-        2 * 0.1 * 7 * 0.25**1.5 * share_left, rel=1e-7
+def test_meshes_that_are_alike_are_no_proof() -> None:
+    assert math.isnan(Rule(order=1.5, factor=2.0).uncertainty(7.0, 0.1, 1.3))
+
+
+def test_a_density_that_stands_out_at_one_node_is_less_certain() -> None:
+    """Of the same height over its neighbours, a single node counts more than a curve."""
+    x = np.arange(-10.0, 11.0)
+    curve = 10 - 0.1 * x**2
+    node = np.where(x == 0, 10.0, 9.9)
+    of_curve, of_node = (density_uncertainty(x, density) for density in (curve, node))
+    assert of_curve == pytest.approx(0.42 * 0.1)
+    assert of_node == pytest.approx((0.42 + 1.5 * 0.18) * 0.1)
+
+
+def test_slip_is_as_uncertain_as_it_changes_towards_the_next_nodes() -> None:
+    """On that side of the largest slip where it changes less, and by when a node opens."""
+    values = RunValues(
+        since_start=np.zeros(1),
+        tangential_displacement=np.zeros(1),
+        normal_approach=np.zeros(1),
+        largest_slip=1.0,
+        slip_to_next_nodes=0.1,
+        slip_between_instants=0.02,
+        largest_dissipation_density=0.0,
+        number=1,
+        repeats=True,
     )
-    # A slip zone narrower than an element of the coarse run is no wider statement.
-    assert rule.uncertainty(7.0, 0.0, 4.0, 30.0) == rule.uncertainty(7.0, 0.0, 4.0, 1.0)
-    assert math.isnan(rule.uncertainty(7.0, 0.0, 1.3, 0.25))
+    uncertainty = slip_uncertainty(values, None, 0.01, plain=False)
+    assert uncertainty == pytest.approx(0.8 * 0.1 + 0.65 * 0.02, rel=1e-9)
+    assert math.isnan(slip_uncertainty(values, None, 1e-9, plain=False))
+    # Linear elements have errors that nodes do not show: without a coarse run nothing is known.
+    assert math.isnan(slip_uncertainty(values, None, 0.01, plain=True))
+    coarse_values = replace(values, largest_slip=0.5)
+    assert slip_uncertainty(values, coarse_values, 0.01, plain=True) == 0.5
 
 
 def at_jumps(places: np.ndarray, step_index: list[int], uncertainty: float = 0.01) -> np.ndarray:
