@@ -25,6 +25,7 @@ from halfplane_fe.uncertainty import (
     RunValues,
     density_uncertainty,
     displacement_uncertainties,
+    largest_off_neighbours,
     norm_uncertainties,
     of_small_contacts,
     peak_uncertainty,
@@ -32,7 +33,6 @@ from halfplane_fe.uncertainty import (
     scatter_of_nodes,
     share_of_flanks,
     share_of_shapes,
-    share_of_slip_zone,
     slip_uncertainty,
     uncertainty,
 )
@@ -71,17 +71,16 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
     )
     dissipation = float(densities_compared[-1].sum())
     coarse_dissipation = task.scales.dissipation / task.work_unit
-    edge_scatter = None
-    if run.excess and not task.has_plain_errors and not scene.unsymmetric:
-        edge_excess = run.excess[-1]
-        # Slip of real bodies ends node by node: an edge without a place may stand all the same.
-        if scene.bodies.half_planes or not edge_excess.is_unplaced:
-            edge_scatter = edge_excess.scatter / friction_unit
+    edges_are_known = bool(run.excess) and not task.has_plain_errors and not scene.unsymmetric
+    # Slip of real bodies ends node by node: an edge without a place may stand all the same.
+    if edges_are_known and run.excess[-1].is_unplaced:
+        edges_are_known = scene.bodies.half_planes
+    edge_scatter = run.excess[-1].scatter / friction_unit if edges_are_known else 0.0
     # Unlike bodies: the increments of the nodes that start to slide bend the pressure too, and
     # their bound counts in full.
     if task.steps_by_kinks:
         step_uncertainty = _BENT_IN_RECORDS * run.column("bent")[first_increment:].sum()
-    elif edge_scatter is not None and shapes_alike(scene):
+    elif edges_are_known and shapes_alike(scene):
         step_uncertainty = _BENT * run.column("bent")[first_increment:].sum()
     else:
         step_uncertainty = run.column("step_error")[first_increment:].sum()
@@ -104,11 +103,9 @@ def dissipation_uncertainty(task: Task, run: PathRun, arrays: Mapping[str, Any])
     left_by_trend = float(np.nan_to_num(abs(run.trend.left)))
     revolution = revolution_of(task, run, arrays)
     element = task.element * task.scales.half_width
-    share_of_mesh = (
-        share_of_flanks(task.scene.profile, revolution.least_contact(), element)
-        + share_of_shapes(task.scene, revolution.load, task.element)
-        + share_of_slip_zone(element, _width_of_slip_zone(arrays, element))
-    )
+    share_of_mesh = share_of_flanks(
+        task.scene.profile, revolution.least_contact(), element
+    ) + share_of_shapes(task.scene, revolution.load, task.element)
     energy_of_cycle = (cycle_uncertainty(task, run) + left_by_trend) * task.work_unit
     return float(energy_of_cycle + arrays["dissipation"] * share_of_mesh)
 
@@ -177,15 +174,6 @@ def _displacement_uncertainties(
 def _scaled_work(task: Task, arrays: Mapping[str, Any]) -> float:
     """W over A f^2 P^2, P the largest load: how much a contact with friction slips in a cycle."""
     return float(arrays["dissipation"]) / (task.friction_unit * task.work_unit)
-
-
-def _width_of_slip_zone(arrays: Mapping[str, Any], element: float) -> float:
-    """Width of the widest slip zone at one edge: what of the largest contact does not stick all
-    through the last cycle, at least an `element` [length].
-    """
-    largest_half_width = float(np.max(arrays["contact_half_width"]))
-    stick_half_width = float(np.nan_to_num(arrays["permanent_stick_half_width"]))
-    return max(largest_half_width - stick_half_width, element)
 
 
 def _norms_of_tractions(task: Task, arrays: Mapping[str, Any]) -> dict[str, float]:
@@ -289,7 +277,6 @@ def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -
     """Uncertainty of the largest pressure of the path by the mesh [stress], from the elements of
     the body with the coarser ones; NaN without contact.
     """
-    mesh = task.mesh
     scales = task.scales
     pressure = arrays["pressure"]
     step, node = np.unravel_index(np.argmax(pressure), pressure.shape)
@@ -300,6 +287,7 @@ def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -
         difference=abs(largest_pressure - scales.largest_pressure),
         half_width=float(arrays["contact_half_width"][step]),
         to_edge=float(np.min(distances_to_edges)),
+        stands_off=largest_off_neighbours(arrays["x"], pressure[step], int(node)),
         scatter=scatter_of_nodes(pressure[step], int(node)) if is_coupled else 0.0,
     )
     profile = task.scene.profile
@@ -307,8 +295,7 @@ def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -
         peak,
         profile,
         coarse=scales.element * scales.half_width,
-        fine=surface_grading(mesh, scales, profile, max(mesh.upper_ratio, 1.0)),
-        mesh=mesh,
+        fine=surface_grading(task.mesh, scales, profile, max(task.mesh.upper_ratio, 1.0)),
         depth=least_depth(task.scene),
         plain=task.has_plain_errors,
     )

@@ -28,6 +28,7 @@ from halfplane_fe.uncertainty import (
     Rule,
     RunValues,
     density_uncertainty,
+    largest_off_neighbours,
     peak_uncertainty,
     scatter_of_nodes,
     slip_uncertainty,
@@ -192,7 +193,7 @@ def test_nodes_that_stray_make_the_largest_pressure_less_certain() -> None:
     scatter = scatter_of_nodes(strays, node=50)
     assert scatter_of_nodes(smooth, node=50) < 1e-3
     assert scatter == pytest.approx(0.2, rel=1e-2)
-    peak = Peak(value=50.2, difference=0.0, half_width=1.0, to_edge=1.0)
+    peak = Peak(value=50.2, difference=0.0, half_width=1.0, to_edge=1.0, stands_off=0.0)
     profile = load_scene("hertz-paper").profile
     grading = SurfaceGrading(inner=0.5, outer=1.2, size=0.05, edge_size=0.02)
     of_smooth, of_straying = (
@@ -201,7 +202,6 @@ def test_nodes_that_stray_make_the_largest_pressure_less_certain() -> None:
             profile,
             coarse=0.1,
             fine=grading,
-            mesh=COARSE,
             depth=math.inf,
             plain=False,
         )
@@ -210,20 +210,28 @@ def test_nodes_that_stray_make_the_largest_pressure_less_certain() -> None:
     assert of_straying - of_smooth == pytest.approx(0.6 * scatter, rel=1e-9)
 
 
-def test_a_largest_pressure_between_the_large_elements_of_the_middle_is_less_certain() -> None:
-    """With the peak at 0.7 of the half-width they have no part in it but by how near they reach."""
-    peak = Peak(value=50.0, difference=0.0, half_width=1.0, to_edge=0.3)
+def test_a_largest_pressure_that_bends_between_its_nodes_is_less_certain() -> None:
+    """A kink of 0.2 counts wherever it is among the five nodes around the peak."""
+    x = np.linspace(-1.0, 1.0, 101)
+    kinked = 50 - 5 * np.abs(x - x[51])
+    stands_off = largest_off_neighbours(x, kinked, node=50)
+    assert stands_off == pytest.approx(5 * (x[1] - x[0]))
+    assert largest_off_neighbours(x, kinked, node=40) < 1e-9
     profile = load_scene("hertz-paper").profile
     grading = SurfaceGrading(inner=0.5, outer=1.2, size=0.05, edge_size=0.02)
-
-    def uncertainty(of: Peak) -> float:
-        return peak_uncertainty(
-            of, profile, coarse=0.1, fine=grading, mesh=COARSE, depth=math.inf, plain=False
+    of_line, of_kink = (
+        peak_uncertainty(
+            Peak(value=50.0, difference=0.0, half_width=1.0, to_edge=0.5, stands_off=size),
+            profile,
+            coarse=0.1,
+            fine=grading,
+            depth=math.inf,
+            plain=False,
         )
-
-    by_edges = 0.55 * 0.02**2 * (1 / 0.6 - 1 / 0.3)
-    more = uncertainty(replace(peak, to_edge=0.6)) - uncertainty(peak)
-    assert more == pytest.approx((0.01 * 0.05**2 + by_edges) * peak.value, rel=1e-9)
+        for size in (0.0, stands_off)
+    )
+    assert of_line == pytest.approx(0.6 * 0.02**2 / 0.5 * 50.0, rel=1e-9)
+    assert of_kink - of_line == pytest.approx(0.06 * stands_off, rel=1e-9)
 
 
 def test_bodies_stick_in_full_while_p_grows_well_within_the_cone_and_nothing_else_moves() -> None:
