@@ -498,14 +498,14 @@ _HALF_WIDTH_OF_TABLE = 0.12
 _BY_SHAPES = 0.06
 # Safety factor of a difference whose order is known (Roache 1994).
 _SAFETY = 1.25
-# Share of p0 h^2/(a d), d from the peak to the edge, that edges between nodes move it by: up to 0.6
-# for Hertz, 0.9 for x^4, 0.4 for x^5, where the other terms are added. Fitted with the next one to
-# seeds 301 and 302 of benchmarks/covered.py values, both presets.
-_PEAK_BY_EDGES = 0.6
+# Share of p0 (h/a)^1.5 a/d, d from the peak to the edge, that edges between nodes move it by, where
+# p is a root: for x^1.9 0.027, 0.043 and 0.036 at h = a/32, a/160 and a/640. Fitted with the next
+# one to seeds 301 and 302 of benchmarks/covered.py values, both presets.
+_PEAK_BY_EDGES = 0.055
 # Share of how far nodes around the peak stand off the straight line between their neighbours: what
 # the elements there leave of a curved pressure, of its kinks and of the rows of a table. Of smooth
-# profiles whose peak lies between the large elements of the middle 0.01 to 0.06.
-_PEAK_BY_NEIGHBOURS = 0.06
+# profiles whose peak lies between the large elements of the middle 0.01 to 0.15.
+_PEAK_BY_NEIGHBOURS = 0.12
 # Share of p0 (H/t)^2 that the elements H of the middle leave in a body t thin: 0.0035 at most on
 # pairs of layers of 0.17 to 0.4 a with H = a/12 and a/24, of which the terms above cover a part;
 # 0.0036 of layers of 0.27 a on the default mesh.
@@ -734,7 +734,8 @@ def peak_uncertainty(
         return math.nan
     share = max(place.share_left(), 1.0 if plain else 0.0)
     # each over p0
-    of_edges = _PEAK_BY_EDGES * fine.edge_size**2 / (peak.half_width * peak.to_edge)
+    relative_size = fine.edge_size / peak.half_width
+    of_edges = _PEAK_BY_EDGES * relative_size**1.5 * peak.half_width / peak.to_edge
     of_depth = _PEAK_BY_DEPTH * (fine.size / depth) ** 2
     return (
         _SAFETY * peak.difference * share
