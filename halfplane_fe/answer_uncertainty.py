@@ -306,6 +306,7 @@ def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -
         profile,
         coarse=scales.element * scales.half_width,
         fine=surface_grading(task.mesh, scales, profile, max(task.mesh.upper_ratio, 1.0)),
+        growth=task.mesh.growth,
         depth=least_depth(task.scene),
         plain=task.has_plain_errors,
     )

@@ -510,6 +510,9 @@ _PEAK_BY_NEIGHBOURS = 0.12
 # pairs of layers of 0.17 to 0.4 a with H = a/12 and a/24, of which the terms above cover a part;
 # 0.0036 of layers of 0.27 a on the default mesh.
 _PEAK_BY_DEPTH = 0.0045
+# Share of p0 over the fourth power of the growth of elements away from the edges, as of W: 5e-4 of
+# x^1.7 at 0.5, of which the other terms cover a part.
+_PEAK_GROWN = 0.003
 # Share of the scatter of nodes about the peak by which the largest of them may stray: 0.4 to 0.7 of
 # blocks near sliding on the default mesh, and of a flat pad on meshes of a/250 and a/320.
 _PEAK_BY_SCATTER = 0.6
@@ -693,15 +696,17 @@ def peak_uncertainty(
     profile: Profile,
     coarse: float,
     fine: SurfaceGrading,
+    growth: float,
     *,
     depth: float,
     plain: bool,
 ) -> float:
     """Uncertainty of the largest pressure p0 of a run, from the difference of two meshes [stress].
 
-    u = 1.25 |p_h - p_H| / (r^p - 1), p_h of the run, p_H of the coarse run, plus four terms that
+    u = 1.25 |p_h - p_H| / (r^p - 1), p_h of the run, p_H of the coarse run, plus five terms that
     this difference does not show: the place of the edges of contact, a curved or kinked pressure
-    between the nodes around the peak, nodes that stray there, and a thin body.
+    between the nodes around the peak, nodes that stray there, the growth of elements away from the
+    edges, and a thin body.
 
     The order p follows from where the difference is made. With a tip it is made there: n - 1 where
     the gap rises as |x|^n with n < 2, and 1 where the elements resolve that the tip is rounded.
@@ -716,6 +721,8 @@ def peak_uncertainty(
         element of the coarse run [length]
     fine
         sizes of the run's elements along the surface, of the body whose elements are larger
+    growth
+        of their size with the distance from the contact
     depth
         thickness of the thinner body; infinite of half-planes [length]
     plain
@@ -737,11 +744,12 @@ def peak_uncertainty(
     relative_size = fine.edge_size / peak.half_width
     of_edges = _PEAK_BY_EDGES * relative_size**1.5 * peak.half_width / peak.to_edge
     of_depth = _PEAK_BY_DEPTH * (fine.size / depth) ** 2
+    of_growth = _PEAK_GROWN * growth**4
     return (
         _SAFETY * peak.difference * share
         + _PEAK_BY_NEIGHBOURS * peak.stands_off
         + _PEAK_BY_SCATTER * peak.scatter
-        + (of_edges + of_depth) * peak.value
+        + (of_edges + of_depth + of_growth) * peak.value
     )
 
 
