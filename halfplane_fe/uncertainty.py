@@ -501,11 +501,11 @@ _SAFETY = 1.25
 # Share of p0 (h/a)^1.5 a/d, d from the peak to the edge, that edges between nodes move it by, where
 # p is a root: for x^1.9 0.027, 0.043 and 0.036 at h = a/32, a/160 and a/640. Fitted with the next
 # one to seeds 301 and 302 of benchmarks/covered.py values, both presets.
-_PEAK_BY_EDGES = 0.055
+_PEAK_BY_EDGES = 0.05
 # Share of how far nodes around the peak stand off the straight line between their neighbours: what
 # the elements there leave of a curved pressure, of its kinks and of the rows of a table. Of smooth
 # profiles whose peak lies between the large elements of the middle 0.01 to 0.15.
-_PEAK_BY_NEIGHBOURS = 0.12
+_PEAK_BY_NEIGHBOURS = 0.1
 # Share of p0 (H/t)^2 that the elements H of the middle leave in a body t thin: 0.0035 at most on
 # pairs of layers of 0.17 to 0.4 a with H = a/12 and a/24, of which the terms above cover a part;
 # 0.0036 of layers of 0.27 a on the default mesh.
