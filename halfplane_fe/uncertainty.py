@@ -27,7 +27,7 @@ import numpy as np
 from halfplane_fe.resolution import SMOOTH_TIP, flanks, tip_power
 from halfplane_fe.run import PathRun
 from meshes import MeshSettings, SurfaceGrading
-from scenes import Profile, Scene, Tabulated, Tolerances
+from scenes import Profile, Scene, Tolerances
 from scenes.array_types import Array, Indices, Mask
 from scenes.solution import range_of_slip
 
@@ -486,12 +486,6 @@ _GROWN = 0.0105
 # Share of W over the square of the elements that resolve a flank beyond a kink of the profile: on a
 # flat punch that ends 6 % beyond its flat 0.08 at 4.4 elements, 0.09 at 0.9.
 _BY_FLANK = 0.15
-# Shares of a (h/a)^2 by which the largest half-width a may be wrong: its edges are placed by a
-# parabola of the squared pressure over some nodes, which lacks the curvature there; and of h on a
-# tabulated profile, whose curvature bends at every row. Fitted to seeds 301 and 302 of
-# benchmarks/covered.py values, both presets: 0.3 to 5, and 0.03 to 0.12.
-_HALF_WIDTH_BY_ELEMENTS = 3.5
-_HALF_WIDTH_OF_TABLE = 0.12
 # Share of W h/a of bodies of unlike shapes under a varying P, h the element at the edges. What the
 # meshes add to the coupling of p and q does not fall as h^2: on one block on a half-plane it is
 # 0.02 to 0.035 from a/64 to a/160, of either sign.
@@ -611,19 +605,6 @@ def share_of_shapes(scene: Scene, load: Array, element: float) -> float:
     if are_mirrored or is_constant or not scene.material.alike:
         return 0.0
     return _BY_SHAPES * element
-
-
-def half_width_uncertainty(half_width: float, element: float, profile: Profile) -> float:
-    """Uncertainty of the largest half-width of quadratic elements [length]; `element` is that at
-    the edges [length].
-
-    >>> from scenes import Hertz
-    >>> round(half_width_uncertainty(2.0, element=0.02, profile=Hertz(radius=1000.0)), 9)
-    0.0007
-    """
-    by_elements = _HALF_WIDTH_BY_ELEMENTS * element**2 / half_width
-    of_rows = _HALF_WIDTH_OF_TABLE * element if isinstance(profile, Tabulated) else 0.0
-    return by_elements + of_rows
 
 
 @dataclass(frozen=True)

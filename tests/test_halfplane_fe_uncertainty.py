@@ -28,7 +28,6 @@ from halfplane_fe.uncertainty import (
     Rule,
     RunValues,
     density_uncertainty,
-    half_width_uncertainty,
     largest_off_neighbours,
     peak_uncertainty,
     scatter_of_nodes,
@@ -37,7 +36,7 @@ from halfplane_fe.uncertainty import (
 from meshes import MeshSettings, SurfaceGrading
 from reports import Comparison, compare
 from reports.comparison.words import first_rows, first_table
-from scenes import OPEN, ContactSolution, Hertz, Scene, Tabulated, load_scene
+from scenes import OPEN, ContactSolution, Scene, load_scene
 from scenes.array_types import Array
 from scenes.solution import range_of_slip
 
@@ -155,16 +154,6 @@ def test_slip_is_as_uncertain_as_it_changes_towards_the_next_nodes() -> None:
     assert math.isnan(slip_uncertainty(values, None, 0.01, plain=True))
     coarse_values = replace(values, largest_slip=0.5)
     assert slip_uncertainty(values, coarse_values, 0.01, plain=True) == 0.5
-
-
-def test_the_half_width_on_a_table_is_uncertain_by_its_rows_too() -> None:
-    table = Tabulated(points=np.column_stack([np.linspace(0, 2, 21), np.linspace(0, 2, 21) ** 2]))
-    smooth, of_table = (
-        half_width_uncertainty(1.0, element=0.01, profile=profile)
-        for profile in (Hertz(radius=1000.0), table)
-    )
-    assert smooth == pytest.approx(3.5e-4)
-    assert of_table - smooth == pytest.approx(1.2e-3)
 
 
 def at_jumps(places: np.ndarray, step_index: list[int], uncertainty: float = 0.01) -> np.ndarray:
