@@ -20,6 +20,7 @@ from halfplane_fe.scales import COARSE_CYCLES, contact_modulus, needs_shear
 from halfplane_fe.supports import shapes_alike
 from halfplane_fe.task import Task, surface_grading
 from halfplane_fe.uncertainty import (
+    DENSITY_RULE,
     Meshes,
     Peak,
     RunValues,
@@ -133,8 +134,12 @@ def value_uncertainties(
             values, coarse_values, _scaled_work(task, arrays), plain=task.has_plain_errors
         )
         density_error = density_uncertainty(arrays["x"], arrays["dissipation_density"])
-        if task.has_plain_errors:
-            density_error = max(density_error, _from_coarse_run(values, coarse_values))
+        from_coarse_run = _from_coarse_run(values, coarse_values)
+        if not task.has_plain_errors:
+            refinement = task.scales.element / task.element
+            from_coarse_run = DENSITY_RULE.uncertainty(0.0, from_coarse_run, refinement)
+        # without an estimate by its neighbours there is none
+        density_error = max(density_error, float(np.nan_to_num(from_coarse_run)))
         estimates["largest_dissipation_density"] = density_error
     estimates["largest_pressure"] = _peak_uncertainty(
         task, arrays, is_coupled=problem.interface.coupling is not None
