@@ -61,16 +61,15 @@ def _shoelace(shift: Array, load: Array) -> float:
 
 
 def _where_shift_returns(shift: Array, rows: NDArray[np.intp]) -> tuple[int, float]:
-    """Where a record of U comes back nearest to its first value: the row behind that place, and the
-    share of the step to this row.
+    """Place in a record at which U is nearest to its first value again, between two rows: the index
+    of the row behind it, and the fraction of the step from the row before, 0 to 1.
 
     Parameters
     ----------
     shift
-        (n,) U
+        (n,) U of the rows
     rows
-        (k,) the rows behind the steps that are searched
-
+        (k,) indices of the rows at the ends of the steps that are searched
 
     Examples
     --------
@@ -80,9 +79,9 @@ def _where_shift_returns(shift: Array, rows: NDArray[np.intp]) -> tuple[int, flo
     shift_before = shift[rows - 1]
     step = shift[rows] - shift_before
     distance_to_first = shift[0] - shift_before
-    share = np.clip(distance_to_first / np.where(step == 0, 1.0, step), 0.0, 1.0)
-    nearest = int(np.argmin(np.abs(share * step - distance_to_first)))
-    return int(rows[nearest]), float(share[nearest])
+    fraction_of_step = np.clip(distance_to_first / np.where(step == 0, 1.0, step), 0.0, 1.0)
+    nearest_step = int(np.argmin(np.abs(fraction_of_step * step - distance_to_first)))
+    return int(rows[nearest_step]), float(fraction_of_step[nearest_step])
 
 
 def polygon_area(
@@ -112,18 +111,20 @@ def polygon_area(
     # hundredth.
     missing_cycles = 1.6 * covered_cycles / (len(phase) - 1) + 0.01
     cycles = max(math.floor(covered_cycles + missing_cycles), 1)
-    end = float(phase[0]) + cycles
-    rows_at_end = np.flatnonzero(phase >= end)
+    end_phase = float(phase[0]) + cycles
+    rows_at_end = np.flatnonzero(phase >= end_phase)
     rows_at_end = rows_at_end[rows_at_end > 0.5 * len(phase) * cycles / max(covered_cycles, cycles)]
-    area_of_gap = 0.0
+    error_by_gap = 0.0
     if len(rows_at_end):
         noise = (shift_noise, load_noise)
-        shift, load, area_of_gap = _closed_at_end(shift, load, phase, rows_at_end, end, noise)
-    elif end - phase[-1] > missing_cycles:
+        shift, load, error_by_gap = _closed_at_end(
+            shift, load, phase, rows_at_end, end_phase, noise
+        )
+    elif end_phase - phase[-1] > missing_cycles:
         # the loop may lie anywhere between the chord and its end tangents
-        area_of_gap = abs(float((shift[-1] - shift[0]) * (load[-1] - load[0]))) / 2
+        error_by_gap = abs(float((shift[-1] - shift[0]) * (load[-1] - load[0]))) / 2
     area = _shoelace(shift, load)
-    area_of_half_the_rows = (
+    area_by_half_the_rows = (
         _shoelace(shift[::2], load[::2]) + _shoelace(shift[1::2], load[1::2])
     ) / 2
     shift_step = (np.roll(shift, -1) - np.roll(shift, 1)) / 2
@@ -131,7 +132,7 @@ def polygon_area(
     area_scatter = math.sqrt(
         float(np.sum((shift_noise * load_step) ** 2 + (load_noise * shift_step) ** 2))
     )
-    error_by_distance = abs(area - area_of_half_the_rows) / 2 + area_of_gap
+    error_by_distance = abs(area - area_by_half_the_rows) / 2 + error_by_gap
     return LoopArea(area / cycles, error_by_distance / cycles, 1.96 * area_scatter / cycles, cycles)
 
 
@@ -140,20 +141,21 @@ def _closed_at_end(
     load: Array,
     phase: Array,
     rows_at_end: NDArray[np.intp],
-    end: float,
+    end_phase: float,
     noise: tuple[float, float],
 ) -> tuple[Array, Array, float]:
-    """U and Q of the rows up to the place between two rows where the loop closes, with that place
-    as the last; and the area that is open where U does not come back there.
+    """Close a measured loop at the end of its last whole cycle: U and Q of the rows up to there,
+    with the closing point, interpolated between two rows, as the last. With them the error of the
+    area [energy per thickness] where U does not return to its first value.
 
     Parameters
     ----------
     shift, load, phase
-        (n,) U, Q, and the cycles that are over at each row
+        (n,) U, Q, and cycles passed at each row
     rows_at_end
-        rows behind the end of the last whole cycle
-    end
-        cycles that are over there
+        indices of the rows behind the end of the last whole cycle
+    end_phase
+        phase there
     noise
         sigma of U and of Q
     """
@@ -161,66 +163,70 @@ def _closed_at_end(
     row_after = int(rows_at_end[0])
     phase_before = phase[row_after - 1]
     phase_step = max(phase[row_after] - phase_before, 1e-300)
-    share_of_step = float(np.clip((end - phase_before) / phase_step, 0.0, 1.0))
-    least_gap = _GAP * shift_noise
-    phase_while_standing = 4 * load_noise / (2 * float(np.ptp(load))) + _ROUNDING
-    standing_rows = rows_at_end[phase[rows_at_end] <= end + phase_while_standing]
-    if len(standing_rows) > 1:  # U moves on while Q stands: the loop closes where U comes back
-        row_after, share_of_step = _where_shift_returns(shift, standing_rows)
-        is_last_row = row_after == len(shift) - 1 and share_of_step == 1
+    fraction_of_step = float(np.clip((end_phase - phase_before) / phase_step, 0.0, 1.0))
+    largest_scatter_of_shift = _GAP * shift_noise
+    # phase in which Q changes by 4 sigma: with less, Q can stand still at a turning point
+    phase_of_standstill = 4 * load_noise / (2 * float(np.ptp(load))) + _ROUNDING
+    rows_in_standstill = rows_at_end[phase[rows_at_end] <= end_phase + phase_of_standstill]
+    if len(rows_in_standstill) > 1:  # U moves on while Q stands: the loop closes where U returns
+        row_after, fraction_of_step = _where_shift_returns(shift, rows_in_standstill)
+        is_last_row = row_after == len(shift) - 1 and fraction_of_step == 1
         if is_last_row:  # which may be a step before the first one
-            largest_step = float(np.max(np.abs(np.diff(shift[standing_rows]))))
-            least_gap = max(least_gap, 1.6 * largest_step)
+            largest_shift_step = float(np.max(np.abs(np.diff(shift[rows_in_standstill]))))
+            largest_scatter_of_shift = max(largest_scatter_of_shift, 1.6 * largest_shift_step)
     shift_at_end, load_at_end = (
-        float(values[row_after - 1] + share_of_step * (values[row_after] - values[row_after - 1]))
+        float(
+            values[row_after - 1] + fraction_of_step * (values[row_after] - values[row_after - 1])
+        )
         for values in (shift, load)
     )
     # U that does not come back closes by a chord at the first Q: an error of the gap times Q from
     # its mean there.
-    area_of_gap = 0.0
-    shift_across_gap = shift_at_end - float(shift[0])
-    if abs(shift_across_gap) > least_gap:
+    error_by_gap = 0.0
+    gap_of_shift = shift_at_end - float(shift[0])
+    if abs(gap_of_shift) > largest_scatter_of_shift:
         middle_load = float(load.max() + load.min()) / 2
-        area_of_gap = abs(shift_across_gap) * abs(float(load[0]) - middle_load)
+        error_by_gap = abs(gap_of_shift) * abs(float(load[0]) - middle_load)
     return (
         np.append(shift[:row_after], shift_at_end),
         np.append(load[:row_after], load_at_end),
-        area_of_gap,
+        error_by_gap,
     )
 
 
 def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
-    """Area W of a measured loop of load Q over displacement U, per cycle: that of the fitted loop
-    plus what the rows enclose beside it, with its errors.
+    """Area W of a measured loop of load Q over displacement U, per cycle [energy per thickness]:
+    that of the fitted loop plus what the rows enclose beside it, with its errors.
 
-    A row that lies beside the loop by (dU, dQ) stands for the loop from half-way to its neighbours:
+    A row that lies beside the loop by (dU, dQ) represents the loop from half-way to its neighbours:
     dW = integral of dQ dU - dU dQ, to first order in the distance. Scatter moves each row, and with
     it the fit: drift above all, which one cycle hardly shows.
 
     Parameters
     ----------
     loop
-        the fitted loop, of the theory of friction memory
+        the fitted loop, by Masing's rule
     fit
         its parameters with their interval, and the distances of the rows from it
     cycles
         how many the rows cover
     """
-    places_on_loop = fit.distances.place
-    order_on_loop = np.argsort(places_on_loop, kind="stable")
-    area_by_distance = np.empty(len(places_on_loop))
-    area_by_distance[order_on_loop] = _lever(loop, fit, order_on_loop)
-    area_beside_fit = float(area_by_distance @ fit.distances.value)
-    area_beside_halves = [
-        float(_lever(loop, fit, half_of_rows) @ fit.distances.value[half_of_rows])
+    place_on_loop = fit.distances.place
+    order_on_loop = np.argsort(place_on_loop, kind="stable")
+    area_per_sigma = np.empty(len(place_on_loop))
+    area_per_sigma[order_on_loop] = _area_per_sigma(loop, fit, order_on_loop)
+    area_beside_fit = float(area_per_sigma @ fit.distances.value)
+    area_beside_fit_by_half_the_rows = [
+        float(_area_per_sigma(loop, fit, half_of_rows) @ fit.distances.value[half_of_rows])
         for half_of_rows in _halves(order_on_loop)
     ]
 
-    error_by_scatter = _error_by_scatter(loop, fit, area_by_distance)
+    error_by_scatter = _error_by_scatter(loop, fit, area_per_sigma)
     error_by_digits = 0.0
     if fit.by_digits:
         error_by_digits = loop.area_by_friction_where_gross * fit.by_digits
-    error_by_distance = abs(area_beside_fit - sum(area_beside_halves) / 2) / 2
+    # error as in `LoopArea.by_distance`: half of the difference to every second row
+    error_by_distance = abs(area_beside_fit - sum(area_beside_fit_by_half_the_rows) / 2) / 2
     return LoopArea(
         value=loop.area + area_beside_fit,
         by_distance=error_by_distance + _OF_SAMPLES * loop.area,
@@ -236,50 +242,60 @@ def _halves(order: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]
     return order[::2], order[1::2]
 
 
-def _error_by_scatter(loop: MasingLoop, fit: MasingFit, area_by_distance: Array) -> float:
-    """Error (95 %) of the area of a measured loop by the scatter of its rows, which moves each row,
-    and with it the fitted loop.
+def _error_by_scatter(loop: MasingLoop, fit: MasingFit, area_per_sigma: Array) -> float:
+    """Error (95 %) of the area of a measured loop [energy per thickness] by the scatter of its
+    rows. Scatter moves each row, and with it the fitted loop.
 
     Parameters
     ----------
     loop, fit
         the fitted loop, and its parameters with the distances of the rows
-    area_by_distance
+    area_per_sigma
         (n,) change of the area by a distance of one sigma of each row, where the loop stays
     """
     from scipy.stats import t as student
 
-    area_by_parameters = loop.area_by_parameters + area_by_distance @ fit.distances.derivatives
-    area_by_row = area_by_parameters @ fit.influence
-    area_by_row[: len(area_by_distance)] += area_by_distance
+    area_by_parameters = loop.area_by_parameters + area_per_sigma @ fit.distances.derivatives
+    # by the m residuals of the fit, (m,): `influence` (7, m) gives the parameters' change by each
+    area_by_residual = area_by_parameters @ fit.influence
+    area_by_residual[: len(area_per_sigma)] += area_per_sigma
     # The scatter is at least what the digits of the rows leave: sigma is no smaller.
     variance = max(float(fit.distances.value @ fit.distances.value) / fit.freedom, 1.0)
-    area_scatter = math.sqrt(variance * float(area_by_row @ area_by_row)) * max(
-        fit.misfit.widening, 1.0
-    )
+    # rows that deviate alike count as fewer rows
+    widening = max(fit.misfit.widening, 1.0)
+    area_scatter = math.sqrt(variance * float(area_by_residual @ area_by_residual)) * widening
     error_by_scatter = _CHOSEN_BY_ROWS * float(student.ppf(0.975, fit.freedom)) * area_scatter
     # W of a thin loop is no straight function of the rows: over the interval of f it changes more.
     # A loop without an upper limit of f may be a line.
     for parameters_at_end in fit.ends:
-        area_at_end = (
-            0.0 if parameters_at_end is None else replace(loop, values=parameters_at_end).area
-        )
+        area_at_end = 0.0
+        if parameters_at_end is not None:
+            area_at_end = replace(loop, values=parameters_at_end).area
         error_by_scatter = max(error_by_scatter, abs(area_at_end - loop.area))
     return error_by_scatter
 
 
-def _lever(loop: MasingLoop, fit: MasingFit, rows: NDArray[np.intp]) -> Array:
-    """What a distance of one sigma between a row and the fitted loop adds to the area W, for each
-    of the `rows` (their indices, in order along the loop), (len(rows),). Each stands for the loop
-    from half-way to its neighbours among them.
+def _area_per_sigma(loop: MasingLoop, fit: MasingFit, rows: NDArray[np.intp]) -> Array:
+    """Change of the area W of the loop [energy per thickness] by a distance of one sigma between a
+    row and the fitted loop, for each of the `rows`: (k,).
+
+        dW = n_Q sigma_Q (change of U) - n_U sigma_U (change of Q)
+
+    n is the unit normal of the loop at the row. The changes of U and Q are those along the loop
+    between the midpoints to the row before and to the row behind.
+
+    Parameters
+    ----------
+    rows
+        (k,) indices of rows, in their order along the loop
     """
     place = fit.distances.place[rows]
     across = fit.distances.across[rows]
-    # places go round the loop from 0 to 2: the first row follows the last one
+    # places are counted round the loop, from 0 to 2: the first row follows the last one
     place_before = np.concatenate([[place[-1] - 2], place[:-1]])
-    place_behind = np.concatenate([place[1:], [place[0] + 2]])
+    place_after = np.concatenate([place[1:], [place[0] + 2]])
     shift_before, load_before = loop.at_rows(np.mod((place_before + place) / 2, 2.0))
-    shift_behind, load_behind = loop.at_rows(np.mod((place + place_behind) / 2, 2.0))
-    by_load = across[:, 1] * fit.weights.load * (shift_behind - shift_before)
-    by_shift = across[:, 0] * fit.weights.shift * (load_behind - load_before)
-    return np.asarray(by_load - by_shift)
+    shift_after, load_after = loop.at_rows(np.mod((place + place_after) / 2, 2.0))
+    area_by_load_error = across[:, 1] * fit.weights.load * (shift_after - shift_before)
+    area_by_shift_error = across[:, 0] * fit.weights.shift * (load_after - load_before)
+    return np.asarray(area_by_load_error - area_by_shift_error)

@@ -119,9 +119,9 @@ def find_branches(
         record.load, record.time, record.rows_before, record.rows_after, sum(range_of_load) / 2
     )
     _refuse_few_rows(record, source)
-    highest, highest_after_centre = _mean_turning_point(record, crossing_times, True, noise)
-    lowest, lowest_after_centre = _mean_turning_point(record, crossing_times, False, noise)
-    turns = _times_of_turns(
+    highest_turn, highest_after_centre = _mean_turning_point(record, crossing_times, True, noise)
+    lowest_turn, lowest_after_centre = _mean_turning_point(record, crossing_times, False, noise)
+    turn_times = _times_of_turns(
         crossing_times, record.rises_at_crossing, highest_after_centre, lowest_after_centre
     )
     # Q falls at the first crossing, and so the turning point before it is a highest one
@@ -130,15 +130,17 @@ def find_branches(
         # The two turning points in the middle of a record that was repeated are known best: they
         # are taken again in the two periods before and after. The list now begins with the second
         # turning point of the record, which is of the other kind.
-        turns = np.concatenate([turns[1:3] + record.period * lap for lap in range(-2, 3)])
+        turn_times = np.concatenate([turn_times[1:3] + record.period * lap for lap in range(-2, 3)])
         first_turn_is_top = not first_turn_is_top
-    branch = np.asarray(np.searchsorted(turns, time, side="right") - 1)
+    branch = np.asarray(np.searchsorted(turn_times, time, side="right") - 1)
     begins_at_top = (branch % 2 == 0) == first_turn_is_top
-    load_at_begin = np.where(begins_at_top, highest.load, lowest.load)
-    share_of_branch = np.clip(np.abs(load - load_at_begin) / (highest.load - lowest.load), 0.0, 1.0)
+    load_at_begin = np.where(begins_at_top, highest_turn.load, lowest_turn.load)
+    share_of_branch = np.clip(
+        np.abs(load - load_at_begin) / (highest_turn.load - lowest_turn.load), 0.0, 1.0
+    )
     # an integer at each lowest turning point; which of them is 0 does not matter
     branches_since_bottom = branch + share_of_branch + (1 if first_turn_is_top else 0)
-    return Branches(branches_since_bottom / 2, ~begins_at_top, highest, lowest, noise)
+    return Branches(branches_since_bottom / 2, ~begins_at_top, highest_turn, lowest_turn, noise)
 
 
 @dataclass(frozen=True, eq=False)
@@ -287,35 +289,39 @@ def _times_of_turns(
     highest_after_centre: float,
     lowest_after_centre: float,
 ) -> Array:
-    """Times of the turning points in their order, (k + 1,): those between crossings, one before the
-    first crossing and one behind the last.
+    """Times of the turning points of Q, ascending, (k + 1,): one between each two crossings, one
+    before the first crossing, and one behind the last.
 
     Parameters
     ----------
-    middles
+    crossing_times
         (k,) times at which Q passes the middle of its range
     rises_at_crossing
         (k,) whether Q rises there
     highest_after_centre, lowest_after_centre
-        time from the centre between two crossings to the upper and to the lower turning point
+        time from the centre between two crossings to the highest and to the lowest Q
     """
     centres = (crossing_times[1:] + crossing_times[:-1]) / 2
-    is_top = rises_at_crossing[:-1]
-    half_branch = {
-        is_rising: float(np.median(np.diff(crossing_times)[is_top == is_rising])) / 2
-        for is_rising in (True, False)
+    # Q is highest between a crossing at which it rises and the next one
+    is_highest = rises_at_crossing[:-1]
+    # half of the time between two crossings, with Q above its middle (True) or below it (False)
+    half_time_between = {
+        above: float(np.median(np.diff(crossing_times)[is_highest == above])) / 2
+        for above in (True, False)
     }
     turn_after_centre = {True: highest_after_centre, False: lowest_after_centre}
-    turns = centres + np.where(is_top, highest_after_centre, lowest_after_centre)
-    rises_first = bool(rises_at_crossing[0])
-    rises_last = bool(rises_at_crossing[-1])
-    return np.concatenate(
-        [
-            [crossing_times[0] - half_branch[not rises_first] + turn_after_centre[not rises_first]],
-            turns,
-            [crossing_times[-1] + half_branch[rises_last] + turn_after_centre[rises_last]],
-        ]
+    turn_times = centres + np.where(is_highest, highest_after_centre, lowest_after_centre)
+    rises_at_first = bool(rises_at_crossing[0])
+    rises_at_last = bool(rises_at_crossing[-1])
+    first_turn_time = (
+        crossing_times[0]
+        - half_time_between[not rises_at_first]
+        + turn_after_centre[not rises_at_first]
     )
+    last_turn_time = (
+        crossing_times[-1] + half_time_between[rises_at_last] + turn_after_centre[rises_at_last]
+    )
+    return np.concatenate([[first_turn_time], turn_times, [last_turn_time]])
 
 
 def _range(load: Array, noise: float) -> tuple[float, float]:
@@ -328,30 +334,34 @@ def _range(load: Array, noise: float) -> tuple[float, float]:
 def _crossings(
     load: Array, least_load: float, largest_load: float
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.bool_]]:
-    """Crossings of the middle of Q, (k,) each: the last row of one half of the range and the first
-    row of the other, and whether Q rises from one to the other.
+    """Crossings of the middle of the range of Q, (k,) each: index of the last row in one half of
+    the range and of the first row in the other half, and whether Q rises from one to the other.
 
-    Rows between a lower and an upper level, so that noise makes no crossing, belong to no half.
+    Rows between a lower and an upper level belong to no half, so that noise makes no crossing.
 
     Parameters
     ----------
     load
         (n,) Q of the rows
-    least_load
-        least Q of the range
-    largest_load
-        largest Q of the range
+    least_load, largest_load
+        ends of the range of Q
     """
-    is_low = load < least_load + _LOWER * (largest_load - least_load)
-    is_high = load > least_load + _UPPER * (largest_load - least_load)
-    rows_beyond_levels = np.flatnonzero(is_low | is_high)
-    is_high_there = is_high[rows_beyond_levels]
-    changes = np.flatnonzero(is_high_there[1:] != is_high_there[:-1])
-    return rows_beyond_levels[changes], rows_beyond_levels[changes + 1], is_high_there[changes + 1]
+    is_load_low = load < least_load + _LOWER * (largest_load - least_load)
+    is_load_high = load > least_load + _UPPER * (largest_load - least_load)
+    rows_beyond_levels = np.flatnonzero(is_load_low | is_load_high)
+    is_high_beyond = is_load_high[rows_beyond_levels]
+    # index among these rows: the next of them lies in the other half
+    last_before_change = np.flatnonzero(is_high_beyond[1:] != is_high_beyond[:-1])
+    return (
+        rows_beyond_levels[last_before_change],
+        rows_beyond_levels[last_before_change + 1],
+        is_high_beyond[last_before_change + 1],
+    )
 
 
 def sizes_of_cycles(values: Array, load: Array, time: Array, noise: float) -> Array:
-    """Standard deviation of values over time in each cycle, (k,).
+    """Size of each cycle of a quantity such as U: its standard deviation over time, (k,), in the
+    units of `values`.
 
     A cycle runs from one time at which Q passes the middle of its range to the next but one; each
     begins half a cycle after the one before.
@@ -359,7 +369,7 @@ def sizes_of_cycles(values: Array, load: Array, time: Array, noise: float) -> Ar
     Parameters
     ----------
     values
-        (n,) at the rows, such as U
+        (n,) the quantity at the rows
     load, time, noise
         Q (n,), its time, and its sigma
     """
@@ -389,7 +399,7 @@ def _closing_row(
     shift: Array,
     load: Array,
     rows_before: NDArray[np.intp],
-    upward: NDArray[np.bool_],
+    rises_at_crossing: NDArray[np.bool_],
     noise: float,
 ) -> int | None:
     """Index of the row that closes a measured loop: the one nearest to the first row, a cycle later
@@ -399,51 +409,53 @@ def _closing_row(
     ----------
     shift, load
         (n,) U and Q of the rows
-    rows_before, upward
+    rows_before, rises_at_crossing
         (k,) last row before each crossing of the middle of Q, and whether Q rises there
     noise
         standard deviation of Q
     """
     if not len(rows_before):
         return None
-    runs_of_rows = np.split(
-        np.arange(len(load)), rows_before + 1
-    )  # rows of high Q and of low Q by turns
-    begins_high = not bool(upward[0])
-    first_loads = load[runs_of_rows[0]]
-    if begins_high:
-        moves_outwards = np.max(first_loads) > load[0] + 4 * noise
+    # runs of neighbouring rows with Q above its middle and below it, by turns
+    runs_of_rows = np.split(np.arange(len(load)), rows_before + 1)
+    is_high_at_begin = not bool(rises_at_crossing[0])
+    loads_of_first_run = load[runs_of_rows[0]]
+    # whether Q first moves away from the middle of its range
+    if is_high_at_begin:
+        goes_outwards = np.max(loads_of_first_run) > load[0] + 4 * noise
     else:
-        moves_outwards = np.min(first_loads) < load[0] - 4 * noise
-    begins_rising = bool(moves_outwards) == begins_high
+        goes_outwards = np.min(loads_of_first_run) < load[0] - 4 * noise
+    is_rising_at_begin = bool(goes_outwards) == is_high_at_begin
     # The branch of the first row begins again at the first lowest Q behind a highest one, or the
     # other way round.
-    run_of_turn = 1 if begins_rising == begins_high else 2
-    if len(runs_of_rows) <= run_of_turn:
+    index_of_turning_run = 1 if is_rising_at_begin == is_high_at_begin else 2
+    if len(runs_of_rows) <= index_of_turning_run:
         return None
-    rows = runs_of_rows[run_of_turn]
-    turning_row = int(rows[np.argmin(load[rows]) if begins_rising else np.argmax(load[rows])])
+    rows_of_run = runs_of_rows[index_of_turning_run]
+    loads_of_run = load[rows_of_run]
+    row_of_run = np.argmin(loads_of_run) if is_rising_at_begin else np.argmax(loads_of_run)
+    turning_row = int(rows_of_run[row_of_run])
     # Behind the next turning point rows lie on the other branch, which is nearer than a step.
     loads_behind_turn = load[turning_row:]
-    row_beyond = (
-        turning_row
-        + int(np.argmax(loads_behind_turn) if begins_rising else np.argmin(loads_behind_turn))
-        + 1
-    )
-    load_from_first = load[turning_row:row_beyond] - load[0]
-    shift_from_first = shift[turning_row:row_beyond] - shift[0]
+    if is_rising_at_begin:
+        rows_to_next_turn = int(np.argmax(loads_behind_turn))
+    else:
+        rows_to_next_turn = int(np.argmin(loads_behind_turn))
+    row_beyond_branch = turning_row + rows_to_next_turn + 1
+    load_from_first = load[turning_row:row_beyond_branch] - load[0]
+    shift_from_first = shift[turning_row:row_beyond_branch] - shift[0]
     largest_load_step = float(np.max(np.abs(np.diff(load))))
     largest_shift_step = float(np.max(np.abs(np.diff(shift))))
     # Along the branch U changes with Q, roughly as over the whole loop; across the loop it changes
     # alone.
     distance_across_loop = shift_from_first - np.ptp(shift) / np.ptp(load) * load_from_first
-    near_in_load = np.abs(load_from_first) <= 2 * largest_load_step + 4 * noise
-    near_across = np.abs(distance_across_loop) <= largest_shift_step + 5 * row_noise(shift)
-    is_near = near_in_load & near_across
+    is_near_in_load = np.abs(load_from_first) <= 2 * largest_load_step + 4 * noise
+    is_near_across_loop = np.abs(distance_across_loop) <= largest_shift_step + 5 * row_noise(shift)
+    is_near = is_near_in_load & is_near_across_loop
     if not np.any(is_near):
         return None
-    distance = np.hypot(load_from_first / np.ptp(load), shift_from_first / np.ptp(shift))
-    return turning_row + int(np.argmin(np.where(is_near, distance, math.inf)))
+    relative_distance = np.hypot(load_from_first / np.ptp(load), shift_from_first / np.ptp(shift))
+    return turning_row + int(np.argmin(np.where(is_near, relative_distance, math.inf)))
 
 
 def _crossing_times(
@@ -488,12 +500,13 @@ def _turning_point(
     noise: float,
     n_copies: int,
 ) -> tuple[TurningPoint, float]:
-    """Highest (or lowest) Q of a cycle with its standard error, and how long after the centre
-    between two crossings it is reached. The turning points of all cycles are laid over each other.
+    """Highest (or lowest) Q with its standard error, in the mean over all cycles, and how long
+    after the centre between two crossings it is reached. The cycles are laid over each other in
+    time.
 
     A crossing is where Q passes the middle of its range. Two parabolas that meet at the turning
-    point describe a wave that is round there as well as one with a corner. The window is as long as
-    they describe the rows to within the noise.
+    point describe a wave that is round there as well as one with a vertex. The window around it
+    grows as long as they describe the rows to within the noise.
 
     Parameters
     ----------
@@ -506,66 +519,68 @@ def _turning_point(
     noise
         standard deviation of Q
     n_copies
-        how many of the turning points are copies of one and the same
+        how often the record repeats each turning point; copies add no information
     """
     sign = 1.0 if is_top else -1.0
     n_turns = len(centres)
     half_length = float(np.median(lengths)) / 2
-    row_at_ends = np.searchsorted(
+    first_row_at_ends = np.searchsorted(
         time, np.concatenate([centres - half_length, centres + half_length])
     )
-    rows_in_half = float(np.mean(row_at_ends[n_turns:] - row_at_ends[:n_turns])) / 2
+    rows_in_half_length = (
+        float(np.mean(first_row_at_ends[n_turns:] - first_row_at_ends[:n_turns])) / 2
+    )
     nearest_centre = np.zeros(len(time), dtype=int)
     if n_turns > 1:
         centre_after = np.clip(np.searchsorted(centres, time), 1, max(n_turns - 1, 1))
-        since_last_centre = time - centres[centre_after - 1]
-        until_next_centre = centres[centre_after] - time
+        time_since_last_centre = time - centres[centre_after - 1]
+        time_until_next_centre = centres[centre_after] - time
         nearest_centre = np.where(
-            since_last_centre < until_next_centre, centre_after - 1, centre_after
+            time_since_last_centre < time_until_next_centre, centre_after - 1, centre_after
         )
-    place = (time - centres[nearest_centre]) / half_length  # -1 and 1 at the crossings
-    signed_load = sign * load
+    time_from_centre = (time - centres[nearest_centre]) / half_length  # -1 and 1 at the crossings
+    # Q, or -Q where the lowest Q is sought
+    height_of_rows = sign * load
     # Where the turning point is: the middle of the rows that are nearly as high as any.
-    is_between_crossings = np.abs(place) < 1
+    is_between_crossings = np.abs(time_from_centre) < 1
+    largest_height = np.max(height_of_rows[is_between_crossings])
     is_near_top = is_between_crossings & (
-        signed_load
-        >= np.max(signed_load[is_between_crossings]) - 0.05 * np.ptp(signed_load) - 2 * noise
+        height_of_rows >= largest_height - 0.05 * np.ptp(height_of_rows) - 2 * noise
     )
-    middle_place = float(np.median(place[is_near_top]))
-    rows_of_window = float(_WINDOW)
+    middle_time_near_top = float(np.median(time_from_centre[is_near_top]))
+    rows_in_half_window = float(_WINDOW)
     fits: list[tuple[float, float, float]] = []
-    while rows_of_window < max(rows_in_half, _WINDOW + 0.5):
-        half_window = (rows_of_window + 0.5) / rows_in_half
-        rows = np.abs(place - middle_place) <= half_window
-        x = (place[rows] - middle_place) / half_window
-        y = signed_load[rows]
+    while rows_in_half_window < max(rows_in_half_length, _WINDOW + 0.5):
+        half_window = (rows_in_half_window + 0.5) / rows_in_half_length
+        is_in_window = np.abs(time_from_centre - middle_time_near_top) <= half_window
+        x = (time_from_centre[is_in_window] - middle_time_near_top) / half_window
+        y = height_of_rows[is_in_window]
         fit = _two_parabolas(x, y)
         if fit is not None:
-            height, place_of_top, residual = fit
+            height, time_of_top, residual_rms = fit
             # a longer window no longer describes the rows: the last one counts
-            if fits and residual > _AS_NOISE * noise:
+            if fits and residual_rms > _AS_NOISE * noise:
                 break
-            fits.append((height, middle_place + place_of_top * half_window, rows_of_window))
-        rows_of_window *= _GROWTH
+            fits.append(
+                (height, middle_time_near_top + time_of_top * half_window, rows_in_half_window)
+            )
+        rows_in_half_window *= _GROWTH
     if not fits:
-        height = float(np.max(signed_load[is_between_crossings]))
-        return TurningPoint(
-            sign * height, float(noise + np.ptp(signed_load) / rows_in_half)
-        ), middle_place * half_length
-    height, place_of_top, rows_of_window = fits[-1]
-    height_of_shorter = (
-        fits[-2][0] if len(fits) > 1 else float(np.max(signed_load[is_between_crossings]))
-    )
-    error = math.hypot(
-        noise * math.sqrt(_AT_JOINT / (rows_of_window * max(n_turns // n_copies, 1))),
-        height - height_of_shorter,
-    )
-    return TurningPoint(sign * height, error), place_of_top * half_length
+        error_of_row = float(noise + np.ptp(height_of_rows) / rows_in_half_length)
+        turning_point = TurningPoint(sign * float(largest_height), error_of_row)
+        return turning_point, middle_time_near_top * half_length
+    height, time_of_top, rows_in_half_window = fits[-1]
+    height_by_shorter_window = fits[-2][0] if len(fits) > 1 else float(largest_height)
+    n_measured_turns = max(n_turns // n_copies, 1)
+    error_by_noise = noise * math.sqrt(_AT_JOINT / (rows_in_half_window * n_measured_turns))
+    error = math.hypot(error_by_noise, height - height_by_shorter_window)
+    return TurningPoint(sign * height, error), time_of_top * half_length
 
 
 def _two_parabolas(x: Array, y: Array) -> tuple[float, float, float] | None:
-    """Highest value, its place, and the root mean square of the residuals, of two parabolas that
-    meet at one point and are fitted to rows y(x), x from −1 to 1. None for fewer than seven rows.
+    """Highest value, its x, and the root mean square of the residuals, of two parabolas that meet
+    at one point, fitted to the points (x, y), (n,) each, with x from −1 to 1. None for fewer than
+    seven points.
     """
     degrees_of_freedom = len(x) - 6
     if degrees_of_freedom < 1:
@@ -592,16 +607,16 @@ def _two_parabolas(x: Array, y: Array) -> tuple[float, float, float] | None:
     x_fine = np.linspace(-0.7, 0.7, 281)
     x_left_of_joint = np.minimum(x_fine - joint, 0.0)
     x_right_of_joint = np.maximum(x_fine - joint, 0.0)
-    curve = (
+    fitted_values = (
         coefficients[0]
         + coefficients[1] * x_left_of_joint
         + coefficients[2] * x_left_of_joint**2
         + coefficients[3] * x_right_of_joint
         + coefficients[4] * x_right_of_joint**2
     )
-    highest_point = int(np.argmax(curve))
+    index_of_highest = int(np.argmax(fitted_values))
     return (
-        float(curve[highest_point]),
-        float(x_fine[highest_point]),
+        float(fitted_values[index_of_highest]),
+        float(x_fine[index_of_highest]),
         math.sqrt(sum_of_squares / degrees_of_freedom),
     )

@@ -62,40 +62,43 @@ def said_of_scale(scale: float) -> list[str]:
     ]
 
 
-def against_rows(
+def fit_rig(
     loop: MeasuredLoop,
     displacement: Array,
-    share: Array,
+    fraction_of_cycle: Array,
     load_of_cycle: Array,
     scale: float,
     rig_compliance: float | None,
 ) -> tuple[float, float, float]:
     """Fit the rig to the rows of a measured loop: C and U0 of U = r U_theory + C r Q + U0, by
-    linear least squares. Returns the sum of squares that is left [length^2], C and U0.
+    linear least squares. Returns the sum of squared residuals of U [length^2], C [1/stress] and U0
+    [length].
 
     Parameters
     ----------
     loop
         U and Q of the n rows
     displacement, load_of_cycle
-        (n_instants,) U of theory, and r Q of the scene, through a cycle
-    share
-        (n,) share of the cycle that is over at each row
+        (n_instants,) U of theory, and r Q(t) of the scene, through one cycle
+    fraction_of_cycle
+        (n,) fraction of the cycle that has passed at each row
     scale
         r, the file's Q over the scene's
     rig_compliance
         C [1/stress], where it is stated; None fits it
     """
-    load = np.interp(share, SHARES, load_of_cycle)
-    displacement_of_rig = loop.shift - scale * np.interp(share, SHARES, displacement)
+    load_at_rows = np.interp(fraction_of_cycle, SHARES, load_of_cycle)
+    displacement_of_theory = scale * np.interp(fraction_of_cycle, SHARES, displacement)
+    displacement_of_rig = loop.shift - displacement_of_theory
     if rig_compliance is not None:
-        displacement_of_rig = displacement_of_rig - rig_compliance * load
+        displacement_of_rig = displacement_of_rig - rig_compliance * load_at_rows
         origin = float(np.mean(displacement_of_rig))
         return float(np.sum((displacement_of_rig - origin) ** 2)), rig_compliance, origin
-    columns = np.column_stack([load, np.ones(len(share))])
-    slope_and_origin = np.linalg.lstsq(columns, displacement_of_rig, rcond=None)[0]
+    columns = np.column_stack([load_at_rows, np.ones(len(fraction_of_cycle))])
+    compliance_and_origin = np.linalg.lstsq(columns, displacement_of_rig, rcond=None)[0]
+    residuals = displacement_of_rig - columns @ compliance_and_origin
     return (
-        float(np.sum((displacement_of_rig - columns @ slope_and_origin) ** 2)),
-        float(slope_and_origin[0]),
-        float(slope_and_origin[1]),
+        float(np.sum(residuals**2)),
+        float(compliance_and_origin[0]),
+        float(compliance_and_origin[1]),
     )

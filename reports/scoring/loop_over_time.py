@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from reports.scoring.loop_fitted import FittedLoop, against_rows, said_of_scale
+from reports.scoring.loop_fitted import FittedLoop, fit_rig, said_of_scale
 from reports.scoring.loop_rows import MeasuredLoop
 from reports.scoring.loop_theory import INSTANTS, SHARES, cycle_loads, least_friction, theory_shift
 from scenes import InputError, Scene
@@ -148,7 +148,7 @@ class _Search:
         """
         displacement = theory_shift(self.scene, math.exp(log_friction))
         load = scale * self.load_of_cycle
-        return against_rows(self.loop, displacement, share, load, scale, self.rig_compliance)
+        return fit_rig(self.loop, displacement, share, load, scale, self.rig_compliance)
 
     def sum_of_squares(self, log_friction: float, share: Array, scale: float) -> float:
         """The sum of squares alone."""

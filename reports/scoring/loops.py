@@ -31,7 +31,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from reports.scoring.loop_area import area_about_fit, polygon_area
-from reports.scoring.loop_fitted import FittedLoop, against_rows
+from reports.scoring.loop_fitted import FittedLoop, fit_rig
 from reports.scoring.loop_masing import MasingLoop
 from reports.scoring.loop_over_time import fit_over_time
 from reports.scoring.loop_rows import MeasuredLoop, read_loop
@@ -371,7 +371,7 @@ def _with_rig(
     """
     load_of_cycle = cycle_loads(fit.scene)[1]
     load = fit.scale * load_of_cycle
-    _, compliance, origin = against_rows(
+    _, compliance, origin = fit_rig(
         loop, computed.shift, fit.share, load, fit.scale, rig_compliance
     )
     displacement = fit.scale * computed.shift + compliance * load + origin
