@@ -290,6 +290,31 @@ def test_slip_between_two_instants_is_covered() -> None:
     assert 0.02 * largest < missed <= answer.uncertainties["largest_slip"] < 3 * missed
 
 
+NARROW_SLIP = {
+    "profile": {"kind": "wedge", "tip_radius": 1000.0, "tip_half_length": 0.18064366441779647},
+    "friction": {"coefficient": 0.0990793571576357},
+    "load": {
+        "kind": "polygon",
+        "initial_loading": [[20.729576974962963, -1.3427651411461425]],
+        "cycle": [
+            [19.581739542596196, -1.3055680872097357],
+            [3.2504803893256047, 0.3212941751356505],
+        ],
+    },
+}
+"""The slip zones are so narrow that all of their nodes are wrong together."""
+
+
+@pytest.mark.slow
+def test_the_largest_density_of_a_narrow_slip_zone_is_covered_but_for_a_half() -> None:
+    """Nodes beside each other agree there: they alone would state 23 times too little."""
+    answer = halfplane_fe.solve(random_scene(NARROW_SLIP))
+    theory = semi_analytic.extremes(semi_analytic.solve(answer.scene, x=[0.0]))
+    error = abs(answer.dissipation_density.max() - theory.dissipation_density)
+    by_nodes = density_uncertainty(answer.x, answer.dissipation_density)
+    assert 10 * by_nodes < error < 1.5 * answer.uncertainties["largest_dissipation_density"]
+
+
 @pytest.mark.slow
 def test_stick_edges_next_to_a_jump_are_covered() -> None:
     answer = halfplane_fe.solve(random_scene(JUMPING))
