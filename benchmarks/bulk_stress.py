@@ -39,7 +39,7 @@ from scenes import ContactSolution, ConvergenceError, InputError, Scene, load_sc
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 
 from semi_analytic import grid as dense_grid
-from semi_analytic.bulk_and_tilt import leaning_profile
+from semi_analytic.bulk_and_tilt import path_loads_and_contact
 
 # a at P = 3; c of Cattaneo and Mindlin at Q = 1.8
 A0 = math.sqrt(12 / math.pi)
@@ -307,7 +307,13 @@ def loops() -> int:
         friction = row.scene.friction.coefficient
         x = np.linspace(-1.5, 1.5, 50)
         instants = path.cycle_start + (path.period or 0.0) * np.linspace(1, 2, 400)
-        arguments = *leaning_profile(row.scene), row.scene.profile.height, friction, x, instants
+        arguments = (
+            *path_loads_and_contact(row.scene),
+            row.scene.profile.height,
+            friction,
+            x,
+            instants,
+        )
         answers = []
         seconds = []
         for n in (1, 2):

@@ -995,7 +995,7 @@ def _values_with_bulk_and_tilt(
     tilted_values = bulk_tilt_path.series(request.time, snapshot.load)
     # The curve may be locked-in bulk strain in terms of a load: the fraction of Q is then 0.
     tilted_values["tangential_load"] = snapshot.force * tilted_contact.tangential_fraction
-    moment_contact = replace(tilted_contact, rigid="moment")
+    moment_contact = replace(tilted_contact, kernel_quantity="shear_moment")
     shear_moment = Integrals(moment_contact, np.zeros(1), "shift").over(snapshot)[:, 0]
     tilted_values["shear_moment"] = shear_moment
     contact_edges = tilted_values["contact_edges"]

@@ -20,7 +20,7 @@ from semi_analytic.answer import (
     mirrored_points,
     neglected_coupling,
 )
-from semi_analytic.bulk_and_tilt import PathLoads, leaning_profile
+from semi_analytic.bulk_and_tilt import PathLoads, path_loads_and_contact
 from semi_analytic.loops_in_phase import STROKE_NODES, Stroke, work_by_loads
 from semi_analytic.memory import PROMISED
 
@@ -38,11 +38,11 @@ def in_phase(question: Question, strokes: tuple[Stroke, Stroke]) -> Findings:
     started = clock.perf_counter()
     scene = question.scene
     path = scene.load.path()
-    path_loads, tilted_contact = leaning_profile(scene)
+    path_loads, tilted_contact = path_loads_and_contact(scene)
     time, (normal_load, tangential_load, _, tilt) = _instants_of_cycle(path_loads)
     period = path.cycle[-1].end - path.cycle_start
     is_forward = _rises(time, tangential_load, period)
-    contact_middle, contact_half_width = tilted_contact.under(normal_load, tilt)
+    contact_middle, contact_half_width = tilted_contact.contact_under(normal_load, tilt)
     stick_middle, stick_half_width = _stick_zones(strokes, tangential_load, is_forward)
     contact_edges = np.stack(
         [contact_middle - contact_half_width, contact_middle + contact_half_width], axis=-1

@@ -21,7 +21,7 @@ from semi_analytic.answer import (
     mirrored_points,
     neglected_coupling,
 )
-from semi_analytic.bulk_and_tilt import leaning_profile
+from semi_analytic.bulk_and_tilt import path_loads_and_contact
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.grid import INCREMENTS, Followed, GridRequest, edges_along, follow_on_grid
 
@@ -57,7 +57,7 @@ class GridAnswer:
         self._start_of_clock = clock.perf_counter()
         scene = question.scene
         # P, Q, bulk strain and tilt over time, and the profile as a contact under any tilt.
-        self._path_loads, self._tilted_contact = leaning_profile(scene)
+        self._path_loads, self._tilted_contact = path_loads_and_contact(scene)
         x = question.x
         if x is None:
             contact_edges = edges_along(self._path_loads, self._tilted_contact)

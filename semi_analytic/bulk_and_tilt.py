@@ -97,7 +97,7 @@ class OneCurve:
             tilt, moment = self.turning.at(path_time)
         if self.moment_given:
             tilt = contact.tilt_under(load, moment)
-        m, c = contact.under(load, tilt)
+        m, c = contact.contact_under(load, tilt)
         return {
             "bulk_stress_lower": stress_of_lower,
             "bulk_stress_upper": stress_of_upper,
@@ -853,7 +853,7 @@ def _slope_of(load: Array, values: Array, rounding: float = 0.0) -> float:
     return float(deviations @ values) / square if square > 0 else 0.0
 
 
-def leaning_profile(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
+def path_loads_and_contact(scene: Scene) -> tuple[PathLoads, TiltedProfile]:
     """Loads of a scene over time, P, Q, bulk strain and tilt, and its profile as a contact under
     any tilt, up to the largest P of the path.
     """

@@ -494,7 +494,7 @@ def _with_moved_datum(contact: Contact, largest_load: float) -> Contact:
     moved_contact = replace(contact, datum_length=float(contact.half_width(largest_load)) / 2)
     if isinstance(moved_contact, TiltedProfile):
         # U + kappa m_q, m_q the moment of the shear: its closed integral is that of all work.
-        return replace(moved_contact, rigid="loop")
+        return replace(moved_contact, kernel_quantity="conjugate_displacement")
     return moved_contact
 
 

@@ -153,7 +153,7 @@ def _by_gauss(begin: Array, end: Array) -> tuple[Array, Array]:
     return begin[..., None] + length * node, length * weight
 
 
-@lru_cache(maxsize=8)  # the same zones under other values of `rigid`
+@lru_cache(maxsize=8)  # the same zones under other values of `kernel_quantity`
 def _stick_zones(
     strain_per_unloading: float, force_per_unloading: float, largest_unloading: float
 ) -> tuple[Pieces, Pieces]:
@@ -205,7 +205,7 @@ class OppositeSlip(TiltedProfile):
     @cached_property
     def _contact(self) -> tuple[float, float, float]:
         """P, and centre and half-length of contact."""
-        m, c = self.intervals.exactly(self.intervals.largest_load)
+        m, c = self.intervals.exact_contact(self.intervals.largest_load)
         return self.intervals.largest_load, float(m), float(c)
 
     @property
@@ -219,15 +219,17 @@ class OppositeSlip(TiltedProfile):
         over a: e = eps pi a/(2 A f P), since A P = pi a^2/(2 R).
         """
         largest_load, _, half_width = self._contact
-        force_per_unloading = -self.tangential_fraction * float(np.sign(self.lean)) / largest_load
-        strain_per_unloading = abs(self.lean) * half_width / (2 * largest_load)
+        force_per_unloading = (
+            -self.tangential_fraction * float(np.sign(self.pressure_skewness)) / largest_load
+        )
+        strain_per_unloading = abs(self.pressure_skewness) * half_width / (2 * largest_load)
         return _stick_zones(
             strain_per_unloading, force_per_unloading, self._largest_unloading * (1 + 1e-9)
         )
 
     @cached_property
-    def _as_loop(self) -> OppositeSlip:
-        return replace(self, rigid="loop")
+    def _conjugate_contact(self) -> OppositeSlip:
+        return replace(self, kernel_quantity="conjugate_displacement")
 
     def at(self, load: ArrayLike) -> tuple[Array, Array]:
         largest_load, middle, half_width = self._contact
@@ -279,7 +281,7 @@ class OppositeSlip(TiltedProfile):
         """+1 where x slips forward while Q grows, -1 where it slips in reverse."""
         _, middle, _ = self._contact
         side = np.where(np.asarray(x, dtype=float) > middle, -1.0, 1.0)
-        return side * np.sign(self.lean)
+        return side * np.sign(self.pressure_skewness)
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
         """p(x) at the constant load, with the sign of `sense`: q/f where x slips [stress]."""
@@ -364,7 +366,7 @@ class OppositeSlip(TiltedProfile):
         load, slipped = np.broadcast_arrays(
             np.asarray(load, dtype=float), np.asarray(slipped, dtype=float)
         )
-        rate = self._as_loop.log_ratio
+        rate = self._conjugate_contact.log_ratio
         edge_load = load - slipped
         eta, weight = crowded_nodes(edge_load, load)
         return np.asarray(np.sum(weight * (rate(edge_load)[..., None] - rate(eta)), axis=-1))

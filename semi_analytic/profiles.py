@@ -164,8 +164,8 @@ def _convex_table(profile: Tabulated) -> ConvexProfile:
     return PiecewiseParabola(
         knots=ends_of_parabolas,
         curvature=curvatures,
-        slope=-float(left_side.slope[-1]),
-        height=float(left_side.height[-1]),
+        slope_at_first_knot=-float(left_side.slope[-1]),
+        height_at_first_knot=float(left_side.height[-1]),
         extent=(float(ends_of_parabolas[0]), float(ends_of_parabolas[-1])),
     )
 
@@ -213,7 +213,7 @@ def _convex_power(profile: PowerLaw) -> ConvexProfile:
         size=length,
         height=profile.height,
         gradient=partial(derivative, 1),
-        bend=partial(derivative, 2),
+        second_derivative=partial(derivative, 2),
         rule=quadrature_rule,
         exponent=exponent,
     )
@@ -246,7 +246,7 @@ def _convex_polynomial(profile: EvenPolynomial) -> ConvexProfile:
         size=length,
         height=height,
         gradient=height.deriv(),
-        bend=height.deriv(2),
+        second_derivative=height.deriv(2),
         rule=quadrature_rule,
     )
 
@@ -276,7 +276,7 @@ def _convex_function(profile: CallableProfile) -> ConvexProfile:
         size=profile.extent / 4,
         height=profile.height,
         gradient=lambda x: np.sign(x) * profile.slope(np.abs(x)),
-        bend=second_derivative,
+        second_derivative=second_derivative,
         exponent=max(profile.exponent, _SHARPEST),
         extent=(-profile.extent, profile.extent),
         noise=1e-11,

@@ -26,7 +26,7 @@ from semi_analytic.answer import (
     vector,
 )
 from semi_analytic.answer_by_memory import by_memory
-from semi_analytic.bulk_and_tilt import leaning_profile, one_curve, steady_curve
+from semi_analytic.bulk_and_tilt import one_curve, path_loads_and_contact, steady_curve
 
 
 def solve(
@@ -90,7 +90,8 @@ def solve(
     ------
     InputError
         For a scene that does not pass its own check, an unknown field, a time outside the path, a
-        profile that this engine does not know, bulk stress or tilt of another memory.
+        profile that this engine does not know, bulk stress or tilt under which an increment on
+        grids does not converge.
     InadmissibleLoadError
         For gross sliding or separation anywhere in the path, with the instant and the loads.
 
@@ -231,4 +232,4 @@ def require_followable(scene: Scene) -> None:
     if one_curve(scene) is None:
         from semi_analytic.grid import edges_along  # noqa: PLC0415 - for other memories alone
 
-        edges_along(*leaning_profile(scene))  # for its InputError
+        edges_along(*path_loads_and_contact(scene))  # for its InputError

@@ -39,7 +39,7 @@ from scenes import ContactSolution, InputError, Scene, scene_of
 from scenes.array_types import Array, Indices
 from semi_analytic.answer import vector
 from semi_analytic.answer_by_memory import memory_at
-from semi_analytic.bulk_and_tilt import leaning_profile
+from semi_analytic.bulk_and_tilt import path_loads_and_contact
 from semi_analytic.memory import CurvePart, Snapshot, pieces
 from semi_analytic.profiles import SymmetricContact
 from semi_analytic.quadrature import INVERSE_ROOTS
@@ -139,7 +139,7 @@ def stress(
     stresses = np.zeros((len(times), len(x_places), 4))
     if scene.unsymmetric:
         answers = _answers_with_tractions(source, times)
-        _, profile = leaning_profile(scene)
+        _, profile = path_loads_and_contact(scene)
         for k, (answer, row) in enumerate(answers):
             stresses[k, :, :3] = _stress_by_sine_series(answer, row, profile, x_places, depth, side)
         stresses[..., 0] += _bulk_stresses(answers)[:, int(body == "upper"), None]

@@ -1,14 +1,14 @@
-"""What tilt and bulk strain of finite bodies, which follow the loads, make of the dissipation.
+"""Change of the friction work by the tilt and bulk strain of finite bodies, which follow the loads.
 
-The odd numbers of `BodyEffects` add to half-planes::
+The odd numbers of `BodyEffects`, tilt and bulk strain per load, add to half-planes::
 
     tilt         alpha = alpha_P P + alpha_Q Q
     bulk strain  eps = e_P P + e_Q Q
 
-What they make is known in the second order beside the memory curve (`odd_memory`), or on grids to
-all orders. There half-planes are followed under such a path; the same grids follow P and Q alone,
-so that most of their error leaves the ratio of both works. Curvatures of the bodies are not in it:
-for those see `corrected`.
+Their change of the work is known in the second order beside the memory curve (`odd_memory`), or on
+grids to all orders. There half-planes are followed under such a path, and under P and Q alone on
+the same grids, so that most of their error cancels in the ratio of both works. Curvatures of the
+bodies are left out: for those see `corrected`.
 
 # notation: alpha tilt, eps strain of the lower face minus that of the upper one
 """
@@ -26,7 +26,7 @@ from scenes.body_effects import ZERO
 from semi_analytic.answer import Question
 from semi_analytic.answer_by_memory import by_memory
 from semi_analytic.body_numbers import checked_effects
-from semi_analytic.bulk_and_tilt import PathLoads, leaning_profile
+from semi_analytic.bulk_and_tilt import PathLoads, path_loads_and_contact
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.grid import GridRequest, cycle_works, edges_along
 from semi_analytic.odd_memory import ODD_NUMBERS, Declined, odd_answer
@@ -35,27 +35,29 @@ Array = NDArray[np.float64]
 
 # On two bodies under four load cycles the change differed from that on cells half as large by at
 # most 2.8e-4, and by 0.6 % of itself where it is above 5 %.
-_OF_GRID = 3e-4
-_OF_CHANGE = 0.01
+_GRID_ERROR = 3e-4
+_GRID_ERROR_PER_CHANGE = 0.01
 # Segments of a path at most: each takes four increments of the grids or more.
 _MOST_SEGMENTS = 60
-_REQUEST = GridRequest(cells=80, increments=160, pointwise=False)
+_GRID_REQUEST = GridRequest(cells=80, increments=160, pointwise=False)
 
 
 @dataclass(frozen=True, eq=False)
 class FollowingLoads(PathLoads):
-    """P and Q of a path, with the tilt and the bulk strain that the bodies make of them.
+    """P and Q of a path, with the tilt and the bulk strain that finite bodies have under them.
 
     Attributes
     ----------
     effects
-        of the bodies; the odd numbers alone count
+        of the bodies: of these tilt and bulk strain per load are used
     """
 
     effects: BodyEffects
 
     def values(self, time: Array) -> Array:
-        """P, Q, eps and alpha at times within one leg, (4, n)."""
+        """P, Q [force per thickness], bulk strain eps and tilt alpha [rad] at times (n,) within one
+        segment of the load path, as rows of (4, n).
+        """
         normal_load, tangential_load, _, _ = super().values(time)
         effects = self.effects
         strain = effects.strain_under_pressure.value * normal_load
@@ -65,20 +67,20 @@ class FollowingLoads(PathLoads):
         return np.stack([normal_load, tangential_load, strain, tilt])
 
     def turning_times(self, segment: LoadSegment) -> list[float]:
-        """End of a segment of the load path and turning points of P, Q, bulk strain and tilt in it,
-        one time for all that turn together.
+        """Times at which a segment of the load path ends, and at which P, Q, bulk strain or tilt
+        turn in it; one time for all that turn together.
 
-        Strain and tilt are sums of what P and Q add, so that they may turn where neither load does.
+        Strain and tilt are sums of a multiple of P and one of Q: they may turn where neither does.
         """
         different_times = super().turning_times(segment)
         effects = self.effects
-        # what P and what Q add: to the bulk strain, to the tilt
+        # bulk strain, then tilt: by a unit of P and by a unit of Q
         for effect_of_normal_load, effect_of_shear_load in (
             (effects.strain_under_pressure, effects.strain_under_shear),
             (effects.tilt_under_pressure, effects.tilt_under_shear),
         ):
             if not (effect_of_normal_load.value and effect_of_shear_load.value):
-                continue  # turns where P or Q does
+                continue  # a multiple of one load turns where that does
             for time in segment.turning_points(
                 Combination(effect_of_normal_load.value, effect_of_shear_load.value)
             ):
@@ -92,9 +94,10 @@ def change_by_tilt_and_strain(scene: Scene, effects: BodyEffects) -> Estimate:
     """Relative change of the friction work W of half-planes by the tilt and bulk strain that finite
     bodies add: W with them over W without, minus 1.
 
-    Of the last cycle, or of the whole path where none repeats. By the second order where that holds
-    and is as good as the grids, in some 30 ms; else by grids, in a second or two. The uncertainty
-    is that of the next order or of the grid, and of the numbers.
+    W is that of the last cycle, or of the whole path where none repeats. It is expanded to the
+    second order in tilt and strain per load where that is as good as grids, in some 30 ms. Else it
+    is solved on grids, in a second or two. The uncertainty is that of the next order or of the
+    grid, plus that of the numbers in `effects`.
 
     Raises
     ------
@@ -117,77 +120,92 @@ def change_by_tilt_and_strain(scene: Scene, effects: BodyEffects) -> Estimate:
             " count in the first order, which half-plane theory does not take; take"
             " halfplane_fe.solve"
         )
-    second_order = _by_second_order(scene, effects)
-    if second_order is not None and second_order.uncertainty <= _of_grids(second_order.value):
+    second_order = _change_by_second_order(scene, effects)
+    if second_order is not None and second_order.uncertainty <= _uncertainty_of_grids(
+        second_order.value
+    ):
         return second_order
-    return _by_grids(scene, effects)
+    return _change_by_grids(scene, effects)
 
 
-def _of_grids(change: float) -> float:
-    """Uncertainty of a change on grids, by the grids alone."""
-    return _OF_GRID + _OF_CHANGE * abs(change)
+def _uncertainty_of_grids(change: float) -> float:
+    """Uncertainty of a relative change of work on grids, by the size of their cells alone."""
+    return _GRID_ERROR + _GRID_ERROR_PER_CHANGE * abs(change)
 
 
-def _by_second_order(scene: Scene, effects: BodyEffects) -> Estimate | None:
-    """The change in the second order; None where that does not hold."""
+def _change_by_second_order(scene: Scene, effects: BodyEffects) -> Estimate | None:
+    """Relative change of the friction work of the last cycle by tilt and bulk strain of finite
+    bodies, to the second order in them; None where that does not hold, or nothing slips.
+    """
     try:
-        added = odd_answer(scene, effects).works[-1]
+        added_work = odd_answer(scene, effects).works[-1]
     except Declined:
         return None
     work = work_of_half_planes(scene)
-    return Estimate(added.value / work, added.uncertainty / work) if work > 0 else None
+    if not work > 0:
+        return None
+    return Estimate(added_work.value / work, added_work.uncertainty / work)
 
 
 def work_of_half_planes(scene: Scene) -> float:
-    """W of half-planes under the scene's P and Q."""
-    of_work = Question(scene, frozenset({"dissipation"}), np.zeros(1), None, "all", False, None)
-    return float(by_memory(of_work, None).values["dissipation"])
+    """Friction work W of half-planes under the scene's P and Q, of the last cycle [energy per
+    thickness].
+    """
+    request = Question(scene, frozenset({"dissipation"}), np.zeros(1), None, "all", False, None)
+    return float(by_memory(request, None).values["dissipation"])
 
 
-def _by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
-    """Relative change of the friction work of half-planes by the tilt and bulk strain of finite
-    bodies, by a numerical solution on grids: one path followed with them and without.
+def _change_by_grids(scene: Scene, effects: BodyEffects) -> Estimate:
+    """Relative change of the friction work W of half-planes by the tilt and bulk strain of finite
+    bodies: W with them over W without, minus 1, both solved step by step on the same grids.
 
-    InputError for a path of too many segments. `effects` hold tilt and strain per load, with their
-    uncertainties.
+    W is that of the last cycle followed. `effects` hold tilt and strain per load, with their
+    uncertainties. InputError for a path of more than 60 segments.
     """
     path = scene.load.path()
-    segments = len(path.initial_loading) + len(path.cycle)
-    if segments > _MOST_SEGMENTS:
+    segment_count = len(path.initial_loading) + len(path.cycle)
+    if segment_count > _MOST_SEGMENTS:
         raise InputError(
-            f"load: grids take a path of {_MOST_SEGMENTS} segments at most, not {segments}; take a"
-            " part of the path"
+            f"load: grids take a path of {_MOST_SEGMENTS} segments at most, not {segment_count};"
+            " take a part of the path"
         )
-    path_loads, profile = leaning_profile(scene)
-    zeros: dict[str, Any] = dict.fromkeys(ODD_NUMBERS, ZERO)
-    effects_without = replace(effects, **zeros)
-    loads_with_and_without = []
-    for odd_effects in (effects, effects_without):
-        fields_of_path = {item.name: getattr(path_loads, item.name) for item in fields(path_loads)}
-        loads_with_and_without.append(FollowingLoads(**fields_of_path, effects=odd_effects))
-    edges = np.concatenate(
-        [edges_along(course_loads, profile) for course_loads in loads_with_and_without]
-    )
-    span = (float(np.min(edges)), float(np.max(edges)))
-    works_with_and_without = [
-        cycle_works(
-            course_loads,
-            span,
-            scene.profile.height,
-            scene.friction.coefficient,
-            composite_modulus(scene.material),
-            _REQUEST,
-        )
-        for course_loads in loads_with_and_without
+    path_loads, contact = path_loads_and_contact(scene)
+    loads_of_scene = {item.name: getattr(path_loads, item.name) for item in fields(path_loads)}
+    no_tilt_nor_strain: dict[str, Any] = dict.fromkeys(ODD_NUMBERS, ZERO)
+    effects_without = replace(effects, **no_tilt_nor_strain)
+    loads_with_and_without = [
+        FollowingLoads(**loads_of_scene, effects=effects),
+        FollowingLoads(**loads_of_scene, effects=effects_without),
     ]
-    change = (
-        float(np.mean(works_with_and_without[0][:, -1]) / np.mean(works_with_and_without[1][:, -1]))
-        - 1
+    # One range of x for both, so that the errors of their grids cancel.
+    contact_edges = np.concatenate(
+        [edges_along(loads, contact) for loads in loads_with_and_without]
     )
+    range_of_x = (float(np.min(contact_edges)), float(np.max(contact_edges)))
+    work_with, work_without = (
+        float(np.mean(_last_works_on_grids(scene, loads, range_of_x)))
+        for loads in loads_with_and_without
+    )
+    change = work_with / work_without - 1
     relative_uncertainty = sum(
         abs(getattr(effects, name).uncertainty / getattr(effects, name).value)
         for name in ODD_NUMBERS
         if getattr(effects, name).value
     )
-    # The change is of second order in the numbers.
-    return Estimate(change, _of_grids(change) + 2 * relative_uncertainty * abs(change))
+    # The change is of second order in tilt and strain per load.
+    return Estimate(change, _uncertainty_of_grids(change) + 2 * relative_uncertainty * abs(change))
+
+
+def _last_works_on_grids(scene: Scene, loads: PathLoads, range_of_x: tuple[float, float]) -> Array:
+    """Friction work W of the last cycle followed under `loads`, by each grid (g,) [energy per
+    thickness]. The grids cover the range of x in which there is contact.
+    """
+    works_of_cycles = cycle_works(
+        loads,
+        range_of_x,
+        scene.profile.height,
+        scene.friction.coefficient,
+        composite_modulus(scene.material),
+        _GRID_REQUEST,
+    )
+    return np.asarray(works_of_cycles[:, -1])

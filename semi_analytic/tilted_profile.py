@@ -1,4 +1,5 @@
-"""Unsymmetric contact: any convex profile under a tilt, and families of nested contact intervals.
+"""Unsymmetric contact: any convex profile under a tilt, and nested contact intervals under a load
+that grows.
 
 A contact interval under load P and tilt alpha is where h' + alpha has no mean over sqrt(c^2 - t^2)
 and carries P. `CurvedProfile` takes averages over it by quadrature, `PiecewiseParabola` in closed
@@ -33,8 +34,8 @@ bulk, and its integrals take other kernels:
     W = closed-int Q dU - m_q d eps = -closed-int (U + kappa m_q) dQ
 
 An increment of Q alone that is stuck on I would leave q symmetric about m; the increment kappa dQ
-of bulk strain leans it as the increment kappa dP of tilt leans p. So q stays a sum of the same
-increments that p is a sum of. No source is known for this family; kappa = 0 is the theorem of
+of bulk strain skews it as the increment kappa dP of tilt skews p. So q stays a sum of the same
+increments that p is a sum of. No source is known for these intervals; kappa = 0 is the theorem of
 Ciavarella and Jaeger for unsymmetric profiles, constant P the bulk stress of Nowell and Hills 1987.
 """
 
@@ -60,34 +61,46 @@ from semi_analytic.quadrature import ROOTS, LogisticRule, crowded_nodes, gauss, 
 _STEPS = 120
 # Angle below which sin - theta cos = sum 2 k (-1)^(k + 1) theta^(2 k + 1)/(2 k + 1)! and theta -
 # sin cos are summed as series.
-_SMALL = 0.3
+_SMALL_ANGLE = 0.3
 _K = np.arange(1.0, 9.0)
 _FACTORIAL = np.array([float(math.factorial(2 * k + 1)) for k in range(1, 9)])
-_OF_MEAN = -((-1.0) ** _K) * 2 * _K / _FACTORIAL
-_OF_LOAD = -((-1.0) ** _K) * 4**_K / _FACTORIAL
+_MEAN_COEFFICIENTS = -((-1.0) ** _K) * 2 * _K / _FACTORIAL
+_LOAD_COEFFICIENTS = -((-1.0) ** _K) * 4**_K / _FACTORIAL
 # Relative error of m and c by their series, measured against the equations themselves.
 _NOISE = 1e-12
-# Values of knots that are held at a time.
-_VALUES = 100_000
-# Share of c^2 below which a difference of squares is taken from the rise of the load.
-_NEXT = 0.1
-# Share of P up to which the kernel of W is a quadrature; above, a difference of closed forms.
-_APART = 0.03
+# Values at knots or quadrature nodes that are held in memory at a time.
+_VALUES_AT_ONCE = 100_000
+# Share of c^2 below which c^2 - t^2 is taken from the rise of the load: x is next to an edge.
+_EDGE_FRACTION = 0.1
+# Share of P up to which the dissipation kernel is a quadrature over the slipped load. Above, it is
+# a difference of closed forms.
+_SMALL_SLIP_FRACTION = 0.03
 
 
 class Balance(NamedTuple):
-    """Of contacts: mean of h' over sqrt(c^2 - t^2), A P, int h'' d theta and int h'' cos(theta) d
-    theta.
+    """Integrals over contacts of centre m and half-length c, one value for each contact; theta is
+    the angle of x = m + c cos(theta), 0 <= theta <= pi.
+
+    Attributes
+    ----------
+    mean_slope
+        mean of h' over theta, which balances the tilt: it is -alpha
+    load_product
+        A P, A = 2/E* [length]
+    curvature_integral, curvature_cosine_integral
+        int h'' d theta and int h'' cos(theta) d theta [1/length]: the derivatives of both balances
     """
 
     mean_slope: Array
-    load: Array
-    bend_sum: Array
-    bend_cosine_sum: Array
+    load_product: Array
+    curvature_integral: Array
+    curvature_cosine_integral: Array
 
 
 class Angles(NamedTuple):
-    """Of the knots over contacts of any shape, with a new last axis: theta, its sine and cosine."""
+    """Angles theta of the knots of a profile, b = m + c cos(theta), with their sines and cosines:
+    (..., n) of contacts of shape (...).
+    """
 
     theta: Array
     sine: Array
@@ -102,7 +115,7 @@ class ConvexProfile(abc.ABC):
     knots
         (n,) ascending: where h'' is not smooth [length]
     size
-        a length about which its contacts may be [length]
+        a typical half-length of contact [length]
     extent
         ends of the profile [length]
     noise
@@ -114,11 +127,13 @@ class ConvexProfile(abc.ABC):
     extent: tuple[float, float]
     noise: float = _NOISE
     radius: float | None = None
-    """Of the parabola about x = 0 that it is; None of others."""
+    """Radius of curvature of a parabola about x = 0 [length]; None for other profiles."""
 
     @abc.abstractmethod
-    def touch(self, tilt: ArrayLike) -> Array:
-        """Where h' + alpha = 0: the middle of that place, infinite if there is none [length]."""
+    def place_of_first_touch(self, tilt: ArrayLike) -> Array:
+        """Place x where the profile under a tilt touches without load, h' + alpha = 0 [length]: the
+        middle of it, infinite if there is none.
+        """
 
     @property
     @abc.abstractmethod
@@ -129,12 +144,12 @@ class ConvexProfile(abc.ABC):
 
     @abc.abstractmethod
     def balance(self, m: Array, c: Array) -> Balance:
-        """What a contact carries."""
+        """Mean slope, load and integrals of h'' over contacts of centre m and half-length c."""
 
     @property
     @abc.abstractmethod
-    def _width(self) -> int:
-        """Values that are held for each point of a contact."""
+    def _values_per_point(self) -> int:
+        """Knots or quadrature nodes, each with one value in memory, for a point of one contact."""
 
     @abc.abstractmethod
     def _pressure(self, x: Array, m: Array, c: Array) -> Array: ...
@@ -143,16 +158,20 @@ class ConvexProfile(abc.ABC):
     def _gap(self, x: Array, m: Array, c: Array) -> Array: ...
 
     def pressure(self, x: Array, m: Array, c: Array) -> Array:
-        """pi A p(x) over a contact; 0 outside. Arrays that broadcast."""
-        return self._in_parts(self._pressure, x, m, c)
+        """pi A p(x), p >= 0 the pressure at x of contacts of centre m and half-length c; 0 outside.
+        Arrays that broadcast.
+        """
+        return self._in_blocks(self._pressure, x, m, c)
 
     def gap(self, x: Array, m: Array, c: Array) -> Array:
-        """Gap outside a contact; 0 inside. Arrays that broadcast."""
-        return self._in_parts(self._gap, x, m, c)
+        """Gap >= 0 at x of contacts of centre m and half-length c [length]; 0 inside. Arrays that
+        broadcast.
+        """
+        return self._in_blocks(self._gap, x, m, c)
 
     @abc.abstractmethod
     def approach(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
-        """Normal approach of x = 0 less (A P/pi) ln(2 L/c)."""
+        """Normal approach of x = 0 minus (A P/pi) ln(2 L/c) [length]."""
 
     @abc.abstractmethod
     def moment(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
@@ -160,14 +179,14 @@ class ConvexProfile(abc.ABC):
         a tilt, arrays of one shape; A = 2/E*.
         """
 
-    def _in_parts(
+    def _in_blocks(
         self, function: Callable[[Array, Array, Array], Array], *arguments: Array
     ) -> Array:
-        """Values of `function` of arrays that broadcast, computed for a block of rows of the first
-        axis at a time.
+        """Values of `function` of arrays that broadcast, computed block by block along the first
+        axis, in the shape of the broadcast.
 
-        Each value needs a whole row of knots or quadrature nodes; all of them at once would not fit
-        into memory.
+        Each value is a sum over all knots or quadrature nodes: their terms for all values at once
+        would not fit into memory.
         """
         shape = np.broadcast_shapes(*(np.shape(argument) for argument in arguments))
         arrays = []
@@ -176,7 +195,8 @@ class ConvexProfile(abc.ABC):
             arrays.append(np.reshape(argument, new_axes + np.shape(argument)))
         if not shape:
             return np.array(function(*arrays))
-        rows_at_once = max(_VALUES // max(self._width * math.prod(shape[1:]), 1), 1)
+        values_per_row = max(self._values_per_point * math.prod(shape[1:]), 1)
+        rows_at_once = max(_VALUES_AT_ONCE // values_per_row, 1)
         values = np.empty(shape)
         for first_row in range(0, shape[0], rows_at_once):
             rows = slice(first_row, first_row + rows_at_once)
@@ -185,22 +205,23 @@ class ConvexProfile(abc.ABC):
         return values
 
     def contact(self, load_product: ArrayLike, tilt: ArrayLike) -> tuple[Array, Array]:
-        """Centre m and half-length c of the contact under a load and a tilt, arrays that broadcast
-        [length].
+        """Centre m and half-length c of the contact under a load P and a tilt alpha [rad], arrays
+        that broadcast [length].
 
-        They minimise int h d theta + pi alpha m - A P ln(c), with x = m + c cos(theta); alpha is
-        the tilt, A = 2/E*. `load_product` is A P. Where P = 0, m is where the profile touches
-        first, and c is 0.
+        They minimise int h d theta + pi alpha m - A P ln(c), with x = m + c cos(theta), A = 2/E*.
+        `load_product` is A P [length]. Where P = 0, m is where the profile touches first, and c is
+        0.
 
         Raises
         ------
         InputError
-            For a tilt steeper than the sides, and for a contact that reaches beyond the profile.
+            Where the tilt exceeds the slope |h'| of a side everywhere, and for a contact that
+            reaches beyond the profile.
         """
         load_product, tilt = np.broadcast_arrays(
             np.asarray(load_product, dtype=float), np.asarray(tilt, dtype=float)
         )
-        centre = np.array(self.touch(tilt))
+        centre = np.array(self.place_of_first_touch(tilt))
         half_width = np.zeros(load_product.shape)
         if not np.all(np.isfinite(centre)):
             raise InputError(
@@ -208,7 +229,7 @@ class ConvexProfile(abc.ABC):
                 " its sides"
             )
         is_pressed = load_product > 0
-        centre[is_pressed], half_width[is_pressed] = self._pressed(
+        centre[is_pressed], half_width[is_pressed] = self._contact_by_newton(
             load_product[is_pressed], tilt[is_pressed], centre[is_pressed]
         )
         left_edge = float(np.min(centre - half_width, initial=0.0))
@@ -221,14 +242,15 @@ class ConvexProfile(abc.ABC):
             )
         return centre, half_width
 
-    def _pressed(self, load_product: Array, tilt: Array, first_touch: Array) -> tuple[Array, Array]:
-        """Centre m and half-length c of the contacts under positive loads and tilts, (n,) each, by
-        Newton's method.
+    def _contact_by_newton(
+        self, load_product: Array, tilt: Array, first_touch: Array
+    ) -> tuple[Array, Array]:
+        """Centre m and half-length c of contacts under positive loads P and tilts alpha, (n,) each
+        [length], by Newton's method.
 
-        Two equations hold: the mean slope balances the tilt, and the curvature carries the load.
-        They are the slopes of a convex sum; a step is halved where it would overshoot the minimum
-        of that sum. m and c are those of the last step accepted. The next trial moves the centre by
-        `shift` and the half-length by `widening`.
+        Two equations hold: the mean slope is -alpha, and the curvature carries P. They are the
+        derivatives by m and c of the convex potential int h d theta + pi alpha m - A P ln(c). A
+        step that would overshoot the minimum of the potential is halved.
 
         Parameters
         ----------
@@ -239,8 +261,8 @@ class ConvexProfile(abc.ABC):
         first_touch
             (n,) where the profile touches without load [length]
         """
-        # From a wider contact: what either end carries is nearly a convex function of it, and
-        # hardly one of the other.
+        # Start wider than the contact: then the residual of either end is nearly a convex function
+        # of that end, and hardly depends on the other.
         leftmost = first_touch - self.size
         rightmost = first_touch + self.size
         if len(self.knots):
@@ -248,23 +270,26 @@ class ConvexProfile(abc.ABC):
             rightmost = np.maximum(rightmost, self.knots[-1] + self.size)
         m = (leftmost + rightmost) / 2
         c = (rightmost - leftmost) / 2
-        shift = 0 * first_touch
-        widening = 0 * first_touch
-        predicted_fall = np.full(first_touch.shape, np.inf)
+        shift = 0 * first_touch  # step of m from the last accepted one to the trial
+        widening = 0 * first_touch  # step of c
+        # |slope of the potential along the step| where the step begins
+        slope_along_step = np.full(first_touch.shape, np.inf)
         for _ in range(_STEPS):
             trial_m = m + shift
             trial_c = c + widening
             balance = self.balance(trial_m, trial_c)
             slope_residual = np.pi * (balance.mean_slope + tilt)
-            load_residual = (load_product - balance.load) / trial_c
-            # A step beyond which the sum would rise half as steeply as it fell before is halved.
-            is_accepted = slope_residual * shift - load_residual * widening <= predicted_fall / 2
+            load_residual = (load_product - balance.load_product) / trial_c
+            # A step is halved where the potential rises behind it more than half as steeply as it
+            # fell before.
+            rise_along_step = slope_residual * shift - load_residual * widening
+            is_accepted = rise_along_step <= slope_along_step / 2
             m = np.where(is_accepted, trial_m, m)
             c = np.where(is_accepted, trial_c, c)
             newton_shift, newton_widening = _newton_step(
                 balance, slope_residual, load_residual, trial_c, c
             )
-            # Neither end moves by more than c, nor past what touches first.
+            # Neither end moves by more than c, nor past the place that touches first.
             left_move = np.clip(
                 newton_shift - newton_widening, -c, 0.9 * np.maximum(first_touch - m + c, 0.0)
             )
@@ -273,10 +298,10 @@ class ConvexProfile(abc.ABC):
             )
             shift = np.where(is_accepted, (left_move + right_move) / 2, shift / 2)
             widening = np.where(is_accepted, (right_move - left_move) / 2, widening / 2)
-            predicted_fall = np.where(
+            slope_along_step = np.where(
                 is_accepted,
                 np.abs(slope_residual * shift - load_residual * widening),
-                predicted_fall,
+                slope_along_step,
             )
             # The next step would be about the power 3/2 of this one.
             largest_step = np.maximum(np.abs(shift), np.abs(widening))
@@ -292,53 +317,64 @@ def _newton_step(
     half_width: Array,
     fallback_widening: Array,
 ) -> tuple[Array, Array]:
-    """Newton steps of the centre and of the half-length of contacts, (n,) each [length], from the
-    residuals of the balance of slope and of load.
+    """Newton steps of the centre m and of the half-length c of contacts, (n,) each [length], from
+    the residuals of the balances of slope and of load.
 
-    Where the sum that is least at the solution is not convex, the centre stays and the contact
-    widens by `fallback_widening`.
+    Both residuals are derivatives of a potential that is least at the solution, see
+    `_contact_by_newton`. Where its Hessian is not positive the centre stays, and the contact widens
+    by `fallback_widening`.
 
     Parameters
     ----------
     balance
         integrals of h'' over each contact, of which the Jacobian is made
-    slope_residual, load_residual
-        (n,) error of the mean slope times pi, and of the load over the half-length
+    slope_residual
+        (n,) pi (mean of h' + alpha) [1]
+    load_residual
+        (n,) missing load A (P - P of the contact)/c [1]
     half_width
-        (n,) half-lengths before the step
+        (n,) half-length c before the step [length]
+    fallback_widening
+        (n,) [length]
     """
-    bend_sum = balance.bend_sum
-    bend_cosine_sum = balance.bend_cosine_sum
-    off_diagonal_with_residual = bend_cosine_sum + slope_residual / half_width
-    # The full matrix only where its determinant is positive, with a margin.
-    is_safely_convex = bend_sum * bend_sum > 1.1 * off_diagonal_with_residual * bend_cosine_sum
-    off_diagonal = np.where(is_safely_convex, off_diagonal_with_residual, bend_cosine_sum)
-    determinant = bend_sum * bend_sum - off_diagonal * bend_cosine_sum
+    curvature_integral = balance.curvature_integral
+    curvature_cosine_integral = balance.curvature_cosine_integral
+    off_diagonal_with_residual = curvature_cosine_integral + slope_residual / half_width
+    # The residual belongs to the Jacobian, but may make its determinant negative: it counts only
+    # where the determinant stays positive, with a margin.
+    is_safely_convex = (
+        curvature_integral * curvature_integral
+        > 1.1 * off_diagonal_with_residual * curvature_cosine_integral
+    )
+    off_diagonal = np.where(is_safely_convex, off_diagonal_with_residual, curvature_cosine_integral)
+    determinant = curvature_integral * curvature_integral - off_diagonal * curvature_cosine_integral
     is_convex = determinant > 0
     determinant = np.where(is_convex, determinant, 1.0)
-    shift = -(slope_residual * bend_sum + off_diagonal * load_residual) / determinant
-    widening = (bend_sum * load_residual + slope_residual * bend_cosine_sum) / determinant
+    shift = -(slope_residual * curvature_integral + off_diagonal * load_residual) / determinant
+    widening = (
+        curvature_integral * load_residual + slope_residual * curvature_cosine_integral
+    ) / determinant
     return np.where(is_convex, shift, 0.0), np.where(is_convex, widening, fallback_widening)
 
 
 @dataclass(frozen=True, eq=False)
 class PiecewiseParabola(ConvexProfile):
-    """A profile whose h'' is constant between knots.
+    """A profile whose curvature h'' is constant between knots: parabolas side by side.
 
     Attributes
     ----------
     knots, curvature
-        (n,) ascending [length], (n + 1,) of the pieces between and beyond [1/length]
-    slope, height
-        h' and h at the first knot
+        (n,) ascending [length]; (n + 1,) h'' between the knots and beyond [1/length]
+    slope_at_first_knot, height_at_first_knot
+        h' [1] and h [length] there
     extent
         ends of the profile [length]
     """
 
     knots: Array
     curvature: Array
-    slope: float
-    height: float
+    slope_at_first_knot: float
+    height_at_first_knot: float
     extent: tuple[float, float] = (-np.inf, np.inf)
 
     @property
@@ -347,7 +383,7 @@ class PiecewiseParabola(ConvexProfile):
 
     @cached_property
     def jumps(self) -> Array:
-        """J."""
+        """J, (n,): rise of h'' at each knot, to the right [1/length]."""
         return np.diff(self.curvature)
 
     @property
@@ -356,7 +392,7 @@ class PiecewiseParabola(ConvexProfile):
 
     @cached_property
     def radius(self) -> float | None:  # type: ignore[override]
-        if not self.is_parabola or self.touch(0.0) != 0:
+        if not self.is_parabola or self.place_of_first_touch(0.0) != 0:
             return None
         return 1 / float(self.curvature[0])
 
@@ -366,8 +402,10 @@ class PiecewiseParabola(ConvexProfile):
         return bool(np.all(self.jumps == 0))
 
     def angles(self, m: Array, c: Array) -> Angles:
-        """Of the knots over contacts of centre m and half-length c; 0 beyond the right end, pi
-        beyond the left one.
+        """Angles theta of the knots b = m + c cos(theta) over contacts of centre m and half-length
+        c, (..., n) for m and c of shape (...).
+
+        theta is 0 for knots beyond the right end, pi for those beyond the left one.
         """
         distance = self.knots - m[..., None]
         half_width = np.asarray(c)[..., None]
@@ -379,16 +417,16 @@ class PiecewiseParabola(ConvexProfile):
 
     @cached_property
     def slopes(self) -> Array:
-        """h' at the knots."""
+        """h' at the knots, (n,), ascending."""
         rises = np.cumsum(self.curvature[1:-1] * np.diff(self.knots))
-        return np.concatenate([[self.slope], self.slope + rises])
+        return np.concatenate([[self.slope_at_first_knot], self.slope_at_first_knot + rises])
 
-    def touch(self, tilt: ArrayLike) -> Array:
-        """Where the tilted profile touches without load, h' + alpha = 0: the middle of that place
-        [length], infinite where there is none.
+    def place_of_first_touch(self, tilt: ArrayLike) -> Array:
+        """Place x where the profile under a tilt alpha touches without load, h' + alpha = 0
+        [length]; +-infinite where h' does not reach -alpha.
 
-        h' is linear between knots, so that the place is found between the two knots around it; a
-        straight part of that slope touches all along.
+        h' is linear between knots, so that the place is interpolated between the knots on both
+        sides. A straight part (h'' = 0) of the slope -alpha touches all along: its middle.
         """
         slope = -np.asarray(tilt, dtype=float)
         last_knot = len(self.knots) - 1
@@ -411,31 +449,32 @@ class PiecewiseParabola(ConvexProfile):
         )
 
     def balance(self, m: Array, c: Array) -> Balance:
-        """Mean slope, load and curvature integrals of contacts of centre m and half-length c, in
-        closed form: sums over the knots of the jumps J of h''.
+        """Mean slope, load and integrals of h'' over contacts of centre m and half-length c, in
+        closed form: sums over the knots, with the jump J of h'' at each.
 
             mean slope = h'(m) + (c/pi) sum J (sin(theta) - theta cos(theta))
-            A P        = (c^2/2) [pi h''(m) + sum +-J (theta - sin(theta) cos(theta))]
+            A P        = (c^2/2) [pi h''(m) + sum s J (theta - sin(theta) cos(theta))]
 
-        theta is the angle of a knot at m +- c cos(theta). Knots are counted from m outwards, so
-        that an end next to a knot keeps its digits.
+        A knot is at m + s c cos(theta), 0 <= theta <= pi/2; its side s is 1 to the right of m, -1
+        to the left. So h'' is counted from m outwards, and an end next to a knot keeps its digits.
         """
-        piece_at_middle = np.searchsorted(self.knots, m)
-        knot_before = np.maximum(piece_at_middle - 1, 0)
-        curvature = self.curvature[piece_at_middle]
+        number_of_parabola = np.searchsorted(self.knots, m)
+        knot_before = np.maximum(number_of_parabola - 1, 0)
+        curvature = self.curvature[number_of_parabola]
         distance = self.knots - m[..., None]
         half_width = np.where(c > 0, c, 1.0)[..., None]
-        depth = np.clip(1 - np.abs(distance) / half_width, 0.0, 1.0)
-        theta = 2 * np.arcsin(np.sqrt(depth / 2))
-        sine = np.sqrt(depth * (2 - depth))
+        # 1 - cos(theta): depth of the knot inside the nearer end, over c; exact next to the end
+        relative_depth = np.clip(1 - np.abs(distance) / half_width, 0.0, 1.0)
+        theta = 2 * np.arcsin(np.sqrt(relative_depth / 2))
+        sine = np.sqrt(relative_depth * (2 - relative_depth))
         side = np.where(distance >= 0, 1.0, -1.0)
-        mean_functions, load_functions = _angle_functions(theta, sine, 1 - depth)
+        mean_functions, load_functions = _angle_functions(theta, sine, 1 - relative_depth)
         slope_at_middle = self.slopes[knot_before] + curvature * (m - self.knots[knot_before])
         return Balance(
             mean_slope=c * (mean_functions @ self.jumps) / np.pi + slope_at_middle,
-            load=c * c / 2 * (np.pi * curvature + (side * load_functions) @ self.jumps),
-            bend_sum=np.pi * curvature + (side * theta) @ self.jumps,
-            bend_cosine_sum=sine @ self.jumps,
+            load_product=c * c / 2 * (np.pi * curvature + (side * load_functions) @ self.jumps),
+            curvature_integral=np.pi * curvature + (side * theta) @ self.jumps,
+            curvature_cosine_integral=sine @ self.jumps,
         )
 
     def contact(self, product: ArrayLike, tilt: ArrayLike) -> tuple[Array, Array]:
@@ -445,25 +484,25 @@ class PiecewiseParabola(ConvexProfile):
         product, tilt = np.broadcast_arrays(
             np.asarray(product, dtype=float), np.asarray(tilt, dtype=float)
         )
-        middle = self.knots[0] - (self.slope + tilt) / curvature
+        middle = self.knots[0] - (self.slope_at_first_knot + tilt) / curvature
         half_width = np.sqrt(2 * np.maximum(product, 0.0) / (np.pi * curvature))
         return middle, half_width
 
     # --- what follows from a contact
 
     @property
-    def _width(self) -> int:
+    def _values_per_point(self) -> int:
         return len(self.knots)
 
     def _pressure(self, x: Array, m: Array, c: Array) -> Array:
         """Contact pressure times pi A at x, A = 2/E*, for contacts of centre m and half-length c,
         arrays that broadcast [1]; 0 outside.
 
-            pi A p = pi h''_0 r + sum over knots of J [r theta_b - (b - x) ln|...|],
-            r = sqrt(c^2 - (x - m)^2)
+            pi A p = pi h''_0 r + sum over knots of J [r theta_b - (b - x) ln|s_+/s_-|],
+            s_+- = sin((theta_x +- theta_b)/2),  r = sqrt(c^2 - (x - m)^2)
 
-        h''_0 is the curvature left of all knots, J its jump at a knot b = m + c cos(theta_b). The
-        logarithm is of sin((theta_x + theta_b)/2)/sin((theta_x - theta_b)/2).
+        h''_0 is the curvature left of all knots, J its jump at a knot b = m + c cos(theta_b); x = m
+        + c cos(theta_x).
         """
         t = x - m
         if self.is_parabola:
@@ -473,7 +512,7 @@ class PiecewiseParabola(ConvexProfile):
         root = np.sqrt(np.maximum((c - t) * (c + t), 0.0))[..., None]
         half_width = np.where(c > 0, c, 1.0)[..., None]
         distance_to_knot = self.knots - x[..., None]
-        # ln|sin((theta_x + theta)/2)/sin((theta_x - theta)/2)|, each sine times the same factor
+        # s_+ and s_- as sum and difference of two products of half angles, both times one factor
         sine_of_point = root / half_width * (1 + knot_angles.cosine)
         sine_of_knot = knot_angles.sine * (1 + t[..., None] / half_width)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -496,16 +535,17 @@ class PiecewiseParabola(ConvexProfile):
             (x - b)_+^2/2 + [theta F - (x - b)^2 phi - s c sin(theta) (r - s c cos(theta) u)]/(2 pi)
 
         # notation: t = x - m, d = |t|, s sign of t, u = arccosh(d/c), h''_0 curvature left of all
-        #           knots; tan(phi/2) = tan(theta/2) over tanh(u/2) where s > 0, else times it
+        #           knots; tan(phi/2) = tan(theta/2)/tanh(u/2) where s > 0, and tan(theta/2)
+        #           tanh(u/2) where s < 0
         """
         t = x - m
         theta, sine, cosine = self.angles(m, c)
         distance = np.maximum(np.abs(t), c)
         r = np.sqrt((distance - c) * (distance + c))
         u = np.where(c > 0, np.arcsinh(r / np.where(c > 0, c, 1.0)), 0.0)
-        parabola_term = distance * r - c * c * u
+        parabola_term = distance * r - c * c * u  # F
         side = np.sign(t)[..., None]
-        # phi by opposite over adjacent leg of its half
+        # phi/2 as the angle of a right triangle; leg_ratio = tanh(u/2)
         zeros = np.zeros(t.shape)
         leg_ratio = np.divide(r, distance + c, out=zeros, where=distance + c > 0)[..., None]
         opposite_leg = np.where(side > 0, sine, leg_ratio * sine)
@@ -514,12 +554,12 @@ class PiecewiseParabola(ConvexProfile):
         phi = np.where(cosine >= 1, 0.0, phi)
         phi = np.where(cosine <= -1, np.pi, phi)
         from_knot = x[..., None] - self.knots
-        knot_height = c[..., None] * sine
-        knot_distance = c[..., None] * cosine
+        c_sine = c[..., None] * sine
+        c_cosine = c[..., None] * cosine
         terms_of_knots = np.square(np.maximum(from_knot, 0.0)) / 2
         terms_of_knots = terms_of_knots - from_knot * from_knot * phi / (2 * np.pi)
-        lever = r[..., None] - side * knot_distance * u[..., None]
-        terms_of_knots += (theta * parabola_term[..., None] - side * knot_height * lever) / (
+        factor_of_sine = r[..., None] - side * c_cosine * u[..., None]
+        terms_of_knots += (theta * parabola_term[..., None] - side * c_sine * factor_of_sine) / (
             2 * np.pi
         )
         gap = terms_of_knots @ self.jumps + self.curvature[0] / 2 * parabola_term
@@ -527,38 +567,45 @@ class PiecewiseParabola(ConvexProfile):
 
     def approach(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
         """Normal approach of the point x = 0 of contacts of centre m and half-length c under a
-        tilt, without its term (A P/pi) ln(2 L/c) [length]; A = 2/E*, L the distance of the datum.
+        tilt alpha, without its term (A P/pi) ln(2 L/c) [length]; A = 2/E*, L the distance of the
+        point that does not move.
 
-        It is the mean of h + alpha x over the contact by angle, x = m + c cos(theta).
+        It is the mean of h + alpha x over the angle theta, x = m + c cos(theta): that of the
+        parabola left of all knots, plus what the jumps of h'' add.
         """
         theta, sine, cosine = self.angles(m, c)
         from_first_knot = m - self.knots[0]
         to_knot = self.knots - m[..., None]
-        angle_terms = theta / 2 - 1.5 * sine * cosine
+        angle_functions = theta / 2 - 1.5 * sine * cosine
         sum_over_knots = (
-            theta * to_knot * to_knot + np.square(c)[..., None] * angle_terms
+            theta * to_knot * to_knot + np.square(c)[..., None] * angle_functions
         ) @ self.jumps
-        mean_square = from_first_knot * from_first_knot + c * c / 2
+        mean_square = from_first_knot * from_first_knot + c * c / 2  # of x - b_0
         part_of_parabola = (
-            self.height + self.slope * from_first_knot + self.curvature[0] / 2 * mean_square
+            self.height_at_first_knot
+            + self.slope_at_first_knot * from_first_knot
+            + self.curvature[0] / 2 * mean_square
         )
         return np.asarray(part_of_parabola + np.asarray(tilt) * m + sum_over_knots / (2 * np.pi))
 
     def moment(self, m: Array, c: Array, tilt: ArrayLike) -> Array:
-        """Moment of the pressure, A int x p dx, of contacts of centre m and half-length c under a
-        tilt; A = 2/E* [length^2].
+        """Moment of the pressure about x = 0 times A, A int x p dx, of contacts of centre m and
+        half-length c under a tilt alpha [length^2]; A = 2/E*.
 
-        It is m times A P, plus what the tilt and the jumps of h'' at the knots make about the
-        centre.
+        It is A P m plus the moment about the centre m: (pi/2) c^2 times the slope plus tilt at m of
+        the parabola left of all knots, plus what the jumps of h'' at the knots add.
         """
         theta, sine, cosine = self.angles(m, c)
         half_width = c[..., None]
         to_knot = self.knots - m[..., None]
-        angle_terms = sine - sine**3 / 3 - sine * cosine * cosine / 2
-        sum_over_knots = (half_width * angle_terms - theta * to_knot / 2) @ self.jumps
-        slope_at_middle = np.asarray(tilt) + self.slope + self.curvature[0] * (m - self.knots[0])
+        angle_functions = sine - sine**3 / 3 - sine * cosine * cosine / 2
+        sum_over_knots = (half_width * angle_functions - theta * to_knot / 2) @ self.jumps
+        slope_at_middle = (
+            np.asarray(tilt) + self.slope_at_first_knot + self.curvature[0] * (m - self.knots[0])
+        )
         return np.asarray(
-            m * self.balance(m, c).load + c * c * (sum_over_knots + np.pi / 2 * slope_at_middle)
+            m * self.balance(m, c).load_product
+            + c * c * (sum_over_knots + np.pi / 2 * slope_at_middle)
         )
 
 
@@ -570,19 +617,23 @@ def _angle_functions(theta: Array, sine: Array, cosine: Array) -> tuple[Array, A
     """
     mean_function = sine - theta * cosine
     load_function = theta - sine * cosine
-    is_small = theta < _SMALL
+    is_small = theta < _SMALL_ANGLE
     if np.any(is_small):
         squared_angle = np.square(theta)
         cubed_angle = theta * squared_angle
-        mean_series = cubed_angle * np.polynomial.polynomial.polyval(squared_angle, _OF_MEAN)
-        load_series = cubed_angle * np.polynomial.polynomial.polyval(squared_angle, _OF_LOAD)
+        mean_series = cubed_angle * np.polynomial.polynomial.polyval(
+            squared_angle, _MEAN_COEFFICIENTS
+        )
+        load_series = cubed_angle * np.polynomial.polynomial.polyval(
+            squared_angle, _LOAD_COEFFICIENTS
+        )
         mean_function = np.where(is_small, mean_series, mean_function)
         load_function = np.where(is_small, load_series, load_function)
     return mean_function, load_function
 
 
-# Share of c, or of the distance to a knot, within which h'' stands for a difference quotient of h'.
-_NEAR = 1e-5
+# Share of c, or of the distance to a knot, within which h'' replaces a difference quotient of h'.
+_NEAR_FRACTION = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -603,10 +654,10 @@ class CurvedProfile(ConvexProfile):
 
     Attributes
     ----------
-    height, gradient, bend
-        h, h' and h''
+    height, gradient, second_derivative
+        h [length], h' [1] and h'' [1/length] as functions of x
     rule
-        on a part between knots; `ROOTS` for singular ends
+        quadrature over theta between two knots; `ROOTS` for integrands singular at the knots
     exponent
         n of |x|^n near the knot x = 0
     noise
@@ -617,7 +668,7 @@ class CurvedProfile(ConvexProfile):
     size: float
     height: Callable[[Array], Array]
     gradient: Callable[[Array], Array]
-    bend: Callable[[Array], Array]
+    second_derivative: Callable[[Array], Array]
     rule: LogisticRule = ROOTS
     exponent: float = 2.0
     extent: tuple[float, float] = (-np.inf, np.inf)
@@ -627,34 +678,34 @@ class CurvedProfile(ConvexProfile):
     def breaks(self) -> Array:
         return self.knots
 
-    def touch(self, tilt: ArrayLike) -> Array:
-        """Where the tilted profile touches without load, h' + alpha = 0: the middle of that place
-        [length], infinite where there is none.
+    def place_of_first_touch(self, tilt: ArrayLike) -> Array:
+        """Place x where the profile under a tilt alpha touches without load, h' + alpha = 0
+        [length]; infinite where h' does not reach -alpha.
 
-        h' rises everywhere. The first and the last place of that slope are found by halving an
-        interval about the origin, doubled until it holds them.
+        h' falls nowhere. The first and the last place of the slope -alpha are found by bisection,
+        in an interval about x = 0 that is doubled until it holds them; returned is their middle.
         """
         target_slope = -np.asarray(tilt, dtype=float)
         half_interval = self.size
         steepest = np.max(np.abs(target_slope))
         while self.gradient(np.array(half_interval)) < steepest and half_interval < 1e9 * self.size:
             half_interval = 2 * half_interval
-        left_bound, _ = self._halved(target_slope, half_interval, np.greater_equal)
-        _, right_bound = self._halved(target_slope, half_interval, np.greater)
+        left_bound, _ = self._bounds_by_bisection(target_slope, half_interval, np.greater_equal)
+        _, right_bound = self._bounds_by_bisection(target_slope, half_interval, np.greater)
         is_reached = np.abs(target_slope) <= self.gradient(np.array(half_interval))
         return np.where(is_reached, (left_bound + right_bound) / 2, np.inf)
 
-    def _halved(
-        self, target_slope: Array, reach: float, is_above: Callable[[Array, Array], Array]
+    def _bounds_by_bisection(
+        self, target_slope: Array, half_interval: float, is_above: Callable[[Array, Array], Array]
     ) -> tuple[Array, Array]:
         """Bounds from left and right of the place where the slope h' of the profile passes a
-        target, by 64 halvings of the interval +- `reach` [length].
+        target [length], by 64 bisections of -half_interval < x < half_interval.
 
-        `is_above` compares slopes of the profile with the targets; the arrays have the shape of
-        `target_slope`.
+        `is_above(slope, target)` is true beyond that place, to the right. All arrays have the shape
+        of `target_slope`.
         """
-        left_bound = np.full(target_slope.shape, -reach)
-        right_bound = np.full(target_slope.shape, reach)
+        left_bound = np.full(target_slope.shape, -half_interval)
+        right_bound = np.full(target_slope.shape, half_interval)
         for _ in range(64):
             middle = (left_bound + right_bound) / 2
             is_beyond = is_above(self.gradient(middle), target_slope)
@@ -663,12 +714,11 @@ class CurvedProfile(ConvexProfile):
         return left_bound, right_bound
 
     def _nodes(self, m: Array, c: Array) -> tuple[Array, Array, Array]:
-        """Quadrature nodes over contacts of centre m and half-length c: their places xi, distances
-        xi - m, and weights of an average, with a new last axis.
+        """Quadrature over contacts of centre m and half-length c: places xi of the nodes, distances
+        xi - m [length], and weights whose sum is 1, in a new last axis of all nodes.
 
-        Averages are over equal angles theta, xi = m + c cos(theta). The range of angles is cut at
-        the knots of the profile, where h'' is not smooth. A node is placed from the nearer end of
-        its part, so that its distance from a knot keeps its digits.
+        They give means over equal angles theta, xi = m + c cos(theta). The range 0 < theta < pi is
+        cut at the knots of the profile, where h'' is not smooth; each part takes the same rule.
         """
         m, c = np.broadcast_arrays(m, c)
         m = m[..., None]
@@ -676,49 +726,55 @@ class CurvedProfile(ConvexProfile):
         to_knot = self.knots[::-1] - m
         knot_root = np.sqrt(np.maximum((c - to_knot) * (c + to_knot), 0.0))
         knot_theta = np.arctan2(knot_root, to_knot)
-        angles_of_ends = np.concatenate([0 * m, knot_theta, 0 * m + np.pi], axis=-1)
+        angles_of_part_ends = np.concatenate([0 * m, knot_theta, 0 * m + np.pi], axis=-1)
         knots_within = np.clip(to_knot + m, m - c, m + c)
-        places_of_ends = np.concatenate([m + c, knots_within, m - c], axis=-1)
-        angle_spans = np.diff(angles_of_ends)[..., None]
-        # From the end next to a node, so that its distance from a knot keeps its digits.
-        is_from_begin = self.rule.up < 0.5
+        places_of_part_ends = np.concatenate([m + c, knots_within, m - c], axis=-1)
+        angle_spans = np.diff(angles_of_part_ends)[..., None]
+        # A node is placed from the nearer end of its part, so that its distance from a knot keeps
+        # its digits. The rule has its distances from begin and end, `up` and `down`, on [0, 1].
+        is_nearer_begin = self.rule.up < 0.5
 
-        def nearer_end(at_ends: Array) -> Array:
-            return np.where(is_from_begin, at_ends[..., :-1, None], at_ends[..., 1:, None])
+        def at_nearer_end(at_part_ends: Array) -> Array:
+            return np.where(
+                is_nearer_begin, at_part_ends[..., :-1, None], at_part_ends[..., 1:, None]
+            )
 
         angle_from_end = np.where(
-            is_from_begin, angle_spans * self.rule.up, -angle_spans * self.rule.down
+            is_nearer_begin, angle_spans * self.rule.up, -angle_spans * self.rule.down
         )
         half_sine = np.sin(angle_from_end / 2)
         half_cosine = np.sqrt(1 - half_sine * half_sine)
-        sine = nearer_end(np.sin(angles_of_ends))
-        cosine = nearer_end(np.cos(angles_of_ends))
+        sine = at_nearer_end(np.sin(angles_of_part_ends))
+        cosine = at_nearer_end(np.cos(angles_of_part_ends))
+        # c [cos(end) - cos(end + angle_from_end)] as a product
         distance_from_end = 2 * c[..., None] * half_sine * (sine * half_cosine + cosine * half_sine)
-        xi = nearer_end(places_of_ends) - distance_from_end
+        xi = at_nearer_end(places_of_part_ends) - distance_from_end
         weights = angle_spans * self.rule.weight / np.pi
         if len(self.knots):
-            # What the rule leaves out of |x|^(n - 2) is a geometric series.
+            # Beyond its outermost node the rule leaves out a tail of the integral. At the knot x =
+            # 0, where h'' is like |x|^(n - 2), the tail is a geometric series: the outermost
+            # weight takes it too.
             tail_exponent = (self.exponent - 1) * self.rule.weight[0] / self.rule.up[0]
             factor_of_tail = 1 + 1 / math.expm1(tail_exponent)
-            weights[..., 0] *= np.where(places_of_ends[..., :-1] == 0, factor_of_tail, 1.0)
-            weights[..., -1] *= np.where(places_of_ends[..., 1:] == 0, factor_of_tail, 1.0)
+            weights[..., 0] *= np.where(places_of_part_ends[..., :-1] == 0, factor_of_tail, 1.0)
+            weights[..., -1] *= np.where(places_of_part_ends[..., 1:] == 0, factor_of_tail, 1.0)
         shape = (*xi.shape[:-2], xi.shape[-2] * xi.shape[-1])
         return xi.reshape(shape), (xi - m[..., None]).reshape(shape), weights.reshape(shape)
 
     def balance(self, m: Array, c: Array) -> Balance:
         xi, t, weight = self._nodes(m, c)
-        slope = weight * self.gradient(xi)
-        bend = np.pi * weight * self.bend(xi)
+        weighted_slope = weight * self.gradient(xi)
+        weighted_curvature = np.pi * weight * self.second_derivative(xi)
         cosine = t / np.where(c > 0, c, 1.0)[..., None]
         return Balance(
-            mean_slope=np.sum(slope, axis=-1),
-            load=np.sum(np.pi * slope * t, axis=-1),
-            bend_sum=np.sum(bend, axis=-1),
-            bend_cosine_sum=np.sum(bend * cosine, axis=-1),
+            mean_slope=np.sum(weighted_slope, axis=-1),
+            load_product=np.sum(np.pi * weighted_slope * t, axis=-1),
+            curvature_integral=np.sum(weighted_curvature, axis=-1),
+            curvature_cosine_integral=np.sum(weighted_curvature * cosine, axis=-1),
         )
 
     @property
-    def _width(self) -> int:
+    def _values_per_point(self) -> int:
         return (len(self.knots) + 1) * len(self.rule.up)
 
     def _pressure(self, x: Array, m: Array, c: Array) -> Array:
@@ -736,36 +792,38 @@ class CurvedProfile(ConvexProfile):
         distance_to_node = xi - place_column
         distances_to_knots = np.abs(place_column - self.knots)
         distance_to_next_knot = np.min(distances_to_knots, axis=-1, initial=np.inf, keepdims=True)
-        is_near = np.nonzero(
-            np.abs(distance_to_node) < _NEAR * np.minimum(distance_to_next_knot, c[..., None])
+        near_pairs = np.nonzero(
+            np.abs(distance_to_node)
+            < _NEAR_FRACTION * np.minimum(distance_to_next_knot, c[..., None])
         )
         places_between = (
-            (place_column + distance_to_node / 2)[is_near]
-            if len(is_near[0])
-            else distance_to_node[is_near]
+            (place_column + distance_to_node / 2)[near_pairs]
+            if len(near_pairs[0])
+            else distance_to_node[near_pairs]
         )
-        distance_to_node[is_near] = np.inf
+        distance_to_node[near_pairs] = np.inf
         slope_rise = self.gradient(xi) - self.gradient(place_column)
         quotient = slope_rise / np.where(distance_to_node == 0, np.inf, distance_to_node)
-        quotient[is_near] = self.bend(places_between)
+        quotient[near_pairs] = self.second_derivative(places_between)
         return np.asarray(np.pi * root * np.sum(weights * quotient, axis=-1))
 
     def _gap(self, x: Array, m: Array, c: Array) -> Array:
         """Gap at x outside contacts of centre m and half-length c, arrays that broadcast [length];
         0 inside.
 
-            gap = mean of +-c sinh(u) [(h(x) - h(xi))/(x - xi) - h'(xi)] - u (xi - m) h'(xi)
+            gap = mean of s c sinh(u) [(h(x) - h(xi))/(x - xi) - h'(xi)] - u (xi - m) h'(xi)
 
-        The mean is over the angle theta of xi = m + c cos(theta); x = m +- c cosh(u).
+        The mean is over the angle theta of xi = m + c cos(theta). x = m + s c cosh(u): u > 0, and s
+        is 1 to the right of the contact, -1 to the left.
         """
-        nodes, distance_from_middle, weights = self._nodes(m, c)
+        xi, distance_from_middle, weights = self._nodes(m, c)
         distance = np.maximum(np.abs(x - m), c)
         root = np.sqrt((distance - c) * (distance + c))
         u = np.where(c > 0, np.arcsinh(root / np.where(c > 0, c, 1.0)), 0.0)
-        places = np.asarray(x)[..., None]
-        distance_to_node = places - nodes
-        slope = self.gradient(nodes)
-        height_rise = self.height(places) - self.height(nodes)
+        place_column = np.asarray(x)[..., None]
+        distance_to_node = place_column - xi
+        slope = self.gradient(xi)
+        height_rise = self.height(place_column) - self.height(xi)
         chord = np.divide(
             height_rise,
             distance_to_node,
@@ -791,20 +849,22 @@ class CurvedProfile(ConvexProfile):
 
 @dataclass(frozen=True, eq=False)
 class NestedIntervals:
-    """Contacts I(eta) of a convex profile under the loads eta and the tilts alpha_0 + kappa eta, by
-    series.
+    """Contact intervals I(eta) of a convex profile under normal loads eta and tilts alpha_0 + kappa
+    eta, by Chebyshev series over the load.
 
-    m and c are series of the root of eta - eta_b behind each load eta_b at which an end meets a
-    knot.
+    Their centre m and half-length c are series of sqrt(eta - eta_b) above each load eta_b at which
+    an end of contact meets a knot.
 
     Attributes
     ----------
-    shape, compliance
-        the profile, A
+    shape
+        the profile
+    compliance
+        A = 2/E* [1/stress]
     tilt_without_load, tilt_per_load
-        alpha_0 and kappa [1/force per thickness]
+        alpha_0 [rad] and kappa [rad per force per thickness]
     largest_load
-        the largest load that is asked for
+        up to which the series go [force per thickness]
     """
 
     shape: ConvexProfile
@@ -813,81 +873,86 @@ class NestedIntervals:
     tilt_per_load: float
     largest_load: float
 
-    def exactly(self, load: ArrayLike) -> tuple[Array, Array]:
-        """m and c of I(eta) from the equations themselves."""
+    def exact_contact(self, load: ArrayLike) -> tuple[Array, Array]:
+        """m and c of I(eta) [length] from the equations of equilibrium, not from the series."""
         eta = np.asarray(load, dtype=float)
         return self.shape.contact(
             self.compliance * eta, self.tilt_without_load + self.tilt_per_load * eta
         )
 
     @cached_property
-    def scale(self) -> float:
-        """The largest half-length."""
-        return float(self.exactly(self.largest_load)[1])
+    def largest_half_width(self) -> float:
+        """c of I(largest_load) [length]."""
+        return float(self.exact_contact(self.largest_load)[1])
 
     @cached_property
-    def start(self) -> tuple[Array, Array]:
-        """m and c of no load."""
-        return self.exactly(0.0)
+    def unloaded_contact(self) -> tuple[Array, Array]:
+        """m and c of I(0) [length]: c is 0, m where the profile touches first."""
+        return self.exact_contact(0.0)
 
     @cached_property
-    def face(self) -> tuple[float, float]:
-        """Middle and half-length of a flat face that touches under no load."""
-        middle = float(self.start[0])
+    def flat_face(self) -> tuple[float, float]:
+        """Middle and half-length of a flat face, all of which touches without load [length]."""
+        middle = float(self.unloaded_contact[0])
         if self.shape.radius is not None:
             return middle, 0.0
-        return middle, float(self._series.half(0.0))
+        return middle, float(self._series.half_width(0.0))
 
     @cached_property
     def break_loads(self) -> Array:
         """Loads at which an end of I(eta) is at a knot, ascending."""
-        loads = self.load(self.shape.breaks)
+        loads = self.load_at_edge(self.shape.breaks)
         return np.unique(loads[np.isfinite(loads) & (loads > 1e-12 * self.largest_load)])
 
     @cached_property
     def _series(self) -> _IntervalSeries:
-        """Chebyshev series of centre and half-length of the contact over the load, from 0 to the
-        largest.
+        """Chebyshev series of the centre m and half-length c of contact over the load eta, from 0
+        to the largest.
 
-        The load is cut where an end of the contact meets a knot of the profile. Behind each cut
-        both are smooth in the root of the load since then; these roots are laid side by side on one
-        axis.
+        The loads are cut where an end of contact meets a knot of the profile. Between two cuts m
+        and c are smooth in v = sqrt(eta - eta_b), eta_b the lower cut. The intervals of v are laid
+        end to end on one axis, so that one series holds all of them.
         """
-        breaks = self.break_loads[self.break_loads < self.largest_load * (1 - 1e-9)]
-        loads_of_cuts = np.concatenate([[0.0], breaks, [self.largest_load]])
-        ends_on_axis = np.concatenate([[0.0], np.cumsum(np.sqrt(np.diff(loads_of_cuts)))])
-        middle_series = []
-        half_width_series = []
-        for begin_load, end_load in pairwise(loads_of_cuts.tolist()):
-            middle_between_cuts, half_width_between_cuts = self._series_between(
-                begin_load, end_load
+        break_loads = self.break_loads[self.break_loads < self.largest_load * (1 - 1e-9)]
+        cut_loads = np.concatenate([[0.0], break_loads, [self.largest_load]])
+        cuts_on_axis = np.concatenate([[0.0], np.cumsum(np.sqrt(np.diff(cut_loads)))])
+        series_of_centre = []
+        series_of_half_width = []
+        for lower_load, upper_load in pairwise(cut_loads.tolist()):
+            centre_between_cuts, half_width_between_cuts = self._series_between(
+                lower_load, upper_load
             )
-            middle_series.append(middle_between_cuts)
-            half_width_series.append(half_width_between_cuts)
+            series_of_centre.append(centre_between_cuts)
+            series_of_half_width.append(half_width_between_cuts)
         return _IntervalSeries(
-            loads_of_cuts[:-1],
-            ends_on_axis,
-            _side_by_side(middle_series, ends_on_axis),
-            _side_by_side(half_width_series, ends_on_axis),
+            cut_loads[:-1],
+            cuts_on_axis,
+            _on_one_axis(series_of_centre, cuts_on_axis),
+            _on_one_axis(series_of_half_width, cuts_on_axis),
         )
 
     def _series_between(self, lower_load: float, upper_load: float) -> tuple[Pieces, Pieces]:
-        """Chebyshev series of centre and half-length of the contact over v = sqrt(eta -
-        lower_load), for loads eta between two at which an end of the contact meets a knot of the
-        profile.
+        """Chebyshev series of the centre m and half-length c of contact over v = sqrt(eta -
+        lower_load), for loads eta between two neighbouring ones at which an end of contact meets a
+        knot.
 
         Raises
         ------
         NotFoundError
-            Where no series resolves them.
+            Where no series represents them to round-off.
         """
-        ends = np.array([0.0, math.sqrt(upper_load - lower_load)])
-        # Over 4e-15: beside a flat the last digits of a contact are noise.
-        floor = 0.1 * self.shape.noise / 4e-15 * self.scale
+        range_of_v = np.array([0.0, math.sqrt(upper_load - lower_load)])
+        # Length of which `halved` takes 4e-15 as negligible. Beside a flat the last digits of a
+        # contact are noise, as are those of a profile with noise.
+        value_scale = 0.1 * self.shape.noise / 4e-15 * self.largest_half_width
         try:
             return (
-                halved(lambda v: self.exactly(lower_load + v * v)[0], ends, floor),
-                halved(lambda v: self.exactly(lower_load + v * v)[1], ends, floor),
+                halved(
+                    lambda v: self.exact_contact(lower_load + v * v)[0], range_of_v, value_scale
+                ),
+                halved(
+                    lambda v: self.exact_contact(lower_load + v * v)[1], range_of_v, value_scale
+                ),
             )
         except Unresolved as fault:
             raise NotFoundError(
@@ -896,78 +961,93 @@ class NestedIntervals:
             ) from fault
 
     def at(self, load: ArrayLike) -> tuple[Array, Array]:
-        """m and c of I(eta)."""
+        """m and c of I(eta) [length] at loads eta up to the largest, by the series."""
         if self.shape.radius is not None:
-            return self.exactly(load)
+            return self.exact_contact(load)
         eta = np.clip(np.asarray(load, dtype=float), 0.0, self.largest_load)
         series = self._series
-        series_number = np.searchsorted(series.begin_loads, eta, side="right") - 1
-        root = np.sqrt(eta - series.begin_loads[series_number])
-        place = np.minimum(series.places[series_number] + root, series.places[series_number + 1])
-        half_width = np.maximum(series.half(place), 0.0)
-        return series.middle(place), np.where(eta > 0, half_width, 0.0)
+        range_number = np.searchsorted(series.begin_loads, eta, side="right") - 1
+        root = np.sqrt(eta - series.begin_loads[range_number])
+        end_on_axis = series.cuts_on_axis[range_number + 1]
+        place_on_axis = np.minimum(series.cuts_on_axis[range_number] + root, end_on_axis)
+        half_width = np.maximum(series.half_width(place_on_axis), 0.0)
+        return series.centre(place_on_axis), np.where(eta > 0, half_width, 0.0)
 
-    def growth(self, side: Array, load: Array, load_rise: Array) -> Array:
-        """How far one end of the contact has moved outwards while the load rose by `load_rise` to
-        `load`, (n,) [length].
+    def edge_movement(self, side: Array, load: Array, load_rise: Array) -> Array:
+        """Distance by which one end of contact moves outwards while the load rises by `load_rise`
+        to `load`, (n,) [length].
 
-        It is the integral of the end's rate over the load. The difference of two ends next to each
-        other would be mere error of their series. `side` is +1 for the right end, -1 for the left
-        one.
+        It is the integral over the load of the rate of that end, the derivative of its series. The
+        difference of two values of the series would be mere round-off where both are close.
+
+        Parameters
+        ----------
+        side
+            (n,) +1 for the right end, -1 for the left one
+        load, load_rise
+            (n,) [force per thickness]
         """
         radius = self.shape.radius
         if radius is not None:  # of a parabola in closed form
-            _, half_after = self.exactly(load)
-            _, half_before = self.exactly(load - load_rise)
-            widening = 2 * self.compliance * radius / np.pi / (half_after + half_before)
-            return load_rise * (widening - side * radius * self.tilt_per_load)
+            _, half_width_after = self.exact_contact(load)
+            _, half_width_before = self.exact_contact(load - load_rise)
+            widening_rate = (
+                2 * self.compliance * radius / np.pi / (half_width_after + half_width_before)
+            )
+            return load_rise * (widening_rate - side * radius * self.tilt_per_load)
         series = self._series
-        series_number = np.searchsorted(series.begin_loads, load, side="right") - 1
-        outward_growth = np.zeros(load.shape)
+        outward_movement = np.zeros(load.shape)
         nodes, weights_of_nodes = gauss(8)
+        # From the load downwards, in each pass over the range between two cuts that holds what is
+        # left. Integrated is over v = sqrt(eta - eta_b), eta_b the lower cut.
+        range_number = np.searchsorted(series.begin_loads, load, side="right") - 1
         rise_left = load_rise
-        outer_root = np.sqrt(load - series.begin_loads[series_number])
-        while np.any(series_number >= 0):
-            rise_on_series = np.minimum(rise_left, outer_root * outer_root)
-            inner_root = np.sqrt(outer_root * outer_root - rise_on_series)
-            root_step = rise_on_series / np.maximum(outer_root + inner_root, 1e-300)
-            begin_place = series.places[series_number][:, None]
-            end_place = np.nextafter(series.places[series_number + 1], 0.0)[:, None]
+        upper_root = np.sqrt(load - series.begin_loads[range_number])
+        while np.any(range_number >= 0):
+            rise_in_range = np.minimum(rise_left, upper_root * upper_root)
+            lower_root = np.sqrt(upper_root * upper_root - rise_in_range)
+            root_step = rise_in_range / np.maximum(upper_root + lower_root, 1e-300)
+            begin_on_axis = series.cuts_on_axis[range_number][:, None]
+            end_on_axis = np.nextafter(series.cuts_on_axis[range_number + 1], 0.0)[:, None]
             place_on_axis = np.clip(
-                begin_place + (outer_root[:, None] - root_step[:, None] * nodes),
-                begin_place,
-                end_place,
+                begin_on_axis + (upper_root[:, None] - root_step[:, None] * nodes),
+                begin_on_axis,
+                end_on_axis,
             )
-            rate = series.half.derivative(place_on_axis) + side[:, None] * series.middle.derivative(
-                place_on_axis
-            )
-            outward_growth += root_step * np.sum(weights_of_nodes * rate, axis=1)
-            series_number = np.where(rise_left > rise_on_series, series_number - 1, -1)
-            rise_left = rise_left - rise_on_series
-            outer_root = series.places[series_number + 1] - series.places[series_number]
-        return outward_growth
+            half_width_rate = series.half_width.derivative(place_on_axis)
+            centre_rate = series.centre.derivative(place_on_axis)
+            outward_rate = half_width_rate + side[:, None] * centre_rate
+            outward_movement += root_step * np.sum(weights_of_nodes * outward_rate, axis=1)
+            range_number = np.where(rise_left > rise_in_range, range_number - 1, -1)
+            rise_left = rise_left - rise_in_range
+            upper_root = series.cuts_on_axis[range_number + 1] - series.cuts_on_axis[range_number]
+        return outward_movement
 
-    def load(self, x: Array) -> Array:
-        """The load P at which the contact first reaches x as one of its ends [force per thickness];
-        infinite where none up to the largest does.
+    def load_at_edge(self, x: Array) -> Array:
+        """The normal load P at which the contact first reaches x, so that x is an end of it [force
+        per thickness]; infinite where the contact under the largest load does not reach x.
 
-        x is an end where the mean of h' over the contact is -(alpha_0 + kappa P), the tilt under P.
-        With x fixed, that mean falls as the half-length c grows: Newton's method for c, kept in a
-        bracket.
+        x is an end where the mean of h' over the contact is -(alpha_0 + kappa P), minus the tilt
+        under P. With x fixed, the sum of both changes its sign once as the half-length c grows:
+        Newton's method for c, kept in a bracket.
         """
-        middle, half_width = self.exactly(self.largest_load)
-        is_reached = np.abs(x - middle) <= half_width * (1 + 1e-8)
+        widest_middle, widest_half_width = self.exact_contact(self.largest_load)
+        is_reached = np.abs(x - widest_middle) <= widest_half_width * (1 + 1e-8)
         reached_x = x[is_reached]
         tilt_over_compliance = self.tilt_per_load / self.compliance
-        side = np.where(reached_x < float(self.shape.touch(self.tilt_without_load)), -1.0, 1.0)
+        side = np.where(
+            reached_x < float(self.shape.place_of_first_touch(self.tilt_without_load)), -1.0, 1.0
+        )
+        # The contact stretches from x to the other side: it is x - side c -+ c.
         least_c = np.zeros(reached_x.shape)
-        largest_c = np.full(reached_x.shape, 2.1 * self.scale)
+        largest_c = np.full(reached_x.shape, 2.1 * self.largest_half_width)
         c = largest_c / 2
         for _ in range(_STEPS):
             balance = self.shape.balance(reached_x - side * c, c)
             slope_excess = side * (balance.mean_slope + self.tilt_without_load)
-            slope_excess = slope_excess + side * tilt_over_compliance * balance.load
-            fall_rate = (balance.bend_sum - side * balance.bend_cosine_sum) * (
+            slope_excess = slope_excess + side * tilt_over_compliance * balance.load_product
+            # -d slope_excess/dc while x stays an end
+            fall_rate = (balance.curvature_integral - side * balance.curvature_cosine_integral) * (
                 1 / np.pi - side * tilt_over_compliance * c
             )
             least_c = np.where(slope_excess > 0, c, least_c)
@@ -976,54 +1056,69 @@ class NestedIntervals:
             is_in_bracket = (fall_rate > 0) & (newton_c >= least_c) & (newton_c <= largest_c)
             new_c = np.where(is_in_bracket, newton_c, (least_c + largest_c) / 2)
             is_small_step = is_in_bracket & (np.abs(new_c - c) <= 1e-10 * c)
-            is_done = is_small_step | (largest_c - least_c <= 4e-16 * self.scale)
+            is_done = is_small_step | (largest_c - least_c <= 4e-16 * self.largest_half_width)
             c = new_c
             if np.all(is_done):
                 break
         loads = np.full(x.shape, np.inf)
-        loads[is_reached] = self.shape.balance(reached_x - side * c, c).load / self.compliance
+        loads[is_reached] = (
+            self.shape.balance(reached_x - side * c, c).load_product / self.compliance
+        )
         return np.where(loads <= self.largest_load * (1 + 1e-9), loads, np.inf)
 
 
 class _IntervalSeries(NamedTuple):
-    """m and c over one axis, on which stretches of v = sqrt(eta - eta_b) lie side by side: the load
-    at which each begins (k,), the places of their ends (k + 1,).
+    """Chebyshev series of the contact's centre and half-length [length] on one axis, on which the
+    ranges of v = sqrt(eta - eta_b) between neighbouring cut loads eta_b lie end to end.
+
+    Attributes
+    ----------
+    begin_loads
+        (k,) load eta_b at which each range begins [force per thickness]
+    cuts_on_axis
+        (k + 1,) places of the ends of the ranges on the axis [square root of a load]
     """
 
     begin_loads: Array
-    places: Array
-    middle: Pieces
-    half: Pieces
+    cuts_on_axis: Array
+    centre: Pieces
+    half_width: Pieces
 
 
-def _side_by_side(series: list[Pieces], places: Array) -> Pieces:
-    """Series on one axis, each from its place on."""
+def _on_one_axis(series: list[Pieces], cuts_on_axis: Array) -> Pieces:
+    """The piecewise series of k ranges as one, range number i from `cuts_on_axis[i]` on; its k + 1
+    ends are given.
+    """
     edges = [np.zeros(1)]
-    for pieces, place in zip(series, places[:-1], strict=True):
-        edges.append(pieces.edges[1:] + place)
+    for pieces, begin_on_axis in zip(series, cuts_on_axis[:-1], strict=True):
+        edges.append(pieces.edges[1:] + begin_on_axis)
     coefficients = np.concatenate([pieces.coefficients for pieces in series], axis=1)
     return Pieces(np.concatenate(edges), coefficients)
 
 
 @dataclass(frozen=True, eq=False)
 class TiltedProfile:
-    """A convex profile under the tilt alpha_0 + kappa eta. Arrays broadcast; points x carry their
-    sign.
+    """Contact of a convex profile under tilt alpha_0 + kappa eta that follows the load eta: contact
+    intervals, pressure, and the kernels that the memory curve takes. Arrays broadcast; points x
+    carry their sign.
 
     Attributes
     ----------
     intervals
-        I(eta)
+        contact intervals I(eta)
     datum_length
-        L, distance of the datum of rigid movements [length]
-    rigid
-        what `log_ratio` and its integrals are over A/pi: the rate of U, of U + kappa m_q
-        ("loop"), or mu itself ("moment")
+        L, distance of the point that does not move, from which displacements count [length]
+    kernel_quantity
+        what `log_ratio`, `log_distance` and `log_moment` give by an increment of M(eta), over A/pi:
+        the tangential displacement U; U + kappa m_q, which is conjugate to Q in the friction work
+        W; or, not over A/pi, the moment of the shear m_q
     """
 
     intervals: NestedIntervals
     datum_length: float
-    rigid: Literal["displacement", "loop", "moment"] = "displacement"
+    kernel_quantity: Literal["displacement", "conjugate_displacement", "shear_moment"] = (
+        "displacement"
+    )
     bends_anywhere: ClassVar[bool] = False
     breaks: ClassVar[tuple[float, ...]] = ()
     least_half_width: ClassVar[float] = 0.0
@@ -1034,12 +1129,12 @@ class TiltedProfile:
 
     @property
     def closed_form(self) -> bool:
-        """Whether contacts are known without series."""
+        """Whether contacts are known in closed form, without series."""
         return self.shape.radius is not None
 
     @property
     def noise(self) -> float:
-        """Relative error of m and c."""
+        """Relative error of the centre m and half-length c of contact."""
         return self.shape.noise
 
     @property
@@ -1049,16 +1144,19 @@ class TiltedProfile:
 
     @property
     def _compliance(self) -> float:
-        """A."""
+        """A = 2/E* [1/stress]."""
         return self.intervals.compliance
 
     @cached_property
-    def lean(self) -> float:
-        """pi kappa/A."""
+    def pressure_skewness(self) -> float:
+        """pi kappa/A [1/length]: the skewness of an increment of pressure by load and tilt.
+
+        dp/d eta = (1 - pressure_skewness t)/(pi sqrt(c^2 - t^2)),  t = x - m
+        """
         return float(np.pi * self.intervals.tilt_per_load / self._compliance)
 
     def at(self, load: ArrayLike) -> tuple[Array, Array]:
-        """m and c of I(eta)."""
+        """Centre m and half-length c of I(eta) [length]."""
         return self.intervals.at(load)
 
     @property
@@ -1067,10 +1165,10 @@ class TiltedProfile:
         return self.intervals.break_loads
 
     def is_nested(self, load: float) -> bool:
-        """Whether every I(eta) up to a load holds all that come before it: whether dp/d eta > 0 in
-        it, |kappa| <= A/(pi c).
+        """Whether every contact interval up to a load contains those of smaller loads: dp/d eta > 0
+        in it, |kappa| <= A/(pi c).
         """
-        return bool(abs(self.lean) * self.half_width(load) <= 1 + 1e-11)
+        return bool(abs(self.pressure_skewness) * self.half_width(load) <= 1 + 1e-11)
 
     def centre(self, load: ArrayLike) -> Array:
         """m(eta) [length]."""
@@ -1086,42 +1184,44 @@ class TiltedProfile:
         return np.stack([m - c, m + c], axis=-1)
 
     def advance(self, load: ArrayLike) -> Array:
-        """What kernels know an interval by: its load."""
+        """The parameter of an interval that kernels take: here its load [force per thickness]."""
         return np.asarray(load, dtype=float)
 
     load_at = advance
 
     def load(self, half_width: ArrayLike) -> Array:
-        """P_x: the load at which x is an end of I(eta) [force per thickness]; infinite where none
-        up to the largest is.
+        """P_x, the load at which a point x = `half_width` is an end of contact [force per
+        thickness]; infinite where the largest contact does not reach it.
         """
-        return self.intervals.load(np.asarray(half_width, dtype=float))
+        return self.intervals.load_at_edge(np.asarray(half_width, dtype=float))
 
     # --- normal contact under any tilt
 
-    def under(self, load: Array, tilt: Array) -> tuple[Array, Array]:
-        """m and c of the contact of loads and tilts (n,)."""
+    def contact_under(self, load: Array, tilt: Array) -> tuple[Array, Array]:
+        """Centre m and half-length c of contacts under loads and tilts, (n,) each [length]."""
         return self.shape.contact(self._compliance * load, tilt)
 
     def pressure_over(self, x: Array, m: Array, c: Array) -> Array:
-        """p at points (k,) of contacts (n,): (n, k)."""
+        """Pressure p >= 0 (n, k) at points x (k,) of contacts of centre m and half-length c, (n,)
+        each [stress].
+        """
         pressure = np.maximum(self.shape.pressure(x, m[:, None], c[:, None]), 0.0)
         return np.asarray(pressure / (np.pi * self._compliance))
 
     def approach(self, m: Array, c: Array, load: Array, tilt: Array) -> Array:
-        """Normal approach at x = 0 of contacts (n,) [length]."""
+        """Normal approach of x = 0, positive when pressed, of contacts (n,) [length]."""
         return self.shape.approach(m, c, tilt) + self._compliance / np.pi * load * self.logarithm(c)
 
     def moment(self, m: Array, c: Array, load: Array, tilt: Array) -> Array:
-        """int x p of contacts (n,) [force]."""
+        """Moment int x p dx of the pressure about x = 0, of contacts (n,) [force]."""
         del load
         return self.shape.moment(m, c, tilt) / self._compliance
 
     def tilt_under(self, load: Array, moment: Array) -> Array:
-        """The tilt at which contacts under loads (n,) carry given moments (n,), moment = int x p
-        dx, by Newton's method; 0 where there is no load.
+        """Tilt [rad] under which contacts under loads (n,) have given moments (n,), int x p dx
+        [force], by Newton's method; 0 where there is no load.
 
-        A larger tilt moves the contact to the left and the moment falls. Steps are kept in a
+        A larger tilt moves the contact to the left, and the moment falls. Steps are kept in a
         bracket.
 
         Raises
@@ -1136,13 +1236,16 @@ class TiltedProfile:
         if self.shape.radius is not None:
             return -moment / (self.shape.radius * np.where(load > 0, load, np.inf))
 
-        unlike_pairs, pair_number = np.unique(np.stack([load, moment]), axis=1, return_inverse=True)
-        load, moment = unlike_pairs
+        # Each pair of load and moment is solved once.
+        different_pairs, pair_number = np.unique(
+            np.stack([load, moment]), axis=1, return_inverse=True
+        )
+        load, moment = different_pairs
         least_tilt = np.full(load.shape, -np.inf)
         largest_tilt = np.full(load.shape, np.inf)
         tilt = np.zeros(load.shape)
         for _ in range(_STEPS):
-            m, c = self.under(load, tilt)
+            m, c = self.contact_under(load, tilt)
             excess_moment = self.moment(m, c, load, tilt) - moment
             half_width = np.where(c > 0, c, 1.0)
             least_tilt = np.where(excess_moment > 0, tilt, least_tilt)
@@ -1162,25 +1265,28 @@ class TiltedProfile:
             "load: no tilt was found at which the contact carries the moment that is stated"
         )
 
-    # --- kernels of the family
+    # --- kernels: fields of a unit increment of load or of M on I(eta), and their integrals
 
     def pressure(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """p(x, P) >= 0 [stress], 0 outside the contact."""
+        """Pressure p >= 0 at x under loads [stress], 0 outside the contact."""
         value = self.shape.pressure(np.asarray(x, dtype=float), *self.intervals.at(load))
         return np.asarray(np.maximum(value, 0.0) / (np.pi * self._compliance))
 
     pressure_rise = pressure
 
     def pressure_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """int_0^P eta dp(x, eta) [stress * load]."""
-        place, load = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(load, dtype=float))
-        eta, weight = self._nodes(np.minimum(self.load(place), load), load)
-        integral = np.sum(weight * self.pressure(place[..., None], eta), axis=-1)
-        return load * self.pressure(place, load) - integral
+        """int eta dp(x, eta) over loads eta from 0 to `load` [stress times force per thickness].
 
-    def _nodes(self, begin: Array, end: Array) -> tuple[Array, Array]:
-        """Nodes and weights on loads, cut at those at which an end meets a knot, a new last
-        axis.
+        By parts: load p(x, load) - int p d eta, since p is 0 before the contact reaches x.
+        """
+        x, load = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(load, dtype=float))
+        eta, weights = self._load_nodes(np.minimum(self.load(x), load), load)
+        integral_of_pressure = np.sum(weights * self.pressure(x[..., None], eta), axis=-1)
+        return load * self.pressure(x, load) - integral_of_pressure
+
+    def _load_nodes(self, begin: Array, end: Array) -> tuple[Array, Array]:
+        """Quadrature nodes and weights on the loads from `begin` to `end` [force per thickness], in
+        a new last axis; the range is cut at loads at which an end of contact meets a knot.
         """
         if not len(self.break_loads):
             return graded(begin, end)
@@ -1189,66 +1295,74 @@ class TiltedProfile:
         return nodes.at.reshape(shape), nodes.weight.reshape(shape)
 
     def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """int_0^eta of the kernel of slip while x is open: pi/A times what its gap closes by [force
-        per thickness].
+        """Integral of the kernel of slip over loads from 0 to `load`, while x is out of contact
+        [force per thickness]: pi/A times the decrease of the gap at x.
         """
         x = np.asarray(x, dtype=float)
-        gap_before = self.shape.gap(x, *self.intervals.start)
+        gap_before = self.shape.gap(x, *self.intervals.unloaded_contact)
         gap_after = self.shape.gap(x, *self.intervals.at(load))
         return np.maximum(gap_before - gap_after, 0.0) * np.pi / self._compliance
 
     def slip_integral_moment(self, x: ArrayLike, load: ArrayLike) -> Array:
-        """The same with eta in front [force^2 per thickness^2]."""
+        """int eta K(x, eta) d eta over loads eta from 0 to `load`, while x is outside the contact
+        [force^2 per thickness^2]; K is the kernel of slip, `arccosh_ratio`.
+        """
         x, load = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(load, dtype=float))
-        eta, weight = self._nodes(np.zeros(load.shape), np.minimum(load, self.load(x)))
+        eta, weight = self._load_nodes(np.zeros(load.shape), np.minimum(load, self.load(x)))
         kernel = self.arccosh_ratio(x[..., None], 0.0, eta)
         return np.asarray(np.sum(weight * eta * kernel, axis=-1))
 
     def arccosh_ratio(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
-        """The kernel of slip, arccosh(|t|/c) - (pi kappa/A) sgn(t) sqrt(t^2 - c^2), from the load;
-        0 inside.
+        """The kernel of slip: pi/A times the slip s at points x outside, by a unit of M on the
+        contact interval of load `advance` [1]; 0 inside.
+
+            arccosh(|t|/c) - pressure_skewness sgn(t) sqrt(t^2 - c^2),  t = x - m
+
+        `excess` is not used.
         """
         del excess
         m, c = self.at(advance)
         t = np.asarray(x, dtype=float) - m
         root = np.sqrt(np.maximum((np.abs(t) - c) * (np.abs(t) + c), 0.0))
         arccosh = np.arcsinh(root / np.where(c > 0, c, np.inf))
-        return self.tangential_fraction * arccosh - self.lean * np.sign(t) * root
+        return self.tangential_fraction * arccosh - self.pressure_skewness * np.sign(t) * root
 
     def inverse_root(self, x: ArrayLike, excess: ArrayLike, advance: ArrayLike) -> Array:
-        """Traction at points x by a unit of load on one contact interval, times pi [1/length]:
-        (tangential_fraction - lean t)/sqrt((c - t)(c + t)), 0 outside.
+        """The kernel of shear: pi times the traction at points x by a unit of tangential load on
+        the contact interval of load `advance` [1/length]; 0 outside.
 
-        t is the distance from the middle of the interval, c its half-length.
-        `tangential_fraction` is the part that is symmetric, `lean` the rate at which tilt leans it.
+            (tangential_fraction - pressure_skewness t)/sqrt((c - t)(c + t)),  t = x - m
+
+        m is the centre of the interval, c its half-length. The skew part is that of bulk strain or
+        tilt in proportion to the load.
 
         Parameters
         ----------
         x
             points, which carry their sign [length]
         excess
-            load of the interval minus that at which the edge of contact reaches x [force per
-            thickness]
+            `advance` minus the load at which an end of contact reaches x [force per thickness]
         advance
             load of the interval [force per thickness]
         """
         m, c = self.at(advance)
-        face_middle, face_half = self.intervals.face
+        face_middle, face_half_width = self.intervals.flat_face
         places = np.asarray(x, dtype=float)
-        load_above = np.asarray(excess, dtype=float)
+        load_rise = np.asarray(excess, dtype=float)
         t = places - m
         difference_of_squares = (c - t) * (c + t)
-        is_beside_face = np.abs(places - face_middle) >= face_half
-        is_near = (difference_of_squares < _NEXT * c * c) & (load_above > 0) & is_beside_face
-        if np.any(is_near):
-            # Next to the edge c - t is how far the edge has moved beyond x.
-            edge_side, upper_load, load_rise, upper_half_width = (
-                np.broadcast_to(values, is_near.shape)[is_near]
-                for values in (np.sign(t), advance, load_above, c)
+        is_beside_face = np.abs(places - face_middle) >= face_half_width
+        is_near_edge = difference_of_squares < _EDGE_FRACTION * c * c
+        takes_movement = is_near_edge & (load_rise > 0) & is_beside_face
+        if np.any(takes_movement):
+            # Next to the edge c - |t| loses digits. It is how far the edge has moved beyond x.
+            edge_side, upper_load, rise_since_x, upper_half_width = (
+                np.broadcast_to(values, takes_movement.shape)[takes_movement]
+                for values in (np.sign(t), advance, load_rise, c)
             )
-            to_edge = self.intervals.growth(edge_side, upper_load, load_rise)
-            difference_of_squares[is_near] = to_edge * (2 * upper_half_width - to_edge)
-        return (self.tangential_fraction - self.lean * t) / np.sqrt(
+            to_edge = self.intervals.edge_movement(edge_side, upper_load, rise_since_x)
+            difference_of_squares[takes_movement] = to_edge * (2 * upper_half_width - to_edge)
+        return (self.tangential_fraction - self.pressure_skewness * t) / np.sqrt(
             np.where(difference_of_squares > 0, difference_of_squares, np.inf)
         )
 
@@ -1257,23 +1371,31 @@ class TiltedProfile:
         return np.log(2 * self.datum_length / np.where(c > 0, c, 2 * self.datum_length))
 
     def log_ratio(self, load: ArrayLike) -> Array:
-        """What `rigid` asks for: ln(2 L/c) + (pi kappa/A) m, with mu added to m, or mu alone."""
+        """Rate of `kernel_quantity` per unit of M on the contact interval under `load`.
+
+        "displacement": ln(2 L/c) + (pi kappa/A) m, pi/A times the rate of U [1].
+        "conjugate_displacement": (pi kappa/A) mu more, for kappa m_q [1].
+        "shear_moment": mu = m - (pi kappa/(2 A)) c^2, the lever of the shear about x = 0 [length].
+        """
         m, c = self.at(load)
-        moment_arm = self.tangential_fraction * m - self.lean * c * c / 2
-        if self.rigid == "moment":
+        moment_arm = self.tangential_fraction * m - self.pressure_skewness * c * c / 2
+        if self.kernel_quantity == "shear_moment":
             return moment_arm
-        displacement_rate = self.tangential_fraction * self.logarithm(c) + self.lean * m
-        if self.rigid == "loop":
-            return self.tangential_fraction * displacement_rate + self.lean * moment_arm
+        displacement_rate = (
+            self.tangential_fraction * self.logarithm(c) + self.pressure_skewness * m
+        )
+        if self.kernel_quantity == "conjugate_displacement":
+            return (
+                self.tangential_fraction * displacement_rate + self.pressure_skewness * moment_arm
+            )
         return displacement_rate
 
     def log_distance(self, load: ArrayLike) -> Array:
-        """Integral from no load up to `load` of a rigid movement per load, in closed form; which
-        movement, `rigid` says [force per thickness].
+        """Integral of `log_ratio` over loads from 0 to `load`, in closed form.
 
-        It is the moment of the pressure ("moment"); or pi/A times the approach, without the part of
-        the datum ("displacement"); or that plus `lean` times the moment ("loop"), whose loop
-        encloses W.
+        It is what pressure in place of shear would give. "shear_moment": the moment of the pressure
+        [force]. "displacement": pi/A times the normal approach since no load [force per thickness].
+        "conjugate_displacement": that plus pi kappa/A times the moment.
 
         # notation: m and c are the centre and the half-length of the contact under `load` [length]
         """
@@ -1281,44 +1403,51 @@ class TiltedProfile:
         m, c = self.intervals.at(load)
         tilt = self.intervals.tilt_without_load + self.intervals.tilt_per_load * load
         moment = self.shape.moment(m, c, tilt) / self._compliance
-        if self.rigid == "moment":
+        if self.kernel_quantity == "shear_moment":
             return moment
-        approach_of_start = self.shape.approach(
-            *self.intervals.start, self.intervals.tilt_without_load
+        approach_without_load = self.shape.approach(
+            *self.intervals.unloaded_contact, self.intervals.tilt_without_load
         )
-        approach = self.shape.approach(m, c, tilt) - approach_of_start
-        approach_over_unit = np.pi / self._compliance * approach + load * self.logarithm(c)
-        if self.rigid == "loop":
-            return approach_over_unit + self.lean * moment
-        return approach_over_unit
+        # without the term of the datum, (A P/pi) ln(2 L/c)
+        approach = self.shape.approach(m, c, tilt) - approach_without_load
+        scaled_approach = np.pi / self._compliance * approach + load * self.logarithm(c)
+        if self.kernel_quantity == "conjugate_displacement":
+            return scaled_approach + self.pressure_skewness * moment
+        return scaled_approach
 
     def log_moment(self, load: ArrayLike) -> Array:
-        """int_0^P of eta times `log_ratio`."""
-        eta, weight = self._nodes(np.zeros(np.shape(load)), np.asarray(load, dtype=float))
+        """Integral of eta times `log_ratio` over loads eta from 0 to `load`, by quadrature."""
+        eta, weight = self._load_nodes(np.zeros(np.shape(load)), np.asarray(load, dtype=float))
         return np.asarray(np.sum(weight * eta * self.log_ratio(eta), axis=-1))
 
     def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:
-        """Lam(P, P_c) >= 0 [force per thickness], which the friction work of slip zones gathers;
-        from P = `load` and P - P_c = `slipped`.
+        """Lam(P, P_c) >= 0 [force per thickness]: the kernel by which slip zones add to the
+        friction work W.
 
-        It is the integral over loads eta from P_c to P of r(P_c) - r(eta). r is the rate per load
-        of U + kappa m_q, U the tangential displacement, m_q the moment of the shear, kappa the tilt
-        per load.
+            Lam = int_{P_c}^P [r(P_c) - r(eta)] d eta
+
+        P = `load`, and P_c = P - `slipped` is the load whose contact interval is the stick zone. r
+        is pi/A times the rate of U + kappa m_q per unit of M, U being the tangential displacement,
+        m_q the moment of the shear, kappa the tilt per load.
         """
         load, slipped = np.broadcast_arrays(
             np.asarray(load, dtype=float), np.asarray(slipped, dtype=float)
         )
-        loop = replace(self, rigid="loop")
-        edge_load = np.maximum(load - slipped, 0.0)
-        rate_at_edge = loop.log_ratio(edge_load)
+        conjugate_contact = replace(self, kernel_quantity="conjugate_displacement")
+        stick_edge_load = np.maximum(load - slipped, 0.0)
+        rate_at_stick_edge = conjugate_contact.log_ratio(stick_edge_load)
+        integral_to_load = conjugate_contact.log_distance(load)
+        integral_to_stick_edge = conjugate_contact.log_distance(stick_edge_load)
         kernel = np.array(
-            slipped * rate_at_edge - (loop.log_distance(load) - loop.log_distance(edge_load))
+            slipped * rate_at_stick_edge - (integral_to_load - integral_to_stick_edge)
         )
-        is_close = slipped < _APART * load
-        if np.any(is_close):
-            eta, weights = crowded_nodes(edge_load[is_close], load[is_close])
-            difference = rate_at_edge[is_close][:, None] - loop.log_ratio(eta)
-            kernel[is_close] = np.sum(weights * difference, axis=-1)
+        is_small_slip = slipped < _SMALL_SLIP_FRACTION * load
+        if np.any(is_small_slip):
+            eta, weights = crowded_nodes(stick_edge_load[is_small_slip], load[is_small_slip])
+            rate_fall = rate_at_stick_edge[is_small_slip][:, None] - conjugate_contact.log_ratio(
+                eta
+            )
+            kernel[is_small_slip] = np.sum(weights * rate_fall, axis=-1)
         return np.maximum(kernel, 0.0)
 
     def quadrature_error(self, name: str, *arguments: ArrayLike) -> Array:

@@ -35,7 +35,7 @@ from scenes import (
 )
 from semi_analytic import eccentricity, solve
 from semi_analytic import grid as dense_grid
-from semi_analytic.bulk_and_tilt import PathLoads, leaning_profile, one_curve, strain_of
+from semi_analytic.bulk_and_tilt import PathLoads, one_curve, path_loads_and_contact, strain_of
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.fields import Integrals
 from semi_analytic.grid import GridRequest, follow_on_grid, remainder_of
@@ -521,8 +521,8 @@ def test_contacts_of_any_load_and_tilt_are_in_balance(name):
     tilt = steepest * random.uniform(-1, 1, 250)
     m, c = shape.contact(product, tilt)
     balance = shape.balance(m, c)
-    np.testing.assert_allclose(balance.load, product, rtol=3e-10)
-    assert np.max(np.abs(balance.mean_slope + tilt) / (balance.bend_sum * c)) < 1e-10
+    np.testing.assert_allclose(balance.load_product, product, rtol=3e-10)
+    assert np.max(np.abs(balance.mean_slope + tilt) / (balance.curvature_integral * c)) < 1e-10
 
 
 def test_the_pressure_at_a_tip():
@@ -1253,7 +1253,7 @@ def test_grids_have_the_frozen_values_within_the_errors_that_they_state(name):
     x = np.array(instant["x"])
     time = np.array(instant["time"])
     answer = follow_on_grid(
-        *leaning_profile(scene), scene.profile.height, scene.friction.coefficient, x, time
+        *path_loads_and_contact(scene), scene.profile.height, scene.friction.coefficient, x, time
     )
     assert answer.works[-1] == pytest.approx(
         cases["dissipation"].value, rel=answer.errors["dissipation"]

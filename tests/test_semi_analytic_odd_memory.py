@@ -18,7 +18,7 @@ from semi_analytic import odd_memory
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.history import History, history_of
 from semi_analytic.odd_memory import ODD_NUMBERS, Declined, OddWork, odd_work
-from semi_analytic.tilt_and_strain import _by_grids
+from semi_analytic.tilt_and_strain import _change_by_grids
 
 RADIUS = 1.0
 PAPER = {
@@ -161,7 +161,7 @@ def test_grids_find_the_same_change(loop: str, direction: str) -> None:
     size = np.abs(numbers) @ np.abs(form.matrix) @ np.abs(numbers) / work
     numbers *= min(math.sqrt(0.02 / size), 0.1)
     added = form.added_work(numbers)
-    grids = _by_grids(scene, effects_of(numbers))
+    grids = _change_by_grids(scene, effects_of(numbers))
     allowed = grids.uncertainty + added.uncertainty / work
     assert added.value / work == pytest.approx(grids.value, abs=allowed)
 

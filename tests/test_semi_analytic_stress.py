@@ -11,7 +11,7 @@ import semi_analytic
 from scenes import Scene, load_scene
 from semi_analytic import edge_tension, stress
 from semi_analytic.answer_by_memory import memory_at
-from semi_analytic.bulk_and_tilt import leaning_profile
+from semi_analytic.bulk_and_tilt import path_loads_and_contact
 from semi_analytic.quadrature import graded
 from semi_analytic.subsurface import (
     _answers_with_tractions,
@@ -183,7 +183,7 @@ def test_stress_from_tractions_is_that_of_the_memory_curve(name):
     y = np.array([-0.2, -0.05, -2.0, -0.3, -0.01, 0.0, 0.0])
     exact = edge_tension(scene, time)[0]
     inside = stress(scene, x, y, time)
-    profile = leaning_profile(scene)[1]
+    profile = path_loads_and_contact(scene)[1]
     p0 = max(float(answer.pressure.max()) for answer, _ in pairs)
     for k, (answer, row) in enumerate(pairs):
         tensions, uncertain = _edge_tensions_of_answer(answer, row)
