@@ -405,12 +405,12 @@ def _hold_permanent_stick(
     """
     stick_edges = edges["stick_edges"]
     uncertainty = edges["stick_edge_uncertainty"]
-    is_placed = permanent_edges == zone.places
+    is_placed = permanent_edges == zone.places_by_load
     uncertainty_of_placed = zone.uncertainty(permanent_edges, np.full(2, np.inf))
     for column, outermost in enumerate((np.fmin, np.fmax)):
         if is_placed[column]:
             slips = stick_edges[:, column] != edges["contact_edges"][:, column]
-            turns = in_cycle & slips & np.isin(time, zone.turns[column])
+            turns = in_cycle & slips & np.isin(time, zone.turn_times[column])
             stick_edges[turns, column] = permanent_edges[column]
             uncertainty[turns, column] = uncertainty_of_placed[column]
         sticks = in_cycle & np.isfinite(stick_edges[:, column])

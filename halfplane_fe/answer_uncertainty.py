@@ -57,28 +57,32 @@ _CREEP_IN_NODES = 2.5
 
 
 def cycle_uncertainty(task: Task, run: PathRun) -> float:
-    """Uncertainty of the friction work of the last cycle by mesh and increments, in the run's unit
-    of work; 0 where no shear can arise.
+    """Uncertainty of the friction work W of the last load cycle by mesh and increments; 0 where no
+    shear can arise.
+
+    It is in the run's scaled unit: `task.work_unit` times it is [energy / thickness]. The part of
+    the mesh follows from the difference to the run on the coarse mesh. The part of the increments
+    follows from bounds that the run has recorded for each.
     """
     scene = task.scene
     if not needs_shear(scene):
         return 0.0
     first_increment = run.cycle_starts[-1] if run.cycle_starts else 0
-    friction_unit = task.friction_unit
+    friction_unit = task.friction_unit  # A f^2 P^2, scaled
     # With bulk stress or tilt a cycle is compared with the coarse run's of the same number: they
     # only approach the steady state.
-    densities_compared = (
-        run.cycle_density[:COARSE_CYCLES] if scene.unsymmetric else run.cycle_density
-    )
-    dissipation = float(densities_compared[-1].sum())
+    cycle_works = run.cycle_density[:COARSE_CYCLES] if scene.unsymmetric else run.cycle_density
+    dissipation = float(cycle_works[-1].sum())
     coarse_dissipation = task.scales.dissipation / task.work_unit
     edges_are_known = bool(run.excess) and not task.has_plain_errors and not scene.unsymmetric
     # Slip of real bodies ends node by node: an edge without a place may stand all the same.
     if edges_are_known and run.excess[-1].is_unplaced:
         edges_are_known = scene.bodies.half_planes
-    edge_scatter = run.excess[-1].scatter / friction_unit if edges_are_known else 0.0
-    # Unlike bodies: the increments of the nodes that start to slide bend the pressure too, and
-    # their bound counts in full.
+    # rms of W over the places of edges between their nodes, over A f^2 P^2
+    edge_scatter = run.excess[-1].rms / friction_unit if edges_are_known else 0.0
+    # "bent": what kinks of pressure and shear between the first and the last start of sliding add
+    # to W of an increment. Between unlike bodies the bound "step_error" counts in full: nodes that
+    # start to slide change the pressure too.
     if task.steps_by_kinks:
         step_uncertainty = _BENT_IN_RECORDS * run.column("bent")[first_increment:].sum()
     elif edges_are_known and shapes_alike(scene):
@@ -96,29 +100,43 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
 
 
 def dissipation_uncertainty(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> float:
-    """Uncertainty of the dissipation W [energy / thickness]: by mesh and increments, by cycles that
-    still change, by flanks and shapes that the mesh only approaches; NaN where the run failed.
+    """Uncertainty of the friction work W of the last load cycle [energy / thickness]; NaN where the
+    run failed.
+
+    It adds up the error by mesh and increments, the change of W to its limit over further cycles,
+    and two errors proportional to W. These come from narrow flanks of the contact with steep
+    pressure, and from meshes of two different body shapes.
     """
     if run.failure is not None:
         return math.nan
-    left_by_trend = float(np.nan_to_num(abs(run.trend.left)))
+    change_to_limit = float(np.nan_to_num(abs(run.trend.left)))
     revolution = revolution_of(task, run, arrays)
     element = task.element * task.scales.half_width
-    share_of_mesh = share_of_flanks(
-        task.scene.profile, revolution.least_contact(), element
-    ) + share_of_shapes(task.scene, revolution.load, task.element)
-    energy_of_cycle = (cycle_uncertainty(task, run) + left_by_trend) * task.work_unit
-    return float(energy_of_cycle + arrays["dissipation"] * share_of_mesh)
+    by_flanks = share_of_flanks(task.scene.profile, revolution.least_contact(), element)
+    by_shapes = share_of_shapes(task.scene, revolution.load, task.element)
+    relative_uncertainty = by_flanks + by_shapes
+    cycle_energy = (cycle_uncertainty(task, run) + change_to_limit) * task.work_unit
+    return float(cycle_energy + arrays["dissipation"] * relative_uncertainty)
 
 
 def value_uncertainties(
     task: Task, problem: ContactProblem, run: PathRun, arrays: Mapping[str, Any]
 ) -> dict[str, float]:
-    """By the name of a value, how far it may be from the true one by the mesh, in its own unit; NaN
-    where there is no estimate, empty where the run failed.
+    """Uncertainty of each value of a finite-element solution by the mesh, by its name, in its own
+    unit; NaN where there is no estimate, empty where the run failed.
 
-    The values are those of the last cycle, but for the dissipation W and the contact and stick
-    edges of each instant; and the L2 norms of p and q. `arrays` are those of the answer.
+    The values are displacements, largest slip, pressure and friction work per area, half-widths of
+    contact and permanent stick, of the last load cycle. Those of pressure and shear are L2 norms.
+    The total W and the edges of single instants have theirs elsewhere.
+
+    Parameters
+    ----------
+    task
+        the scene, its meshes, and the values of the run on the coarse mesh
+    problem, run
+        the contact problem, and its states along the load path
+    arrays
+        fields and series of the solution by name, in the scene's units
     """
     if run.failure is not None:
         return {}
@@ -159,19 +177,23 @@ def value_uncertainties(
 def _displacement_uncertainties(
     task: Task, values: RunValues, arrays: Mapping[str, Any]
 ) -> dict[str, float]:
-    """Uncertainties of tangential displacement and normal approach by the mesh [length], from their
-    difference between the fine and the coarse run, and by contacts that are a few elements wide.
+    """Uncertainties of tangential displacement and normal approach by the mesh [length], by the
+    names of both.
+
+    They follow from the difference between the fine and the coarse run. At instants when the
+    contact is only a few elements wide, a further one counts.
     """
     scales = task.scales
     meshes = Meshes(refinement=scales.element / task.element, plain=task.has_plain_errors)
     estimates = displacement_uncertainties(values, scales.values, meshes, needs_shear(task.scene))
-    elements_at_edges = 2 * _spacing_at_edges(arrays["x"], arrays["contact_edges"])
+    # (n_instants,) of the quadratic elements at the contact edges: two node distances
+    element_sizes = 2 * _spacing_at_edges(arrays["x"], arrays["contact_edges"])
     for displacement, load in (
         ("tangential_displacement", arrays["tangential_load"]),
         ("normal_approach", arrays["normal_load"]),
     ):
         estimates[displacement] += of_small_contacts(
-            load, elements_at_edges, arrays["contact_half_width"], scales.modulus
+            load, element_sizes, arrays["contact_half_width"], scales.modulus
         )
     return estimates
 
@@ -182,8 +204,10 @@ def _scaled_work(task: Task, arrays: Mapping[str, Any]) -> float:
 
 
 def _norms_of_tractions(task: Task, arrays: Mapping[str, Any]) -> dict[str, float]:
-    """Uncertainties of p and q in L2 over x, over the norms of p and f p, the largest of the last
-    cycle: "pressure" and "shear"; NaN without an estimate.
+    """Relative uncertainties of pressure and shear in the L2 norm over x, at the worst instant of
+    the last load cycle: "pressure" over the norm of p, "shear" over that of f p.
+
+    NaN for linear elements and penalty layers.
     """
     estimates = norm_uncertainties(
         arrays["x"],
@@ -199,11 +223,14 @@ def _norms_of_tractions(task: Task, arrays: Mapping[str, Any]) -> dict[str, floa
 
 
 def _values_beside_coarse_run(task: Task, problem: ContactProblem, run: PathRun) -> RunValues:
-    """Values of the last cycle; where the coarse run made fewer cycles, and either run did not
-    repeat, those of its last one: unlike bodies only approach their steady state.
+    """Displacements, largest slip and largest friction work per area of the load cycle to compare
+    with the coarse run, in the scene's units.
+
+    That is the last cycle of `run`. If either run has not reached a steady cycle, and the coarse
+    one ended earlier, it is the cycle at which the coarse one ended.
     """
     scales = task.scales
-    coarse_values = scales.values
+    coarse_values = scales.values  # of the run on the coarse mesh that set the scales
 
     def values_of_cycle(cycle: int | None) -> RunValues:
         return run_values(
@@ -244,43 +271,60 @@ def _spacing_at_edges(x: Array, edges: Array) -> Array:
 def _of_permanent_stick(
     scene: Scene, arrays: Mapping[str, Any], zone: StickZone, is_sharp: bool
 ) -> float:
-    """Uncertainty of the permanent stick half-width [length]: of the stick edges that bound it, and
-    of the `zone` by the nodes beside them.
+    """Uncertainty of the permanent stick half-width by the mesh [length], the mean over both ends;
+    NaN where nothing sticks through the whole cycle, or the path does not repeat.
 
-    The zone ends at the innermost edge of the last cycle. With edges e +- u, that edge is between
-    the innermost e - u and the innermost e + u. Between coupled bodies, and under bulk stress or
-    tilt, the zone may reach beyond the edges of single instants, since what only creeps counts as
-    stuck: these edges count as the end of the zone, and so may nodes that slip ten times as far,
-    where they are more than those around the edge. NaN where nothing sticks all the time, and where
-    the path does not repeat.
+    The zone ends at the innermost stick edge of the last cycle. With edges e +- u, that edge is
+    between the innermost e - u and the innermost e + u. Where the loads or the nodes tell more,
+    `StickZone.uncertainty` says so.
+
+    Between unlike bodies, and under bulk stress or tilt, nodes that slip by next to nothing (creep)
+    count as stuck. The zone may then reach beyond the edges of single instants, and these count as
+    its end. The mesh may add to creep: the uncertainty reaches to the nodes that slip up to ten
+    times as far, if that is more than a few nodes.
+
+    Parameters
+    ----------
+    arrays
+        fields and series of the solution by name, in the scene's units
+    zone
+        the permanent stick zone by its nodes and by the loads [length]
+    is_sharp
+        whether any slip at all counts as slip: like bodies without bulk stress and tilt
     """
     if math.isnan(arrays["permanent_stick_half_width"]):
         return math.nan
     in_cycle = in_last_cycle(scene, arrays["time"], arrays["normal_load"])
-    outwards = np.array([-1.0, 1.0])
     in_cycle &= np.isfinite(arrays["stick_half_width"])
-    ends = arrays["permanent_stick_edges"] * outwards
-    edges = np.maximum(arrays["stick_edges"][in_cycle] * outwards, ends)
+    zone_ends = arrays["permanent_stick_edges"]
+    # Left edges change sign, so that "farther out" means "larger" at both edges.
+    outwards = np.array([-1.0, 1.0])
+    stick_edges = np.maximum(arrays["stick_edges"][in_cycle] * outwards, zone_ends * outwards)
     edge_uncertainty = arrays["stick_edge_uncertainty"][in_cycle]
-    innermost = edges.min(axis=0)
-    innermost_nearest = (edges - edge_uncertainty).min(axis=0)
-    innermost_farthest = (edges + edge_uncertainty).min(axis=0)
-    by_stick_zones = np.maximum(innermost - innermost_nearest, innermost_farthest - innermost)
-    places = arrays["permanent_stick_edges"]
-    by_nodes = zone.uncertainty(places, by_stick_zones)
+    innermost_edge = stick_edges.min(axis=0)
+    innermost_inner_bound = (stick_edges - edge_uncertainty).min(axis=0)
+    innermost_outer_bound = (stick_edges + edge_uncertainty).min(axis=0)
+    by_stick_zones = np.maximum(
+        innermost_edge - innermost_inner_bound, innermost_outer_bound - innermost_edge
+    )
+    end_uncertainty = zone.uncertainty(zone_ends, by_stick_zones)
     if not is_sharp:
         slip = arrays["slip"][in_cycle]
         is_closed = arrays["state"][in_cycle] != OPEN
         creeping_edges = creeping_zone(scene, arrays["x"], slip, is_closed, _CREEP_OF_MESH)
-        beyond = np.fmax((creeping_edges - places) * outwards, 0.0)
-        is_creep = beyond > _CREEP_IN_NODES * _spacing_at_edges(arrays["x"], places[None])
-        by_nodes = np.maximum(by_nodes, np.where(is_creep, beyond, 0.0))
-    return float(np.mean(by_nodes))
+        creep_beyond_end = np.fmax((creeping_edges - zone_ends) * outwards, 0.0)
+        spacing = _spacing_at_edges(arrays["x"], zone_ends[None])
+        is_creep = creep_beyond_end > _CREEP_IN_NODES * spacing
+        end_uncertainty = np.maximum(end_uncertainty, np.where(is_creep, creep_beyond_end, 0.0))
+    return float(np.mean(end_uncertainty))
 
 
 def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -> float:
-    """Uncertainty of the largest pressure of the path by the mesh [stress], from the elements of
-    the body with the coarser ones; NaN without contact.
+    """Uncertainty of the largest pressure of the load path by the mesh [stress], for the elements
+    of the body with the coarser ones; NaN without contact.
+
+    `is_coupled`: the bodies are unlike, so that shear changes the pressure. Then the pressure of
+    neighbouring nodes scatters, and this scatter counts too.
     """
     scales = task.scales
     pressure = arrays["pressure"]
@@ -308,8 +352,11 @@ def _peak_uncertainty(task: Task, arrays: Mapping[str, Any], is_coupled: bool) -
 
 
 def revolution_of(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> Revolution:
-    """Loads, half-widths of contact and of stick at the instants of the last cycle, and its work
-    over A f^2 P^2, A = 2/E* and P its largest load: what the mesh is judged by.
+    """Loads, half-widths of contact and of stick at the instants of the last load cycle, and its
+    friction work: what the resolution of the mesh is judged by.
+
+    Loads and half-widths are in the scene's units. The work is over A f^2 P^2 with A = 2/E* and P
+    the largest load of the cycle.
     """
     scene = task.scene
     first_step = 1
@@ -317,11 +364,11 @@ def revolution_of(task: Task, run: PathRun, arrays: Mapping[str, Any]) -> Revolu
         first_step = int(np.searchsorted(run.stored, run.cycle_starts[-1])) + 1
     load = arrays["normal_load"][first_step:]
     modulus = contact_modulus(scene.material.lower, scene.material.upper)
-    unit = 2 / modulus * (scene.friction.coefficient * np.max(load)) ** 2  # A f^2 P^2
+    work_unit = 2 / modulus * (scene.friction.coefficient * np.max(load)) ** 2  # A f^2 P^2
     return Revolution(
         load=load,
         contact=arrays["contact_half_width"][first_step:],
         stick=arrays["stick_half_width"][first_step:],
-        dissipation=float(arrays["dissipation"] / unit) if unit > 0 else 0.0,
+        dissipation=float(arrays["dissipation"] / work_unit) if work_unit > 0 else 0.0,
         sheared=needs_shear(scene),
     )

@@ -2,8 +2,8 @@ r"""Edges between nodes: where the edge of permanent stick stands between two no
 revolution has in excess because edges of contact and stick go from node to node.
 
 While a set of nodes is in contact the forces are linear in P. While a set sticks they are linear in
-Q. Along the loads the discrete answer is a chain of chords, with a corner wherever a node touches
-or starts to slide. The true answer is the smooth curve that the chain follows. Near an edge all
+Q. Along the loads the discrete answer is a chain of chords, with a kink wherever a node touches or
+starts to slide. The true answer is the smooth curve that the chain follows. Near an edge all
 tractions are roots of the distance from it, so that all chains have one form. Let e be the place of
 the edge, in elements. The chords exceed the curve by A g(e),
 
@@ -18,7 +18,7 @@ zero. Then D and the difference V of the two values fix it all:
 
 The place of the edge follows from the answer, as two distances in the load that moves it. The way
 from the last node is its slip (or pressure) over the rate. The way to the next node is what that
-lacks of the cone (or its gap) over the rate. The corner is the jump of the rates, which gives A.
+lacks of the Coulomb limit (or its gap) over the rate. The change of the rates at the kink gives A.
 An edge meets a corner node 0.042 elements before it is there, on its way outwards, and a mid-side
 node D - 1/2 before that.
 
@@ -101,7 +101,8 @@ _ZONE = 3
 
 @dataclass(frozen=True, eq=False)
 class Edge:
-    """An edge of contact or of stick between two nodes, by the load that has taken it there.
+    """An edge of contact or of stick between two nodes, placed by the load that moves it: P the
+    edge of contact, Q that of stick. All is scaled.
 
     Forces, gap and slip of both nodes place it to a fiftieth of their distance. Which of them slips
     or touches places it to half of that. It takes the rates by the load, which only states of the
@@ -116,8 +117,10 @@ class Edge:
         1 on the right of x = 0, -1 on the left
     node, next_node
         which it met last, and which it meets next
-    load_from_node, load
-        that has taken it from the one node to where it is, and that takes it to the other
+    load_from_node
+        change of load that has taken the edge from `node` to its place
+    load_between
+        change of load that takes it all the way from `node` to `next_node`
     """
 
     interface: Interface
@@ -125,109 +128,146 @@ class Edge:
     node: int
     next_node: int
     load_from_node: float
-    load: float
+    load_between: float
 
     @classmethod
     def of_contact(
         cls, problem: ContactProblem, side: int, node: int, state: InterfaceState, by_load: Array
     ) -> Edge:
-        """The edge of contact beyond a closed node, by its pressure and the gap of the next one.
+        """The edge of contact between a closed node and the open one farther out.
 
-        `by_load` (4, n) are the rates of slip, pressure, shear and gap by P.
+        The change of P back to the closed node is its nodal force over its rate. That to the open
+        node is its gap over its rate. All is scaled.
+
+        Parameters
+        ----------
+        side
+            1 on the right of x = 0, -1 on the left
+        node
+            outermost closed node; the next one outwards is open
+        state
+            nodal forces and gaps at the instant
+        by_load
+            (4, n) derivatives by P of slip, normal force, shear force and gap of the nodes
         """
         next_node = node + side
         _, pressure_rates, _, gap_rates = by_load
         load_from_node = _load_to(state.pressure[node], pressure_rates[node])
         load_to_next = _load_to(state.gap[next_node], gap_rates[next_node])
-        load = load_from_node + load_to_next
-        return cls(problem.interface, side, node, next_node, load_from_node, load)
+        load_between = load_from_node + load_to_next
+        return cls(problem.interface, side, node, next_node, load_from_node, load_between)
 
     @classmethod
     def of_stick(
         cls, problem: ContactProblem, side: int, last_stuck: int, turn: TurnOfSlip, by_load: Array
     ) -> Edge:
-        """The edge of stick on its way inwards from the first sliding node, by its slip and what
-        the shear of the last stuck one lacks of the Coulomb limit.
+        """The edge of stick between the last stuck node and the first sliding one, as it moves
+        inwards.
 
-        Both are counted from one turn of the slip to the other, so that locked-in shear drops out.
-        Between the turns it counts: beside an older edge of stick such a place is wrong by up to
-        the distance of the nodes. `by_load` (4, n) are the rates of slip, pressure, shear and gap
-        by Q.
+        The change of Q since the sliding node was met is its slip over its rate. That to the stuck
+        node is its force to the Coulomb limit, f p - s q, over its rate. For permanent stick `turn`
+        has both distances between the two turning points of slip: locked-in shear drops out. At an
+        instant between them it does not. Beside an older stick edge the place is then wrong by up
+        to the distance of the nodes.
+
+        Parameters
+        ----------
+        side
+            1 on the right of x = 0, -1 on the left
+        last_stuck
+            outermost node of the stick zone; the next one outwards slides
+        turn
+            sense of slip, and the two distances
+        by_load
+            (4, n) derivatives by Q of slip, normal force, shear force and gap of the nodes
         """
         node = last_stuck + side
         slip_rates, pressure_rates, shear_rates, _ = by_load
         force_rates = force_to_limit(pressure_rates, shear_rates, turn.sense, problem.friction)
         load_from_node = _load_to(turn.slip, slip_rates[node])
-        load = load_from_node + _load_to(turn.force_to_limit, force_rates[last_stuck])
-        return cls(problem.interface, side, node, last_stuck, load_from_node, load)
+        load_to_last_stuck = _load_to(turn.force_to_limit, force_rates[last_stuck])
+        load_between = load_from_node + load_to_last_stuck
+        return cls(problem.interface, side, node, last_stuck, load_from_node, load_between)
 
     @property
     def is_moved(self) -> bool:
-        """Whether the load takes it from the one node to the other."""
-        return 0 < self.load < math.inf
+        """Whether a finite change of load takes the edge from `node` to `next_node`."""
+        return 0 < self.load_between < math.inf
 
-    def share(self, change_of_load: float = 0.0) -> float:
-        """Of the way from the one node to the other: where the edge is after a change of load."""
-        return float(np.clip(self.load_from_node + change_of_load, 0.0, self.load) / self.load)
+    def fraction_passed(self, change_of_load: float = 0.0) -> float:
+        """Where the edge is after a change of load, as a fraction 0 to 1 of the way from `node` to
+        `next_node`.
+        """
+        return float(
+            np.clip(self.load_from_node + change_of_load, 0.0, self.load_between)
+            / self.load_between
+        )
 
     @property
     def place(self) -> float:
-        """Where it is, over the half-width."""
+        """x of the edge, over the half-width."""
         place_at_node, place_at_next = self._ends
-        return place_at_node + self.share() * (place_at_next - place_at_node)
+        return place_at_node + self.fraction_passed() * (place_at_next - place_at_node)
 
     @property
     def spacing(self) -> float:
-        """From where it meets the one node to where it meets the other, over the half-width."""
+        """Distance of the edge's places when it meets the two nodes, over the half-width."""
         place_at_node, place_at_next = self._ends
         return abs(place_at_next - place_at_node)
 
     @property
     def _ends(self) -> tuple[float, float]:
-        """Where it meets the one node and the other."""
+        """x of the edge when it meets `node`, and when it meets the next, over the half-width."""
         return (
             place_when_met(self.interface, self.node, self.side),
             place_when_met(self.interface, self.next_node, self.side),
         )
 
-    def excess_per_work(self, share: ArrayLike) -> Array:
-        """g of the module, the dimensionless work in excess, at a share of the way."""
+    def dimensionless_excess(self, fraction: ArrayLike) -> Array:
+        """g of the module's docstring, dimensionless excess work, at a fraction of the way from
+        `node` to `next_node`.
+        """
         at_corner = (_V_OF_BOTH - _V) / 2
         at_middle = (_V_OF_BOTH + _V) / 2
         v_of_node, v_of_next = (
             (at_corner, at_middle) if self._is_at_corner else (at_middle, at_corner)
         )
-        t = np.asarray(share)
-        return np.asarray(v_of_node + (v_of_next - v_of_node) * t - self._way**2 * t * (1 - t) / 2)
+        t = np.asarray(fraction)
+        return np.asarray(
+            v_of_node + (v_of_next - v_of_node) * t - self._spacing_in_elements**2 * t * (1 - t) / 2
+        )
 
     @property
-    def load_per_jump(self) -> float:
-        """Load over the jump of the rates at the node, which makes work of g."""
+    def load_over_rate_jump(self) -> float:
+        """Load between the nodes over the dimensionless change of rates at `node`, j_k d: times a
+        change of work by load and times g it is the excess work.
+        """
         jump_of_node = 1 - _JUMP_OF_MIDDLE if self._is_at_corner else _JUMP_OF_MIDDLE
-        return self.load / (self._way * jump_of_node)
+        return self.load_between / (self._spacing_in_elements * jump_of_node)
 
     @property
     def _is_at_corner(self) -> bool:
         return _is_corner(self.interface, self.node)
 
     @property
-    def _way(self) -> float:
+    def _spacing_in_elements(self) -> float:
         """d of the module, in elements."""
         is_inwards = (self.next_node - self.node) * self.side < 0
         return _D if self._is_at_corner == is_inwards else 1 - _D
 
 
 class TurnOfSlip(NamedTuple):
-    """How far slip beside an edge of stick has come, or where it turns round.
+    """Slip and force to the Coulomb limit beside a stick edge, at an instant, or from one turning
+    point of the slip to the other; scaled.
 
     Attributes
     ----------
     sense
         of the slip, 1 or -1
     slip
-        of the first sliding node since it began, or from one turn to the other
+        of the first sliding node since it began to slide, or from one turning point to the other
     force_to_limit
-        f p - s q of the last stuck node, or the sum of both turns
+        f p - s q of the last stuck node (s the sense), or the sum of that at both turning points
     """
 
     sense: int
@@ -348,7 +388,7 @@ def _share_of_elements(problem: ContactProblem, node: int) -> float | None:
     """
     if not 2 <= node < len(problem.interface.weights) - 2:
         return None
-    if _regular(problem, node):
+    if _has_equal_elements(problem, node):
         return 0.0
     kinds = {_is_corner(problem.interface, beside) for beside in (node - 1, node + 1)}
     alternates = kinds == {not _is_corner(problem.interface, node)}
@@ -406,116 +446,133 @@ def _placed_by_load(
     behind = last_stuck - side * _BEHIND
     loads = np.maximum(to_limit[behind], 0.0) / np.abs(rates_to_limit[behind])
     distances = np.abs(problem.interface.x[behind] - edge.place)
-    even_loads = 2 * edge.load * distances / edge.spacing
+    even_loads = 2 * edge.load_between * distances / edge.spacing
     ratios = np.maximum(loads / even_loads, _LEAST_SHARE)
     return edge, float(np.max(np.abs(np.log(ratios))))
 
 
 class StickZone(NamedTuple):
-    """Where what sticks through a revolution ends, left and right, by its nodes and by the loads at
-    the turns of slip.
+    """Left and right end of the permanent stick zone of a load cycle: by the nodes around each end,
+    and by the loads at the turning points of slip.
 
     Attributes
     ----------
-    last_node, first_node
+    place_at_last_stuck, place_at_first_sliding
         (2,) places of the edge when it meets the last node that sticks, and when it meets the first
         one that slips; NaN where these are not known
-    places
-        (2,) of the edge between them by the loads; NaN where no load takes it from the one to the
-        other
-    turns
-        instants, left and right, at which the stick zone is this one: the turns of slip
+    places_by_load
+        (2,) of the edge between these two, by `Edge.of_stick`; NaN where no load takes it from the
+        one to the other
+    turn_times
+        instants at which the stick zone is as small as this one, at the left and the right end: the
+        turning points of slip
     """
 
-    last_node: Array
-    first_node: Array
-    places: Array
-    turns: tuple[tuple[float, ...], tuple[float, ...]] = ((), ())
+    place_at_last_stuck: Array
+    place_at_first_sliding: Array
+    places_by_load: Array
+    turn_times: tuple[tuple[float, ...], tuple[float, ...]] = ((), ())
 
     def in_unit(self, length: float) -> StickZone:
         """The zone with its places times a length."""
         return self._replace(
-            last_node=self.last_node * length,
-            first_node=self.first_node * length,
-            places=self.places * length,
+            place_at_last_stuck=self.place_at_last_stuck * length,
+            place_at_first_sliding=self.place_at_first_sliding * length,
+            places_by_load=self.places_by_load * length,
         )
 
     def mirrored(self) -> StickZone:
         """The zone with a left end that is the image of the right one."""
         outwards = np.array([-1.0, 1.0])
         return StickZone(
-            last_node=outwards * self.last_node[1],
-            first_node=outwards * self.first_node[1],
-            places=outwards * self.places[1],
-            turns=(self.turns[1], self.turns[1]),
+            place_at_last_stuck=outwards * self.place_at_last_stuck[1],
+            place_at_first_sliding=outwards * self.place_at_first_sliding[1],
+            places_by_load=outwards * self.places_by_load[1],
+            turn_times=(self.turn_times[1], self.turn_times[1]),
         )
 
     def confine(self, edges: Array) -> Array:
-        """(2,) the places by the loads; without one the edge by the stick zones of the instants,
-        where it lies between the two nodes, or else the middle between them.
+        """Ends (2,) of the permanent stick zone: places by the loads where there are any. Elsewhere
+        they are the given `edges` (2,) if between the two nodes, or else the middle between these.
 
-        Edges more than some nodes away are none of this zone, which may creep at its rim.
+        `edges` are those of the intersection of all stick zones of the cycle. One that is more than
+        a few nodes away is left as it is: the zone may creep at its ends.
         """
-        middle = (self.last_node + self.first_node) / 2
+        middle = (self.place_at_last_stuck + self.place_at_first_sliding) / 2
         is_same = np.abs(edges - middle) <= _SAME_EDGE * self.spacing
         at_nodes = np.where(self.holds(edges), edges, middle)
-        by_nodes = np.where(np.isfinite(self.places), self.places, at_nodes)
+        by_nodes = np.where(np.isfinite(self.places_by_load), self.places_by_load, at_nodes)
         return np.where(is_same, by_nodes, edges)
 
     def uncertainty(self, edges: Array, by_stick_zones: Array) -> Array:
-        """(2,) of the confined edges: by the stick zones of the instants, but no more than what the
-        two nodes leave open, and a share of their distance where the loads place the edge.
+        """Uncertainty (2,) of the ends that `confine` returned, by the mesh.
+
+        Where the loads place an edge, it is a fraction of the distance of its two nodes. Elsewhere
+        it is `by_stick_zones` (2,), that of the stick edges of single instants. Between its nodes
+        an edge is never less certain than by its larger distance from them.
         """
-        by_nodes = np.maximum(np.abs(edges - self.last_node), np.abs(edges - self.first_node))
+        by_nodes = np.maximum(
+            np.abs(edges - self.place_at_last_stuck), np.abs(edges - self.place_at_first_sliding)
+        )
         confined = np.where(self.holds(edges), np.minimum(by_nodes, by_stick_zones), by_stick_zones)
         is_narrow = (_NARROW * self.spacing / (edges[1] - edges[0])) ** 2
         placed = _PLACED * (1 + is_narrow) * self.spacing
-        return np.where(edges == self.places, placed, confined)
+        return np.where(edges == self.places_by_load, placed, confined)
 
     def holds(self, edges: Array) -> Mask:
-        """(2,) whether an edge lies between its two nodes."""
-        farthest = np.maximum(np.abs(edges - self.last_node), np.abs(edges - self.first_node))
+        """(2,) whether each of two edges lies between the nodes around that end of the zone."""
+        farthest = np.maximum(
+            np.abs(edges - self.place_at_last_stuck), np.abs(edges - self.place_at_first_sliding)
+        )
         return np.asarray(farthest <= self.spacing)
 
     @property
     def spacing(self) -> Array:
-        """(2,) from the one place to the other."""
-        return np.abs(self.first_node - self.last_node)
+        """(2,) distance of the edge's places at the two nodes around each end."""
+        return np.abs(self.place_at_first_sliding - self.place_at_last_stuck)
 
 
 NO_ZONE = StickZone(np.full(2, np.nan), np.full(2, np.nan), np.full(2, np.nan))
 
 
 class Excess(NamedTuple):
-    """Of the dissipation of a revolution, scaled.
+    """Error of the friction work of a load cycle because edges of contact and stick move from node
+    to node; scaled.
 
     Attributes
     ----------
     value
-        what the edges that stand between nodes add to it
-    scatter
-        rms of that over where they stand
+        work in excess of the true one, to be subtracted
+    rms
+        root mean square of that over all places of the edges between their nodes
     edges
-        how many there are
+        number of edges that it is of
     is_unplaced
-        whether a zone sticks all along, and none of its edges is counted
+        whether there is a permanent stick zone, and none of its edges could be placed
     stick_zone
-        what sticks all along
+        the permanent stick zone
     """
 
     value: float
-    scatter: float
+    rms: float
     edges: int
     is_unplaced: bool = False
     stick_zone: StickZone = NO_ZONE
 
 
 def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
-    """What edges of stick and contact between nodes add to the dissipation of a cycle; first of
-    `states` is the one before the cycle.
+    """Error of the friction work of a load cycle because edges of stick and contact move from node
+    to node: positive where the discrete solution dissipates too much; scaled.
 
-    An edge counts if its zones have three nodes or more, and if the elements around it are
-    quadratic and of one size.
+    An edge counts if the zones on both its sides have three nodes or more, and if the elements
+    around it are quadratic and of equal size. The count goes to `problem.work[TAKEN_OFF]`.
+
+    Parameters
+    ----------
+    problem
+        the contact problem that the states solve
+    states
+        contact states of the cycle, the first one from before it
     """
     no_excess = Excess(0.0, 0.0, 0)
     problem.work.pop(TAKEN_OFF, None)
@@ -529,68 +586,85 @@ def excess(problem: ContactProblem, states: Sequence[InterfaceState]) -> Excess:
     stick_zone = np.flatnonzero(sticks_all_along)
     if len(stick_zone) < _ZONE or np.diff(stick_zone).max() > 1:
         return no_excess
-    at_stick_edges: dict[int, _AtTurns] = {}
-    at_contact_edges: list[_EdgeWork] = []
+    stick_edges: dict[int, _StickEdgeAtTurns] = {}  # by the side, 1 or -1
+    works_at_contact_edges: list[_ExcessWork] = []
     for side in (1, -1):
-        at_stick_edge = _at_stick_edge(problem, states, slip, sticks_all_along, side)
-        if at_stick_edge is None:
+        stick_edge = _at_stick_edge(problem, states, slip, sticks_all_along, side)
+        if stick_edge is None:
             continue
-        at_stick_edges[side] = at_stick_edge
-        at_contact_edge = _at_contact_edge(problem, states, slip, side)
-        if at_contact_edge is not None:
-            at_contact_edges.append(at_contact_edge)
-    all_edges = [*(edge.work for edge in at_stick_edges.values()), *at_contact_edges]
-    problem.work[TAKEN_OFF] = len(all_edges)
-    # the two edges of a zone mostly stand alike in their elements: their scatters add up
-    scatter_of_all = math.hypot(
-        sum(edge.work.scatter for edge in at_stick_edges.values()),
-        sum(edge.scatter for edge in at_contact_edges),
+        stick_edges[side] = stick_edge
+        work_at_contact_edge = _at_contact_edge(problem, states, slip, side)
+        if work_at_contact_edge is not None:
+            works_at_contact_edges.append(work_at_contact_edge)
+    works_at_stick_edges = [edge.excess for edge in stick_edges.values()]
+    works_at_edges = works_at_stick_edges + works_at_contact_edges
+    problem.work[TAKEN_OFF] = len(works_at_edges)
+    # The two edges of a zone mostly stand alike in their elements, so their errors add up.
+    rms_of_all = math.hypot(
+        sum(at_edge.rms for at_edge in works_at_stick_edges),
+        sum(at_edge.rms for at_edge in works_at_contact_edges),
     )
     return Excess(
-        value=sum(edge.work for edge in all_edges),
-        scatter=scatter_of_all,
-        edges=len(all_edges),
-        is_unplaced=not all_edges,
-        stick_zone=_stick_zone(problem, sticks_all_along, at_stick_edges),
+        value=sum(at_edge.work for at_edge in works_at_edges),
+        rms=rms_of_all,
+        edges=len(works_at_edges),
+        is_unplaced=not works_at_edges,
+        stick_zone=_stick_zone(problem, sticks_all_along, stick_edges),
     )
 
 
 def _stick_zone(
-    problem: ContactProblem, sticks: Mask, at_stick_edges: Mapping[int, _AtTurns]
+    problem: ContactProblem, sticks: Mask, stick_edges: Mapping[int, _StickEdgeAtTurns]
 ) -> StickZone:
-    """Ends of the nodes (n,) that stick through a revolution, with what is known at its turns by
-    the side, 1 or -1.
+    """Left and right end of the permanent stick zone of a load cycle, scaled.
+
+    Parameters
+    ----------
+    problem
+        the contact problem of the nodes
+    sticks
+        (n,) nodes that stick through the whole cycle
+    stick_edges
+        side, 1 for right and -1 for left -> the edge placed by the loads, if it could be
     """
-    last_node = np.full(2, np.nan)
-    first_node = np.full(2, np.nan)
-    places = np.full(2, np.nan)
-    turns: list[tuple[float, ...]] = [(), ()]
+    places_at_last_stuck = np.full(2, np.nan)
+    places_at_first_sliding = np.full(2, np.nan)
+    places_by_load = np.full(2, np.nan)
+    turn_times: list[tuple[float, ...]] = [(), ()]
     for column, side in enumerate((-1, 1)):
         last_stuck = int(np.flatnonzero(sticks)[-1 if side > 0 else 0])
-        if _regular(problem, last_stuck + side):
-            last_node[column] = place_when_met(problem.interface, last_stuck, side)
-            first_node[column] = place_when_met(problem.interface, last_stuck + side, side)
-        if side in at_stick_edges:
-            places[column] = at_stick_edges[side].place
-            turns[column] = at_stick_edges[side].turns
-    return StickZone(last_node, first_node, places, (turns[0], turns[1]))
+        first_sliding = last_stuck + side
+        if _has_equal_elements(problem, first_sliding):
+            places_at_last_stuck[column] = place_when_met(problem.interface, last_stuck, side)
+            places_at_first_sliding[column] = place_when_met(problem.interface, first_sliding, side)
+        if side in stick_edges:
+            places_by_load[column] = stick_edges[side].place
+            turn_times[column] = stick_edges[side].turn_times
+    return StickZone(
+        places_at_last_stuck,
+        places_at_first_sliding,
+        places_by_load,
+        (turn_times[0], turn_times[1]),
+    )
 
 
-class _EdgeWork(NamedTuple):
-    """Work in excess at an edge, and its rms over where the edge stands."""
-
-    work: float
-    scatter: float
-
-
-class _AtTurns(NamedTuple):
-    """An edge of permanent stick at the turns of slip: its work in excess, its place, and the
-    instants of the turns.
+class _ExcessWork(NamedTuple):
+    """Friction work of a load cycle in excess of the true one by one edge between two nodes, and
+    the rms of that over the edge's places between them; scaled.
     """
 
-    work: _EdgeWork
+    work: float
+    rms: float
+
+
+class _StickEdgeAtTurns(NamedTuple):
+    """An edge of permanent stick at the turning points of slip: the excess work by its place, that
+    place, and the instants at the turning points.
+    """
+
+    excess: _ExcessWork
     place: float
-    turns: tuple[float, ...]
+    turn_times: tuple[float, ...]
 
 
 def _at_stick_edge(
@@ -599,125 +673,134 @@ def _at_stick_edge(
     slip: Array,
     sticks: Mask,
     side: int,
-) -> _AtTurns | None:
-    """The edge of permanent stick on one side of x = 0 at the turns of slip: its place between two
-    nodes, and the work in excess by that; None where it does not count.
+) -> _StickEdgeAtTurns | None:
+    """The edge of permanent stick on one side of x = 0 at the two turning points of slip: its place
+    between two nodes, and the excess friction work by that; None where it cannot be placed.
 
-    Locked-in shear brings a node beside the edge nearer to the cone at one turn of the slip, and
-    further from it at the other. So its distances at both turns are added.
+    The excess work of a turning point is the sum over nodes of f p times the change of slip by
+    `Edge.dimensionless_excess`. Locked-in shear brings a node beside the edge nearer to the Coulomb
+    limit at one turning point, and takes it further away at the other. So its distances from the
+    limit at both are added.
 
     Parameters
     ----------
     problem
         the contact problem that the states solve
     states
-        the states of a cycle
+        contact states of a load cycle, the first one from before it
     slip
         (k, n) slip of the nodes at these states, scaled
     sticks
-        (n,) nodes that stick throughout
+        (n,) nodes that stick through the whole cycle
     side
         1 for the right edge, -1 for the left one
     """
     leftmost, rightmost = np.flatnonzero(sticks)[[0, -1]].tolist()
     last_stuck = rightmost if side > 0 else leftmost
     first_stuck = leftmost if side > 0 else rightmost
-    node = last_stuck + side
-    opposite_node = first_stuck - side
-    if not _regular(problem, node):
+    first_sliding = last_stuck + side
+    opposite_sliding = first_stuck - side
+    if not _has_equal_elements(problem, first_sliding):
         return None
-    slip_of_node = slip[:, node]
+    slip_of_node = slip[:, first_sliding]
     slip_range = float(np.ptp(slip_of_node))
-    signs = slip_sign(np.array([state.state[node] for state in states]))
-    states_at_turns: dict[int, InterfaceState] = {}
-    turns: list[float] = []
+    signs = slip_sign(np.array([state.state[first_sliding] for state in states]))
+    states_at_turns: dict[int, InterfaceState] = {}  # by the sense of slip that ends
+    turn_times: list[float] = []
     for sign in (1, -1):
         is_at_turn = sign * slip_of_node >= np.max(sign * slip_of_node) - _TURNED * slip_range
-        turning_numbers = np.flatnonzero((signs == sign) & is_at_turn)
-        if not len(turning_numbers) or not states[turning_numbers[-1]].is_complete:
+        turning_steps = np.flatnonzero((signs == sign) & is_at_turn)
+        if not len(turning_steps) or not states[turning_steps[-1]].is_complete:
             return None
-        states_at_turns[sign] = states[turning_numbers[-1]]
-        turns += [states[number].time for number in turning_numbers.tolist()]
+        states_at_turns[sign] = states[turning_steps[-1]]
+        turn_times += [states[step].time for step in turning_steps.tolist()]
     friction = problem.friction
-    distance_to_limit = sum(
+    force_to_limit_of_both = sum(
         float(force_to_limit(state.pressure[last_stuck], state.shear[last_stuck], sign, friction))
         for sign, state in states_at_turns.items()
     )
-    work_in_excess = 0.0
-    scatter = 0.0
+    excess_work = 0.0
+    rms = 0.0
     places: list[float] = []
     n_loads = len(states[0].loads)
     for sign, turning_state in states_at_turns.items():
-        # Nodes that have only reached the cone stick.
-        states_at_turn = np.where(
+        # Nodes that have only reached the Coulomb limit stick.
+        nodal_states = np.where(
             sticks & (turning_state.state != OPEN), STICK, turning_state.state
         ).astype(np.int8)
-        is_sliding = slip_sign(states_at_turn) == sign
-        sliding_beyond = is_sliding[node:] if side > 0 else is_sliding[: node + 1]
+        is_sliding = slip_sign(nodal_states) == sign
+        sliding_beyond = is_sliding[first_sliding:] if side > 0 else is_sliding[: first_sliding + 1]
         if np.count_nonzero(sliding_beyond) < _ZONE - 1:
             return None
-        turn = TurnOfSlip(sign, slip_range, distance_to_limit)
-        by_load = nodal(problem.rates(states_at_turn, n_loads)[1])
+        turn = TurnOfSlip(sign, slip_range, force_to_limit_of_both)
+        by_load = nodal(problem.rates(nodal_states, n_loads)[1])
         edge = Edge.of_stick(problem, side, last_stuck, turn, by_load)
         if not edge.is_moved:
             return None
         places.append(edge.place)
-        opposite_slides = 0 <= opposite_node < len(is_sliding) and bool(is_sliding[opposite_node])
-        nodes = (node, opposite_node) if opposite_slides else (node,)
+        opposite_slides = 0 <= opposite_sliding < len(is_sliding) and bool(
+            is_sliding[opposite_sliding]
+        )
+        nodes = (first_sliding, opposite_sliding) if opposite_slides else (first_sliding,)
 
         def slip_by_load(states: States) -> Array:
+            """(n,) derivative of the nodal slip by Q."""
             return np.asarray(nodal(problem.rates(states, n_loads)[1])[0])
 
-        slip_jump = _jump(slip_by_load, states_at_turn, nodes, STICK)
-        work_of_jump = problem.friction * float(turning_state.pressure @ slip_jump)
-        edge_work = work_of_jump * edge.load_per_jump
-        work_in_excess -= edge_work * float(edge.excess_per_work(edge.share()))
-        scatter += abs(edge_work) * _RMS
-    return _AtTurns(
-        work=_EdgeWork(work_in_excess, scatter),
+        change_of_slip_rates = _change_of_rates(slip_by_load, nodal_states, nodes, STICK)
+        work_by_load = problem.friction * float(turning_state.pressure @ change_of_slip_rates)
+        work_of_unit_excess = work_by_load * edge.load_over_rate_jump
+        excess_at_place = float(edge.dimensionless_excess(edge.fraction_passed()))
+        excess_work -= work_of_unit_excess * excess_at_place
+        rms += abs(work_of_unit_excess) * _RMS
+    return _StickEdgeAtTurns(
+        excess=_ExcessWork(excess_work, rms),
         place=sum(places) / len(places),
-        turns=tuple(turns),
+        turn_times=tuple(turn_times),
     )
 
 
 def _at_contact_edge(
     problem: ContactProblem, states: Sequence[InterfaceState], slip: Array, side: int
-) -> _EdgeWork | None:
-    """Work in excess, by the place of an edge between two nodes, at the edge of contact on its way
-    on one side of x = 0; None where it does not count.
+) -> _ExcessWork | None:
+    """Excess friction work of a load cycle by the place of the contact edge between two nodes, on
+    one side of x = 0; None where the edge cannot be placed at some increment.
 
-    Along each increment the pressure is linear in P, and no node touches or lets go.
+    Along each increment the pressure is linear in P, and no node touches or separates. Its excess
+    work is the sum over nodes of f |slip| times the change of pressure by
+    `Edge.dimensionless_excess`, integrated over the increment.
 
     Parameters
     ----------
     states
-        the states of a cycle
+        contact states of a load cycle, the first one from before it
     slip
         (k, n) slip of the nodes at these states, scaled
     side
         1 for the right edge, -1 for the left one
     """
     n_loads = len(states[0].loads)
-    rates: dict[bytes, Array] = {}
+    rates_of_contacts: dict[bytes, Array] = {}  # by the set of closed nodes
 
     def rates_by_load(state: States) -> Array:
-        """(4, n) rates by P: of like bodies they depend on what is closed alone, of others they are
-        those of full stick.
+        """(4, n) derivatives by P of slip, normal force, shear force and gap of the nodes. Between
+        like bodies they depend on the closed nodes alone; unlike ones are taken in full stick.
         """
         if problem.interface.coupling is not None:
             state = np.where(state != OPEN, STICK, OPEN).astype(np.int8)
         closed_key = (state != OPEN).tobytes()
-        if closed_key not in rates:
-            rates[closed_key] = nodal(problem.rates(state, n_loads)[0])
-        return rates[closed_key]
+        if closed_key not in rates_of_contacts:
+            rates_of_contacts[closed_key] = nodal(problem.rates(state, n_loads)[0])
+        return rates_of_contacts[closed_key]
 
     def pressure_by_load(state: States) -> Array:
+        """(n,) derivative of the nodal normal force by P."""
         return np.asarray(rates_by_load(state)[1])
 
     for state in states:
         rates_by_load(state.state)
-    work_in_excess = 0.0
-    work_of_stays: dict[int, float] = {}  # by the node that the edge stands at
+    excess_work = 0.0
+    unit_works_at_nodes: dict[int, float] = {}  # by the node inside the edge
     slip_increments = np.abs(np.diff(slip, axis=0))
     for start, end, node_slips in zip(states[:-1], states[1:], slip_increments, strict=True):
         closed_nodes = np.flatnonzero(start.closed)
@@ -726,60 +809,82 @@ def _at_contact_edge(
         next_node = node + side
         if not node_slips.any():
             continue
-        if not start.is_complete or not _regular(problem, node):
+        if not start.is_complete or not _has_equal_elements(problem, node):
             return None
         if not 0 <= next_node < len(node_slips):
             return None
         edge = Edge.of_contact(problem, side, node, start, rates_by_load(start.state))
         if not edge.is_moved:
             return None
-        share_at_start = edge.share()
-        share_at_end = edge.share(end.loads[0] - start.loads[0])
-        shares = [share_at_start, (share_at_start + share_at_end) / 2, share_at_end]
-        nodes = (node, opposite_node) if _regular(problem, opposite_node) else (node,)
-        pressure_jump = _jump(pressure_by_load, start.state, nodes, OPEN)
-        work_of_jump = problem.friction * float(node_slips @ pressure_jump)
-        edge_work = work_of_jump * edge.load_per_jump
+        fraction_at_start = edge.fraction_passed()
+        fraction_at_end = edge.fraction_passed(end.loads[0] - start.loads[0])
+        fraction_in_middle = (fraction_at_start + fraction_at_end) / 2
+        fractions = [fraction_at_start, fraction_in_middle, fraction_at_end]
+        nodes = (node, opposite_node) if _has_equal_elements(problem, opposite_node) else (node,)
+        change_of_pressure_rates = _change_of_rates(pressure_by_load, start.state, nodes, OPEN)
+        work_by_load = problem.friction * float(node_slips @ change_of_pressure_rates)
+        work_of_unit_excess = work_by_load * edge.load_over_rate_jump
         # Simpson's rule along the increment
-        work_in_excess -= edge_work * float(edge.excess_per_work(shares) @ [1, 4, 1]) / 6
-        work_of_stays[node] = work_of_stays.get(node, 0.0) + abs(edge_work)
-    # The way from node to node has no mean: what counts is the longest stay between two.
-    return _EdgeWork(work_in_excess, max(work_of_stays.values(), default=0.0) * _RMS)
+        excess_work -= (
+            work_of_unit_excess * float(edge.dimensionless_excess(fractions) @ [1, 4, 1]) / 6
+        )
+        unit_works_at_nodes[node] = unit_works_at_nodes.get(node, 0.0) + abs(work_of_unit_excess)
+    # All along from node to node the excess has mean zero. What counts is the place at which the
+    # edge stays while most slip happens.
+    return _ExcessWork(excess_work, max(unit_works_at_nodes.values(), default=0.0) * _RMS)
 
 
 def _load_to(distance: float, rate: float) -> float:
-    """How much load takes a node that far; infinite where load does not move it."""
+    """Change of load by which a nodal force, gap or slip changes by a `distance`, at its derivative
+    by the load; infinite where the load does not change it.
+    """
     return float(distance) / abs(float(rate)) if rate else math.inf
 
 
-def _jump(
-    rates: Callable[[States], Array], state: States, nodes: tuple[int, ...], earlier_state: int
+def _change_of_rates(
+    rates: Callable[[States], Array], state: States, nodes: tuple[int, ...], earlier_label: int
 ) -> Array:
-    """Change of the rates (n,) when the first of one or two nodes left `earlier_state`: the mean
-    over both orders in which two nodes may have left it.
+    """Change (n,) of the derivatives of a nodal quantity by the load, when a node touches or starts
+    to slide.
+
+    Two nodes may have done so at once, one at each edge: the mean over both orders.
+
+    Parameters
+    ----------
+    rates
+        from the labels of the nodes (n,) to the derivatives (n,)
+    state
+        (n,) labels open, stick or slip of the nodes, after the change
+    nodes
+        the node that changed, and if there is one, the other that did so with it
+    earlier_label
+        of the nodes before: open or stick
     """
     node, *second_node = nodes
-    jumps = []
-    for nodes_back in {(), tuple(second_node)}:
-        states_after = state.copy()
-        states_after[list(nodes_back)] = earlier_state
-        states_before = states_after.copy()
-        states_before[node] = earlier_state
-        jumps.append(rates(states_after) - rates(states_before))
-    return np.asarray(sum(jumps) / len(jumps))
+    changes = []
+    for nodes_not_changed_yet in {(), tuple(second_node)}:
+        state_after = state.copy()
+        state_after[list(nodes_not_changed_yet)] = earlier_label
+        state_before = state_after.copy()
+        state_before[node] = earlier_label
+        changes.append(rates(state_after) - rates(state_before))
+    return np.asarray(sum(changes) / len(changes))
 
 
-def _regular(problem: ContactProblem, node: int) -> bool:
-    """Whether quadratic elements of one size are around a node, and its neighbours on both sides
-    may touch.
+def _has_equal_elements(problem: ContactProblem, node: int) -> bool:
+    """Whether a node and its two neighbours on either side have quadratic elements of equal size
+    around them.
+
+    By Simpson's rule a mid-side node then has twice the integration weight of its neighbours, which
+    are corners of two elements.
     """
     weights = problem.interface.weights
     if not 2 <= node < len(weights) - 2:
         return False
     weights_of_kind = weights[node - 2 : node + 3 : 2].tolist()
     weights_beside = weights[node - 1 : node + 2 : 2].tolist()
-    corner_weights, middle_weights = sorted((weights_of_kind, weights_beside), key=max)
-    least_spacing, largest_spacing = _SIMPSON
-    return least_spacing * max(corner_weights) <= min(middle_weights) and max(
-        middle_weights
-    ) <= largest_spacing * min(corner_weights)
+    corner_weights, mid_side_weights = sorted((weights_of_kind, weights_beside), key=max)
+    least_ratio, largest_ratio = _SIMPSON
+    if min(mid_side_weights) < least_ratio * max(corner_weights):
+        return False
+    return max(mid_side_weights) <= largest_ratio * min(corner_weights)

@@ -65,7 +65,7 @@ def test_the_chords_of_the_compression_are_those_of_the_formula(
     for state in states:
         node = int(np.flatnonzero(state.closed)[-1])
         edge = Edge.of_contact(problem, 1, node, state, nodal(problem.rates(state.state, 2)[0]))
-        chords.append(float(edge.excess_per_work(edge.share())))
+        chords.append(float(edge.dimensionless_excess(edge.fraction_passed())))
     # The line in P is the datum's; 30 elements that end are a little stiffer than a half-plane of
     # them.
     load = np.array([state.normal_load for state in states])
@@ -96,8 +96,8 @@ def test_the_loads_place_the_edge_of_hertz_contact_between_its_nodes(
     rms = np.sqrt(np.mean((places - of_unit_load * np.sqrt(loads)) ** 2))
     assert rms < 0.01 * element
     assert all(edge.is_moved for edge in edges)
-    assert edges[0].share(-2.0) == 0.0
-    assert edges[0].share(2.0) == 1.0
+    assert edges[0].fraction_passed(-2.0) == 0.0
+    assert edges[0].fraction_passed(2.0) == 1.0
     nothing_moves = np.zeros((4, len(problem.interface.x)))
     assert not Edge.of_contact(problem, 1, edges[0].node, states[0], nothing_moves).is_moved
 
@@ -137,7 +137,7 @@ def test_w_scatters_less_over_the_places_of_the_edges(name: str, left: float) ->
         )
         before.append(((work + excess.value * unit) / exact - 1) / square)
         after.append((work / exact - 1) / square)
-        scatter.append(excess.scatter * unit / exact / square)
+        scatter.append(excess.rms * unit / exact / square)
     rms_before, rms_after = (np.sqrt(np.mean(np.square(errors))) for errors in (before, after))
     assert rms_after < left * rms_before
     assert np.mean(scatter) == pytest.approx(rms_before, rel=0.4)  # told by each run alone
@@ -199,9 +199,9 @@ def test_what_is_taken_off_and_counted_is_what_the_last_revolution_had() -> None
 
 def test_the_permanent_stick_zone_ends_between_its_last_node_and_the_next() -> None:
     """Where the loads place its edge; else in the middle, if the stick zones misread it."""
-    last_node = np.array([-0.5, 0.5])
-    first_node = np.array([-0.55, 0.55])
-    placed = StickZone(last_node, first_node, np.array([-0.51, np.nan]))
+    place_at_last_stuck = np.array([-0.5, 0.5])
+    place_at_first_sliding = np.array([-0.55, 0.55])
+    placed = StickZone(place_at_last_stuck, place_at_first_sliding, np.array([-0.51, np.nan]))
     edges = np.array([-0.45, 0.53])
     confined = placed.confine(edges)
     assert confined.tolist() == [-0.51, 0.53]
@@ -209,7 +209,7 @@ def test_the_permanent_stick_zone_ends_between_its_last_node_and_the_next() -> N
     narrow = (between_nodes._NARROW * 0.05 / 1.04) ** 2
     assert stated == pytest.approx([between_nodes._PLACED * 0.05 * (1 + narrow), 0.03])
     assert placed.uncertainty(confined, np.array([0.2, 0.01]))[1] == 0.01
-    unplaced = StickZone(last_node, first_node, np.full(2, np.nan))
+    unplaced = StickZone(place_at_last_stuck, place_at_first_sliding, np.full(2, np.nan))
     assert unplaced.confine(edges) == pytest.approx([-0.525, 0.53])
     assert unplaced.mirrored().confine(edges) == pytest.approx([-0.525, 0.53])
     far = np.array([-0.2, 0.2])  # the edge of another zone
@@ -351,16 +351,16 @@ def test_beside_an_older_stick_edge_the_load_places_it_less_well() -> None:
 def test_only_an_instant_with_slip_is_a_turn_of_slip() -> None:
     """Nodes that stay on the cone beyond the turn are marked as sliding there too."""
     zone = StickZone(
-        last_node=np.array([-0.48, 0.48]),
-        first_node=np.array([-0.52, 0.52]),
-        places=np.array([-0.5, 0.5]),
-        turns=((1.0, 2.0), (1.0, 2.0)),
+        place_at_last_stuck=np.array([-0.48, 0.48]),
+        place_at_first_sliding=np.array([-0.52, 0.52]),
+        places_by_load=np.array([-0.5, 0.5]),
+        turn_times=((1.0, 2.0), (1.0, 2.0)),
     )
     edges = {
         "contact_edges": np.tile([-1.0, 1.0], (3, 1)),
         "stick_edges": np.array([[-0.7, 0.7], [-0.51, 0.51], [-1.0, 1.0]]),
         "stick_edge_uncertainty": np.full((3, 2), 0.1),
     }
-    _hold_permanent_stick(edges, zone.places, zone, np.arange(3.0), np.ones(3, dtype=bool))
+    _hold_permanent_stick(edges, zone.places_by_load, zone, np.arange(3.0), np.ones(3, dtype=bool))
     assert edges["stick_edges"][:, 1].tolist() == [0.7, 0.5, 1.0]
     assert edges["stick_edge_uncertainty"][2].tolist() == [0.1, 0.1]
