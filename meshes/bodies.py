@@ -125,12 +125,19 @@ class MeshSettings:
 
 @dataclass(frozen=True)
 class SurfaceGrading:
-    """Where the surface is fine: elements of `edge_size` on inner <= |x| <= outer, of `size` on |x|
-    < inner [length].
+    """Sizes of the surface elements of a body [length]: `size` on |x| < inner, and `edge_size` on
+    inner <= |x| <= outer, where contact and stick edges travel.
 
-    `outer` bounds the nodes that may touch; `radius` is that of the half-disc, infinite for a body
-    with a size of its own. `halvings` counts how often the innermost element of each side is halved
-    towards x = 0, where the profile has a tip.
+    Attributes
+    ----------
+    inner, outer
+        |x| at which the fine zone of the edges begins and ends; nodes beyond `outer` never touch
+    size, edge_size
+        of the elements inside and in that zone
+    radius
+        of the half-disc; infinite for a body with a size of its own
+    halvings
+        how often the element next to x = 0 is halved, on each side, towards a tip of the profile
     """
 
     inner: float
@@ -201,7 +208,7 @@ _FAR_RADIUS = 1000.0
 
 
 def contact_nodes(grading: SurfaceGrading, order: int) -> int:
-    """Nodes on |x| <= outer."""
+    """Number of surface nodes that may touch, on |x| <= outer."""
     elements = 2 * (
         grading.inner / grading.size + (grading.outer - grading.inner) / grading.edge_size
     )
@@ -209,15 +216,18 @@ def contact_nodes(grading: SurfaceGrading, order: int) -> int:
 
 
 def body_nodes(grading: SurfaceGrading, growth: float, order: int) -> int:
-    """Estimate, within a factor of two, how many nodes the mesh of a half-disc will have.
+    """Estimate, within a factor of two, of the number of nodes in the mesh of a half-disc.
 
-    Triangles have size h at the surface, and h + g d at distance d from it. The number of corners
-    is the area over that of an equilateral triangle of the size there; with dA = (pi d + L) dd::
+    Triangles have size h at the surface, and h + g d at distance d from it. Their number is the
+    area over that of an equilateral triangle of the size there; with dA = (pi d + L) dd::
 
-        corners = (4/sqrt 3) int_0^R (pi d + L) / (h + g d)^2 dd
+        triangles = (4/sqrt 3) int_0^R (pi d + L) / (h + g d)^2 dd
 
     # notation: L length of surface with elements of one size h, g growth of the size per distance
     d from the surface, R radius of the half-disc, r = g R/h
+
+    The zones at the contact edges and between them are summed. A mesh has half as many corners as
+    triangles.
 
     Parameters
     ----------
@@ -228,18 +238,18 @@ def body_nodes(grading: SurfaceGrading, growth: float, order: int) -> int:
     order
         1 or 2: a triangle of order 2 has mid-side nodes, four times as many nodes in all
     """
-    n_corners = 0.0
+    n_triangles = 0.0
     g = growth
-    for length, h in (
+    for surface_length, h in (
         (2 * (grading.outer - grading.inner), grading.edge_size),
         (2 * grading.inner, grading.size),
     ):
-        if length > 0:
+        if surface_length > 0:
             r = g * min(grading.radius, _FAR_RADIUS * grading.outer) / h
-            around_ends = math.pi / g**2 * (math.log1p(r) - r / (1 + r))
-            under_length = length / (g * h) * r / (1 + r)
-            n_corners += 4 / math.sqrt(3) * (around_ends + under_length)
-    return round(n_corners * order**2 / 2)
+            integral_around_ends = math.pi / g**2 * (math.log1p(r) - r / (1 + r))
+            integral_below_surface = surface_length / (g * h) * r / (1 + r)
+            n_triangles += 4 / math.sqrt(3) * (integral_around_ends + integral_below_surface)
+    return round(n_triangles * order**2 / 2)
 
 
 def check_count(name: str, grading: SurfaceGrading, growth: float, order: int) -> None:
@@ -262,14 +272,16 @@ def check_count(name: str, grading: SurfaceGrading, growth: float, order: int) -
         With the number of nodes and its limit: of those on the contact, or of all in the body.
     """
     advice = "make element_size and edge_element_size larger"
-    if (count := contact_nodes(grading, order)) > MOST_CONTACT_NODES:
+    n_contact_nodes = contact_nodes(grading, order)
+    if n_contact_nodes > MOST_CONTACT_NODES:
         raise InputError(
-            f"mesh: the {name} body would have some {count:,} nodes on its contact, and the limit"
-            f" is {MOST_CONTACT_NODES:,}; {advice}"
+            f"mesh: the {name} body would have some {n_contact_nodes:,}"
+            f" nodes on its contact, and the limit is {MOST_CONTACT_NODES:,}; {advice}"
         )
-    if (count := body_nodes(grading, growth, order)) > MOST_NODES:
+    n_nodes = body_nodes(grading, growth, order)
+    if n_nodes > MOST_NODES:
         raise InputError(
-            f"mesh: the {name} body would have about {count:,} nodes, and the limit is"
+            f"mesh: the {name} body would have about {n_nodes:,} nodes, and the limit is"
             f" {MOST_NODES:,}; {advice}, or growth"
         )
 
@@ -299,12 +311,11 @@ def scaled_grading(grading: SurfaceGrading, factor: float) -> SurfaceGrading:
 
 
 def surface_points(grading: SurfaceGrading) -> Array:
-    """Abscissae x at which the elements of half a contact face begin and end, (n,), from 0 to
+    """Abscissae x (n,) of the ends of the surface elements on half a contact side, from 0 to
     `grading.outer` [length].
 
-    Elements are about `grading.size` long up to `grading.inner` and `grading.edge_size` beyond. A
-    profile with a tip at x = 0 needs smaller ones there: the first is halved `grading.halvings`
-    times.
+    Elements are about `grading.size` long up to `grading.inner`, and `grading.edge_size` from there
+    on. Where the profile has a tip at x = 0, the first is halved `grading.halvings` times.
 
     >>> surface_points(SurfaceGrading(inner=1.0, outer=2.0, size=1.0, edge_size=0.5, halvings=2))
     array([0.  , 0.25, 0.5 , 1.  , 1.5 , 2.  ])
@@ -330,18 +341,18 @@ def size_formula(
     """Formula in x and y for the element size inside a body (half x >= 0), as text for gmsh's field
     MathEval.
 
-    The size is that of the nearest surface elements plus `growth` times the distance to them; it is
+    The size is that of the nearest surface elements plus `growth` times the distance to them, and
     smaller around a tip of the profile and around sharp corners. gmsh evaluates a text four times
     faster than it calls Python.
 
     Parameters
     ----------
     grading
-        sizes of the surface elements: `edge_size` where the contact edge travels, `size` inside
+        sizes of the surface elements
     growth
-        growth of the size per distance
+        of the element size per distance
     sharp_corners
-        (x, y) of corners of the body where the strain is infinite; y is negative there
+        (x, y) of corners of the body with infinite strain; y < 0: below the contact side
     """
     edge_zone_begin = grading.inner
     edge_zone_end = grading.outer
@@ -360,11 +371,16 @@ def size_formula(
             f"Min({formula}, {grading.tip_size!r} + {max(growth, _TIP_GROWTH)!r} * Sqrt(x^2 + y^2))"
         )
     for x, y in sharp_corners:
-        size_around_edges = grading.edge_size + growth * math.hypot(max(x - edge_zone_end, 0.0), y)
-        corner_size = float(rounded(min(size_around_edges, x, -y) / _CORNER_REFINEMENT))
+        depth = -y
+        size_without_corner = grading.edge_size + growth * math.hypot(
+            max(x - edge_zone_end, 0.0), y
+        )
+        # No larger than the corner's distances from the axis and from the contact side.
+        surrounding_size = min(size_without_corner, x, depth)
+        corner_size = float(rounded(surrounding_size / _CORNER_REFINEMENT))
         formula = (
             f"Min({formula}, {corner_size!r} + {corner_growth(growth)!r} * Sqrt((x - {x!r})^2 + (y"
-            f" + {-y!r})^2))"
+            f" + {depth!r})^2))"
         )
     return formula
 

@@ -47,8 +47,8 @@ def write_vtu(
 
 @dataclass(frozen=True)
 class PvdEntry:
-    """One file of a collection: when it holds, which part of the whole it is, where it lies beside
-    the collection.
+    """One field file of a PVD collection: instant `time`, number and name of its part (a body or
+    a line of surface), and path `file` relative to the collection's folder.
     """
 
     time: float
@@ -69,16 +69,17 @@ def write_pvd(path: str | Path, entries: Sequence[PvdEntry]) -> None:
         for each field file its instant, the number and name of its part (a body or a line of
         surface), and its path
     """
-    lines = [
+    data_sets = [
         f"  <DataSet timestep={quoteattr(repr(entry.time))} part={quoteattr(str(entry.part))} "
         f"name={quoteattr(entry.name)} file={quoteattr(entry.file)}/>\n"
         for entry in entries
     ]
-    head = (
+    xml_head = (
         '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1"'
         ' byte_order="LittleEndian">\n <Collection>\n'
     )
-    Path(path).write_text(head + "".join(lines) + " </Collection>\n</VTKFile>\n", encoding="utf-8")
+    xml_end = " </Collection>\n</VTKFile>\n"
+    Path(path).write_text(xml_head + "".join(data_sets) + xml_end, encoding="utf-8")
 
 
 def _three_components(values: NDArray[np.float64]) -> NDArray[np.float64]:

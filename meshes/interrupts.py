@@ -38,7 +38,7 @@ def interrupts_wait() -> Iterator[Sequence[int]]:
         yield signals_caught
         return
     for number in handlers:
-        signal.signal(number, lambda which, _frame: signals_caught.append(which))
+        signal.signal(number, lambda signal_number, _frame: signals_caught.append(signal_number))
     try:
         yield signals_caught
     finally:

@@ -67,12 +67,17 @@ def mesh_quality(mesh: skfem.Mesh, exact_area: float) -> dict[str, float]:
     }
 
 
-def _triangle_shape(cross: Array, sides: Array) -> Array:
-    """4 sqrt(3) area over the sum of the squared sides."""
-    return np.asarray(2 * np.sqrt(3) * np.abs(cross[0]) / np.sum(sides**2, axis=0))
+def _triangle_shape(cross_products: Array, side_lengths: Array) -> Array:
+    """Shape measure of triangles, (n_elements,), 1 for an equilateral one and 0 for a sliver:
+    4 sqrt(3) area over the sum of the squared sides.
+
+    `cross_products` (3, n_elements) of two sides each, of size twice the area; `side_lengths`
+    (3, n_elements).
+    """
+    return np.asarray(2 * np.sqrt(3) * np.abs(cross_products[0]) / np.sum(side_lengths**2, axis=0))
 
 
-def _quadrilateral_shape(side_ahead: Array, side_behind: Array, cross: Array) -> Array:
+def _quadrilateral_shape(side_ahead: Array, side_behind: Array, cross_products: Array) -> Array:
     """Shape measure of quadrilaterals, (n_elements,): 1 for a square, 0 for a sliver, negative for
     one that is not convex.
 
@@ -82,18 +87,19 @@ def _quadrilateral_shape(side_ahead: Array, side_behind: Array, cross: Array) ->
     ----------
     side_ahead, side_behind
         (2, 4, n_elements), vectors from each corner to the next and to the one before
-    cross
-        (4, n_elements), their cross products a x b
+    cross_products
+        (4, n_elements), a x b of these vectors, signed
     """
-    sense = np.sign(cross.sum(axis=0))  # +1 if the corners are numbered anticlockwise, else -1
+    # +1 if the corners are numbered anticlockwise, else -1
+    sense = np.sign(cross_products.sum(axis=0))
     squared_sides = np.sum(side_ahead**2, axis=0) + np.sum(side_behind**2, axis=0)
-    return np.asarray((2 * sense * cross / squared_sides).min(axis=0))
+    return np.asarray((2 * sense * cross_products / squared_sides).min(axis=0))
 
 
 Indices = NDArray[np.int64]
 
-# gmsh's node order of an element after a reflection, by number of nodes: triangles of order 1 and
-# 2, quadrilaterals likewise.
+# Which node of an element stands at each position after a reflection, in gmsh's order: corners,
+# mid-side nodes, middle. By number of nodes: triangles of order 1 and 2, quadrilaterals likewise.
 _NODES_OF_MIRRORED = {
     3: [0, 2, 1],
     6: [0, 2, 1, 5, 4, 3],
@@ -101,17 +107,20 @@ _NODES_OF_MIRRORED = {
     9: [0, 3, 2, 1, 7, 6, 5, 4, 8],
 }
 _MESH_CLASSES = {3: skfem.MeshTri, 6: skfem.MeshTri2, 4: skfem.MeshQuad, 9: skfem.MeshQuad2}
-_AXIS_DISTANCE = 1e-9
+_AXIS_DISTANCE = 1e-9  # nodes nearer to x = 0 lie on it; lengths are of order one
 
 
 @dataclass(frozen=True)
 class _ReadMesh:
-    points: Array  # (n_points, 2)
-    elements: Indices  # (n_elements, nodes of one), gmsh's order
-    boundary_points: dict[str, Indices]
+    """A mesh as arrays, before it becomes one of scikit-fem."""
+
+    points: Array  # (n_points, 2), x and y of the nodes
+    elements: Indices  # (n_elements, nodes of one), node numbers in gmsh's order, corners first
+    boundary_points: dict[str, Indices]  # name of a boundary -> numbers of its nodes
 
     @property
-    def corners(self) -> int:
+    def corners_per_element(self) -> int:
+        """3 of triangles, 4 of quadrilaterals."""
         return 3 if self.elements.shape[1] in (3, 6) else 4
 
 
@@ -133,11 +142,13 @@ def mirrored_mesh(
     size
         element size at a point (x, y), as a formula of gmsh's field MathEval. For quadrilaterals
         twice the size that is wanted: gmsh halves each element at the end
-    order, cells
-        1 or 2, of elements and geometry; triangles or quadrilaterals
+    order
+        1 or 2, polynomial order of elements and geometry
+    cells
+        shape of the elements: "triangles" or "quadrilaterals"
     settle
         function that moves nodes of the half onto the true face: from points (n, 2) and
-        boundary name -> numbers of its nodes to points (n, 2). None leaves them
+        boundary name -> numbers of its nodes to points (n, 2). None: nodes stay where gmsh put them
 
     Returns
     -------
@@ -151,12 +162,13 @@ def mirrored_mesh(
             half_mesh.elements,
             half_mesh.boundary_points,
         )
-    whole_mesh = _corners_first(_reflect(half_mesh))
+    whole_mesh = _renumbered_corners_first(_with_mirror_image(half_mesh))
     points = np.ascontiguousarray(whole_mesh.points.T)
     elements = np.ascontiguousarray(whole_mesh.elements.T)
-    n_corners = int(elements[: whole_mesh.corners].max()) + 1
-    straight_mesh = _MESH_CLASSES[whole_mesh.corners](
-        points[:, :n_corners].copy(), elements[: whole_mesh.corners].copy()
+    corners_of_elements = elements[: whole_mesh.corners_per_element]
+    n_corners = int(corners_of_elements.max()) + 1
+    straight_mesh = _MESH_CLASSES[whole_mesh.corners_per_element](
+        points[:, :n_corners].copy(), corners_of_elements.copy()
     )
     straight_mesh.is_valid(raise_=True)
     mesh = _MESH_CLASSES[len(elements)](points, elements) if order == 2 else straight_mesh
@@ -203,45 +215,47 @@ def _gmsh_model(cells: Cells) -> Iterator[None]:
 
 
 def _mesh_of_half(
-    draw: Callable[[], Mapping[str, list[int]]], size: str, order: int, cells: Cells
+    draw: Callable[[], Mapping[str, list[int]]], size_formula: str, order: int, cells: Cells
 ) -> _ReadMesh:
-    """Mesh half a body (x >= 0) with gmsh and read the nodes, elements and boundary nodes back.
+    """Mesh half a body (x >= 0) with gmsh and read nodes, elements and boundary nodes back.
 
     Parameters
     ----------
     draw
         function that draws the half into gmsh's current model and returns boundary name -> tags of
         its curves
-    size
+    size_formula
         element size as a formula of x and y, for gmsh's field MathEval
-    order, cells
-        1 or 2, of elements and geometry; triangles or quadrilaterals
+    order
+        1 or 2, polynomial order of elements and geometry
+    cells
+        shape of the elements: "triangles" or "quadrilaterals"
     """
     with interrupts_wait(), _gmsh_model(cells):
         curves_by_name = draw()
         gmsh.model.geo.synchronize()
         size_field = gmsh.model.mesh.field.add("MathEval")
-        gmsh.model.mesh.field.setString(size_field, "F", size)
+        gmsh.model.mesh.field.setString(size_field, "F", size_formula)
         gmsh.model.mesh.field.setAsBackgroundMesh(size_field)
         gmsh.model.mesh.generate(2)
         gmsh.model.mesh.setOrder(order)
-        return _read(curves_by_name)
+        return _mesh_from_gmsh(curves_by_name)
 
 
-def _read(curves: Mapping[str, list[int]]) -> _ReadMesh:
-    """Read the mesh out of gmsh's current model: coordinates of the nodes, node numbers of the
-    elements, and of each named boundary.
+def _mesh_from_gmsh(curves: Mapping[str, list[int]]) -> _ReadMesh:
+    """Mesh in gmsh's current model: coordinates of the nodes, node numbers of the elements and of
+    each named boundary.
 
     `curves` maps the name of a boundary to the gmsh tags of its curves. gmsh's tags of nodes may
     have gaps; here nodes are numbered from 0.
     """
     node_tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    number_of_tag = np.zeros(int(node_tags.max()) + 1, dtype=np.int64)
-    number_of_tag[node_tags.astype(np.int64)] = np.arange(len(node_tags))
+    node_of_tag = np.zeros(int(node_tags.max()) + 1, dtype=np.int64)
+    node_of_tag[node_tags.astype(np.int64)] = np.arange(len(node_tags))
     element_types, element_tags, connectivity = gmsh.model.mesh.getElements(2)
     if len(element_types) != 1:
         raise ValueError("gmsh left elements of more than one kind")
-    elements = number_of_tag[connectivity[0].astype(np.int64)].reshape(len(element_tags[0]), -1)
+    elements = node_of_tag[connectivity[0].astype(np.int64)].reshape(len(element_tags[0]), -1)
     boundary_points = {}
     for name, curve_tags in curves.items():
         tags_of_curves = [
@@ -249,49 +263,49 @@ def _read(curves: Mapping[str, list[int]]) -> _ReadMesh:
             for curve_tag in curve_tags
         ]
         boundary_points[name] = np.unique(
-            number_of_tag[np.concatenate(tags_of_curves).astype(np.int64)]
+            node_of_tag[np.concatenate(tags_of_curves).astype(np.int64)]
         )
     return _ReadMesh(coordinates.reshape(-1, 3)[:, :2], elements, boundary_points)
 
 
-def _reflect(half_mesh: _ReadMesh) -> _ReadMesh:
-    """Mesh of a body from that of its half x >= 0: the half and its mirror image in x = 0, which
-    share the points on the axis.
+def _with_mirror_image(half_mesh: _ReadMesh) -> _ReadMesh:
+    """Mesh of a whole body from that of its half x >= 0: the half and its mirror image in x = 0,
+    which share the nodes on the axis.
 
-    Mirrored elements list their nodes in another sequence, so that their area stays positive.
+    The nodes of mirrored elements are listed in another order, so that their area stays positive.
     """
     points = half_mesh.points.copy()
     is_on_axis = np.abs(points[:, 0]) < _AXIS_DISTANCE
     points[is_on_axis, 0] = 0.0
-    image_of_point = np.empty(len(points), dtype=np.int64)
-    image_of_point[is_on_axis] = np.flatnonzero(is_on_axis)
-    image_of_point[~is_on_axis] = len(points) + np.arange(np.count_nonzero(~is_on_axis))
-    mirrored_elements = image_of_point[half_mesh.elements][
+    mirror_image_of_node = np.empty(len(points), dtype=np.int64)
+    mirror_image_of_node[is_on_axis] = np.flatnonzero(is_on_axis)
+    mirror_image_of_node[~is_on_axis] = len(points) + np.arange(np.count_nonzero(~is_on_axis))
+    mirrored_elements = mirror_image_of_node[half_mesh.elements][
         :, _NODES_OF_MIRRORED[half_mesh.elements.shape[1]]
     ]
     return _ReadMesh(
         np.vstack([points, points[~is_on_axis] * [-1.0, 1.0]]),
         np.vstack([half_mesh.elements, mirrored_elements]),
         {
-            name: np.union1d(nodes, image_of_point[nodes])
+            name: np.union1d(nodes, mirror_image_of_node[nodes])
             for name, nodes in half_mesh.boundary_points.items()
         },
     )
 
 
-def _corners_first(body: _ReadMesh) -> _ReadMesh:
-    """Renumber the nodes of a mesh: corners of elements first, then mid-side nodes, so that
-    scikit-fem keeps these numbers.
+def _renumbered_corners_first(mesh: _ReadMesh) -> _ReadMesh:
+    """The mesh with its nodes renumbered: all corners of elements first, then mid-side and
+    middle nodes, so that scikit-fem keeps these numbers.
 
     Points that belong to no element are dropped, such as the centre of an arc, which gmsh lists
     among the nodes.
     """
-    corners = np.unique(body.elements[:, : body.corners])
-    points_in_order = np.concatenate([corners, np.setdiff1d(body.elements, corners)])
-    new_number = np.full(len(body.points), -1)
-    new_number[points_in_order] = np.arange(len(points_in_order))
-    boundary_points = {name: new_number[nodes] for name, nodes in body.boundary_points.items()}
-    return _ReadMesh(body.points[points_in_order], new_number[body.elements], boundary_points)
+    corner_nodes = np.unique(mesh.elements[:, : mesh.corners_per_element])
+    nodes_in_order = np.concatenate([corner_nodes, np.setdiff1d(mesh.elements, corner_nodes)])
+    new_number = np.full(len(mesh.points), -1)
+    new_number[nodes_in_order] = np.arange(len(nodes_in_order))
+    boundary_points = {name: new_number[nodes] for name, nodes in mesh.boundary_points.items()}
+    return _ReadMesh(mesh.points[nodes_in_order], new_number[mesh.elements], boundary_points)
 
 
 def _facets(mesh: skfem.Mesh, nodes: Indices) -> Indices:

@@ -27,7 +27,7 @@ from scenes.profiles import Profile
 from scenes.rig import Rig
 from scenes.segments import NORMAL_LOAD, TANGENTIAL_LOAD, largest_ratio, largest_ratio_of
 from scenes.uncertainty import Input, Uncertainty, inputs_of, moved_scene
-from scenes.unit_words import inconsistent
+from scenes.unit_words import fault_of_units
 
 Origin = Literal["paper", "benchmark", "made-up-record"]
 ProfileTag = Literal["hertz", "flat", "compound", "wedge", "profile"]
@@ -248,7 +248,7 @@ class Scene(Frozen):
     @field_validator("units")
     @classmethod
     def _units_are_one_set(cls, units: str) -> str:
-        if reason := inconsistent(units):
+        if reason := fault_of_units(units):
             raise ValueError(f"{units!r} can't be: {reason}")
         return units
 

@@ -21,7 +21,7 @@ UNITS = {
         "ksi": 6894757.293168,
     },
 }
-"""What a scene may be in: the size of each word in N, m and Pa."""
+"""Units that a scene may use: symbol -> its size in N, m or Pa."""
 _UNITS_OF_FILES = {
     "load": UNITS["force"] | {"mN": 1e-3, "daN": 10.0, "kgf": 9.80665},
     "length": UNITS["length"] | {"nm": 1e-9},
@@ -92,21 +92,21 @@ Kind = Literal["time", "length", "load", "stress", "angle", "moment"]
 """Kinds of columns."""
 
 
-def inconsistent(units: str) -> str:
-    """Check that the unit of stress in a scene's `units` is that of force over length squared: the
-    fault with what to do; empty for a consistent set, and for unknown words.
+def fault_of_units(units: str) -> str:
+    """What is wrong with a scene's `units`, and what to do, where the unit of stress is not that of
+    force over length squared; empty for a consistent set, and for words that are no known units.
 
     >>> (
-    ...     inconsistent("N, mm, MPa"),
-    ...     inconsistent("kN, mm, GPa"),
-    ...     inconsistent("SI"),
-    ...     inconsistent("lbf, in, psi"),
+    ...     fault_of_units("N, mm, MPa"),
+    ...     fault_of_units("kN, mm, GPa"),
+    ...     fault_of_units("SI"),
+    ...     fault_of_units("lbf, in, psi"),
     ... )
     ('', '', '', '')
-    >>> inconsistent("N, mm, GPa")
+    >>> fault_of_units("N, mm, GPa")
     "N/mm^2 is MPa, not GPa: one set of units is needed, such as 'N, mm, MPa', with every number of
     the scene in it"
-    >>> inconsistent("mm, N, MPa")
+    >>> fault_of_units("mm, N, MPa")
     "write force, length and stress in this order with commas between, such as 'N, mm, MPa'"
     """
     words = [word for word in re.split(r"[,\s]+", units) if word]
@@ -181,8 +181,8 @@ def _last_word(text: str) -> tuple[str, str]:
 
 
 def short_unit_in(heading: str, kind: Kind) -> str:
-    """Unit at the end of a heading without brackets, such as "Time s", if it is a unit of at most
-    three letters and of the expected kind; else empty.
+    """Unit at the end of a heading without brackets, such as "Time s", where it is of the expected
+    kind, and so short that `unit_in` takes it for part of the name; else empty.
 
     >>> (
     ...     short_unit_in("Time s", "time"),
@@ -192,7 +192,7 @@ def short_unit_in(heading: str, kind: Kind) -> str:
     ('s', 'N', '')
     """
     word = _last_word(heading.strip())[1]
-    return word if word in _SHORT_UNITS and _size(word, kind) is not None else ""
+    return word if word in _SHORT_UNITS and _si_size(word, kind) is not None else ""
 
 
 def name_without_unit(heading: str) -> str:
@@ -212,25 +212,24 @@ def is_unit(word: str) -> bool:
     >>> is_unit("N/mm"), is_unit("ms"), is_unit("volts")
     (True, True, False)
     """
-    return any(_size(word, kind) is not None for kind in _UNITS_OF_FILES)
+    return any(_si_size(word, kind) is not None for kind in _UNITS_OF_FILES)
 
 
-def _size(unit: str, kind: str) -> tuple[float, bool] | None:
-    """Size of a unit in SI units (N, m, Pa, rad, s; N/m of a force per length), and whether it is
-    per length; None where the word is no unit of this `kind`.
+def _si_size(unit: str, kind: str) -> tuple[float, bool] | None:
+    """Size of a unit in SI units (N, m, Pa, rad, s), and whether it is a force per length, whose
+    size is in N/m; None for a word that is no unit of this `kind`.
     """
-    numerator, slash, denominator = (
-        unit.replace(" ", "").partition("/") if kind == "load" else (unit, "", "")
-    )
+    numerator, slash, denominator = unit, "", ""
+    if kind == "load":
+        numerator, slash, denominator = unit.replace(" ", "").partition("/")
     numerator = _symbol(numerator)
     denominator = _symbol(denominator)
-    if numerator not in _UNITS_OF_FILES[kind] or (
-        slash and denominator not in _UNITS_OF_FILES["length"]
-    ):
+    per_length = bool(slash)
+    sizes = _UNITS_OF_FILES[kind]
+    lengths = _UNITS_OF_FILES["length"]
+    if numerator not in sizes or (per_length and denominator not in lengths):
         return None
-    return _UNITS_OF_FILES[kind][numerator] / _UNITS_OF_FILES["length"].get(denominator, 1.0), bool(
-        slash
-    )
+    return sizes[numerator] / lengths.get(denominator, 1.0), per_length
 
 
 def _symbol(word: str) -> str:
@@ -250,8 +249,8 @@ def _symbol(word: str) -> str:
 
 
 def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
-    """Factor that turns a number in one unit into the unit of the scene, and whether the unit is a
-    force per length; times go to s, angles to rad.
+    """Factor that converts a number from `unit` into the unit of the scene, and whether `unit` is a
+    force per length. Times are converted into s and angles into rad.
 
     Parameters
     ----------
@@ -260,7 +259,7 @@ def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
     kind
         of the quantity, such as "load"
     units
-        units of the scene, such as "N, mm, MPa"
+        of the scene, such as "N, mm, MPa": force, length, stress
 
     Raises
     ------
@@ -277,30 +276,29 @@ def unit_factor(unit: str, kind: Kind, units: str) -> tuple[float, bool]:
     ... )
     ((1000.0, False), (1.0, True), (0.001, False))
     """
-    size_and_form = _size(unit, kind)
+    size_and_form = _si_size(unit, kind)
     if size_and_form is None:
         quantity = "force, or of force per length," if kind == "load" else kind
         raise ValueError(
             f"{unit!r} is no unit of {quantity} that is known; known are"
             f" {', '.join(_UNITS_OF_FILES[kind]) or 'none'}"
         )
-    unit_size, per_length = size_and_form
-    words_of_scene = [*re.split(r"[,\s]+", units), "", "", ""]
-    force_size, length_size, stress_size = (
-        known_units.get(word, 0.0)
-        for word, known_units in zip(words_of_scene, UNITS.values(), strict=False)
-    )
+    si_size, per_length = size_and_form
     if kind in ("time", "angle"):
-        return unit_size, False
-    scene_size = {
-        "length": length_size,
-        "load": force_size / ((length_size or math.inf) if per_length else 1.0),
-        "stress": stress_size,
-    }[kind]
-    if not scene_size:
+        return si_size, False
+    # Three words at least, empty ones for what the scene does not state; 0 for an unknown word.
+    words_of_scene = [*re.split(r"[,\s]+", units), "", "", ""]
+    force_size = UNITS["force"].get(words_of_scene[0], 0.0)
+    length_size = UNITS["length"].get(words_of_scene[1], 0.0)
+    stress_size = UNITS["stress"].get(words_of_scene[2], 0.0)
+    load_size = force_size
+    if per_length:
+        load_size = force_size / (length_size or math.inf)
+    size_in_scene = {"length": length_size, "load": load_size, "stress": stress_size}[kind]
+    if not size_in_scene:
         raise ValueError(
             f"{unit!r} can't be turned into the units of the scene, {units!r}, which are no known"
             " words; use scale"
         )
-    # To twelve digits: kN over kN is 1, whatever the rounding of the sizes.
-    return float(f"{unit_size / scene_size:.12g}"), per_length
+    # To twelve digits: kN over kN is 1, whatever the round-off of the sizes.
+    return float(f"{si_size / size_in_scene:.12g}"), per_length
