@@ -362,21 +362,31 @@ def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -
 def stick_by_load(
     problem: ContactProblem, states: Sequence[InterfaceState], travels: Array
 ) -> EdgesByLoad:
-    """Stick edges of k states that a load takes inwards, by that load.
+    """Stick edges of states that a load takes inwards, by that load: of those after the first.
 
-    `travels` (k, n) is what each node has slipped since it last stuck or turned round.
+    Where shear moves away from the Coulomb limit the edge goes outwards, as between unlike bodies
+    that are pressed: there no load places it.
+
+    Parameters
+    ----------
+    states
+        (k + 1,) the one before, and k that follow
+    travels
+        (k, n) what each node has slipped since it last stuck or turned round
     """
-    edges = EdgesByLoad.nowhere(len(states))
+    edges = EdgesByLoad.nowhere(len(travels))
     if not problem.tangential:
         return edges
-    for row, (state, travel) in enumerate(zip(states, travels, strict=True)):
+    for row, (before, state, travel) in enumerate(
+        zip(states[:-1], states[1:], travels, strict=True)
+    ):
         for side in (-1, 1):
             last_stuck, n_passed = _behind_slip_zone(problem, state, travel, side)
             share = _share_of_elements(problem, last_stuck + side) if n_passed else None
             if share is None:
                 continue
             edge, unevenness = _placed_by_load(problem, state, travel, side, last_stuck)
-            if edge.is_moved:
+            if edge.is_moved and _comes_to_limit(problem, before, state, edge):
                 share += _ON_ITS_WAY + _BESIDE_ITS_START / n_passed + _BY_UNEVENNESS * unevenness
                 edges.put(row, last_stuck, edge, share)
     return edges
@@ -393,6 +403,20 @@ def _share_of_elements(problem: ContactProblem, node: int) -> float | None:
     kinds = {_is_corner(problem.interface, beside) for beside in (node - 1, node + 1)}
     alternates = kinds == {not _is_corner(problem.interface, node)}
     return _OF_SEVERAL_SIZES if alternates else None
+
+
+def _comes_to_limit(
+    problem: ContactProblem, before: InterfaceState, after: InterfaceState, edge: Edge
+) -> bool:
+    """Whether the shear of the last node that sticks has come nearer to the Coulomb limit."""
+    sense = int(slip_sign(after.state[edge.node]))
+    distance_before, distance_after = (
+        force_to_limit(
+            state.pressure[edge.next_node], state.shear[edge.next_node], sense, problem.friction
+        )
+        for state in (before, after)
+    )
+    return bool(distance_after < distance_before)
 
 
 def _inwards(problem: ContactProblem, state: InterfaceState, side: int) -> Indices:

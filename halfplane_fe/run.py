@@ -345,7 +345,7 @@ class PathRun:
             iterations=self.iterations + [increment.iterations for increment in increments],
             density=self.density + nodal_work.sum(axis=0),
             contact_edges=[*self.contact_edges, contact_by_load(problem, states[1:])],
-            stick_edges=[*self.stick_edges, stick_by_load(problem, states[1:], slips_since_stop)],
+            stick_edges=[*self.stick_edges, stick_by_load(problem, states, slips_since_stop)],
             slip_since_stop=slips_since_stop[-1],
         )
 
