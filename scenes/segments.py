@@ -81,6 +81,9 @@ TANGENTIAL_LOAD = Combination(0.0, 1.0)
 class Ellipse(NamedTuple):
     """P = P0 + P1 cos(t - origin), Q = Q0 + Q1 cos(t - origin - phase_radians): equations (3) and
     (4) of the paper with omega = 1.
+
+    `mean` is (P0, Q0), `amplitude` (P1, Q1) [force per thickness]; `origin` is a time at which the
+    cosine of P is 1. Times are angles in radians: the period is 2 pi.
     """
 
     mean: Point
@@ -89,18 +92,22 @@ class Ellipse(NamedTuple):
     origin: float
 
     def largest_at(self, combination: Combination) -> float:
-        """A time at which a combination c_P P + c_Q Q of the loads of this ellipse is largest: the
-        angle of the sum of both phasors.
+        """Time [rad] at which a combination c_P P + c_Q Q of the loads on this ellipse is largest;
+        it is so again every 2 pi.
+
+        The combination is a constant plus the real part of F exp(i (t - origin)), F the sum of the
+        phasors of P and Q. It is largest where t - origin is minus the phase of F.
 
         >>> Ellipse((3.0, 0.0), (1.0, 1.0), math.pi / 2, 0.0).largest_at(
         ...     TANGENTIAL_LOAD
         ... ) == math.pi / 2
         True
         """
-        phasor = combination.normal * self.amplitude[0] + combination.tangential * self.amplitude[
-            1
-        ] * cmath.exp(-1j * self.phase_radians)
-        return self.origin - cmath.phase(phasor)
+        normal_amplitude, tangential_amplitude = self.amplitude
+        direction_of_q = cmath.exp(-1j * self.phase_radians)
+        normal_phasor = combination.normal * normal_amplitude
+        tangential_phasor = combination.tangential * tangential_amplitude * direction_of_q
+        return self.origin - cmath.phase(normal_phasor + tangential_phasor)
 
 
 @dataclass(frozen=True)
@@ -111,11 +118,11 @@ class LoadSegment(abc.ABC):
     Attributes
     ----------
     bulk
-        over the same time, with the stresses of the lower and of the upper body in place of P
-        and Q; None for none
+        bulk stresses over the same time: that of the lower body in place of P, of the upper in
+        place of Q; None without bulk stress
     turning
-        likewise with tilt and moment, one of which is 0 throughout; None where neither is
-        stated
+        tilt in place of P and moment in place of Q over the same time, one of them 0
+        throughout; None where neither is stated
     """
 
     start: float
@@ -180,28 +187,29 @@ class LoadSegment(abc.ABC):
         """Turning points of a combination c_P P + c_Q Q of the loads: times inside the segment at
         which it stops growing or falling, ascending. They are found once and cached.
         """
-        known_turns = self._known_turns
-        if combination not in known_turns:
-            known_turns[combination] = tuple(self._found_turns(combination))
-        return list(known_turns[combination])
+        known_turning_points = self._known_turning_points
+        if combination not in known_turning_points:
+            known_turning_points[combination] = tuple(self._find_turning_points(combination))
+        return list(known_turning_points[combination])
 
     @cached_property
-    def _known_turns(self) -> dict[Combination, tuple[float, ...]]:
+    def _known_turning_points(self) -> dict[Combination, tuple[float, ...]]:
         """Turning points by their combination, as far as they were asked for."""
         return {}
 
     @abc.abstractmethod
-    def _found_turns(self, combination: Combination) -> list[float]:
+    def _find_turning_points(self, combination: Combination) -> list[float]:
         """`turning_points`, not remembered yet."""
 
     def time_of(
         self, combination: Combination, amount: ArrayLike, begin: float, end: float
     ) -> Array:
-        """Time at which a combination c_P P + c_Q Q of the loads has changed by `amount` since
-        `begin`: the inverse of its change, in the shape of `amount`.
+        """Time, in the shape of `amount`, at which a combination c_P P + c_Q Q of the loads has
+        changed by `amount` since `begin`: the inverse function of `change_of`.
 
-        Between `begin` and `end` the combination must not turn. Amounts outside its change give the
-        nearer end. `begin` may be the later time: the result has most digits near it.
+        Between `begin` and `end` the combination must be monotonic. An amount of the other sign
+        gives `begin`, one beyond the change up to `end` gives `end`. `begin` may be the later time:
+        the result has most digits near it.
 
         Raises
         ------
@@ -212,31 +220,36 @@ class LoadSegment(abc.ABC):
         total_change = float(self.change_of(combination, end, begin))
         if abs(total_change) < LEAST:
             return np.full(change.shape, begin)
-        growth = change * math.copysign(1.0, total_change)
-        is_before = growth <= 0
-        is_inside = ~(is_before | (growth >= abs(total_change)))
-        time = np.where(is_before, begin, end)
-        if np.any(is_inside):
+        change_towards_end = change * math.copysign(1.0, total_change)
+        is_before_begin = change_towards_end <= 0
+        is_between = ~(is_before_begin | (change_towards_end >= abs(total_change)))
+        time = np.where(is_before_begin, begin, end)
+        if np.any(is_between):
             time_inside = self._time_inside(
-                combination, change[is_inside], total_change, begin, end
+                combination, change[is_between], total_change, begin, end
             )
-            time[is_inside] = np.minimum(np.maximum(time_inside, min(begin, end)), max(begin, end))
+            time[is_between] = np.minimum(np.maximum(time_inside, min(begin, end)), max(begin, end))
         return time
 
     def _time_inside(
-        self, combination: Combination, change: Array, total_change: float, begin: float, end: float
+        self,
+        combination: Combination,
+        wanted_change: Array,
+        total_change: float,
+        begin: float,
+        end: float,
     ) -> Array:
         """Times (n,) at which a monotonic combination of the loads has changed by given amounts
-        since `begin`, by safeguarded Newton steps.
+        since `begin`, by Newton's method safeguarded by bisection.
 
-        Where a step leaves the bracket, or is no shorter than half the last one, the bracket is
-        halved. The steps end where round-off stops them from gaining.
+        Each time has a bracket. It is halved where a Newton step leaves it, or is longer than half
+        the last step. The steps end where round-off keeps the error from falling.
 
         Parameters
         ----------
         combination
             c_P, c_Q of c_P P + c_Q Q
-        change
+        wanted_change
             (n,) amounts between 0 and the total change
         total_change
             change of the combination from `begin` to `end`
@@ -247,50 +260,50 @@ class LoadSegment(abc.ABC):
             Where the steps do not end.
         """
         # The first guess is exact for a cosine that turns at both ends.
-        time = begin + (end - begin) / math.pi * np.arccos(1 - 2 * change / total_change)
-        by_plain_steps = self._by_plain_newton(combination, change, begin, end, time)
-        if by_plain_steps is not None:
-            return by_plain_steps
+        time = begin + (end - begin) / math.pi * np.arccos(1 - 2 * wanted_change / total_change)
+        times_by_plain_newton = self._by_plain_newton(combination, wanted_change, begin, end, time)
+        if times_by_plain_newton is not None:
+            return times_by_plain_newton
         direction = math.copysign(1.0, total_change) * math.copysign(1.0, end - begin)
-        earliest_time = np.full(change.shape, min(begin, end))
-        latest_time = np.full(change.shape, max(begin, end))
+        earliest_time = np.full(wanted_change.shape, min(begin, end))
+        latest_time = np.full(wanted_change.shape, max(begin, end))
         best_time = time.copy()
-        least_fault = np.full(change.shape, math.inf)
-        steps_without_gain = np.zeros(change.shape, int)
-        is_done = np.zeros(change.shape, bool)
-        last_step = latest_time - earliest_time
+        least_error = np.full(wanted_change.shape, math.inf)
+        n_idle_steps = np.zeros(wanted_change.shape, int)
+        is_found = np.zeros(wanted_change.shape, bool)
+        last_step_length = latest_time - earliest_time
         for _ in range(_MOST_STEPS):
             change_so_far, rate = self._change_and_rate(combination, time, begin)
-            fault = direction * (change_so_far - change)
-            size = np.abs(fault)
-            is_better = size < least_fault
-            np.copyto(best_time, time, where=is_better)
-            np.copyto(least_fault, size, where=is_better)
-            steps_without_gain = (steps_without_gain + 1) * ~is_better
-            # Steps that gain no more are round-off where they are short: a long one is half a
-            # bracket, and others follow.
-            gains_no_more = (steps_without_gain >= _MOST_IDLE_STEPS) & (
-                last_step <= _SHORT_STEP * np.abs(best_time - begin)
+            signed_error = direction * (change_so_far - wanted_change)
+            absolute_error = np.abs(signed_error)
+            is_improved = absolute_error < least_error
+            np.copyto(best_time, time, where=is_improved)
+            np.copyto(least_error, absolute_error, where=is_improved)
+            n_idle_steps = (n_idle_steps + 1) * ~is_improved
+            # Steps without a smaller error are round-off where they are short. A long one halves a
+            # bracket, and better ones follow.
+            has_stalled = (n_idle_steps >= _MOST_IDLE_STEPS) & (
+                last_step_length <= _SHORT_STEP * np.abs(best_time - begin)
             )
-            is_round_off = last_step <= _ROUNDING_OF_TIME * np.abs(best_time)
+            is_round_off = last_step_length <= _ROUNDING_OF_TIME * np.abs(best_time)
             # A time that is found stays so: below round-off a step may be long again.
-            is_done |= (least_fault == 0) | gains_no_more | is_round_off
-            if is_done.all():
+            is_found |= (least_error == 0) | has_stalled | is_round_off
+            if is_found.all():
                 return best_time
-            np.copyto(earliest_time, time, where=fault < 0)
-            np.copyto(latest_time, time, where=fault > 0)
+            np.copyto(earliest_time, time, where=signed_error < 0)
+            np.copyto(latest_time, time, where=signed_error > 0)
             slope = direction * rate
-            step = np.full(change.shape, -math.inf)
-            np.divide(-fault, slope, out=step, where=slope > 0)
+            step = np.full(wanted_change.shape, -math.inf)
+            np.divide(-signed_error, slope, out=step, where=slope > 0)
             newton_time = time + step
             takes_newton_time = (
                 (earliest_time <= newton_time)
                 & (newton_time <= latest_time)
-                & (2 * np.abs(newton_time - time) <= last_step)
+                & (2 * np.abs(newton_time - time) <= last_step_length)
             )
             next_time = np.where(takes_newton_time, newton_time, (earliest_time + latest_time) / 2)
-            np.copyto(next_time, best_time, where=is_done)
-            last_step = np.abs(next_time - time)
+            np.copyto(next_time, best_time, where=is_found)
+            last_step_length = np.abs(next_time - time)
             time = next_time
         raise NotFoundError(
             f"no time was found at which the loads have changed as wanted, between {begin:.17g} and"
@@ -298,20 +311,21 @@ class LoadSegment(abc.ABC):
         )
 
     def _by_plain_newton(
-        self, combination: Combination, change: Array, begin: float, end: float, guess: Array
+        self, combination: Combination, wanted_change: Array, begin: float, end: float, guess: Array
     ) -> Array | None:
         """Times (n,) at which a monotonic combination of the loads has changed by given amounts
-        since `begin`, by Newton steps without a safeguard: a third of the cost. None where these
-        do not converge between `begin` and `end`.
+        since `begin`, by Newton's method without a bracket: a third of the cost of `_time_inside`.
+        None where it does not converge to times between `begin` and `end`.
 
-        The error after a step is its square over the distance to the next turning point, which is
-        at `begin`, at `end` or beyond. A step is the last where that error is below round-off.
+        Newton's method converges quadratically: after a step the error is about step^2 over the
+        distance to the next turning point. That point is at `begin`, at `end` or beyond. The steps
+        end where this error is below the round-off of the time.
 
         Parameters
         ----------
         combination
             c_P, c_Q of c_P P + c_Q Q
-        change
+        wanted_change
             (n,) amounts between 0 and the change up to `end`
         guess
             (n,) first guesses of the times
@@ -320,14 +334,15 @@ class LoadSegment(abc.ABC):
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             for _ in range(_MOST_PLAIN_STEPS):
                 change_so_far, rate = self._change_and_rate(combination, time, begin)
-                step = (change - change_so_far) / rate
+                step = (wanted_change - change_so_far) / rate
                 time = time + step
-                rounding = _ROUNDING_OF_TIME * np.abs(time)
-                distance = np.minimum(np.abs(time - begin), np.abs(end - time))
-                longest_last_step = np.sqrt(
-                    rounding * np.maximum(distance / _ERROR_OF_STEP, rounding)
+                time_roundoff = _ROUNDING_OF_TIME * np.abs(time)
+                distance_to_turning_point = np.minimum(np.abs(time - begin), np.abs(end - time))
+                longest_final_step = np.sqrt(
+                    time_roundoff
+                    * np.maximum(distance_to_turning_point / _ERROR_OF_STEP, time_roundoff)
                 )
-                if (np.abs(step) <= longest_last_step).all():
+                if (np.abs(step) <= longest_final_step).all():
                     is_between = (time - begin) * (end - time) >= 0
                     return time if is_between.all() else None
         return None
@@ -418,7 +433,7 @@ class StraightSegment(LoadSegment):
     ) -> list[float]:
         return []
 
-    def _found_turns(self, combination: Combination) -> list[float]:
+    def _find_turning_points(self, combination: Combination) -> list[float]:
         return self.turning_points(combination)
 
     def _time_inside(
@@ -441,11 +456,11 @@ class StraightSegment(LoadSegment):
 
 @dataclass(frozen=True)
 class HarmonicSegment(LoadSegment):
-    """P = P0 + sum of P_k cos(k t - phi_k), Q likewise; `normal`, `tangential` hold (amplitude,
-    phase in radians) of k = 1, 2, ...
+    """P = P0 + sum of P_k cos(k t - phi_k), Q likewise, over times t in radians; `normal` and
+    `tangential` hold (P_k, phi_k), amplitude and phase lag in radians, of k = 1, 2, ...
 
-    Sums over k are polynomials in z = exp(i t). One wave, an ellipse, has closed forms with the
-    phasor of the combination.
+    Sums over k are polynomials in z = exp(i t). One harmonic, an ellipse in the P-Q plane, has
+    closed forms with the phasor of the combination.
     """
 
     mean: Point
@@ -453,45 +468,53 @@ class HarmonicSegment(LoadSegment):
     tangential: Waves
 
     @cached_property
-    def _coefficients(self) -> NDArray[np.complex128]:
-        """Complex coefficients c_k of both loads, (2, m + 1): P - P0 and Q - Q0 are the real part
-        of sum c_k exp(i k t); m is the highest harmonic with an amplitude.
+    def _fourier_coefficients(self) -> NDArray[np.complex128]:
+        """Complex Fourier coefficients c_k of P and Q, (2, m + 1), k from 0 to m, the highest
+        harmonic whose amplitude is not 0.
+
+        P minus its mean P0 is the real part of sum c_k exp(i k t), with c_0 = 0 and c_k =
+        P_k exp(-i phi_k); Q likewise.
         """
         order = max(
             (
                 k
                 for waves in (self.normal, self.tangential)
-                for k, (size, _) in enumerate(waves, 1)
-                if size
+                for k, (amplitude, _) in enumerate(waves, 1)
+                if amplitude
             ),
             default=1,
         )
         coefficients = np.zeros((2, order + 1), dtype=complex)
         for row, waves in zip(coefficients, (self.normal, self.tangential), strict=True):
             row[1 : len(waves) + 1] = [
-                size * cmath.exp(-1j * phase) for size, phase in waves[:order]
+                amplitude * cmath.exp(-1j * phase_lag) for amplitude, phase_lag in waves[:order]
             ]
         return coefficients
 
     @cached_property
     def ellipse(self) -> Ellipse | None:
-        if self._coefficients.shape[1] > 2:
+        if self._fourier_coefficients.shape[1] > 2:
             return None
-        (p, origin), (q, lag) = self._first
-        return Ellipse(self.mean, (p, q), lag - origin, origin)
+        (normal_amplitude, normal_lag), (tangential_amplitude, tangential_lag) = (
+            self._first_harmonics
+        )
+        amplitudes = (normal_amplitude, tangential_amplitude)
+        return Ellipse(self.mean, amplitudes, tangential_lag - normal_lag, normal_lag)
 
     @cached_property
-    def _first(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """(amplitude, phase) of the first wave of P and of Q."""
+    def _first_harmonics(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """(amplitude, phase lag in radians) of the first harmonic of P and of Q."""
         return self.normal[0] if self.normal else (0.0, 0.0), (
             self.tangential[0] if self.tangential else (0.0, 0.0)
         )
 
     def wave(self, combination: Combination) -> tuple[float, float]:
-        """(size, lead) of one wave: the combination is a constant + size cos(t + lead)."""
+        """(amplitude, lead) of a combination c_P P + c_Q Q of the loads of an ellipse: it is a
+        constant plus amplitude cos(t + lead), lead in radians.
+        """
         known_waves = self._known_waves
         if combination not in known_waves:
-            known_waves[combination] = self._sum_of_waves(combination)
+            known_waves[combination] = self._amplitude_and_lead(combination)
         return known_waves[combination]
 
     @cached_property
@@ -499,68 +522,71 @@ class HarmonicSegment(LoadSegment):
         """`wave` by its combination, as far as it was asked for."""
         return {}
 
-    def _sum_of_waves(self, combination: Combination) -> tuple[float, float]:
-        """Size and lead of a combination c_P P + c_Q Q of the loads where each has one harmonic:
-        it is a constant plus size cos(t + lead). Sum of the two phasors.
+    def _amplitude_and_lead(self, combination: Combination) -> tuple[float, float]:
+        """`wave`, not cached yet: amplitude and lead [rad] of the sum of the phasors of c_P P and
+        c_Q Q. The amplitude of one load alone has the sign of its coefficient.
         """
+        (normal_amplitude, normal_lag), (tangential_amplitude, tangential_lag) = (
+            self._first_harmonics
+        )
+        c_normal, c_tangential = combination
         # One load alone keeps the last digit of its phase.
-        (normal_amplitude, normal_lag), (tangential_amplitude, tangential_lag) = self._first
-        if combination[0] == 0 or combination[1] == 0:
-            return (
-                (combination[0] * normal_amplitude, -normal_lag)
-                if combination[1] == 0
-                else (combination[1] * tangential_amplitude, -tangential_lag)
-            )
+        if c_tangential == 0:
+            return c_normal * normal_amplitude, -normal_lag
+        if c_normal == 0:
+            return c_tangential * tangential_amplitude, -tangential_lag
         return cmath.polar(
-            combination[0] * cmath.rect(normal_amplitude, -normal_lag)
-            + combination[1] * cmath.rect(tangential_amplitude, -tangential_lag)
+            c_normal * cmath.rect(normal_amplitude, -normal_lag)
+            + c_tangential * cmath.rect(tangential_amplitude, -tangential_lag)
         )
 
     @property
     def most_turns(self) -> int:
-        order = self._coefficients.shape[1] - 1 if np.any(self._coefficients) else 0
+        order = self._fourier_coefficients.shape[1] - 1 if np.any(self._fourier_coefficients) else 0
         return 2 * order * math.ceil((self.end - self.start) / (2 * math.pi))
 
     def loads(self, time: ArrayLike) -> Loads:
-        """Loads P and Q at any times, each in the shape of `time`: mean plus sum of harmonics; of
-        an ellipse, with one harmonic each, by cosines.
+        """Loads P and Q [force per thickness] at `time` [rad], each in its shape: mean plus sum of
+        harmonics. Where both have one harmonic at most, an ellipse, two cosines do.
         """
         mean_normal, mean_tangential = self.mean
         if self.ellipse:
             times = _float_or_array(time)
-            (normal_amplitude, normal_lag), (tangential_amplitude, tangential_lag) = self._first
+            (normal_amplitude, normal_lag), (tangential_amplitude, tangential_lag) = (
+                self._first_harmonics
+            )
             return (
                 mean_normal + normal_amplitude * np.cos(times - normal_lag),
                 mean_tangential + tangential_amplitude * np.cos(times - tangential_lag),
             )
         times = np.atleast_1d(np.asarray(time, dtype=float))
-        unit_rotation = np.exp(1j * times)
-        normal_terms, tangential_terms = self._wave_terms
-        normal_load = mean_normal + _wave_sum_at(normal_terms, unit_rotation, times)
-        tangential_load = mean_tangential + _wave_sum_at(tangential_terms, unit_rotation, times)
+        z = np.exp(1j * times)
+        normal_terms, tangential_terms = self._horner_terms_of_loads
+        normal_load = mean_normal + _wave_sum_at(normal_terms, z, times)
+        tangential_load = mean_tangential + _wave_sum_at(tangential_terms, z, times)
         shape = np.shape(time)
         return normal_load.reshape(shape), tangential_load.reshape(shape)
 
     @cached_property
-    def _wave_terms(self) -> tuple[WaveTerms, WaveTerms]:
-        """The terms of P and of Q."""
-        of_normal, of_tangential = self._coefficients
-        return _terms(of_normal), _terms(of_tangential)
+    def _horner_terms_of_loads(self) -> tuple[WaveTerms, WaveTerms]:
+        """Terms of P and of Q for Horner's scheme, as of `_horner_terms`."""
+        of_normal, of_tangential = self._fourier_coefficients
+        return _horner_terms(of_normal), _horner_terms(of_tangential)
 
     def rate_of(self, combination: Combination, time: ArrayLike) -> Array:
         if self.ellipse:
-            size, lead = self.wave(combination)
-            rate: Array = -size * np.sin(_float_or_array(time) + lead)
+            amplitude, lead = self.wave(combination)
+            rate: Array = -amplitude * np.sin(_float_or_array(time) + lead)
             return rate
         _, rate_terms = self._series_of(combination)
         return _wave_sum(rate_terms, np.asarray(time, dtype=float))
 
     def _series_of(self, combination: Combination) -> tuple[tuple[complex, ...], WaveTerms]:
-        """Coefficients c_k of a combination, k from 0 on, and the terms of its rate."""
+        """Fourier coefficients c_k of a combination, k from 0 on; the Horner terms of its rate."""
         known_series = self._known_series
         if combination not in known_series:
-            coefficients = np.array(combination) @ self._coefficients
-            rate_terms = _terms(self._rate(combination))
+            coefficients = np.array(combination) @ self._fourier_coefficients
+            rate_terms = _horner_terms(self._rate_coefficients(combination))
             known_series[combination] = tuple(coefficients.tolist()), rate_terms
         return known_series[combination]
 
@@ -571,63 +597,66 @@ class HarmonicSegment(LoadSegment):
         """`_series_of` by its combination, as far as it was asked for."""
         return {}
 
-    def _rate(self, combination: Combination) -> NDArray[np.complex128]:
-        """(m + 1,) coefficients of the rate."""
+    def _rate_coefficients(self, combination: Combination) -> NDArray[np.complex128]:
+        """Fourier coefficients i k c_k of the rate of a combination, (m + 1,)."""
         return (
             1j
-            * np.arange(self._coefficients.shape[1])
-            * (np.array(combination) @ self._coefficients)
+            * np.arange(self._fourier_coefficients.shape[1])
+            * (np.array(combination) @ self._fourier_coefficients)
         )
 
     def change_of(self, combination: Combination, time: ArrayLike, time_before: ArrayLike) -> Array:
         """Change of a combination c_P P + c_Q Q of the loads from `time_before` to `time`, without
-        loss of digits over short times: by sines of half the time between.
+        cancellation over short times.
 
-        Of one wave size cos(t + lead) it is -2 size sin(middle + lead) sin(half step).
+        Of an ellipse, where each load has one harmonic, the combination is a constant plus
+        amplitude cos(t + lead). Its change is -2 amplitude sin(middle_time + lead) sin(half_step).
+        Of several harmonics see `_change_between`.
         """
         end_time = _float_or_array(time)
         begin_time = _float_or_array(time_before)
         half_step = (end_time - begin_time) / 2
         if self.ellipse:
-            middle = (end_time + begin_time) / 2
-            size, lead = self.wave(combination)
-            change: Array = -2 * size * np.sin(middle + lead) * np.sin(half_step)
+            middle_time = (end_time + begin_time) / 2
+            amplitude, lead = self.wave(combination)
+            change: Array = -2 * amplitude * np.sin(middle_time + lead) * np.sin(half_step)
             return change
-        half_turn = np.exp(1j * np.atleast_1d(half_step))
-        change = self._change_between(combination, _unit_vector(begin_time), half_turn)
+        half_rotation = np.exp(1j * np.atleast_1d(half_step))
+        change = self._change_between(combination, _unit_vector(begin_time), half_rotation)
         return change.reshape(np.shape(half_step))
 
     def _change_between(
         self,
         combination: Combination,
         z_before: complex | NDArray[np.complex128],
-        half_turn: NDArray[np.complex128],
+        half_rotation: NDArray[np.complex128],
     ) -> Array:
-        """Change (n,) of a combination c_P P + c_Q Q of the loads from time t_0 to t, as the change
-        of a polynomial f in z = exp(i t), without loss of digits over short times.
+        """Change (n,) of a combination c_P P + c_Q Q of the loads from time t_0 to t, without
+        cancellation over short times.
 
-        Horner's scheme gives (f(z) - f(z_0))/(z - z_0), which is multiplied by z - z_0 =
-        2i sin((t - t_0)/2) exp(i (t + t_0)/2).
+        But for its mean the combination is the real part of f(z) = sum c_k z^k at z = exp(i t).
+        Horner's scheme gives the divided difference (f(z) - f(z_0))/(z - z_0). The change is the
+        real part of its product with z - z_0 = 2i sin((t - t_0)/2) exp(i (t + t_0)/2).
 
         Parameters
         ----------
         z_before
             z_0 = exp(i t_0), one number or (n,)
-        half_turn
+        half_rotation
             (n,) exp(i (t - t_0)/2)
         """
         coefficients, _ = self._series_of(combination)
         *lower_terms, highest_term = coefficients
         if not lower_terms:
-            return np.zeros(half_turn.shape)
-        centre = half_turn * z_before
-        z = half_turn * centre
-        quotient: Any = highest_term
-        value: Any = highest_term * z_before + lower_terms[-1]
+            return np.zeros(half_rotation.shape)
+        z_middle = half_rotation * z_before  # exp(i (t + t_0)/2)
+        z = half_rotation * z_middle
+        divided_difference: Any = highest_term
+        sum_before: Any = highest_term * z_before + lower_terms[-1]
         for coefficient in reversed(lower_terms[:-1]):
-            quotient = quotient * z + value
-            value = value * z_before + coefficient
-        change: Array = (quotient * centre * (2j * half_turn.imag)).real
+            divided_difference = divided_difference * z + sum_before
+            sum_before = sum_before * z_before + coefficient
+        change: Array = (divided_difference * z_middle * (2j * half_rotation.imag)).real
         return change
 
     def _change_and_rate(
@@ -636,33 +665,29 @@ class HarmonicSegment(LoadSegment):
         if self.ellipse:
             return super()._change_and_rate(combination, time, time_before)
         z_before = _unit_vector(time_before)
-        half_turn = np.exp(0.5j * (time - time_before))
+        half_rotation = np.exp(0.5j * (time - time_before))
         _, rate_terms = self._series_of(combination)
-        change = self._change_between(combination, z_before, half_turn)
-        return change, _wave_sum_at(rate_terms, half_turn * half_turn * z_before, time)
+        change = self._change_between(combination, z_before, half_rotation)
+        return change, _wave_sum_at(rate_terms, half_rotation * half_rotation * z_before, time)
 
     def companion_of(self, combination: Combination) -> HarmonicSegment:
-        """A segment over the same time whose first load is 0, and whose second is a combination
-        c_P P + c_Q Q of this segment's loads: a moment that follows from P and Q, for one.
+        """Segment over the same time with 0 in place of P and the combination c_P P + c_Q Q of this
+        segment's loads in place of Q.
+
+        With (c_P, c_Q) = (x, height) of the line of action it is the history of (tilt, moment).
         """
-        waves = tuple(
-            (abs(coefficient), -cmath.phase(coefficient))
-            for coefficient in (np.array(combination) @ self._coefficients)[1:].tolist()
-        )
-        return HarmonicSegment(
-            self.start,
-            self.end,
-            (0.0, combination[0] * self.mean[0] + combination[1] * self.mean[1]),
-            (),
-            waves,
-        )
+        coefficients = (np.array(combination) @ self._fourier_coefficients)[1:]
+        amplitudes_and_lags = tuple((abs(c), -cmath.phase(c)) for c in coefficients.tolist())
+        mean = combination[0] * self.mean[0] + combination[1] * self.mean[1]
+        return HarmonicSegment(self.start, self.end, (0.0, mean), (), amplitudes_and_lags)
 
-    def _found_turns(self, combination: Combination) -> list[float]:
+    def _find_turning_points(self, combination: Combination) -> list[float]:
         """Turning points of a combination c_P P + c_Q Q of the loads: times inside the segment at
-        which it has an extreme, ascending.
+        which its rate is zero, ascending [rad].
 
-        One wave has them where its argument is a multiple of pi. Of several waves the rate is a
-        polynomial in z = exp(i time), whose roots on the unit circle are improved by Newton steps.
+        One harmonic, amplitude cos(t + lead), turns where t + lead is a multiple of pi. Of several
+        the rate is a polynomial in z = exp(i t). Its roots on the unit circle are refined by Newton
+        steps.
 
         >>> segment = HarmonicSegment(0.0, 2 * math.pi, (3.0, 0.0), ((1.0, 0.0), (1.0, 0.0)), ())
         >>> [
@@ -670,63 +695,71 @@ class HarmonicSegment(LoadSegment):
         ... ]  # sin t (1 + 4 cos t) = 0
         [0.5804, 1.0, 1.4196]
         """
-        size = np.abs(combination) @ np.abs(self._coefficients)
+        # Upper bounds of the amplitudes of the combination's harmonics, k = 0, 1, ...
+        largest_amplitudes = np.abs(combination) @ np.abs(self._fourier_coefficients)
         if self.ellipse:
-            height, lead = self.wave(combination)
-            if abs(height) <= _ROUNDING * size[1]:  # constant but for rounding
+            amplitude, lead = self.wave(combination)
+            if abs(amplitude) <= _ROUNDING * largest_amplitudes[1]:  # constant but for round-off
                 return []
             first_multiple = math.ceil((self.start + lead) / math.pi)
             last_multiple = math.floor((self.end + lead) / math.pi)
-            extremes = [k * math.pi - lead for k in range(first_multiple, last_multiple + 1)]
-            return [time for time in extremes if self.start < time < self.end]
-        rates = self._rate(combination)
-        rate_size = float(np.arange(len(size)) @ size)
-        rates[np.abs(rates) <= _ROUNDING * rate_size] = 0
-        if rate_size < LEAST or not np.any(rates):
+            turning_times = [k * math.pi - lead for k in range(first_multiple, last_multiple + 1)]
+            return [time for time in turning_times if self.start < time < self.end]
+        rate_coefficients = self._rate_coefficients(combination)
+        largest_rate = float(np.arange(len(largest_amplitudes)) @ largest_amplitudes)
+        rate_coefficients[np.abs(rate_coefficients) <= _ROUNDING * largest_rate] = 0
+        if largest_rate < LEAST or not np.any(rate_coefficients):
             return []
-        order = int(np.flatnonzero(rates)[-1])
+        # z^m times twice the rate, with c_-k the conjugate of c_k: a polynomial of degree 2 m.
+        order = int(np.flatnonzero(rate_coefficients)[-1])
+        coefficients_below_zero = np.conj(rate_coefficients[order:0:-1])
         roots = polynomial.polyroots(
-            np.concatenate([np.conj(rates[order:0:-1]), rates[: order + 1]])
+            np.concatenate([coefficients_below_zero, rate_coefficients[: order + 1]])
         )
         angles = np.angle(roots[np.abs(np.abs(roots) - 1) < _DISTANCE_OF_DOUBLE_ROOTS])
         period = 2 * math.pi
         first_times = angles + period * np.floor((self.start - angles) / period)
         n_periods = math.ceil((self.end - self.start) / period) + 2
         times = first_times[:, None] + period * np.arange(n_periods)
-        return _sharpened(self, combination, times.ravel())
+        return _refined_turning_points(self, combination, times.ravel())
 
     def _time_inside(
         self,
         combination: Combination,
-        change: Array,
+        wanted_change: Array,
         total_change: float,
         begin: float,
         end: float,
     ) -> Array:
         """Times (n,) at which a monotonic combination of the loads has changed by given amounts
-        since `begin`: of an ellipse in closed form by the arc cosine, else by Newton steps.
+        since `begin`: of an ellipse in closed form by the arc cosine, else by Newton's method.
+
+        The ellipse's combination, amplitude cos(t + lead) plus a constant, is monotonic while
+        t + lead is between two multiples of pi. These are n_half_turns and the next.
 
         Parameters
         ----------
         combination
             c_P, c_Q of c_P P + c_Q Q
-        change
+        wanted_change
             (n,) amounts between 0 and the total change
         total_change
             change of the combination from `begin` to `end`
         """
         if not self.ellipse:
-            return super()._time_inside(combination, change, total_change, begin, end)
-        # The arc cosine loses digits near an extreme: one Newton step with the change gains them.
-        size, lead = self.wave(combination)
-        half_turn = math.floor(((begin + end) / 2 + lead) / math.pi)
-        sign = -1.0 if half_turn % 2 else 1.0
-        cosine = sign * (math.cos(begin + lead) + change / size)
-        time = half_turn * math.pi - lead + np.arccos(np.minimum(np.maximum(cosine, -1), 1))
+            return super()._time_inside(combination, wanted_change, total_change, begin, end)
+        # The arc cosine loses digits near an extreme: one Newton step restores them.
+        amplitude, lead = self.wave(combination)
+        n_half_turns = math.floor(((begin + end) / 2 + lead) / math.pi)
+        sign = -1.0 if n_half_turns % 2 else 1.0
+        cosine = sign * (math.cos(begin + lead) + wanted_change / amplitude)
+        time = n_half_turns * math.pi - lead + np.arccos(np.minimum(np.maximum(cosine, -1), 1))
         rate_at_time = self.rate_of(combination, time)
-        is_steep = np.abs(rate_at_time) > 1e-6 * abs(size)
-        change_error = change - self.change_of(combination, time, begin)
-        return time + np.where(is_steep, change_error / np.where(is_steep, rate_at_time, 1.0), 0.0)
+        is_steep = np.abs(rate_at_time) > 1e-6 * abs(amplitude)
+        remaining_change = wanted_change - self.change_of(combination, time, begin)
+        return time + np.where(
+            is_steep, remaining_change / np.where(is_steep, rate_at_time, 1.0), 0.0
+        )
 
     def mirrored(self, combination: Combination, time: ArrayLike, near: float) -> Array | None:
         if not self.ellipse:
@@ -735,26 +768,26 @@ class HarmonicSegment(LoadSegment):
         return twin + 2 * math.pi * np.round((near - twin) / (2 * math.pi))
 
     def shifted(self, delay: float) -> Self:
-        """The same loads, `delay` later in time: the phase of the k-th harmonic grows by k times
-        the delay.
+        """The same load history, `delay` [rad] later: the phase lag of the k-th harmonic grows by k
+        times the delay.
         """
         delay_angle = math.remainder(delay, 2 * math.pi)
-        # By whole revolutions, but for round-off, the phases stay.
+        # A delay by whole periods, but for round-off, leaves the phases as they are.
         if abs(delay_angle) <= 1e-15 * abs(delay):
             return super().shifted(delay)
 
-        def later(waves: Waves) -> Waves:
-            """Harmonics whose phases grow by k times the delay."""
-            phase_changes = [
+        def delayed(waves: Waves) -> Waves:
+            """(amplitude, phase lag) of k = 1, 2, ..., each lag grown by k times the delay."""
+            lag_changes = [
                 math.remainder(k * delay_angle, 2 * math.pi) for k in range(1, len(waves) + 1)
             ]
             return tuple(
-                (size, phase + turn)
-                for (size, phase), turn in zip(waves, phase_changes, strict=True)
+                (amplitude, lag + lag_change)
+                for (amplitude, lag), lag_change in zip(waves, lag_changes, strict=True)
             )
 
         return replace(
-            super().shifted(delay), normal=later(self.normal), tangential=later(self.tangential)
+            super().shifted(delay), normal=delayed(self.normal), tangential=delayed(self.tangential)
         )
 
 
@@ -769,20 +802,21 @@ class ChebyshevSegment(LoadSegment):
     def most_turns(self) -> int:
         return max(len(self.normal), len(self.tangential), 2) - 2
 
-    def _unit(self, time: ArrayLike) -> Any:
+    def _series_variable(self, time: ArrayLike) -> Any:
+        """Variable u of the series at `time`: -1 at the start, 1 at the end of the segment."""
         t = _float_or_array(time)
         return ((t - self.start) - (self.end - t)) / (self.end - self.start)
 
     @cached_property
     def _series(self) -> Array:
-        """(2, m) coefficients of both loads."""
+        """Chebyshev coefficients of P and Q, (2, m), zeros behind the shorter series."""
         coefficients = np.zeros((2, max(len(self.normal), len(self.tangential), 2)))
         coefficients[0, : len(self.normal)] = self.normal
         coefficients[1, : len(self.tangential)] = self.tangential
         return coefficients
 
     @cached_property
-    def _from_zero(self) -> tuple[bool, bool]:
+    def _starts_from_zero(self) -> tuple[bool, bool]:
         """Whether P, and Q, start from 0."""
         p, q = np.abs(chebyshev.chebval(-1.0, self._series.T)) <= _ROUNDING_OF_SUM * np.sum(
             np.abs(self._series), axis=1
@@ -790,19 +824,19 @@ class ChebyshevSegment(LoadSegment):
         return bool(p), bool(q)
 
     def loads(self, time: ArrayLike) -> Loads:
-        """Loads P and Q at any times, each in the shape of `time`.
+        """Loads P and Q [force per thickness] at `time`, each in its shape.
 
-        A load that starts from 0 is computed as its change since the start, which keeps its digits
-        near there.
+        A load that starts from 0 is computed as its change since the start: small loads there keep
+        their digits.
         """
         normal_load, tangential_load = (
             (
                 self.change_of(combination, time, self.start)
-                if from_zero
-                else np.asarray(chebyshev.chebval(self._unit(time), series))
+                if starts_from_zero
+                else np.asarray(chebyshev.chebval(self._series_variable(time), series))
             )
-            for combination, series, from_zero in zip(
-                (NORMAL_LOAD, TANGENTIAL_LOAD), self._series, self._from_zero, strict=True
+            for combination, series, starts_from_zero in zip(
+                (NORMAL_LOAD, TANGENTIAL_LOAD), self._series, self._starts_from_zero, strict=True
             )
         )
         return normal_load, tangential_load
@@ -810,11 +844,11 @@ class ChebyshevSegment(LoadSegment):
     def rate_of(self, combination: Combination, time: ArrayLike) -> Array:
         _, slope = self._series_of(combination)
         return np.asarray(
-            chebyshev.chebval(self._unit(time), slope) * (2 / (self.end - self.start))
+            chebyshev.chebval(self._series_variable(time), slope) * (2 / (self.end - self.start))
         )
 
     def _series_of(self, combination: Combination) -> tuple[Array, Array]:
-        """Series of a combination, and that of its derivative by u."""
+        """Chebyshev coefficients of a combination c_P P + c_Q Q, and of its derivative by u."""
         known_series = self._known_series
         if combination not in known_series:
             series = np.array(combination) @ self._series
@@ -831,7 +865,9 @@ class ChebyshevSegment(LoadSegment):
         t0 = _float_or_array(time_before)
         series, _ = self._series_of(combination)
         step = 2 * (t - t0) / (self.end - self.start)
-        change: Array = np.multiply(difference(series, self._unit(t), self._unit(t0)), step)
+        change: Array = np.multiply(
+            difference(series, self._series_variable(t), self._series_variable(t0)), step
+        )
         return change
 
     def companion_of(self, combination: Combination) -> ChebyshevSegment:
@@ -839,9 +875,12 @@ class ChebyshevSegment(LoadSegment):
             self.start, self.end, (0.0,), tuple((np.array(combination) @ self._series).tolist())
         )
 
-    def _found_turns(self, combination: Combination) -> list[float]:
+    def _find_turning_points(self, combination: Combination) -> list[float]:
         """Turning points of a combination c_P P + c_Q Q of the loads: times inside the segment at
-        which its rate is zero, ascending, as roots of a Chebyshev series.
+        which its rate is zero, ascending.
+
+        They are the real roots of the Chebyshev series of the rate in u from -1 to 1, refined by
+        Newton steps.
 
         >>> segment = ChebyshevSegment(
         ...     0.0, 4.0, (3.0, 0.0, 1.0), (0.0, 1.0)
@@ -850,25 +889,16 @@ class ChebyshevSegment(LoadSegment):
         [2.0]
         """
         _, rate_series = self._series_of(combination)
-        series_size = float(np.abs(combination) @ np.max(np.abs(self._series), axis=1))
-        significant_orders = np.flatnonzero(np.abs(rate_series) > _ROUNDING * series_size)
+        largest_coefficient = float(np.abs(combination) @ np.max(np.abs(self._series), axis=1))
+        significant_orders = np.flatnonzero(np.abs(rate_series) > _ROUNDING * largest_coefficient)
         if not len(significant_orders) or significant_orders[-1] == 0:
             return []
-        rate_series = rate_series[: significant_orders[-1] + 1]
-        roots = chebyshev.chebroots(rate_series)
-        places_of_turns = np.clip(
-            roots.real[
-                (np.abs(roots.imag) < _DISTANCE_OF_DOUBLE_ROOTS)
-                & (np.abs(roots.real) < 1 + _DISTANCE_OF_DOUBLE_ROOTS)
-            ],
-            -1,
-            1,
-        )
-        return _sharpened(
-            self,
-            combination,
-            (self.start + self.end) / 2 + (self.end - self.start) / 2 * places_of_turns,
-        )
+        roots = chebyshev.chebroots(rate_series[: significant_orders[-1] + 1])
+        is_real = np.abs(roots.imag) < _DISTANCE_OF_DOUBLE_ROOTS
+        is_inside = np.abs(roots.real) < 1 + _DISTANCE_OF_DOUBLE_ROOTS
+        u = np.clip(roots.real[is_real & is_inside], -1, 1)
+        times = (self.start + self.end) / 2 + (self.end - self.start) / 2 * u
+        return _refined_turning_points(self, combination, times)
 
     @property
     def is_straight(self) -> bool:
@@ -880,7 +910,7 @@ class ChebyshevSegment(LoadSegment):
             return None
         second_coefficient = higher[0] if higher else 0.0
         return (
-            first + 4 * second_coefficient * float(self._unit(time))
+            first + 4 * second_coefficient * float(self._series_variable(time))
         ) / rise, 2 * second_coefficient / rise**2
 
 
@@ -939,8 +969,8 @@ class LoadPath:
         return None if None in (*loading, *cycle) else LoadPath(tuple(loading), tuple(cycle))
 
     def at(self, time: ArrayLike) -> Loads:
-        """Loads P and Q at any times, each in the shape of `time`; after the first cycle those of
-        its repetitions.
+        """Loads P and Q [force per thickness] at any times of the path, each in the shape of
+        `time`; a time after the first cycle is taken back into it by whole periods.
 
         Raises
         ------
@@ -955,32 +985,34 @@ class LoadPath:
                 self.cycle_start + np.mod(path_time - self.cycle_start, self.period),
                 path_time,
             )
-        legs = (*self.initial_loading, *self.cycle)
-        if np.any(path_time < legs[0].start) or np.any(path_time > legs[-1].end):
+        segments = (*self.initial_loading, *self.cycle)
+        if np.any(path_time < segments[0].start) or np.any(path_time > segments[-1].end):
             raise ValueError(
-                f"time outside the load path, which runs from {legs[0].start} to {legs[-1].end}"
+                f"time outside the load path, which runs from {segments[0].start} to"
+                f" {segments[-1].end}"
             )
-        ends_of_legs = np.array([leg.end for leg in legs])
-        number_of_leg = np.minimum(
-            np.searchsorted(ends_of_legs, path_time, side="left"), len(legs) - 1
+        end_times = np.array([segment.end for segment in segments])
+        segment_index = np.minimum(
+            np.searchsorted(end_times, path_time, side="left"), len(segments) - 1
         )
         loads = np.empty((2, *path_time.shape))
-        for k in np.unique(number_of_leg):
-            loads[:, number_of_leg == k] = legs[k].loads(path_time[number_of_leg == k])
+        for k in np.unique(segment_index):
+            loads[:, segment_index == k] = segments[k].loads(path_time[segment_index == k])
         normal_load, tangential_load = loads.reshape(2, *np.shape(time))
         return normal_load, tangential_load
 
 
-def _terms(coefficients: NDArray[np.complex128]) -> WaveTerms:
-    """Prepare a sum of c_k exp(i k t) for Horner's scheme: its terms from the highest k down, each
-    as c_k and by how much k is below that of the term before.
+def _horner_terms(coefficients: NDArray[np.complex128]) -> WaveTerms:
+    """Terms of the sum of c_k exp(i k t) for Horner's scheme, from the highest k down to 0: (c_k,
+    difference of k from the term before).
 
-    `coefficients` (m + 1,) are c_0, c_1, ...
+    Terms with c_k = 0 are left out, but for k = 0. `coefficients` (m + 1,) are c_0, c_1, ...
     """
     terms = []
     order_above = len(coefficients) - 1
-    # Waves without an amplitude are passed over: one of a thousand harmonics may be all there is.
-    for k in [*(np.flatnonzero(coefficients[1:])[::-1] + 1).tolist(), 0]:
+    # One of a thousand harmonics may be the only one: the others must cost nothing.
+    orders = [*(np.flatnonzero(coefficients[1:])[::-1] + 1).tolist(), 0]
+    for k in orders:
         terms.append((complex(coefficients[k]), order_above - k))
         order_above = k
     return tuple(terms)
@@ -999,38 +1031,45 @@ def _wave_sum(terms: WaveTerms, time: Array) -> Array:
 
 
 def _wave_sum_at(terms: WaveTerms, z: NDArray[np.complex128], time: Array) -> Array:
-    """Real part of sum c_k z^k at n times t, (n,), with z = exp(i t), by Horner's scheme.
+    """Real part of the sum of c_k exp(i k t), (n,), at `time` (n,), by Horner's scheme in z =
+    exp(i t), (n,).
 
-    `terms` are (c_k, step in k from the term before), from the highest k down; `z` and `time` are
-    (n,).
+    `terms` are (c_k, difference of k from the term before), as of `_horner_terms`.
     """
     (highest, _), *lower_terms = terms
     if not lower_terms:
         return np.full(z.shape, highest.real)
-    value: Any = highest
-    for coefficient, step in lower_terms:
-        power = z if step == 1 else np.exp(1j * step * time)
-        value = value * power + coefficient
-    sums: Array = value.real
+    partial_sum: Any = highest
+    for coefficient, order_step in lower_terms:
+        power = z if order_step == 1 else np.exp(1j * order_step * time)
+        partial_sum = partial_sum * power + coefficient
+    sums: Array = partial_sum.real
     return sums
 
 
-def _sharpened(segment: LoadSegment, combination: Combination, guessed_times: Array) -> list[float]:
-    """Improve guessed turning points of a combination c_P P + c_Q Q of the loads by two Newton
-    steps, each taken if it is small: times inside the segment, ascending.
+def _refined_turning_points(
+    segment: LoadSegment, combination: Combination, guessed_times: Array
+) -> list[float]:
+    """Turning points of a combination c_P P + c_Q Q of the loads, refined from guesses (n,) by two
+    Newton steps on its rate: times inside the segment, ascending.
+
+    The slope of the rate is a difference quotient. A step beyond the distance of double roots is
+    not taken.
     """
     times = guessed_times
-    step = 1e-6 * (segment.end - segment.start)
+    time_increment = 1e-6 * (segment.end - segment.start)
     longest_step = _DISTANCE_OF_DOUBLE_ROOTS * (segment.end - segment.start) / 2
     for _ in range(2):
-        rate, rate_after = segment.rate_of(combination, np.stack([times, times + step]))
-        newton_step = rate * step / np.where(rate_after != rate, rate_after - rate, np.inf)
+        rate, rate_after = segment.rate_of(combination, np.stack([times, times + time_increment]))
+        rate_increment = np.where(rate_after != rate, rate_after - rate, np.inf)
+        newton_step = rate * time_increment / rate_increment
         times = times - np.where(np.abs(newton_step) < longest_step, newton_step, 0.0)
     return sorted(time for time in times.tolist() if segment.start < time < segment.end)
 
 
 def straight_segments(rows: Iterable[Sequence[float]]) -> tuple[StraightSegment, ...]:
-    """Straight segments of a load path from each of the `rows` (time, P, Q) to the next.
+    """Straight segments of a load path from each of the `rows` (time, P, Q) to the next; (P, Q) at
+    their ends are `first` and `last`.
 
     >>> [
     ...     segment.last
@@ -1056,10 +1095,11 @@ def ellipse_segment(
 def parabola_segment(
     start: float, end: float, last_point: Point, end_slope: float
 ) -> ChebyshevSegment:
-    """Segment of a load path on a parabola in the P-Q plane from (0, 0) to `last_point` (P, Q): P
-    is linear in time, and Q = alpha P + beta P^2 has the slope dQ/dP = `end_slope` at the end.
+    """Segment of a load path on a parabola in the P-Q plane from (0, 0) at the time `start` to
+    `last_point` (P, Q) at the time `end`.
 
-    `start` and `end` are times.
+    P is linear in time, and Q = alpha P + beta P^2 has the slope dQ/dP = `end_slope` at the end.
+    Below, `slope_and_bend` gives dQ/dP and beta.
 
     >>> segment = parabola_segment(0.0, 2.0, (1.0, 0.5), 0.0)
     >>> [float(load) for load in segment.loads(1.0)], segment.slope_and_bend(2.0)
@@ -1067,20 +1107,22 @@ def parabola_segment(
     """
     # notation: w from 0 at the start to 1 at the end, u = 2 w - 1 the variable of the series
     p, q = last_point
-    linear_part = 2 * q - end_slope * p  # Q = linear_part w + square_part w^2
-    square_part = end_slope * p - q
+    linear_coefficient = 2 * q - end_slope * p  # Q = linear_coefficient w + square_coefficient w^2
+    square_coefficient = end_slope * p - q
     normal_series = (p / 2, p / 2)
     tangential_series = (
-        linear_part / 2 + 3 * square_part / 8,
-        (linear_part + square_part) / 2,
-        square_part / 8,
+        linear_coefficient / 2 + 3 * square_coefficient / 8,
+        (linear_coefficient + square_coefficient) / 2,
+        square_coefficient / 8,
     )
     return ChebyshevSegment(start, end, normal_series, tangential_series)
 
 
 def sampled(segment: LoadSegment, least_count: int) -> Array:
-    """Times along a segment of a load path that are dense enough to see its turning points: the two
-    ends of a straight one, else `least_count`, or eight for each turning point if that is more.
+    """Evenly spaced times (n,) along a load segment, dense enough to resolve its turning points.
+
+    A straight segment gets its two ends. Others get `least_count`, or more: eight intervals for
+    each possible turning point.
 
     >>> (
     ...     len(sampled(StraightSegment(0.0, 1.0, (0.0, 0.0), (3.0, 1.0)), 25)),
@@ -1097,8 +1139,8 @@ _ZERO_LOAD = 1e-12
 
 
 def largest_ratio(legs: Iterable[LoadSegment]) -> float:
-    """Largest |Q|/P along segments of a load path; infinite where P is negative, or zero while Q is
-    not.
+    """Largest |Q|/P along the load segments `legs`; infinite where P is negative, or zero while Q
+    is not.
 
     Dinkelbach's iteration: where Q - r P or -Q - r P is largest, |Q|/P exceeds r, unless r is the
     largest ratio itself. These combinations are largest at ends and turning points.
@@ -1109,14 +1151,13 @@ def largest_ratio(legs: Iterable[LoadSegment]) -> float:
     0.5
     """
     ratio = 0.0
-    for leg in legs:
-        fixed_times = [leg.start, leg.end, *leg.turning_points(NORMAL_LOAD)]
+    for segment in legs:
+        fixed_times = [segment.start, segment.end, *segment.turning_points(NORMAL_LOAD)]
         while True:
-            forward = leg.turning_points(Combination(-ratio, 1.0))
-            reverse = leg.turning_points(Combination(ratio, 1.0))
-            ratio_at_times = largest_ratio_of(
-                *leg.loads(np.array([*fixed_times, *forward, *reverse]))
-            )
+            times_of_positive_q = segment.turning_points(Combination(-ratio, 1.0))
+            times_of_negative_q = segment.turning_points(Combination(ratio, 1.0))
+            times = np.array([*fixed_times, *times_of_positive_q, *times_of_negative_q])
+            ratio_at_times = largest_ratio_of(*segment.loads(times))
             if not ratio_at_times > ratio * (1 + 1e-15):
                 break
             ratio = ratio_at_times
