@@ -328,7 +328,7 @@ def loops() -> int:
         stated = coarse.errors["dissipation"]
         numbers = (
             f"{work:.10f} {1 - work / fine.works[-1]:+.1e} {stated:.1e}"
-            f" {coarse.loop / work - 1:+.1e} {seconds[0]:.1f}"
+            f" {coarse.loop_work / work - 1:+.1e} {seconds[0]:.1f}"
         )
         print(f"{row.words:32} {numbers}", flush=True)
     return 0

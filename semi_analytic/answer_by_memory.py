@@ -874,9 +874,9 @@ def _works_of_cycles(history: History, request: Request) -> dict[int, _WorkOfCyc
     """
     friction = history.spans[0].friction
     ellipses = None
-    # `loop` is the load segment of the ellipse, where that is the whole cycle.
-    if friction > 0 and history.loop is not None:
-        ellipses = _ellipse_of_segment(history.loop, friction)
+    # `ellipse_of_cycle` is the load segment of the ellipse, where that is the whole cycle.
+    if friction > 0 and history.ellipse_of_cycle is not None:
+        ellipses = _ellipse_of_segment(history.ellipse_of_cycle, friction)
     works_of_cycles: dict[int, _WorkOfCycle] = {}
     for cycle in set(history.covered):
         is_steady = history.steady_from is not None and cycle >= history.steady_from

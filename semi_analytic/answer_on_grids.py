@@ -105,8 +105,8 @@ class GridAnswer:
             errors |= dict(steady_cycle.errors)
         notes = [*neglected_coupling(question.scene.material), self._note(steady_cycle)]
         if path.period is not None and not is_steady:
-            # `remainder` estimates what the last cycle's work differs from the steady one by.
-            unsteady_share = followed.remainder / work_of_last_cycle
+            # `unsteady_work` estimates how far the last cycle's work is from the steady one.
+            unsteady_share = followed.unsteady_work / work_of_last_cycle
             notes.append(
                 f"the last cycle, number {len(followed.works)}, is not steady: by the trend its"
                 f" dissipation is within {unsteady_share:.1e} of the steady one"
@@ -117,7 +117,7 @@ class GridAnswer:
             termination = "steady"
             message = (
                 f"cycle {followed.steady_from + 1} repeats the one before to"
-                f" {followed.steady_to:.0e} of its work"
+                f" {followed.steady_tolerance:.0e} of its work"
             )
         return Findings(
             time=followed.time[self._rows()],
@@ -139,7 +139,7 @@ class GridAnswer:
         errors = dict(followed.errors)
         work_of_last_cycle = float(followed.works[-1])
         if followed.steady_from is not None and work_of_last_cycle > 0:
-            errors["dissipation"] += abs(followed.loop / work_of_last_cycle - 1)
+            errors["dissipation"] += abs(followed.loop_work / work_of_last_cycle - 1)
         return {name: error for name, error in errors.items() if name in self.question.fields}
 
     def _note(self, steady_cycle: Findings | None) -> str:
@@ -220,7 +220,7 @@ class GridAnswer:
         if question.wants("dissipation"):
             is_steady = followed.steady_from is not None
             values["dissipation"] = float(works[-1])
-            values["loop_work"] = followed.loop if is_steady else math.nan
+            values["loop_work"] = followed.loop_work if is_steady else math.nan
             values["cycle_dissipation"] = works
         else:
             values["dissipation"] = math.nan

@@ -263,11 +263,11 @@ def _time_by_letter(history: History) -> dict[str, float]:
     the events before it; see the module. J is as long after I as I is after G. A clockwise ellipse
     is mirrored, Q for -Q. Of loads on a line C and D would coincide, so that it has no letters.
     """
-    if history.loop is None or history.steady_from is None:
+    if history.ellipse_of_cycle is None or history.steady_from is None:
         return {}
     friction = history.spans[0].friction
-    ellipse = history.loop.ellipse
-    assert ellipse is not None  # for the type checker: `loop` is one
+    ellipse = history.ellipse_of_cycle.ellipse
+    assert ellipse is not None  # for the type checker: `ellipse_of_cycle` is one
     # Over pi; positive for an anticlockwise ellipse.
     area = ellipse.amplitude[0] * ellipse.amplitude[1] * math.sin(ellipse.phase_radians)
     if abs(area) <= 1e-12 * ellipse.amplitude[0] * ellipse.amplitude[1]:
@@ -294,7 +294,7 @@ def _time_by_letter(history: History) -> dict[str, float]:
         "L": "Q+",
         "M": "u+",
     }
-    times = {"A": history.loop.start}
+    times = {"A": history.ellipse_of_cycle.start}
     for letter, extreme in extreme_by_letter.items():
         time = ellipse.largest_at(load_combinations[extreme[:-1]])
         if extreme.endswith("-"):

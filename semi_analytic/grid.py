@@ -1222,11 +1222,11 @@ class Followed:
         (n, k), as in a ContactSolution
     works
         friction work of each cycle that was followed; of the whole path where none repeats
-    loop
-        closed integral of Q dU - m_q d eps of the last
-    remainder
-        estimate of what the work of the last cycle still is from the steady one
-    steady_from, steady_to
+    loop_work
+        closed integral of Q dU - m_q d eps of the last [energy per thickness]
+    unsteady_work
+        estimate of the difference of the last cycle's work from the steady one
+    steady_from, steady_tolerance
         index of the first cycle that repeats the one before to this share of W, None if none
         does
     density
@@ -1251,10 +1251,10 @@ class Followed:
     slip: Array
     state: NDArray[np.int8]
     works: Array
-    loop: float
-    remainder: float
+    loop_work: float
+    unsteady_work: float
     steady_from: int | None
-    steady_to: float
+    steady_tolerance: float
     density: Array
     permanent_stick_edges: Array
     counts: dict[str, int]
@@ -1418,10 +1418,10 @@ def follow_on_grid(
         slip=fields.slip,
         state=fields.state,
         works=runs.works_with_fine_last(),
-        loop=float(np.mean(fine_answers.loop)),
-        remainder=remainder_of(works_of_cycles.tolist()),
+        loop_work=float(np.mean(fine_answers.loop)),
+        unsteady_work=remainder_of(works_of_cycles.tolist()),
         steady_from=first_repeat(works_of_cycles, STEADY),
-        steady_to=STEADY,
+        steady_tolerance=STEADY,
         density=np.mean(density_of_grids, axis=0),
         permanent_stick_edges=fine_answers.permanent_stick_edges,
         counts=_counts_of(runs, request.cells),

@@ -557,8 +557,8 @@ class History:
     covered
         for each whole cycle that the answer covers, the index of the solved cycle that it is or
         is a copy of
-    loop
-        the ellipse, where that is the whole cycle
+    ellipse_of_cycle
+        the load segment, an ellipse in P and Q, where that is the whole cycle; None for others
     """
 
     loading: tuple[Span, ...]
@@ -567,7 +567,7 @@ class History:
     steady_from: int | None
     period: float | None = None
     covered: tuple[int, ...] = (0,)
-    loop: LoadSegment | None = None
+    ellipse_of_cycle: LoadSegment | None = None
 
     @cached_property
     def spans(self) -> tuple[Span, ...]:
@@ -754,7 +754,7 @@ def _followed_path(path: LoadPath, friction: float, most_cycles: int) -> History
     history = follow(path.initial_loading, cycles, friction)
     is_ellipse = len(path.cycle) == 1 and is_plain_ellipse(path.cycle[0])
     ellipse_of_cycle = path.cycle[0] if is_ellipse else None
-    return replace(history, period=path.period, loop=ellipse_of_cycle)
+    return replace(history, period=path.period, ellipse_of_cycle=ellipse_of_cycle)
 
 
 def cycles_to_follow(
