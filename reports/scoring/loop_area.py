@@ -270,7 +270,7 @@ def _error_by_scatter(loop: MasingLoop, fit: MasingFit, area_per_sigma: Array) -
     for parameters_at_end in fit.ends:
         area_at_end = 0.0
         if parameters_at_end is not None:
-            area_at_end = replace(loop, values=parameters_at_end).area
+            area_at_end = replace(loop, parameters=parameters_at_end).area
         error_by_scatter = max(error_by_scatter, abs(area_at_end - loop.area))
     return error_by_scatter
 
@@ -290,12 +290,12 @@ def _area_per_sigma(loop: MasingLoop, fit: MasingFit, rows: NDArray[np.intp]) ->
         (k,) indices of rows, in their order along the loop
     """
     place = fit.distances.place[rows]
-    across = fit.distances.across[rows]
+    unit_normal = fit.distances.unit_normal[rows]
     # places are counted round the loop, from 0 to 2: the first row follows the last one
     place_before = np.concatenate([[place[-1] - 2], place[:-1]])
     place_after = np.concatenate([place[1:], [place[0] + 2]])
     shift_before, load_before = loop.at_rows(np.mod((place_before + place) / 2, 2.0))
     shift_after, load_after = loop.at_rows(np.mod((place + place_after) / 2, 2.0))
-    area_by_load_error = across[:, 1] * fit.weights.load * (shift_after - shift_before)
-    area_by_shift_error = across[:, 0] * fit.weights.shift * (load_after - load_before)
+    area_by_load_error = unit_normal[:, 1] * fit.weights.load * (shift_after - shift_before)
+    area_by_shift_error = unit_normal[:, 0] * fit.weights.shift * (load_after - load_before)
     return np.asarray(area_by_load_error - area_by_shift_error)

@@ -104,18 +104,18 @@ class MeasuredRows:
 
 @dataclass(frozen=True, eq=False)
 class Distances:
-    """Of rows from a loop.
+    """Distances of rows from a loop, in the plane of U and Q, each over its sigma.
 
     value : (n,) in sigma, positive where U of the row is larger
     derivatives : (n, 7) by ln f, Q_mid, R, C, U_mid, D and S
-    across : (n, 2) unit vector across the loop, in sigma of U and of Q
-    place : (n,) on the loop, 0 to 1 along the rising branch and its slide, 1 to 2 along the falling
-        one
+    unit_normal : (n, 2) of the loop at the nearest point, in sigma of U and of Q
+    place : (n,) of the nearest point, a parameter along the loop: 0 to 1 on the rising branch and
+        its slide, 1 to 2 on the falling one
     """
 
     value: Array
     derivatives: Array
-    across: Array
+    unit_normal: Array
     place: Array
 
 
@@ -145,14 +145,14 @@ class MemoryCurve:
         return np.asarray(self.slope(np.clip(h, 0.0, self.limit)))
 
 
-def memory_curve(scene: Scene, sliding: float) -> MemoryCurve:
+def memory_curve(scene: Scene, sliding_friction_over_range: float) -> MemoryCurve:
     """The memory curve u(h) of a scene at constant P, from one solve: U changes by 2 f u(h/f) when
     Q falls by 2 h from a turning point (Masing's rule). It is the falling branch of a loop that
     nearly slides as a whole.
 
     Parameters
     ----------
-    sliding
+    sliding_friction_over_range
         f at which the scene just slides as a whole, over the range of its Q [1/load]
     """
     from scipy.interpolate import CubicSpline
@@ -179,33 +179,35 @@ def memory_curve(scene: Scene, sliding: float) -> MemoryCurve:
     )
     shift = solution.tangential_displacement
     spline = CubicSpline(largest_argument * share_of_branch, (shift[0] - shift) / (2 * friction))
-    return MemoryCurve(largest_argument, sliding, spline, spline.derivative())
+    return MemoryCurve(largest_argument, sliding_friction_over_range, spline, spline.derivative())
 
 
 # ----------------------------------------------------------------------------------------- the loop
 @dataclass(frozen=True, eq=False)
 class MasingLoop:
-    """The rising branch for given parameters (7,), without rig, drift and middle; then its slide.
+    """A loop of Masing's rule, by its seven parameters (7,): ln f, Q_mid, R, C, U_mid, D and S. Its
+    points are those of the rising branch and its gross slide, from the middle of the loop on.
 
-    Points have a place: 0 to 1 on the branch, closer towards its end, where the slope grows as a
-    logarithm; 1 to 2 on the slide. Below 0 and above 2 the line goes on: noise takes rows beyond
-    the turning points, and their distance from a turning point would draw it outwards.
+    Points have a place, a parameter along the branch: 0 to 1 in partial slip, closer towards the
+    end, where the slope grows as a logarithm; 1 to 2 on the slide. Below 0 and above 2 the line
+    goes on: noise takes rows beyond the turning points, and their distance from a turning point
+    would draw it outwards.
     """
 
     curve: MemoryCurve
-    values: Array
+    parameters: Array
 
     @property
     def friction(self) -> float:
         """f."""
-        return math.exp(self.values[LOG_F])
+        return math.exp(self.parameters[LOG_F])
 
     @property
     def _slides(self) -> bool:
-        return bool(self.values[SLIDE] > 0)
+        return bool(self.parameters[SLIDE] > 0)
 
-    def _passed(self, place: Array) -> Array:
-        """Share of the branch in Q at places (n,)."""
+    def _fraction_of_load_range(self, place: Array) -> Array:
+        """Fraction of the range of Q that the rising branch has passed at places (n,)."""
         inside = 1 - (1 - np.clip(place, 0.0, 1.0)) ** 3
         passed = inside + 3 * np.minimum(place, 0.0)
         if not self._slides:
@@ -219,17 +221,19 @@ class MasingLoop:
         contact slides as a whole. Past 2 the branch goes on with the slope of its end, so that a
         row of data beyond it has a nearest point: along U where the contact slides, else along Q.
         """
-        share_of_range = self._passed(place)
+        fraction_of_range = self._fraction_of_load_range(place)
         friction = self.friction
-        half_range = self.values[RANGE] / 2
+        half_range = self.parameters[RANGE] / 2
         shift_at_turn = friction * self.curve.value(np.array(half_range / friction))
-        shift_from_turn = 2 * friction * self.curve.value(share_of_range * half_range / friction)
-        shift_of_slide = self.values[SLIDE] * (np.clip(place - 1, 0.0, 1.0) - 0.5)
+        shift_from_turn = 2 * friction * self.curve.value(fraction_of_range * half_range / friction)
+        shift_of_slide = self.parameters[SLIDE] * (np.clip(place - 1, 0.0, 1.0) - 0.5)
         if self._slides:
             shift_past_end = 2 * shift_at_turn * np.maximum(place - 2, 0.0)
             shift_of_slide = shift_of_slide + shift_past_end
-        load = (2 * share_of_range - 1) * half_range
-        shift = shift_from_turn - shift_at_turn + shift_of_slide + self.values[COMPLIANCE] * load
+        load = (2 * fraction_of_range - 1) * half_range
+        shift = (
+            shift_from_turn - shift_at_turn + shift_of_slide + self.parameters[COMPLIANCE] * load
+        )
         return shift, load
 
     def closed(self, share: Array) -> tuple[Array, Array]:
@@ -260,7 +264,7 @@ class MasingLoop:
     def area_by_friction_where_gross(self) -> float:
         """Derivative of W by f, with which R goes."""
         gradient = self.area_by_parameters
-        by_log = gradient[LOG_F] + self.values[RANGE] * gradient[RANGE]
+        by_log = gradient[LOG_F] + self.parameters[RANGE] * gradient[RANGE]
         return float(by_log) / self.friction
 
     @property
@@ -269,9 +273,9 @@ class MasingLoop:
         gradient = np.zeros(7)
         for k in (LOG_F, RANGE, COMPLIANCE, SLIDE):
             step = np.zeros(7)
-            step[k] = _SHARE_OF_STEP * max(abs(float(self.values[k])), _SHARE_OF_STEP)
-            above = MasingLoop(self.curve, self.values + step).area
-            below = MasingLoop(self.curve, self.values - step).area
+            step[k] = _SHARE_OF_STEP * max(abs(float(self.parameters[k])), _SHARE_OF_STEP)
+            above = MasingLoop(self.curve, self.parameters + step).area
+            below = MasingLoop(self.curve, self.parameters - step).area
             gradient[k] = (above - below) / (2 * step[k])
         return gradient
 
@@ -280,44 +284,58 @@ class MasingLoop:
         in it.
         """
         end = np.array([2.0])
-        values = self.values.copy()
-        values[LOG_F] = math.log(friction)
-        values[RANGE] = friction / self.curve.sliding
-        missing = float(self.points(end)[0][0] - MasingLoop(self.curve, values).points(end)[0][0])
-        values[SLIDE] += 2 * missing
-        return MasingLoop(self.curve, values) if values[SLIDE] > 0 else None
+        parameters = self.parameters.copy()
+        parameters[LOG_F] = math.log(friction)
+        parameters[RANGE] = friction / self.curve.sliding
+        missing = float(
+            self.points(end)[0][0] - MasingLoop(self.curve, parameters).points(end)[0][0]
+        )
+        parameters[SLIDE] += 2 * missing
+        return MasingLoop(self.curve, parameters) if parameters[SLIDE] > 0 else None
 
     def tangents(self, place: Array) -> tuple[Array, Array]:
         """Direction in U and Q at places (n,), of any length."""
         on_branch = (place < 1) | (not self._slides)
-        rate = self.curve.rate(self._passed(place) * self.values[RANGE] / 2 / self.friction)
-        of_shift = np.where(on_branch, rate + self.values[COMPLIANCE], 1.0)
+        rate = self.curve.rate(
+            self._fraction_of_load_range(place) * self.parameters[RANGE] / 2 / self.friction
+        )
+        of_shift = np.where(on_branch, rate + self.parameters[COMPLIANCE], 1.0)
         return of_shift, on_branch.astype(float)
 
     def derivatives(self, place: Array) -> tuple[Array, Array]:
-        """Derivatives of U and of Q of the rising branch at places (n,) by the seven parameters,
-        (n, 7) each. Those by the middle of Q, the origin of U and the drift are left 0.
+        """Derivatives of U and of Q of the rising branch at places (n,) by the seven parameters of
+        the loop, (n, 7) each: ln f, middle and range R of Q, compliance C of the rig, origin of U,
+        drift of U, gross slide S. Those by the middle of Q, the origin of U and the drift are left
+        0.
+
+        With h half of the load since the turning point, U = 2 f v(h/f) - f v(R/2f) + ... (Masing's
+        rule). `place` is that of `points`.
         """
-        share_of_range = self._passed(place)
+        fraction_of_range = self._fraction_of_load_range(place)
         friction = self.friction
-        half_range = self.values[RANGE] / 2
-        argument_at_turn = np.array(half_range / friction)
-        argument_at_place = share_of_range * half_range / friction
-        slope_at_turn = self.curve.rate(argument_at_turn)
-        slope_at_place = self.curve.rate(argument_at_place)
+        half_range = self.parameters[RANGE] / 2
+        # h/f, the argument of the memory curve v
+        load_over_friction_at_turn = np.array(half_range / friction)
+        load_over_friction = fraction_of_range * half_range / friction
+        slope_at_turn = self.curve.rate(load_over_friction_at_turn)
+        slope_at_place = self.curve.rate(load_over_friction)
         shift_derivatives = np.zeros((len(place), 7))
         load_derivatives = np.zeros((len(place), 7))
+        # d(f v(h/f))/df = v - (h/f) v'
         shift_by_friction = 2 * (
-            self.curve.value(argument_at_place) - argument_at_place * slope_at_place
+            self.curve.value(load_over_friction) - load_over_friction * slope_at_place
         )
-        shift_by_friction -= self.curve.value(argument_at_turn) - argument_at_turn * slope_at_turn
+        shift_by_friction -= (
+            self.curve.value(load_over_friction_at_turn)
+            - load_over_friction_at_turn * slope_at_turn
+        )
         shift_derivatives[:, LOG_F] = friction * shift_by_friction
-        load_derivatives[:, RANGE] = share_of_range - 0.5
-        shift_by_range = share_of_range * slope_at_place - slope_at_turn / 2
-        shift_derivatives[:, RANGE] = shift_by_range + self.values[COMPLIANCE] * (
-            share_of_range - 0.5
+        load_derivatives[:, RANGE] = fraction_of_range - 0.5
+        shift_by_range = fraction_of_range * slope_at_place - slope_at_turn / 2
+        shift_derivatives[:, RANGE] = shift_by_range + self.parameters[COMPLIANCE] * (
+            fraction_of_range - 0.5
         )
-        shift_derivatives[:, COMPLIANCE] = (2 * share_of_range - 1) * half_range
+        shift_derivatives[:, COMPLIANCE] = (2 * fraction_of_range - 1) * half_range
         shift_derivatives[:, SLIDE] = np.clip(place - 1, 0.0, 1.0) - 0.5
         return shift_derivatives, load_derivatives
 
@@ -328,12 +346,11 @@ _PLACES = np.arange(-_BEYOND, 2 * _CORNERS + _BEYOND + 1) / _CORNERS
 
 
 def distances_from(
-    rows: MeasuredRows, curve: MemoryCurve, values: Array, weights: Weights
+    rows: MeasuredRows, curve: MemoryCurve, parameters: Array, weights: Weights
 ) -> Distances:
-    """Distances of the rows of a measured loop from the loop with the seven parameters `values` (ln
-    f, middle and range of Q, compliance C of the rig, origin of U, drift of U, slide as a whole),
-    over sigma, with their derivatives by these. A row beside a turning point is measured from the
-    nearer of both branches.
+    """Distances of the rows of a measured loop from the loop of Masing's rule with the seven
+    `parameters`, over sigma, with their derivatives by these. A row beside a turning point is
+    measured from the nearer of both branches.
 
     Parameters
     ----------
@@ -341,36 +358,41 @@ def distances_from(
         U, Q, time and branch of each row
     curve
         memory curve of theory, from which the loop is built
+    parameters
+        (7,) ln f, middle and range of Q, compliance C of the rig, origin of U, drift of U, gross
+        slide
     weights
         sigma of U and of Q
     """
-    loop = MasingLoop(curve, values)
-    shift = rows.shift - values[ORIGIN] - values[DRIFT_RATE] * rows.share_of_time
-    load = rows.load - values[MIDDLE]
-    points_of_loop = np.array(loop.points(_PLACES))
-    points_of_loop /= np.array(weights)[:, None]
+    loop = MasingLoop(curve, parameters)
+    shift = rows.shift - parameters[ORIGIN] - parameters[DRIFT_RATE] * rows.share_of_time
+    load = rows.load - parameters[MIDDLE]
+    corners_of_branch = np.array(loop.points(_PLACES))
+    corners_of_branch /= np.array(weights)[:, None]
     branch_sign = np.where(rows.branches.rising, 1.0, -1.0)
-    values_by_own_branch = _from_branch(loop, points_of_loop, shift, load, branch_sign, weights)
+    answers_by_own_branch = _distances_from_branch(
+        loop, corners_of_branch, shift, load, branch_sign, weights
+    )
     rows_beside_turns = rows.beside_turns
-    values_by_other_branch = _from_branch(
+    answers_by_other_branch = _distances_from_branch(
         loop,
-        points_of_loop,
+        corners_of_branch,
         shift[rows_beside_turns],
         load[rows_beside_turns],
         -branch_sign[rows_beside_turns],
         weights,
     )
-    other_is_nearer = np.abs(values_by_other_branch[0]) < np.abs(
-        values_by_own_branch[0][rows_beside_turns]
+    other_is_nearer = np.abs(answers_by_other_branch[0]) < np.abs(
+        answers_by_own_branch[0][rows_beside_turns]
     )
-    # where the other branch is nearer its values are taken
-    for values_of_rows, values_of_other in zip(
-        values_by_own_branch, values_by_other_branch, strict=True
+    # where the other branch is nearer: distance, unit normal and place are those of it
+    for answer_of_rows, answer_of_other in zip(
+        answers_by_own_branch, answers_by_other_branch, strict=True
     ):
-        values_of_rows[rows_beside_turns[other_is_nearer]] = values_of_other[other_is_nearer]
+        answer_of_rows[rows_beside_turns[other_is_nearer]] = answer_of_other[other_is_nearer]
     branch_sign[rows_beside_turns[other_is_nearer]] *= -1
 
-    distance, unit_shift, unit_load, place = values_by_own_branch
+    distance, unit_shift, unit_load, place = answers_by_own_branch
     shift_derivatives, load_derivatives = loop.derivatives(place)
     shift_derivatives *= branch_sign[:, None]
     load_derivatives *= branch_sign[:, None]
@@ -383,40 +405,46 @@ def distances_from(
     return Distances(
         value=distance,
         derivatives=derivatives,
-        across=np.column_stack([unit_shift, unit_load]),
+        unit_normal=np.column_stack([unit_shift, unit_load]),
         place=np.where(branch_sign > 0, place_on_branch, 1 + place_on_branch),
     )
 
 
-def _from_branch(
+def _distances_from_branch(
     loop: MasingLoop,
-    corners: Array,
+    polygon: Array,
     shift: Array,
     load: Array,
     branch_sign: Array,
     weights: Weights,
 ) -> tuple[Array, Array, Array, Array]:
-    """Distances of rows from a branch of the loop in sigma, the parts in U and in Q of the unit
-    vector across it, and the places on it, (n,) each.
+    """Distances of rows from one branch of the loop, in sigma, positive where U of the row is
+    larger; the components in U and in Q of the unit normal there; and the places of the nearest
+    points on the branch, (n,) each (see `MasingLoop.points`).
+
+    The nearest point of the polygon gives the place. The distance is that from the tangent of the
+    true branch there.
 
     Parameters
     ----------
-    corners
-        (2, m) points of the rising branch, in sigma; the nearest one begins the search
+    polygon
+        (2, m) points of the rising branch, over sigma, at the places `_PLACES`
     shift, load
         (n,) U and Q of the rows, from the middle of the loop
     branch_sign
-        (n,) 1 for the rising branch, -1 for the falling one, which is its mirror image
+        (n,) 1 for rows of the rising branch, -1 for the falling one, which is the rising one turned
+        about the middle
     weights
         sigma of U and Q
     """
     row_points = np.array([branch_sign * shift / weights.shift, branch_sign * load / weights.load])
-    place_on_line, _, _, _ = nearest_on_line(row_points, corners)
-    place = (place_on_line - _BEYOND) / _CORNERS
-    # Where the slide begins the line has a corner; it has ends beyond the turning points.
-    is_at_end = (place_on_line <= 0) | (place == 1) | (place_on_line >= len(_PLACES) - 1)
-    if not loop.values[SLIDE] > 0:
-        is_at_end &= place != 1
+    place_on_polygon, _, _, _ = nearest_on_line(row_points, polygon)
+    place = (place_on_polygon - _BEYOND) / _CORNERS
+    # The branch has no tangent where the slide begins (a kink), nor at its two ends, which lie
+    # beyond the turning points.
+    is_at_kink = (place_on_polygon <= 0) | (place == 1) | (place_on_polygon >= len(_PLACES) - 1)
+    if not loop.parameters[SLIDE] > 0:
+        is_at_kink &= place != 1
 
     loop_point = loop.points(place)
     shift_from_loop = row_points[0] - loop_point[0] / weights.shift
@@ -429,12 +457,12 @@ def _from_branch(
     unit_load = -tangent_shift / tangent_length
     distance = shift_from_loop * unit_shift + load_from_loop * unit_load
 
-    # At a corner or an end the distance is that from the point; its sign is that across the branch.
+    # There the distance is that from the point; its sign is that across the branch.
     distance_from_point = np.hypot(shift_from_loop, load_from_loop)
-    is_at_end &= distance_from_point > 0
+    is_at_kink &= distance_from_point > 0
     signed_distance = np.where(distance < 0, -distance_from_point, distance_from_point)
-    divisor = np.where(is_at_end, signed_distance, 1.0)
-    unit_shift = np.where(is_at_end, shift_from_loop / divisor, unit_shift)
-    unit_load = np.where(is_at_end, load_from_loop / divisor, unit_load)
-    distance = np.where(is_at_end, signed_distance, distance)
+    divisor = np.where(is_at_kink, signed_distance, 1.0)
+    unit_shift = np.where(is_at_kink, shift_from_loop / divisor, unit_shift)
+    unit_load = np.where(is_at_kink, load_from_loop / divisor, unit_load)
+    distance = np.where(is_at_kink, signed_distance, distance)
     return branch_sign * distance, unit_shift, unit_load, place

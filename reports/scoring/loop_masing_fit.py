@@ -87,7 +87,7 @@ class MasingFit:
     ----------
     friction, low, high
         f and its 95 % interval; high None where no larger f can be told from it
-    values
+    parameters
         (7,) ln f, Q_mid, R, C, U_mid, D over the record, S
     errors
         (7,) their standard errors
@@ -112,7 +112,7 @@ class MasingFit:
     friction: float
     low: float
     high: float | None
-    values: Array
+    parameters: Array
     errors: Array
     gross: bool
     weights: Weights
@@ -126,22 +126,22 @@ class MasingFit:
     @property
     def highest(self) -> float:
         """Largest Q."""
-        return float(self.values[MIDDLE] + self.values[RANGE] / 2)
+        return float(self.parameters[MIDDLE] + self.parameters[RANGE] / 2)
 
     @property
     def lowest(self) -> float:
         """Smallest Q."""
-        return float(self.values[MIDDLE] - self.values[RANGE] / 2)
+        return float(self.parameters[MIDDLE] - self.parameters[RANGE] / 2)
 
     @property
     def compliance(self) -> float:
         """C [1/stress]."""
-        return float(self.values[COMPLIANCE])
+        return float(self.parameters[COMPLIANCE])
 
     @property
     def drift(self) -> float:
         """D over the whole record [length]."""
-        return float(self.values[DRIFT_RATE])
+        return float(self.parameters[DRIFT_RATE])
 
     @property
     def drift_error(self) -> float:
@@ -151,19 +151,24 @@ class MasingFit:
     @property
     def slide(self) -> float:
         """S [length]."""
-        return float(self.values[SLIDE])
+        return float(self.parameters[SLIDE])
 
 
 class _Least(NamedTuple):
-    """Least sum of squares, and the parameters (7,) that give it."""
+    """A fit: its least sum of squares, and the parameters (7,) of the loop that gives it."""
 
     squares: float
-    values: Array
+    parameters: Array
 
 
 @dataclass(frozen=True, eq=False)
 class _Search:
-    """Least squares of the distances of rows, and of the drift."""
+    """Least squares of the distances of rows from a loop, of its turning points, and of the drift.
+
+    A loop has seven parameters (7,): ln f, middle Q_mid and range R of Q, compliance C of the rig,
+    U_mid, drift D of U, gross slide S (`loop_masing`). It is partial (S = 0), or gross: the contact
+    slides as a whole at its ends, and R = 2 f P.
+    """
 
     rows: MeasuredRows
     curve: MemoryCurve
@@ -173,77 +178,83 @@ class _Search:
     def sizes(self) -> Array:
         return self.rows.sizes
 
-    def residuals(self, values: Array) -> tuple[Array, Array]:
-        """What least squares makes small for a loop with seven parameters, `values` (7,): ln f,
-        middle and range of Q, compliance C of the rig, origin of U, drift of U, slide as a whole.
+    def residuals(self, parameters: Array) -> tuple[Array, Array]:
+        """Residuals of a loop with seven `parameters` (7,), each over its sigma, (n + 3,):
+        distances of the n rows, misfit of both turning points, and the drift. With them their
+        derivatives by the parameters, (n + 3, 7).
 
-        Each over its sigma, (n + 3,): distances of the n rows from the loop, misfit of its two
-        turning points, and the drift. With them their derivatives by the seven parameters, (n + 3,
-        7).
+        The parameters are ln f, middle and range of Q, compliance C of the rig, origin of U, drift
+        of U, gross slide.
         """
-        distances = distances_from(self.rows, self.curve, values, self.weights)
-        misfit_of_turns, derivatives_of_turns = self._turning_points(values)
+        distances = distances_from(self.rows, self.curve, parameters, self.weights)
+        misfit_of_turns, derivatives_of_turns = self._turning_points(parameters)
         inverse_sigma_of_drift = 1 / (_DRIFT * float(np.ptp(self.rows.shift)))
         derivatives_of_drift = np.zeros((1, 7))
         derivatives_of_drift[0, DRIFT_RATE] = inverse_sigma_of_drift
         return (
             np.concatenate(
-                [distances.value, misfit_of_turns, [values[DRIFT_RATE] * inverse_sigma_of_drift]]
+                [
+                    distances.value,
+                    misfit_of_turns,
+                    [parameters[DRIFT_RATE] * inverse_sigma_of_drift],
+                ]
             ),
             np.concatenate([distances.derivatives, derivatives_of_turns, derivatives_of_drift]),
         )
 
-    def _turning_points(self, values: Array) -> tuple[Array, Array]:
-        """How far the two turning points of a loop lie from those of the rows, over sigma, (2,),
-        highest first; and the derivatives by the loop's seven parameters `values`, (2, 7).
+    def _turning_points(self, parameters: Array) -> tuple[Array, Array]:
+        """Misfit of the two turning points of a loop to those of the rows, over sigma, (2,), the
+        highest first; and its derivatives by the loop's seven `parameters`, (2, 7).
 
-        A turning point is where U over its range plus Q over its range is largest or least.
+        A turning point is where the height U/(range of U) + Q/(range of Q) is largest or least; the
+        misfit is a difference of heights.
         """
         rows = self.rows
-        loop = MasingLoop(self.curve, values)
-        # place on the rising branch where it ends
+        loop = MasingLoop(self.curve, parameters)
+        # the rising branch ends at place 2; the falling one is the same, turned about the middle
         place_of_turn = np.array([2.0])
         shift_at_turn, load_at_turn = loop.points(place_of_turn)
-        shift_derivatives, load_derivatives = loop.derivatives(place_of_turn)
+        shift_gradient_at_end, load_gradient_at_end = loop.derivatives(place_of_turn)
         range_of_shift, range_of_load = rows.ranges
         residuals = np.zeros(2)
         derivatives = np.zeros((2, 7))
         turns_of_rows = (rows.branches.highest, rows.branches.lowest)
-        for k, (turn, sign_of_turn, instant) in enumerate(
+        for k, (turn, sign_of_turn, mean_time) in enumerate(
             zip(turns_of_rows, (1.0, -1.0), rows.instants_of_turns, strict=True)
         ):
-            derivatives_of_shift = sign_of_turn * shift_derivatives[0]
-            derivatives_of_shift[ORIGIN] = 1.0
-            derivatives_of_shift[DRIFT_RATE] = instant
-            derivatives_of_load = sign_of_turn * load_derivatives[0]
-            derivatives_of_load[MIDDLE] = 1.0
-            shift_here = (
-                sign_of_turn * shift_at_turn[0] + values[ORIGIN] + values[DRIFT_RATE] * instant
+            shift_gradient = sign_of_turn * shift_gradient_at_end[0]
+            shift_gradient[ORIGIN] = 1.0
+            shift_gradient[DRIFT_RATE] = mean_time
+            load_gradient = sign_of_turn * load_gradient_at_end[0]
+            load_gradient[MIDDLE] = 1.0
+            shift_of_loop = (
+                sign_of_turn * shift_at_turn[0]
+                + parameters[ORIGIN]
+                + parameters[DRIFT_RATE] * mean_time
             )
-            load_here = sign_of_turn * load_at_turn[0] + values[MIDDLE]
-            height_of_loop = shift_here / range_of_shift + load_here / range_of_load
-            error = max(turn.error, _ERROR_OF_TURN)
-            residuals[k] = (height_of_loop - turn.load) / error
-            derivatives[k] = (
-                derivatives_of_shift / range_of_shift + derivatives_of_load / range_of_load
-            )
-            derivatives[k] /= error
+            load_of_loop = sign_of_turn * load_at_turn[0] + parameters[MIDDLE]
+            height_of_loop = shift_of_loop / range_of_shift + load_of_loop / range_of_load
+            error_of_height = max(turn.error, _ERROR_OF_TURN)
+            height_of_rows = turn.load  # `MeasuredRows.branches`: found in heights, not in Q
+            residuals[k] = (height_of_loop - height_of_rows) / error_of_height
+            derivatives[k] = shift_gradient / range_of_shift + load_gradient / range_of_load
+            derivatives[k] /= error_of_height
         return residuals, derivatives
 
-    def sum_of_squares(self, values: Array) -> float:
+    def sum_of_squares(self, parameters: Array) -> float:
         """Of the residuals."""
-        distances = self.residuals(values)[0]
+        distances = self.residuals(parameters)[0]
         return float(distances @ distances)
 
     def least(self, start: Array, fixed: frozenset[int], *, gross: bool) -> tuple[float, Array]:
-        """Fit the seven parameters of a loop (ln f, middle and range of Q, compliance C of the rig,
-        origin of U, drift of U, slide as a whole) by least squares from `start` (7,). Returns the
-        least sum of squares, and the parameters that give it.
+        """Fit the seven parameters of a loop by least squares from `start` (7,): ln f, middle and
+        range of Q, compliance C of the rig, origin of U, drift of U, gross slide. Returns the least
+        sum of squares, and the parameters (7,) that give it.
 
         Parameters
         ----------
         fixed
-            numbers of the parameters that keep their values
+            indices of parameters that are not fitted
         gross
             whether the contact slides as a whole at the ends of the loop: f then follows from the
             range of Q, and the slide is fitted
@@ -258,35 +269,35 @@ class _Search:
         else:
             held_parameters.add(SLIDE)
         free_parameters = np.array([k for k in range(7) if k not in held_parameters])
-        sizes = self.sizes
+        typical_sizes = self.sizes
 
         def parameters_at(steps: Array) -> Array:
             """All seven parameters: the free ones are moved by `steps`, in units of their sizes."""
-            values = start.copy()
-            values[free_parameters] += steps * sizes[free_parameters]
-            values[LOG_F] = min(max(values[LOG_F], -30.0), 30.0)
+            parameters = start.copy()
+            parameters[free_parameters] += steps * typical_sizes[free_parameters]
+            parameters[LOG_F] = min(max(parameters[LOG_F], -30.0), 30.0)
             if gross:
-                values[RANGE] = math.exp(values[LOG_F]) / self.curve.sliding
-            return values
+                parameters[RANGE] = math.exp(parameters[LOG_F]) / self.curve.sliding
+            return parameters
 
         # the method asks for residuals and derivatives in turn: both are kept of the latest
         # parameters
         computed_last: dict[bytes, tuple[Array, Array]] = {}
 
         def residuals_and_derivatives(steps: Array) -> tuple[Array, Array]:
-            """Residuals of the rows, and their derivatives by `steps`, (rows, free parameters)."""
-            key = steps.tobytes()
-            if key not in computed_last:
-                values = parameters_at(steps)
-                residuals, derivatives = self.residuals(values)
-                if gross:  # R goes with ln f
-                    derivatives[:, LOG_F] += values[RANGE] * derivatives[:, RANGE]
+            """Residuals over sigma (m,), and their derivatives by `steps`, (m, free parameters)."""
+            steps_as_bytes = steps.tobytes()
+            if steps_as_bytes not in computed_last:
+                parameters = parameters_at(steps)
+                residuals, derivatives = self.residuals(parameters)
+                if gross:  # the range R of Q follows from ln f: R = 2 f P
+                    derivatives[:, LOG_F] += parameters[RANGE] * derivatives[:, RANGE]
                 computed_last.clear()
-                computed_last[key] = (
+                computed_last[steps_as_bytes] = (
                     residuals,
-                    derivatives[:, free_parameters] * sizes[free_parameters],
+                    derivatives[:, free_parameters] * typical_sizes[free_parameters],
                 )
-            return computed_last[key]
+            return computed_last[steps_as_bytes]
 
         minimum = least_squares(
             lambda steps: residuals_and_derivatives(steps)[0],
@@ -299,47 +310,55 @@ class _Search:
         )
         return 2 * float(minimum.cost), parameters_at(minimum.x)
 
-    def start(self, log_friction: float, slide: float) -> Array:
-        """The seven parameters from which a fit begins, with ln f = `log_friction`: ln f, middle
-        and range of Q, compliance C of the rig, origin of U, drift of U, slide as a whole.
+    def start(self, log_friction: float, slide_fraction: float) -> Array:
+        """Parameters (7,) from which a fit begins: ln f, middle and range of Q, compliance C of the
+        rig, origin of U, drift of U (0), gross slide.
 
-        C is such that theory with C moves as far as U of the rows. `slide` is the share of the
-        range of U in which the contact slides as a whole; where it is not 0, f follows from the
-        range of Q.
+        C is such that theory's U plus C Q ranges as far as U of the rows. f of a gross loop
+        follows from the range of Q, since f P is half of it.
+
+        Parameters
+        ----------
+        log_friction
+            ln f of a partial loop; not used in a gross one
+        slide_fraction
+            range of U that is gross slide, over the whole range of U; 0 for a partial loop
         """
         rows = self.rows
-        highest, lowest = np.quantile(rows.load, [0.98, 0.02])
-        range_of_load = float(highest - lowest)
-        if slide > 0:
+        high_load, low_load = np.quantile(rows.load, [0.98, 0.02])
+        range_of_load = float(high_load - low_load)
+        if slide_fraction > 0:
             log_friction = math.log(self.curve.sliding * range_of_load)
         friction = math.exp(log_friction)
         range_of_shift = float(np.ptp(np.quantile(rows.shift, [0.01, 0.99])))
-        shift_of_theory = (
+        range_of_theory_shift = (
             2 * friction * float(self.curve.value(np.array(range_of_load / 2 / friction)))
         )
         compliance = rows.compliance
         if compliance is None:
-            compliance = ((1 - slide) * range_of_shift - shift_of_theory) / range_of_load
+            compliance = (
+                (1 - slide_fraction) * range_of_shift - range_of_theory_shift
+            ) / range_of_load
         middle_of_shift = float(np.mean(np.quantile(rows.shift, [0.02, 0.98])))
         return np.array(
             [
                 log_friction,
-                (highest + lowest) / 2,
+                (high_load + low_load) / 2,
                 range_of_load,
                 compliance,
                 middle_of_shift,
                 0.0,
-                slide * range_of_shift,
+                slide_fraction * range_of_shift,
             ]
         )
 
     def best(self) -> tuple[_Least, _Least]:
-        """Two fits to the rows: the best loop that slips partially, and the best one that slides as
-        a whole (gross) at its ends. Each kind begins from many trials; the lowest minima among
-        these are refined.
+        """The best partial loop for the rows, and the best gross one (the contact slides as a whole
+        at its ends). Each kind begins from many trials; the lowest local minima among these are
+        refined.
         """
-        highest, lowest = np.quantile(self.rows.load, [0.98, 0.02])
-        log_least_friction = math.log(self.curve.sliding * float(highest - lowest))
+        high_load, low_load = np.quantile(self.rows.load, [0.98, 0.02])
+        log_least_friction = math.log(self.curve.sliding * float(high_load - low_load))
         log_frictions = (
             log_least_friction
             + np.linspace(math.sqrt(_ABOVE), math.sqrt(math.log(_WIDEST)), _TRIALS) ** 2
@@ -348,12 +367,12 @@ class _Search:
         gross_starts = [self.start(0.0, slide) for slide in _SLIDES]
         best_fits = []
         for starts, is_gross in ((partial_starts, False), (gross_starts, True)):
-            sums = np.array([self.sum_of_squares(start) for start in starts])
-            sums_with_walls = np.concatenate([[math.inf], sums, [math.inf]])
+            sums_of_squares = np.array([self.sum_of_squares(start) for start in starts])
+            sums_with_walls = np.concatenate([[math.inf], sums_of_squares, [math.inf]])
             local_minima = np.flatnonzero(
-                (sums <= sums_with_walls[:-2]) & (sums <= sums_with_walls[2:])
+                (sums_of_squares <= sums_with_walls[:-2]) & (sums_of_squares <= sums_with_walls[2:])
             )
-            lowest_minima = local_minima[np.argsort(sums[local_minima])][:_MINIMA]
+            lowest_minima = local_minima[np.argsort(sums_of_squares[local_minima])][:_MINIMA]
             fits = [
                 self._within(*self.least(starts[k], frozenset(), gross=is_gross), gross=is_gross)
                 for k in lowest_minima.tolist()
@@ -364,32 +383,31 @@ class _Search:
     def again(self, partial: _Least, gross: _Least) -> tuple[_Least, _Least]:
         """The best partial and the best gross loop from parameters near them."""
         return (
-            self._within(*self.least(partial.values, frozenset(), gross=False), gross=False),
-            self._within(*self.least(gross.values, frozenset(), gross=True), gross=True),
+            self._within(*self.least(partial.parameters, frozenset(), gross=False), gross=False),
+            self._within(*self.least(gross.parameters, frozenset(), gross=True), gross=True),
         )
 
-    def _within(self, squares: float, values: Array, *, gross: bool) -> _Least:
+    def _within(self, squares: float, parameters: Array, *, gross: bool) -> _Least:
         """A fit, at the wall between partial and gross loops where it lies beyond."""
-        if not gross and self._beyond_sliding(values):
-            values = values.copy()
-            values[LOG_F] = math.log(self.curve.sliding * values[RANGE])
-            squares, values = self.least(values, frozenset([SLIDE]), gross=True)
-        if gross and values[SLIDE] < 0:
-            values = values.copy()
-            values[SLIDE] = 0.0
-            squares, values = self.least(values, frozenset([SLIDE]), gross=True)
-        return _Least(squares, values)
+        if not gross and self._beyond_sliding(parameters):
+            parameters = parameters.copy()
+            parameters[LOG_F] = math.log(self.curve.sliding * parameters[RANGE])
+            squares, parameters = self.least(parameters, frozenset([SLIDE]), gross=True)
+        if gross and parameters[SLIDE] < 0:
+            parameters = parameters.copy()
+            parameters[SLIDE] = 0.0
+            squares, parameters = self.least(parameters, frozenset([SLIDE]), gross=True)
+        return _Least(squares, parameters)
 
-    def _beyond_sliding(self, values: Array) -> bool:
-        return bool(math.exp(values[LOG_F]) < self.curve.sliding * values[RANGE])
+    def _beyond_sliding(self, parameters: Array) -> bool:
+        return bool(math.exp(parameters[LOG_F]) < self.curve.sliding * parameters[RANGE])
 
     def at_friction(self, log_friction: float, start: Array, *, gross: bool) -> _Least:
-        """The best loop at a given friction coefficient f, `log_friction` = ln f: of those that
-        slide as a whole if `gross`, else of those that slip partially. `start` (7,) are the
-        parameters from which it is sought.
+        """The best loop at a given coefficient of friction f, `log_friction` = ln f: the best gross
+        loop if `gross`, else the best partial one. `start` (7,) are the parameters from which it is
+        sought.
 
-        Its sum of squares is infinite where the contact would slide as a whole though it is not
-        `gross`.
+        The sum of squares of a partial loop is infinite where its contact would slide as a whole.
         """
         held_parameters = frozenset([LOG_F])
         parameters = start.copy()
@@ -405,63 +423,83 @@ class _Search:
         return _Least(squares, parameters)
 
     def interval_end(
-        self, fits: tuple[_Least, _Least], side: float, excess: float, step: float
+        self, fits: tuple[_Least, _Least], side: float, excess: float, first_step: float
     ) -> Array | None:
-        """One end of the interval of f: the seven parameters of the loop at the f where the least
-        sum of squares exceeds that of the better fit by `excess`. None where it never does.
+        """One end of the 95 % interval of f: the seven parameters (7,) of the loop at the f where
+        the least sum of squares exceeds that of the better fit by `excess`. None where it never
+        does.
 
         Parameters
         ----------
         fits
-            the best loop that slips partially, and the best one that slides as a whole (gross); of
-            the worse of the two more excess is admitted, since the rows chose between them
+            the best partial loop, and the best gross one. Loops of the worse kind are admitted with
+            more excess, since the rows chose between the two kinds
         side
             1 for the upper end, -1 for the lower one
-        step
+        excess
+            admitted rise of the sum of squares
+        first_step
             first step in ln f
         """
-        least_sum, best_parameters = min(fits, key=lambda fit: fit.squares)
+        sum_of_best_fit, best_parameters = min(fits, key=lambda fit: fit.squares)
         gross_is_better = fits[1].squares < fits[0].squares
-        latest_parameters = {
-            gross: fit.values for gross, fit in zip((False, True), fits, strict=True)
+        parameters_by_kind = {
+            gross: fit.parameters for gross, fit in zip((False, True), fits, strict=True)
         }
-        tried_first_is_gross = gross_is_better
+        nearest_kind_is_gross = gross_is_better
 
-        def root_of_excess(log_trial: float) -> float:
-            """1 where the sum of squares passes the limit; nearly linear in ln f."""
-            nonlocal tried_first_is_gross
-            least_share = math.inf
-            for gross in (tried_first_is_gross, not tried_first_is_gross):
-                fit = self.at_friction(log_trial, latest_parameters[gross], gross=gross)
+        def root_of_relative_rise(log_trial: float) -> float:
+            """Root of the rise of the least sum of squares over its admitted rise, at ln f =
+            `log_trial`: 0 at the best f, 1 at the end of the interval, nearly linear in between.
+            """
+            nonlocal nearest_kind_is_gross
+            least_relative_rise = math.inf
+            for gross in (nearest_kind_is_gross, not nearest_kind_is_gross):
+                fit = self.at_friction(log_trial, parameters_by_kind[gross], gross=gross)
                 if math.isfinite(fit.squares):
-                    latest_parameters[gross] = fit.values
-                # the kind of the better fit, or the other kind
-                admitted_excess = excess if gross == gross_is_better else _OTHER_KIND * excess
-                share_of_excess = max(fit.squares - least_sum, 0.0) / admitted_excess
-                if share_of_excess < least_share:
-                    least_share = share_of_excess
-                    tried_first_is_gross = gross
-                if least_share <= 1:  # whatever the other kind gives
+                    parameters_by_kind[gross] = fit.parameters
+                # a loop of the other kind than the best fit is admitted with more
+                admitted_rise = excess if gross == gross_is_better else _OTHER_KIND * excess
+                relative_rise = max(fit.squares - sum_of_best_fit, 0.0) / admitted_rise
+                if relative_rise < least_relative_rise:
+                    least_relative_rise = relative_rise
+                    nearest_kind_is_gross = gross
+                if least_relative_rise <= 1:  # within the interval, whatever the other kind gives
                     break
-            return math.sqrt(least_share)
+            return math.sqrt(least_relative_rise)
 
-        log_friction_at_end = passes(root_of_excess, float(best_parameters[LOG_F]), side, step)
+        log_friction_at_end = where_function_reaches_one(
+            root_of_relative_rise, float(best_parameters[LOG_F]), side, first_step
+        )
         if log_friction_at_end is None:
             return None
         return self.at_friction(
-            log_friction_at_end, latest_parameters[tried_first_is_gross], gross=tried_first_is_gross
-        ).values
+            log_friction_at_end,
+            parameters_by_kind[nearest_kind_is_gross],
+            gross=nearest_kind_is_gross,
+        ).parameters
 
 
-def passes(
+def where_function_reaches_one(
     function: Callable[[float], float], begin: float, direction: float, step: float
 ) -> float | None:
-    """Where a function that grows from 0 at `begin` passes 1, to 1 % of the distance from `begin`.
+    """The x at which a function that grows from 0 at x = `begin` reaches 1, to 1 % of the distance
+    from `begin`: steps outwards, then false position between the last two.
 
-    It is sought upwards of `begin` for `direction` 1, downwards for -1; `step` is the first
-    distance tried. None where it is not reached within ln 60 of `begin`.
+    None where it stays below 1 as far as ln 60 from `begin` (x is ln f: 60 times as much friction).
 
-    >>> end = passes(lambda x: 2 * abs(x), 0.0, 1.0, 0.3)
+    Parameters
+    ----------
+    begin
+        x at which the function is 0
+    direction
+        1 for x above `begin`, -1 below
+    step
+        first distance tried
+
+    Examples
+    --------
+    >>> end = where_function_reaches_one(lambda x: 2 * abs(x), 0.0, 1.0, 0.3)
     >>> abs(end - 0.5) < 0.005
     True
     """
@@ -482,10 +520,9 @@ def passes(
     for _ in range(_NARROWED):
         if distance_beyond - distance_within < 0.01 * distance_beyond:
             break
-        share = (1 - value_within) / (min(value_beyond, 1e6) - value_within)
-        distance_between = distance_within + float(np.clip(share, 0.1, 0.9)) * (
-            distance_beyond - distance_within
-        )
+        fraction_by_secant = (1 - value_within) / (min(value_beyond, 1e6) - value_within)
+        fraction = float(np.clip(fraction_by_secant, 0.1, 0.9))
+        distance_between = distance_within + fraction * (distance_beyond - distance_within)
         value_between = function(begin + direction * distance_between)
         if abs(value_between - 1) < 0.01:
             return begin + direction * distance_between
@@ -503,7 +540,7 @@ def _noise_of_rows(
     weights: Weights,
     least_noise: Weights,
     degrees_of_freedom: int,
-    ratio: tuple[float, float],
+    log_noise_ratio: tuple[float, float],
 ) -> Weights:
     """Standard deviations (sigma) of U and of Q that make the distances of the rows from a fitted
     loop most likely.
@@ -511,37 +548,41 @@ def _noise_of_rows(
     Parameters
     ----------
     distances
-        distances of the rows, over the sigma in `weights`, with the unit vectors across the loop
+        distances of the rows, over the sigma in `weights`, with the unit normals of the loop
     weights
         sigma of U and of Q so far
     least_noise
         least sigma of U and Q, by the digits of the rows
     degrees_of_freedom
         rows minus fitted parameters
-    ratio
+    log_noise_ratio
         ln(sigma of U/sigma of Q) that neighbouring rows show, and its scatter
     """
-    expected_log_ratio = ratio[0] - math.log(weights.shift / weights.load)
+    # a factor is that by which sigma of U or of Q changes
+    expected_log_ratio = log_noise_ratio[0] - math.log(weights.shift / weights.load)
     from scipy.optimize import minimize
 
-    squares = distances.value**2 * len(distances.value) / degrees_of_freedom
-    squared_parts = distances.across**2
+    squared_distances = distances.value**2 * len(distances.value) / degrees_of_freedom
+    squared_normals = distances.unit_normal**2
 
-    def minus_log_likelihood(logs: Array) -> float:
-        variance = squared_parts @ np.exp(2 * logs)
-        prior = float((logs[0] - logs[1] - expected_log_ratio) ** 2) / ratio[1] ** 2
-        return float(np.sum(squares / variance + np.log(variance))) + prior
+    def minus_log_likelihood(log_factors: Array) -> float:
+        variance = squared_normals @ np.exp(2 * log_factors)
+        prior = (
+            float((log_factors[0] - log_factors[1] - expected_log_ratio) ** 2)
+            / log_noise_ratio[1] ** 2
+        )
+        return float(np.sum(squared_distances / variance + np.log(variance))) + prior
 
-    log_of_common_factor = math.log(max(math.sqrt(float(np.mean(squares))), 1e-12))
-    least_logs = np.log(np.array(least_noise) / np.array(weights))
+    log_of_common_factor = math.log(max(math.sqrt(float(np.mean(squared_distances))), 1e-12))
+    least_log_factors = np.log(np.array(least_noise) / np.array(weights))
     minimum = minimize(
         minus_log_likelihood,
-        np.maximum(log_of_common_factor, least_logs),
+        np.maximum(log_of_common_factor, least_log_factors),
         method="Nelder-Mead",
-        bounds=[(float(least_log), math.inf) for least_log in least_logs],
+        bounds=[(float(least_log), math.inf) for least_log in least_log_factors],
         options={"xatol": 1e-3},
     )
-    factors = np.exp(np.maximum(minimum.x, least_logs))
+    factors = np.exp(np.maximum(minimum.x, least_log_factors))
     return Weights(float(factors[0]) * weights.shift, float(factors[1]) * weights.load)
 
 
@@ -555,7 +596,7 @@ class BestLoop:
 
     Attributes
     ----------
-    values
+    parameters
         (7,) its parameters
     gross
         whether the contact slides as a whole at its ends
@@ -565,7 +606,7 @@ class BestLoop:
 
     search: _Search
     fits: tuple[_Least, _Least]
-    values: Array
+    parameters: Array
     gross: bool
     distances: Distances
     misfit: Misfit
@@ -599,7 +640,7 @@ class BestLoop:
         are made as large as the last ones.
         """
         as_large_as_last = self._columns_of_size @ growth * (when - when[-1])
-        influence = _influence(self.search, self.values, self.gross)
+        influence = _influence(self.search, self.parameters, self.gross)
         return float(influence[LOG_F, : len(when)] @ as_large_as_last)
 
     def rise_along_slide(self) -> tuple[float, Change]:
@@ -607,8 +648,8 @@ class BestLoop:
         along = np.mod(self.distances.place, 1.0)
         side = np.where(self.distances.place > 1, -1.0, 1.0)
         share_of_slide = np.clip(2 * along - 1, 0.0, 1.0)
-        of_load = self.values[RANGE] * side * share_of_slide
-        column = -self.distances.across[:, 1] * of_load / self.search.weights.load
+        of_load = self.parameters[RANGE] * side * share_of_slide
+        column = -self.distances.unit_normal[:, 1] * of_load / self.search.weights.load
         change = change_of(self.distances.value, self._columns, column[:, None])
         return float(change.terms[0]), change
 
@@ -616,22 +657,25 @@ class BestLoop:
     def _columns(self) -> Array:
         """Derivatives (n, k) of the distances by the parameters that are fitted."""
         free = _free_parameters(self.search.rows, gross=self.gross)
-        columns = _columns_of_fit(self.search, self.values, self.distances.derivatives, self.gross)
+        columns = _columns_of_fit(
+            self.search, self.parameters, self.distances.derivatives, self.gross
+        )
         return columns[:, free]
 
     @property
     def _columns_of_size(self) -> Array:
         """Derivatives (n, 2) of the distances by the sizes of U and of Q, over themselves."""
-        loop = MasingLoop(self.search.curve, self.values)
+        loop = MasingLoop(self.search.curve, self.parameters)
         at_rows = np.column_stack(loop.at_rows(self.distances.place))
-        return -self.distances.across * at_rows / np.array(self.search.weights)
+        return -self.distances.unit_normal * at_rows / np.array(self.search.weights)
 
 
-def _misfit(distances: Distances, weights: Weights, least_noise: Weights) -> Misfit:
-    """Whether neighbouring rows deviate alike from the fit, so that more than scatter is left.
+def _misfit_of_loop(distances: Distances, weights: Weights, least_noise: Weights) -> Misfit:
+    """Whether neighbouring rows lie on the same side of the fitted loop, so that their distances
+    are more than scatter.
 
-    Neighbours in time and neighbours on the loop, which are of several cycles, are both tried; the
-    larger correlation counts. Where the digits of the rows explain the distances nothing is
+    Neighbours in time and neighbours along the loop, which are of several cycles, are both tried;
+    the larger correlation counts. Where the digits of the rows explain the distances nothing is
     systematic.
 
     Parameters
@@ -641,19 +685,20 @@ def _misfit(distances: Distances, weights: Weights, least_noise: Weights) -> Mis
     least_noise
         sigma that the digits of the rows leave
     """
-    variance_by_digits = distances.across**2 @ (np.array(least_noise) / np.array(weights)) ** 2
+    variance_by_digits = distances.unit_normal**2 @ (np.array(least_noise) / np.array(weights)) ** 2
     digits_explain_all = float(np.mean(distances.value**2)) < _BY_DIGITS * float(
         np.mean(variance_by_digits)
     )
-    # Rows are rounded alike where they lie alike: no fault of the model, but fewer rows' worth,
-    # and no chance either.
-    least_deviations = 0.0 if digits_explain_all else BY_CHANCE
+    # Neighbours on the loop are rounded alike. That is no fault of the model, but they count as
+    # fewer rows, and any correlation counts: it is no chance.
+    least_significance = 0.0 if digits_explain_all else BY_CHANCE
     order_on_loop = np.argsort(distances.place, kind="stable")
-    inward_distance = np.where(distances.place > 1, -1.0, 1.0) * distances.value
-    misfit_in_time = misfit_of(distances.value, weights.shift, least_deviations)
-    misfit_on_loop = misfit_of(inward_distance[order_on_loop], weights.shift, least_deviations)
-    misfit = max(misfit_in_time, misfit_on_loop, key=lambda misfit: misfit.correlation)
-    return replace(misfit, systematic=0.0) if digits_explain_all else misfit
+    # positive inside the loop on both branches: to the right of the rising one, left of the falling
+    distance_to_inside = np.where(distances.place > 1, -1.0, 1.0) * distances.value
+    misfit_in_time = misfit_of(distances.value, weights.shift, least_significance)
+    misfit_on_loop = misfit_of(distance_to_inside[order_on_loop], weights.shift, least_significance)
+    larger_misfit = max(misfit_in_time, misfit_on_loop, key=lambda misfit: misfit.correlation)
+    return replace(larger_misfit, systematic=0.0) if digits_explain_all else larger_misfit
 
 
 def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
@@ -678,7 +723,7 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
     fits = search.best()
     log_noise_ratio = (math.log(weights.shift / weights.load), _RATIO_OF_NOISE)
     for times_reweighted in range(_REWEIGHTED):
-        distances = distances_from(rows, curve, _better(fits).values, search.weights)
+        distances = distances_from(rows, curve, _better(fits).parameters, search.weights)
         if times_reweighted == 0:
             # Where the first fit leaves what neighbouring rows show, they show noise alone.
             scatter_by_fit = abs(math.log(max(float(np.std(distances.value)), 1e-9)))
@@ -696,64 +741,66 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
         search = replace(search, weights=weights)
         # With another noise another minimum may be the lowest.
         fits = search.best() if times_reweighted == 0 else search.again(*fits)
-    values = _better(fits).values
-    distances = distances_from(rows, curve, values, search.weights)
+    parameters = _better(fits).parameters
+    distances = distances_from(rows, curve, parameters, search.weights)
     return BestLoop(
         search=search,
         fits=fits,
-        values=values,
+        parameters=parameters,
         gross=fits[1].squares < fits[0].squares,
         distances=distances,
-        misfit=_misfit(distances, search.weights, least_noise),
+        misfit=_misfit_of_loop(distances, search.weights, least_noise),
         freedom=degrees_of_freedom,
     )
 
 
 def with_interval(best_loop: BestLoop, error_of_theory: float) -> MasingFit:
-    """Give the best fit of a measured loop its 95 % interval of the coefficient of friction f: up
-    to where the least sum of squares rises by what the F distribution admits. It is widened where
-    neighbouring rows deviate alike.
+    """The best fit of a measured loop with its 95 % interval of the coefficient of friction f: up
+    to where the least sum of squares rises by what the F distribution admits. The interval is
+    widened where neighbouring rows lie on the same side of the loop (`Misfit.widening`).
 
     Parameters
     ----------
     best_loop
         the fitted parameters, their least sums of squares, and the rows that they were fitted to
     error_of_theory
-        error of a fitted f, as a share of f, by the samples of theory's curve
+        error of a fitted f, over f, since theory's memory curve is interpolated between samples
     """
     from scipy.stats import f as fisher
 
     search = best_loop.search
     variance = max(_better(best_loop.fits).squares / best_loop.freedom, 1.0)
     # what a change of each residual by its sigma changes in the parameters
-    influence = _influence(search, best_loop.values, best_loop.gross)
-    errors = np.sqrt(variance * np.sum(influence**2, axis=1))
+    influence = _influence(search, best_loop.parameters, best_loop.gross)
+    standard_errors = np.sqrt(variance * np.sum(influence**2, axis=1))
     widening = best_loop.misfit.widening
-    excess = float(fisher.ppf(0.95, 1, best_loop.freedom)) * widening**2 * variance
-    step = float(np.clip(2 * errors[LOG_F] * widening, 1e-9, 0.3))
-    friction = math.exp(best_loop.values[LOG_F])
-    parameters_at_lower_end = search.interval_end(best_loop.fits, -1.0, excess, step)
-    parameters_at_upper_end = search.interval_end(best_loop.fits, 1.0, excess, step)
+    admitted_rise = float(fisher.ppf(0.95, 1, best_loop.freedom)) * widening**2 * variance
+    first_step = float(np.clip(2 * standard_errors[LOG_F] * widening, 1e-9, 0.3))
+    friction = math.exp(best_loop.parameters[LOG_F])
+    parameters_at_lower_end = search.interval_end(best_loop.fits, -1.0, admitted_rise, first_step)
+    parameters_at_upper_end = search.interval_end(best_loop.fits, 1.0, admitted_rise, first_step)
+    # the plateaus of a gross loop, at f P, are rounded to the last digit of Q
     error_by_digits = 0.0
     if best_loop.gross:
         error_by_digits = _digits_of_plateau(search.rows, search.curve, search.weights)
-    error_without_rows = math.hypot(friction * error_of_theory, error_by_digits)
+    # error of f that more rows would not lessen
+    error_beside_scatter = math.hypot(friction * error_of_theory, error_by_digits)
     lowest_friction = 0.0
     if parameters_at_lower_end is not None:
         lowest_friction = friction - math.hypot(
-            friction - math.exp(parameters_at_lower_end[LOG_F]), error_without_rows
+            friction - math.exp(parameters_at_lower_end[LOG_F]), error_beside_scatter
         )
     highest_friction = None
     if parameters_at_upper_end is not None:
         highest_friction = friction + math.hypot(
-            math.exp(parameters_at_upper_end[LOG_F]) - friction, error_without_rows
+            math.exp(parameters_at_upper_end[LOG_F]) - friction, error_beside_scatter
         )
     return MasingFit(
         friction=friction,
         low=max(lowest_friction, 0.0),
         high=highest_friction,
-        values=best_loop.values,
-        errors=errors,
+        parameters=best_loop.parameters,
+        errors=standard_errors,
         gross=best_loop.gross,
         weights=search.weights,
         distances=best_loop.distances,
@@ -776,14 +823,14 @@ def _digits_of_plateau(rows: MeasuredRows, curve: MemoryCurve, weights: Weights)
     return 2 * _OF_STEP * step * curve.sliding
 
 
-def _influence(search: _Search, values: Array, gross: bool) -> Array:
+def _influence(search: _Search, parameters: Array, gross: bool) -> Array:
     """Change of the parameters (7,) per unit of each residual (m,) in linear least squares."""
     free = _free_parameters(search.rows, gross=gross)
-    columns = _columns_of_fit(search, values, search.residuals(values)[1], gross)[:, free]
+    columns = _columns_of_fit(search, parameters, search.residuals(parameters)[1], gross)[:, free]
     influence = np.zeros((7, len(columns)))
     influence[free] = -np.linalg.pinv(columns) * search.sizes[free][:, None]
     if gross:
-        influence[RANGE] = values[RANGE] * influence[LOG_F]
+        influence[RANGE] = parameters[RANGE] * influence[LOG_F]
     return influence
 
 
@@ -795,9 +842,9 @@ def _free_parameters(rows: MeasuredRows, *, gross: bool) -> NDArray[np.intp]:
     return np.array([k for k in range(7) if k not in held])
 
 
-def _columns_of_fit(search: _Search, values: Array, derivatives: Array, gross: bool) -> Array:
+def _columns_of_fit(search: _Search, parameters: Array, derivatives: Array, gross: bool) -> Array:
     """Derivatives (n, 7) by the parameters over their sizes; where R goes with f, by both."""
     columns = derivatives.copy()
     if gross:
-        columns[:, LOG_F] += values[RANGE] * columns[:, RANGE]
+        columns[:, LOG_F] += parameters[RANGE] * columns[:, RANGE]
     return np.asarray(columns * search.sizes)

@@ -584,7 +584,7 @@ def _fit_at_constant_load(
         load_noise=fit.weights.load,
         said=tuple(sentences),
         misfit=fit.misfit,
-        model=MasingLoop(curve, fit.values),
+        model=MasingLoop(curve, fit.parameters),
         masing=fit,
         gross=fit.gross,
     )
