@@ -46,7 +46,7 @@ from numpy.typing import NDArray
 
 from scenes.array_types import Array
 from scenes.errors import NotFoundError, RowError
-from scenes.spikes import STANDS_OUT, rows_that_stand_out
+from scenes.spikes import LARGEST_FRACTION_OF_SPIKES, STANDS_OUT, rows_that_stand_out
 
 # Points that a fit needs: it has up to six parameters, and residuals have to be left for the noise.
 _FEWEST_ROWS = 8
@@ -65,8 +65,6 @@ _MOST_PASSES = 5
 # Distance of the lowest place of a parabola from mid-length, over the half-length of the trace,
 # from which on the trace counts as tilted.
 _LARGEST_OFFSET = 0.3
-# Fraction of the points above which those that stand out are noise, not spikes.
-_LARGEST_FRACTION_OF_SPIKES = 0.05
 # Standard deviation of residuals, over the largest residual, below which it is round-off.
 _ROUND_OFF = 1e-9
 # Number of different heights over that of points, below which heights are steps of the last digit.
@@ -151,7 +149,7 @@ def fitted_keys(x: Array, h: Array, request: FitRequest) -> dict[str, Any]:
         residuals = h[rows_in_fit] - fit.height_at(x[rows_in_fit])
         further_candidates = rows_in_fit[_rows_far_from_fit(residuals)]
         n_candidates = len(candidate_rows) + len(further_candidates)
-        if not len(further_candidates) or n_candidates > _LARGEST_FRACTION_OF_SPIKES * len(x):
+        if not len(further_candidates) or n_candidates > LARGEST_FRACTION_OF_SPIKES * len(x):
             break
         candidate_rows = np.sort(np.append(candidate_rows, further_candidates))
         fit = _fit_of_rows(np.delete(x, candidate_rows), np.delete(h, candidate_rows), request)

@@ -217,12 +217,12 @@ class Scene(Frozen):
     )
 
     def vary(self, /, **changes: Any) -> Self:
-        """A copy of the scene with some keys changed, checked like a new one: `changes` are key =
-        value, a table of keys for a part of it.
+        """A copy of the scene with some keys changed, checked like a new one.
 
-        Tolerances stated for half-planes are left out where a body becomes finite, unless `changes`
-        has some; `tolerances={}` removes them. Standard uncertainties are left out where the new
-        scene lacks one of their inputs.
+        `changes` are key = value; the value for a part of the scene is a table of its keys.
+        Tolerances of a scene of half-planes are left out where a body becomes finite, unless
+        `changes` has some; `tolerances={}` removes them. Standard uncertainties are left out where
+        the new scene lacks one of their inputs.
 
         >>> from scenes import Block, load_scene
         >>> scene = load_scene("hertz-normal")
@@ -256,34 +256,49 @@ class Scene(Frozen):
     def _parts_fit_together(self) -> Self:
         """Refuse a scene whose parts contradict each other (ValueError with what to do).
 
-        Checked are units of measured columns, rig and load, size of the profile, its radius against
-        those of cylinders, widths of pads against the arcs of the profile, and whether each stated
-        uncertainty is of an input that the scene has.
+        Each stated uncertainty, too, must be of an input that the scene has.
+        """
+        self._check_units_of_columns()
+        self._check_rig()
+        self._check_profile()
+        inputs_of(self)  # for its ValueError alone
+        return self
+
+    def _check_units_of_columns(self) -> None:
+        """Refuse load or profile columns of a CSV file that were converted into other units than
+        those of the scene (ValueError).
         """
         for table_name, table in (("load", self.load), ("profile", self.profile)):
-            reading = dict(getattr(table, "read_as", None) or ())
-            units_of_columns = reading.get(SCENE_UNITS, self.units)
+            # How the columns were read: what -> how.
+            column_readings = dict(getattr(table, "read_as", None) or ())
+            units_of_columns = column_readings.get(SCENE_UNITS, self.units)
             if units_of_columns != self.units:
                 raise ValueError(
                     f"units = {self.units!r}, and the columns of {table_name}.file were turned into"
                     f" {units_of_columns!r}: give file and units together in a scene file, or to"
                     " Scene.vary"
                 )
-        self._check_rig()
+
+    def _check_profile(self) -> None:
+        """Refuse a profile that does not fit the bodies (ValueError).
+
+        Its length must be a number that can be squared, its radius that of cylinders that touch,
+        and its arcs must go beyond the width of a pad.
+        """
         datum_length = self.profile.datum_length
-        radius = self.bodies.relative_radius()
+        cylinder_radius = self.bodies.relative_radius()
         arcs = self.profile.arc  # half the flat, and the radius of the arcs beside it
         if not 1 / LARGEST <= datum_length <= LARGEST:
             raise ValueError(
                 f"profile has a length of {datum_length:g}, which is not between {1 / LARGEST:g}"
                 f" and {LARGEST:g}, and its square would overflow or vanish: choose other units"
             )
-        if radius is not None and not (
-            self.profile.kind == "hertz" and arcs and abs(arcs[1] / radius - 1) <= 1e-9
+        if cylinder_radius is not None and not (
+            self.profile.kind == "hertz" and arcs and abs(arcs[1] / cylinder_radius - 1) <= 1e-9
         ):
             raise ValueError(
                 "profile is not that of the cylinders: it is kind = 'hertz' with radius ="
-                f" {radius:.12g} (1/R is the sum of 1/radius over the cylinders)"
+                f" {cylinder_radius:.12g} (1/R is the sum of 1/radius over the cylinders)"
             )
         for body_name, body in (("lower", self.bodies.lower), ("upper", self.bodies.upper)):
             if isinstance(body, Pad | ShoulderedPad) and arcs and body.width / 2 >= sum(arcs):
@@ -291,14 +306,14 @@ class Scene(Frozen):
                     f"bodies.{body_name}.width = {body.width:g} goes past the end of the pad's"
                     f" arcs, at {2 * sum(arcs):g}: make it less"
                 )
-        inputs_of(self)
-        return self
 
     def _check_rig(self) -> None:
-        """Refuse a rig (springs and actuators) that does not fit load and bodies (ValueError).
+        """Refuse a rig (springs between actuators and bodies) that does not fit load and bodies
+        (ValueError).
 
-        Springs or a datum need a prescribed displacement. That needs bodies, or for half-planes the
-        distance from the contact at which it is prescribed, and a profile with two equal sides.
+        Springs, or the distance from the contact at which a displacement is prescribed
+        (`datum_length`), need a prescribed displacement. This in turn needs bodies, or for
+        half-planes that distance, and a profile with two equal sides.
         """
         rig = self.rig
         load = self.load
@@ -434,10 +449,11 @@ class Scene(Frozen):
         )
 
     def _loads_at_turns(self) -> tuple[list[float], list[float]]:
-        """P and Q, two lists, at the ends and turning points of all segments of the load path, so
-        that their extremes are among them.
+        """P and Q [force per thickness], two lists, at the ends and turning points of all load
+        segments, so that their extremes are among them.
 
-        Where actuators are prescribed, approach and displacement stand in their place.
+        Where the rig's actuators are driven, the lists are what they prescribe: normal approach or
+        P, and tangential displacement U [length].
         """
         if isinstance(self.load, TimeSeriesLoad) and not self.load.is_driven:
             rows = self.load.series()
@@ -445,11 +461,13 @@ class Scene(Frozen):
         path = self.load.path_of_actuators() if self.load.is_driven else self.load.path()
         normal_loads: list[float] = []
         tangential_loads: list[float] = []
-        for leg in (*path.initial_loading, *path.cycle):
-            turns = [*leg.turning_points(NORMAL_LOAD), *leg.turning_points(TANGENTIAL_LOAD)]
-            loads = leg.loads(np.array([leg.start, leg.end, *turns]))
-            normal_loads += loads[0].tolist()
-            tangential_loads += loads[1].tolist()
+        for segment in (*path.initial_loading, *path.cycle):
+            normal_turns = segment.turning_points(NORMAL_LOAD)
+            tangential_turns = segment.turning_points(TANGENTIAL_LOAD)
+            times = np.array([segment.start, segment.end, *normal_turns, *tangential_turns])
+            normal_load, tangential_load = segment.loads(times)
+            normal_loads += normal_load.tolist()
+            tangential_loads += tangential_load.tolist()
         return normal_loads, tangential_loads
 
     def _repr_html_(self) -> str | None:

@@ -270,7 +270,7 @@ class ContactSolution:
         force_unit, length_unit, _ = self.scene.unit_words
         name = self.scene.name or self.scene.title or "a scene"
         half_width = np.nanmax(self.contact_half_width, initial=0.0)
-        span_text = "whole path" if self.scene.load.path().period is None else "last cycle"
+        interval_text = "whole path" if self.scene.load.path().period is None else "last cycle"
         uncertainty = self.dissipation_uncertainty
         uncertainty_text = "" if np.isnan(uncertainty) else f" ± {uncertainty:.2g}"
         return "\n".join(
@@ -283,7 +283,7 @@ class ContactSolution:
                     f" half-width {self.permanent_stick_half_width:.6g} {length_unit}"
                 ),
                 (
-                    f"  dissipation of the {span_text} {self.dissipation:.6g}{uncertainty_text}"
+                    f"  dissipation of the {interval_text} {self.dissipation:.6g}{uncertainty_text}"
                     f" {force_unit}·{length_unit}/{length_unit}"
                 ),
             )
@@ -295,29 +295,30 @@ class ContactSolution:
         """
         import xarray as xr
 
-        content = self._stored()
+        content = self._file_content()
         return xr.Dataset(
             {name: tuple(array) for name, array in content.arrays.items()},
             attrs=dict(content.attributes),
         ).set_coords(_SIDE)
 
     def to_dataframe(self) -> Any:
-        """Series of the solution over time as a pandas.DataFrame, a row for each instant: time,
-        loads, edges, half-widths, displacements, iterations.
+        """Time series of the solution as a pandas.DataFrame, a row for each instant: time, loads,
+        edges, half-widths, displacements, contact iterations.
 
         A pair of edges becomes two columns with "_left" and "_right" behind the name. Fields along
-        the contact (pressure, shear, slip) are left out.
+        the contact (pressure, shear, slip) are left out. Units are those of the attributes.
         """
         import xarray as xr
 
         columns: dict[str, NDArray[Any]] = {}
-        for name, form in _ARRAY_FIELDS.items():
+        for name, array_field in _ARRAY_FIELDS.items():
             values = getattr(self.record if name == "iterations" else self, name)
             if values is None:
                 continue
-            if form.metadata["over"] == ("time",):
+            dimensions = array_field.metadata["over"]
+            if dimensions == ("time",):
                 columns[name] = values
-            elif form.metadata["over"] == ("time", "side"):
+            elif dimensions == ("time", "side"):
                 columns[f"{name}_left"] = values[:, 0]
                 columns[f"{name}_right"] = values[:, 1]
         variables = {name: ("instant", values) for name, values in columns.items()}
@@ -330,11 +331,14 @@ class ContactSolution:
             str(name): StoredArray(tuple(map(str, array.dims)), array.values)
             for name, array in data.variables.items()
         }
-        return cls._from_stored(StoredArrays(arrays, data.attrs))
+        return cls._from_file_content(StoredArrays(arrays, data.attrs))
 
-    def _stored(self) -> StoredArrays:
-        """Content of the file that the solution is stored in: arrays with their axes, units and
-        descriptions; single numbers; scene, record of the run and effort as JSON texts.
+    def _file_content(self) -> StoredArrays:
+        """Content of the NetCDF file of the solution: its arrays with dimensions, units and
+        descriptions, and attributes.
+
+        Attributes are single numbers, and JSON texts of the scene, of the `Record` of the run
+        (convergence, messages) and of the `Work` (what was done, skipped, and how long it took).
         """
         record = {
             "converged": self.record.converged,
@@ -368,8 +372,11 @@ class ContactSolution:
         return StoredArrays(self._stored_arrays(), attributes)
 
     def _stored_arrays(self) -> dict[str, StoredArray]:
-        """Arrays of the solution for its file, by name, with their axes, units and descriptions:
-        fields, series, and checks and energies of the record.
+        """Arrays of the solution for its NetCDF file, by name, with dimensions, units and
+        descriptions: fields along the contact, time series, and the record's admissibility checks
+        and energies of each step.
+
+        Loads and energies are per unit thickness.
         """
         force_unit, length_unit, stress_unit = self.scene.unit_words
         unit_texts = {
@@ -381,17 +388,17 @@ class ContactSolution:
             "": "1",
         }
         arrays = {_SIDE: StoredArray((_SIDE,), np.array(["left", "right"]))}
-        for name, form in _ARRAY_FIELDS.items():
+        for name, array_field in _ARRAY_FIELDS.items():
             values = getattr(self.record if name == "iterations" else self, name)
             if values is None:
                 continue
             attributes = {
-                "long_name": form.metadata["words"],
-                "units": unit_texts[form.metadata["unit"]],
+                "long_name": array_field.metadata["words"],
+                "units": unit_texts[array_field.metadata["unit"]],
             }
             if name == "time" and self.scene.load.kind == "ellipse":
                 attributes["units"] = "rad"
-            arrays[name] = StoredArray(form.metadata["over"], values, attributes)
+            arrays[name] = StoredArray(array_field.metadata["over"], values, attributes)
         for name, values in self.record.certificates.items():
             arrays[_CERTIFICATE_PREFIX + name] = StoredArray(("time",), values)
         for name, values in self.record.energy.items():
@@ -399,14 +406,13 @@ class ContactSolution:
         return arrays
 
     @classmethod
-    def _from_stored(cls, content: StoredArrays) -> ContactSolution:
-        """Rebuild a solution from the content of its file: arrays, numbers, and JSON texts of the
-        scene, the record of its run and its effort.
+    def _from_file_content(cls, content: StoredArrays) -> ContactSolution:
+        """The solution whose file content is `content`: the inverse of `_file_content`.
 
-        Arrays that exist only under bulk stress or tilt may be missing.
+        Arrays that only scenes with bulk stress, tilt or an unsymmetric profile have may be
+        missing.
         """
         attributes = content.attributes
-        work_entries = json.loads(attributes["work"])
         record_entries = json.loads(attributes["record"])
         arrays = {name: array.values for name, array in content.arrays.items()}
 
@@ -422,13 +428,13 @@ class ContactSolution:
             for name in _ARRAY_FIELDS
             if name != "iterations" and (name in _AXES_OF_ARRAYS or name in arrays)
         ]
-        values: dict[str, Any] = {
+        field_values: dict[str, Any] = {
             name: freeze(arrays[name], arrays[name].dtype) for name in names_present
         }
         # Uncertainties are not in files of earlier versions.
         uncertainties = json.loads(attributes.get("uncertainties", "{}"))
         for name in _NUMBER_NAMES:
-            values[name] = float(
+            field_values[name] = float(
                 attributes.get(name, "nan")
                 if name == "dissipation_uncertainty"
                 else attributes[name]
@@ -443,26 +449,19 @@ class ContactSolution:
                 energy=arrays_named(_ENERGY_PREFIX),
                 **(record_entries | {"notes": tuple(record_entries["notes"])}),
             ),
-            work=Work(
-                work_entries["counts"],
-                {
-                    name: (int(count), str(reason))
-                    for name, (count, reason) in work_entries["skipped"].items()
-                },
-                work_entries["seconds"],
-            ),
+            work=_work_from_json(attributes["work"]),
             settings=json.loads(attributes["settings"]),
             uncertainties={
                 name: math.nan if value is None else float(value)
                 for name, value in uncertainties.items()
             },
             versions=json.loads(attributes["versions"]),
-            **values,
+            **field_values,
         )
 
     def save(self, path: str | Path) -> None:
         """Write NetCDF, whole or not at all; OSError where that can't be."""
-        replace_file(path, netcdf_of(self._stored()))
+        replace_file(path, netcdf_of(self._file_content()))
 
     @classmethod
     def load(cls, path: str | Path) -> ContactSolution:
@@ -475,7 +474,7 @@ class ContactSolution:
         """
         content = read_netcdf(Path(path), _AXES_OF_ARRAYS, FORMAT)
         try:
-            return cls._from_stored(content)
+            return cls._from_file_content(content)
         except (
             ArithmeticError,
             AttributeError,
@@ -530,22 +529,31 @@ class ContactSolution:
         return last_whole_cycle(self.time, path.period, path.cycle_start)[0]
 
 
+def _work_from_json(text: str) -> Work:
+    """The `Work` of a solution from the JSON text in its file."""
+    entries = json.loads(text)
+    skipped = {
+        name: (int(count), str(reason)) for name, (count, reason) in entries["skipped"].items()
+    }
+    return Work(entries["counts"], skipped, entries["seconds"])
+
+
 def last_whole_cycle(
     time: Array, period: float, cycle_start: float
 ) -> tuple[NDArray[np.intp], bool]:
-    """Find the last whole cycle among instants of a periodic load path: indices (k,) of its
-    instants, both ends included, and whether it is whole.
+    """Find the last whole cycle of a periodic load path among the instants of a solution: indices
+    (k,) of the cycle's instants, and whether it is whole, with an instant at both of its ends.
 
-    A cycle begins where one of the path begins. Failing that, the last period before the last
-    instant counts, if an instant lies at its begin. Failing that too, the instants within the
-    path's last complete cycle are returned, and the cycle is not whole.
+    It is the last cycle of the path that ends by the last instant. If no instant lies at one of its
+    ends, the last period before the last instant is tried. If none lies at the begin of that, the
+    instants within the former are returned, and it is not whole.
 
     Parameters
     ----------
     time
         (n_steps,) ascending instants
     period, cycle_start
-        of the load path, in the unit of `time`
+        duration of a cycle, and time at which the first one starts, in the unit of `time`
 
     Examples
     --------
@@ -555,17 +563,19 @@ def last_whole_cycle(
     ([0, 1, 2], True)
     """
     rounding = 1e-9 * period
-    whole_cycles = np.floor((time[-1] - cycle_start + rounding) / period)
-    end_of_path = cycle_start + whole_cycles * period
-    for end in (end_of_path, time[-1]):
+    n_cycles = np.floor((time[-1] - cycle_start + rounding) / period)
+    end_of_last_cycle = cycle_start + n_cycles * period
+    for end in (end_of_last_cycle, time[-1]):
         begin_index = _instant_at(time, end - period, rounding)
         end_index = _instant_at(time, end, rounding)
         if begin_index is not None and end_index is not None and begin_index < end_index:
-            first_row = np.searchsorted(time, time[begin_index] - rounding, side="left")
-            row_beyond = np.searchsorted(time, time[end_index] + rounding, side="right")
-            return np.arange(first_row, row_beyond), True
-    is_in_cycle = (time >= end_of_path - period - rounding) & (time <= end_of_path + rounding)
-    return np.flatnonzero(is_in_cycle), False
+            # Instants within round-off of an end belong to the cycle too.
+            first_index = np.searchsorted(time, time[begin_index] - rounding, side="left")
+            index_beyond = np.searchsorted(time, time[end_index] + rounding, side="right")
+            return np.arange(first_index, index_beyond), True
+    is_after_begin = time >= end_of_last_cycle - period - rounding
+    is_before_end = time <= end_of_last_cycle + rounding
+    return np.flatnonzero(is_after_begin & is_before_end), False
 
 
 # Of the distance to the next instant: one that misses an end of the cycle by less is taken for the

@@ -12,28 +12,27 @@ from numpy.typing import NDArray
 from scenes.array_types import Array
 
 Rows = NDArray[np.int64]
-# Differences over their standard deviation beyond which a row stands out: chance makes that of one
-# row in two millions.
+# Standardised residuals beyond which a row stands out: chance makes one of two million rows do so.
 STANDS_OUT = 5.0
-# Of the rows: more are no spikes but noise of another kind.
-_SHARE_OF_SPIKES = 0.05
+LARGEST_FRACTION_OF_SPIKES = 0.05
+"""Fraction of the rows above which those that stand out are noise of another kind, not spikes."""
 _N_NEIGHBOURS = 4
 
 
 def rows_that_stand_out(x: Array, h: Array, sigma: float) -> Rows:
-    """Rows (m,) of a measured trace that are spikes: they differ from the cubic through their four
-    neighbours by more than five times what noise does. An empty array where they would be more
-    than 5 % of the rows, or leave too few: then the noise is of another kind.
+    """Indices (m,), ascending, of the rows of a measured trace h(x) that are spikes: their
+    standardised residual from the cubic through their four neighbours is above `STANDS_OUT`.
 
-    The largest spike is removed first, since it moves the cubics of its neighbours too. At either
-    end three rows share one cubic, so that all three are removed.
+    None where they would be more than `LARGEST_FRACTION_OF_SPIKES` of the rows, or leave too few:
+    the noise is then not white. The largest spike is removed first, since it moves the cubics of
+    its neighbours too. The three rows at either end share one cubic, so that all three are removed.
 
     Parameters
     ----------
     x, h
-        (n,) places and heights
+        (n,) places, ascending, and heights [length]
     sigma
-        standard deviation of the noise of h, above 0
+        standard deviation of the noise of h [length], above 0
 
     Examples
     --------
@@ -44,38 +43,43 @@ def rows_that_stand_out(x: Array, h: Array, sigma: float) -> Rows:
     """
     rows_left = np.arange(len(x))
     spikes: list[int] = []
-    while len(rows_left) > 2 * _N_NEIGHBOURS and len(spikes) <= _SHARE_OF_SPIKES * len(x):
-        differences = _differences(x[rows_left], h[rows_left]) / sigma
-        index_of_largest = int(np.argmax(differences))
-        if differences[index_of_largest] <= STANDS_OUT:
+    most_spikes = LARGEST_FRACTION_OF_SPIKES * len(x)
+    while len(rows_left) > 2 * _N_NEIGHBOURS and len(spikes) <= most_spikes:
+        residuals = _standardised_residuals(x[rows_left], h[rows_left]) / sigma
+        index_of_largest = int(np.argmax(residuals))
+        if residuals[index_of_largest] <= STANDS_OUT:
             return np.array(sorted(spikes), dtype=np.int64)
-        indices_of_spike = _alike(index_of_largest, len(rows_left))
+        indices_of_spike = _rows_with_same_window(index_of_largest, len(rows_left))
         spikes += rows_left[indices_of_spike].tolist()
         rows_left = np.delete(rows_left, indices_of_spike)
     return np.array([], dtype=np.int64)
 
 
-def _alike(place: int, count: int) -> list[int]:
-    """Rows that are compared with the same window of five neighbouring rows as the row `place` of a
-    table of `count` rows: itself, or three rows at either end.
+def _rows_with_same_window(row: int, n_rows: int) -> list[int]:
+    """Indices of the rows whose window of five rows, themselves and their four neighbours, is that
+    of `row`: it alone, or the first or last three of the `n_rows`.
 
-    >>> _alike(1, 40), _alike(5, 40), _alike(39, 40)
-    ([0, 1, 2], [5], [37, 38, 39])
+    The window is centred on its row, but stays within the table: at either end three rows share it,
+    and a spike in one of them cannot be told from one in the others.
+
+    >>> _rows_with_same_window(1, 40), _rows_with_same_window(5, 40)
+    ([0, 1, 2], [5])
     """
-    half = _N_NEIGHBOURS // 2
-    if place <= half:
-        return list(range(half + 1))
-    if place >= count - 1 - half:
-        return list(range(count - 1 - half, count))
-    return [place]
+    n_before = _N_NEIGHBOURS // 2
+    if row <= n_before:
+        return list(range(n_before + 1))
+    if row >= n_rows - 1 - n_before:
+        return list(range(n_rows - 1 - n_before, n_rows))
+    return [row]
 
 
-def _differences(x: Array, heights: Array) -> Array:
-    """Distance of each row of a trace from the cubic through its four neighbours, (n,), over the
-    standard deviation that noise of size 1 gives it; 0 where two of these rows have one x.
+def _standardised_residuals(x: Array, heights: Array) -> Array:
+    """Residuals |h - cubic| of the rows of a trace, (n,), each over its standard deviation in white
+    noise of standard deviation 1; 0 where two of a row's neighbours have one x.
 
-    With Lagrange's weights w_i of the neighbours that deviation is sqrt(1 + sum w_i^2). x and
-    `heights` are (n,).
+    The cubic interpolates the row's four neighbours: at the row it is the sum of w_i h_i, w_i their
+    Lagrange weights. The standard deviation is then sqrt(1 + sum of w_i^2). x and `heights` are
+    (n,).
     """
     n_rows = len(x)
     n_before = _N_NEIGHBOURS // 2
@@ -83,19 +87,18 @@ def _differences(x: Array, heights: Array) -> Array:
     window_rows = first_row[:, None] + np.arange(_N_NEIGHBOURS + 1)
     is_itself = window_rows == np.arange(n_rows)[:, None]
     neighbours = window_rows[~is_itself].reshape(n_rows, _N_NEIGHBOURS)
-    relative_places = x[neighbours]
-    widths = relative_places[:, -1] - relative_places[:, 0]
-    is_distinct = (np.min(np.diff(relative_places, axis=1), axis=1) > 0) & (widths > 0)
-    relative_places = (relative_places - x[:, None]) / np.where(widths > 0, widths, 1.0)[:, None]
-    # Weights of Lagrange's cubic at the row itself, which is the origin of places.
-    weights = np.ones_like(relative_places)
+    x_of_neighbours = x[neighbours]
+    window_lengths = x_of_neighbours[:, -1] - x_of_neighbours[:, 0]
+    is_distinct = (np.min(np.diff(x_of_neighbours, axis=1), axis=1) > 0) & (window_lengths > 0)
+    scales = np.where(window_lengths > 0, window_lengths, 1.0)
+    # Of the neighbours from the row, over the length of its window: the row itself is the origin.
+    distances = (x_of_neighbours - x[:, None]) / scales[:, None]
+    lagrange_weights = np.ones_like(distances)
     for i in range(_N_NEIGHBOURS):
         for j in range(_N_NEIGHBOURS):
             if j != i:
-                distances = np.where(
-                    is_distinct, relative_places[:, j] - relative_places[:, i], 1.0
-                )
-                weights[:, i] *= relative_places[:, j] / distances
-    differences = heights - np.sum(weights * heights[neighbours], axis=1)
-    sizes = np.abs(differences) / np.sqrt(1 + np.sum(weights**2, axis=1))
-    return np.asarray(np.where(is_distinct, sizes, 0.0))
+                distance_between = np.where(is_distinct, distances[:, j] - distances[:, i], 1.0)
+                lagrange_weights[:, i] *= distances[:, j] / distance_between
+    residuals = heights - np.sum(lagrange_weights * heights[neighbours], axis=1)
+    standardised_residuals = np.abs(residuals) / np.sqrt(1 + np.sum(lagrange_weights**2, axis=1))
+    return np.asarray(np.where(is_distinct, standardised_residuals, 0.0))
