@@ -116,12 +116,12 @@ def a_later_edge(patch: pytest.MonkeyPatch) -> None:
 
 def an_arc(patch: pytest.MonkeyPatch, kernel: str) -> None:
     """The part that an arc of the memory curve has in a field, by a hundredth."""
-    right = Integrals._curved
+    right = Integrals._curved_integrals
 
     def wrong(self, edges):
         return [part * (1.01 if self.kernel == kernel else 1.0) for part in right(self, edges)]
 
-    patch.setattr(Integrals, "_curved", wrong)
+    patch.setattr(Integrals, "_curved_integrals", wrong)
 
 
 def a_field(patch: pytest.MonkeyPatch, name: str) -> None:
