@@ -51,11 +51,11 @@ def path_of(scene: Scene) -> LoadPath:
 
 def actuators_of(scene: Scene, datum: float) -> Actuators:
     """Which loads of a scene are prescribed as movements of actuators, and the compliance between
-    actuator and contact, times E*.
+    actuator and contact, dimensionless: times E*.
 
-    The compliance is that of the rig's spring plus that of half-planes between two distances from
-    the contact: `datum`, from which the finite elements count displacement, and the one from which
-    the actuator's movement is counted [length]. Where loads are given, no movement is prescribed.
+    It is the compliance of the rig's spring plus that of half-planes between two distances from the
+    contact. One is `datum` [length], where the finite elements count displacement from. The other
+    is where the actuator's movement counts from. Where loads are given, no movement is prescribed.
     """
     load = scene.load
     if not load.is_driven:

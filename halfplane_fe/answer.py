@@ -67,13 +67,15 @@ def answer_arrays(
     displacement_unit = scales.load / scales.modulus
     work_unit = scales.load * displacement_unit
     weights = problem.interface.weights * scales.half_width
-    # (n_cycles, n): friction work of each node in each revolution.
+    # (n_cycles, n) friction work of each node in each load cycle
     cycle_works = np.array(run.cycle_density).reshape(-1, len(weights)) * work_unit
-    density = cycle_works[-1] / weights if len(cycle_works) else np.zeros_like(weights)
-    states_of_all = reported_states(problem, run.states, run.cycle_starts)
-    edges, permanent_edges = _edges_of_run(scene, problem, run, states_of_all)
-    edges = {name: values * scales.half_width for name, values in edges.items()}
+    work_per_area = cycle_works[-1] / weights if len(cycle_works) else np.zeros_like(weights)
+    # (n_steps, n) open, stick or slip at all instants, stored or not
+    surface_states = reported_states(problem, run.states, run.cycle_starts)
+    scaled_edges, permanent_edges = _edges_of_run(scene, problem, run, surface_states)
+    edges = {name: values * scales.half_width for name, values in scaled_edges.items()}
     loads = np.array([(state.normal_load, state.tangential_load) for state in states]) * scales.load
+    # relative tangential displacement U of the bodies
     shifts = np.array([state.shift for state in states])
     approaches = np.array([state.approach for state in states])
     arrays = {
@@ -84,11 +86,11 @@ def answer_arrays(
         "normal_approach": freeze(approaches * displacement_unit),
         "x": freeze(problem.interface.x * scales.half_width),
         **_nodal_arrays(problem, states, scales),
-        "state": freeze(states_of_all[run.stored], np.int8),
+        "state": freeze(surface_states[run.stored], np.int8),
         **{name: freeze(values) for name, values in edges.items()},
         "contact_half_width": freeze(np.diff(edges["contact_edges"])[:, 0] / 2),
         "stick_half_width": freeze(np.diff(edges["stick_edges"])[:, 0] / 2),
-        "dissipation_density": freeze(density),
+        "dissipation_density": freeze(work_per_area),
         "dissipation": float(cycle_works[-1].sum()) if len(cycle_works) else float("nan"),
         "cycle_dissipation": freeze(cycle_works.sum(axis=1)),
         "permanent_stick_half_width": float(permanent_edges[1] - permanent_edges[0])
@@ -106,18 +108,34 @@ def answer_arrays(
 def _edges_of_run(
     scene: Scene, problem: ContactProblem, run: PathRun, surface_states: States
 ) -> tuple[dict[str, Array], Array]:
-    """Contact and stick edges of a run, scaled: of the stored instants by name, (k, 2) each with
-    their uncertainties, and of the permanent stick zone, (2,).
+    """Left and right edges of contact and stick of a run, and of its permanent stick zone; scaled.
 
-    `surface_states` are open, stick or slip of the nodes at all instants, (n_steps, n).
+    Between like bodies without bulk stress and tilt, the permanent stick zone is known by the loads
+    at the turning points of slip. Its ends then bound the stick edges of the last cycle.
+
+    Parameters
+    ----------
+    run
+        contact states after all increments, and which k of them are stored in the solution
+    surface_states
+        (n_steps, n) open, stick or slip of the nodes after all increments
+
+    Returns
+    -------
+    edges
+        name -> contact or stick edges at the stored instants, or their uncertainty, (k, 2) each
+    permanent_edges
+        (2,) ends of the permanent stick zone; NaN without one
     """
     states = [run.states[index] for index in run.stored]
     loads = np.array([(state.normal_load, state.tangential_load) for state in run.states])
     has_no_slip_zone = np.zeros(len(loads), dtype=bool)
     if scene.material.alike:
         imposed = np.array([state.imposed for state in run.states])
-        cone = 1.0 if scene.bodies.half_planes else _CONE_OF_BODIES
-        has_no_slip_zone = _grows_within_cone(loads, imposed, cone * scene.friction.coefficient)
+        fraction_of_limit = 1.0 if scene.bodies.half_planes else _CONE_OF_BODIES
+        has_no_slip_zone = _grows_within_cone(
+            loads, imposed, fraction_of_limit * scene.friction.coefficient
+        )
     edges = _edges_of_all(
         problem,
         states,
@@ -143,7 +161,7 @@ def _nodal_arrays(
     """Pressure and shear [stress] and slip [length] of the nodes at some instants, each
     (n_instants, n); slip has the elastic slip of a penalty layer in it.
     """
-    weights = problem.interface.weights * scales.half_width
+    weights = problem.interface.weights * scales.half_width  # length of the face of each node
     slip = np.stack([state.slip for state in states])
     pressure = np.stack([state.pressure for state in states])
     shear = np.stack([state.shear for state in states])
@@ -190,8 +208,10 @@ def _tilt_arrays(
 
 
 def edges_are_sharp(scene: Scene, problem: ContactProblem) -> bool:
-    """Whether what slips at all counts as slip: not between coupled bodies, and not under bulk
-    stress or tilt, where what only creeps counts as stuck.
+    """Whether any slip at all counts as slip, so that the permanent stick zone ends sharply.
+
+    Not so between coupled bodies (unlike materials), and not under bulk stress or tilt: there nodes
+    that slip by next to nothing in a cycle (creep) count as stuck.
     """
     return not scene.unsymmetric and problem.interface.coupling is None
 
@@ -218,8 +238,10 @@ def _edges_of_all(
     stick_by_load: EdgesByLoad,
     scene: Scene,
 ) -> dict[str, Array]:
-    """Edges of the contact and of the stick zone at k instants and their uncertainties, by name,
-    (k, 2) each, scaled. Blocks of a few hundred instants bound the memory.
+    """Left and right edge of the contact and of the stick zone at k instants, and the uncertainty
+    of each: four arrays by name, (k, 2), scaled.
+
+    Blocks of a few hundred instants bound the memory. `_edges` does the work.
 
     Parameters
     ----------
@@ -230,7 +252,7 @@ def _edges_of_all(
     has_no_slip_zone
         (k,) instants at which the whole contact sticks by half-plane theory
     contact_by_load, stick_by_load
-        edges of these instants
+        edges of these instants that the loads place between two nodes
     scene
         whether it is symmetric
     """
@@ -266,8 +288,8 @@ def _edges(
     """Left and right edge of the contact and of the stick zone, between the nodes of the mesh, and
     the uncertainty of each: four arrays by name, (n_steps, 2), scaled.
 
-    Loads place them between two nodes, or else tractions near them. Without load they are the
-    outermost nodes that touch, or 0.
+    The loads at which nodes touch or slide place them, where they can. Elsewhere the tractions
+    near them do. Without normal load they are the outermost nodes that touch, or 0.
 
     Parameters
     ----------
@@ -279,7 +301,7 @@ def _edges(
     has_no_slip_zone
         (n_steps,) instants at which the whole contact sticks by half-plane theory
     contact_by_load, stick_by_load
-        edges of these instants
+        edges of these instants that the loads place between two nodes
     scene
         whether it is symmetric
     """
@@ -295,7 +317,7 @@ def _edges(
         is_closed=states_by_law != OPEN,
         sticks=surface_states == STICK,
         sticks_by_law=states_by_law == STICK,
-        anywhere=scene.unsymmetric,
+        anywhere=scene.unsymmetric,  # the stick zone need not be around x = 0
     )
     contact = contact_with_uncertainty(answer, contact_by_load)
     stick = stick_with_uncertainty(
@@ -366,20 +388,23 @@ def _permanent_stick(
     zones_of_dropped = _zones_by_nodes(
         x, states_of_dropped == STICK, states_of_dropped != OPEN, anywhere=scene.unsymmetric
     )
-    left, right = np.concatenate([edges[in_cycle[run.stored]], zones_of_dropped]).T
-    common_zone = np.array([left.max(), right.min()])  # NaN where nothing sticks at some instant
-    permanent = common_zone if common_zone[0] < common_zone[1] else no_edges
+    left_edges, right_edges = np.concatenate([edges[in_cycle[run.stored]], zones_of_dropped]).T
+    # NaN where nothing sticks at some instant
+    common_zone = np.array([left_edges.max(), right_edges.min()])
+    permanent_zone = common_zone if common_zone[0] < common_zone[1] else no_edges
     if edges_are_sharp(scene, problem):
-        return permanent
+        return permanent_zone
     is_closed = surface_states[in_cycle] != OPEN
     slip = np.array([run.states[k].slip for k in np.flatnonzero(in_cycle)])
-    left_end, right_end = creeping_zone(scene, x, slip, is_closed)
-    return np.array([np.fmin(permanent[0], left_end), np.fmax(permanent[1], right_end)])
+    left_creep, right_creep = creeping_zone(scene, x, slip, is_closed)
+    left_end = np.fmin(permanent_zone[0], left_creep)
+    right_end = np.fmax(permanent_zone[1], right_creep)
+    return np.array([left_end, right_end])
 
 
 def zone_by_nodes(run: PathRun) -> StickZone:
-    """The permanent stick zone by the nodes of the last revolution, scaled; one that is not known
-    where there was no whole revolution.
+    """Ends of the permanent stick zone in the last load cycle, by its nodes and by the loads at the
+    turning points of slip, scaled; `NO_ZONE` (all NaN) where no cycle was completed.
     """
     is_whole = run.failure is None and bool(run.excess)
     return run.excess[-1].stick_zone if is_whole else NO_ZONE
@@ -388,39 +413,43 @@ def zone_by_nodes(run: PathRun) -> StickZone:
 def _hold_permanent_stick(
     edges: dict[str, Array], permanent_edges: Array, zone: StickZone, time: Array, in_cycle: Mask
 ) -> None:
-    """Give the stick edges (k, 2) of the last cycle the permanent zone where slip turns, and no
-    less at other instants. Beyond a turn all of the contact sticks, though its nodes may still be
-    on the cone: such an instant is none.
+    """Make the stick edges (k, 2) of the last cycle agree with the permanent stick zone, in place.
+
+    At the turning points of slip the stick zone is smallest: its edges become the ends of the
+    permanent zone, where the loads place these. At other instants the edges are moved outwards to
+    these ends if they lie inside. Right after a turning point all of the contact sticks, though
+    nodes may still be at the Coulomb limit. Such an instant has its stick edges at the contact
+    edges, and does not count as a turning point.
 
     Parameters
     ----------
     edges
-        by name, stick edges and their uncertainty: changed in place
+        name -> edges of contact and stick, and their uncertainty, (k, 2) each; scaled
     permanent_edges
-        (2,) of the zone
+        (2,) ends of the permanent stick zone
     zone
-        the same by the nodes
+        the permanent stick zone by its nodes and by the loads
     time, in_cycle
         (k,) instants, and whether they are in the last cycle
     """
     stick_edges = edges["stick_edges"]
     uncertainty = edges["stick_edge_uncertainty"]
-    is_placed = permanent_edges == zone.places_by_load
+    is_placed_by_load = permanent_edges == zone.places_by_load
     uncertainty_of_placed = zone.uncertainty(permanent_edges, np.full(2, np.inf))
-    for column, outermost in enumerate((np.fmin, np.fmax)):
-        if is_placed[column]:
-            slips = stick_edges[:, column] != edges["contact_edges"][:, column]
-            turns = in_cycle & slips & np.isin(time, zone.turn_times[column])
-            stick_edges[turns, column] = permanent_edges[column]
-            uncertainty[turns, column] = uncertainty_of_placed[column]
+    for column, outermost_of in enumerate((np.fmin, np.fmax)):
+        if is_placed_by_load[column]:
+            has_slip_zone = stick_edges[:, column] != edges["contact_edges"][:, column]
+            is_turn = in_cycle & has_slip_zone & np.isin(time, zone.turn_times[column])
+            stick_edges[is_turn, column] = permanent_edges[column]
+            uncertainty[is_turn, column] = uncertainty_of_placed[column]
         sticks = in_cycle & np.isfinite(stick_edges[:, column])
-        stick_edges[sticks, column] = outermost(
+        stick_edges[sticks, column] = outermost_of(
             stick_edges[sticks, column], permanent_edges[column]
         )
 
 
 def creeping_zone(
-    scene: Scene, x: Array, slip: Array, is_closed: Mask, times: float = 1.0
+    scene: Scene, x: Array, slip: Array, is_closed: Mask, range_factor: float = 1.0
 ) -> Array:
     """Ends (2,) of the zone whose nodes stay closed all through a cycle and slip by next to nothing
     (creep), scaled; NaN if no node does.
@@ -434,11 +463,11 @@ def creeping_zone(
         (n,) places of the nodes
     slip, is_closed
         (m, n) slip of the nodes, and whether they touch, at the m instants of the cycle
-    times
-        factor on that small part: larger than 1 counts more nodes as creeping
+    range_factor
+        on that small part: larger than 1 counts more nodes as creeping
     """
-    range_share = times * (_LARGEST_CREEP if scene.unsymmetric else _LARGEST_CREEP_OF_COUPLED)
-    creeps = _creeping(slip, is_closed, range_share)
+    largest_creep = _LARGEST_CREEP if scene.unsymmetric else _LARGEST_CREEP_OF_COUPLED
+    creeps = _creeping(slip, is_closed, range_factor * largest_creep)
     if not creeps.any():
         return np.full(2, np.nan)
     ever_closed = np.any(is_closed, axis=0)
@@ -602,11 +631,12 @@ def penalty_audit(
 def record_of(
     run: PathRun, scales: Scales, audit: PenaltyAudit, notes: Iterable[str] = ()
 ) -> Record:
-    """Record of a run for the reader of its solution: whether it converged and how it ended, and
-    iterations, energies and checks of the law of contact at each stored instant.
+    """Record of a run for the reader of its solution: whether it converged and how it ended. At
+    each stored instant it has iterations, energies [energy / thickness] and admissibility checks.
 
-    Several increments may lie between two stored instants. Their energies and iterations are
-    summed, of their checks the worst counts. The first stored instant is the unloaded state.
+    The checks are scaled violations of the conditions of contact and of the energy balance. Several
+    increments may lie between two stored instants. Their energies and iterations are summed, of
+    their checks the largest counts. The first stored instant is the unloaded state.
 
     Parameters
     ----------
@@ -620,18 +650,23 @@ def record_of(
     note_of_layer = audit.note()
     first_increments = run.stored[:-1]  # the first one after each stored instant
 
-    def between(rule: np.ufunc, values: ArrayLike, dtype: Any = float) -> NDArray[Any]:
-        """(n_stored,) values of increments joined by a rule; 0 of the unloaded state."""
-        of_increments = np.asarray(values)
-        if len(of_increments):
-            of_increments = rule.reduceat(of_increments, first_increments)
-        return freeze(np.concatenate([[0.0], of_increments]), dtype)
+    def at_stored_instants(
+        reduction: np.ufunc, values: ArrayLike, dtype: Any = float
+    ) -> NDArray[Any]:
+        """(n_stored,) sum or maximum of the values of the increments since the stored instant
+        before; 0 of the unloaded state.
+        """
+        reduced_values = np.asarray(values)
+        if len(reduced_values):
+            reduced_values = reduction.reduceat(reduced_values, first_increments)
+        return freeze(np.concatenate([[0.0], reduced_values]), dtype)
 
     energy_names = [name for name in _ENERGY_NAMES if note_of_layer is not None or name != "layer"]
     energies = {name: run.column(name) for name in energy_names}
-    all_names = list(run.increment_records[0]) if run.increment_records else []
-    not_checks = (*_ENERGY_NAMES, "layer", "loop", "bent")
-    checks = {name: run.column(name) for name in all_names if name not in not_checks}
+    column_names = list(run.increment_records[0]) if run.increment_records else []
+    # "loop" and "bent" are works too, but for other uses: of Q dU, and of kinks in an increment
+    names_of_works = (*_ENERGY_NAMES, "layer", "loop", "bent")
+    checks = {name: run.column(name) for name in column_names if name not in names_of_works}
     balance = np.abs(energies["external"] - energies["elastic"] - energies["interface"])
     largest_work = np.max(np.abs(np.cumsum(energies["external"])), initial=1e-300)
     checks["energy_balance"] = balance / largest_work
@@ -640,9 +675,14 @@ def record_of(
         converged=run.failure is None,
         termination=_termination(run),
         message=_message(run),
-        iterations=between(np.add, run.iterations, np.int64),
-        certificates={name: between(np.maximum, values) for name, values in checks.items()},
-        energy={name: between(np.add, values * work_unit) for name, values in energies.items()},
+        iterations=at_stored_instants(np.add, run.iterations, np.int64),
+        certificates={
+            name: at_stored_instants(np.maximum, values) for name, values in checks.items()
+        },
+        energy={
+            name: at_stored_instants(np.add, values * work_unit)
+            for name, values in energies.items()
+        },
         notes=tuple(notes) if note_of_layer is None else (note_of_layer, *notes),
     )
 

@@ -183,13 +183,13 @@ def work_done(
     condensed: tuple[CondensedBody, CondensedBody],
     seconds: Mapping[str, float],
 ) -> Work:
-    """Effort of a finite-element solution: counts of what was computed, counts and reasons of what
-    was not needed, and seconds of each stage.
+    """Computing effort of a finite-element solution: counts of what was computed, counts and
+    reasons of what was not needed, and seconds of each stage.
 
     Parameters
     ----------
     scene
-        whose path may have more cycles than were computed
+        the contact, whose path may have more cycles than were computed
     problem, run
         the contact problem, with its counters, and its states along the load path
     condensed
@@ -219,8 +219,11 @@ def _skipped_at_bodies(
     run: PathRun,
     condensed: tuple[CondensedBody, CondensedBody],
 ) -> dict[str, tuple[int, str]]:
-    """What symmetry and the cache of condensed bodies saved, and corrections that were not made:
-    name of the work -> (how often it was skipped, why).
+    """Work that symmetry and the cache of condensed bodies saved, and the correction of the faces
+    where it was not made: name of the work -> (how often it was skipped, why).
+
+    The correction takes out of N - T and K what only the mesh puts there: N, T and K are the
+    compliances of the face, normal, tangential and coupled.
     """
     lower_body, upper_body = condensed
     is_one_mesh = lower_body.body is upper_body.body

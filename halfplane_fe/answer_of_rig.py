@@ -20,24 +20,24 @@ _MOST_SLIDES_NAMED = 4
 
 
 def scene_of_loads(scene: Scene, run: PathRun, load_unit: float) -> Scene:
-    """The scene of a rig with loads in the place of movements: P and Q as the finite elements found
-    them at the end of each increment, joined by straight lines.
+    """The scene of a rig under load control in the place of displacement control: P and Q that the
+    finite elements found at the end of each increment, joined by straight lines.
 
-    The last revolution becomes the cycle, what is before it the initial loading. `load_unit` is the
-    force per thickness that P and Q of the run are scaled by.
+    The last load cycle of the run becomes the cycle, what is before it the initial loading.
+    `load_unit` is the force per thickness that P and Q of the run are scaled by.
     """
     states = run.states
     points = [
         (load_unit * state.normal_load, load_unit * state.tangential_load) for state in states
     ]
-    loading = tuple(points[1:])
+    initial_loading = tuple(points[1:])
     cycle: tuple[tuple[float, float], ...] = ()
     if run.cycle_density and run.cycle_starts:
         first_of_cycle = run.cycle_starts[-1]
-        loading = tuple(points[1 : first_of_cycle + 1])
+        initial_loading = tuple(points[1 : first_of_cycle + 1])
         cycle = tuple(points[first_of_cycle + 1 : -1])
     times = tuple(state.time for state in states)
-    polygon = PolygonLoad(initial_loading=loading, cycle=cycle, times=times)
+    polygon = PolygonLoad(initial_loading=initial_loading, cycle=cycle, times=times)
     return scene.vary(load=polygon, rig=Rig(), cycles=1)
 
 
@@ -107,14 +107,14 @@ def notes_of_rig(
     _, length_unit, _ = scene.unit_words
     displacement_unit = scales.load / scales.modulus
     loads_text = "P and Q are unknowns" if scene.load.states_approach else "Q is an unknown"
-    largest_miss = _largest_miss(problem, run.states) * displacement_unit
+    largest_position_error = _largest_position_error(problem, run.states) * displacement_unit
     displacement_text = "U here is that of the contact, U_act - Q/k_s"
     if scene.bodies.half_planes:
         datum_text = f"{scene.profile.datum_length:.6g} {length_unit}"
         displacement_text = f"U and approach here count from {datum_text}, as in every answer"
     note = (
         f"rig: {loads_text} of each increment, at whose end the actuators are where the rig"
-        f" prescribes to {largest_miss:.1g} {length_unit}; {displacement_text}"
+        f" prescribes to {largest_position_error:.1g} {length_unit}; {displacement_text}"
     )
     return (note, *_notes_of_slides(scene, problem.friction, run, scales))
 
@@ -165,13 +165,13 @@ def _in_words(slide: _Slide, movement: float, length: str) -> str:
     )
 
 
-def _largest_miss(problem: ContactProblem, states: list[InterfaceState]) -> float:
+def _largest_position_error(problem: ContactProblem, states: list[InterfaceState]) -> float:
     """Largest distance, over all states, between where an actuator is and where the rig prescribes
     it to be; scaled.
 
     An actuator moves by the rigid motion of the bodies plus its compliance times the load.
     """
-    largest_miss = 0.0
+    largest_error = 0.0
     for state in states[1:]:
         rigid_motions = (state.approach, state.shift)
         loads = (state.normal_load, state.tangential_load)
@@ -180,5 +180,5 @@ def _largest_miss(problem: ContactProblem, states: list[InterfaceState]) -> floa
                 movement = rigid_motions[direction] + compliance * loads[direction]
                 # Of a driven direction the path states a movement where a load stands elsewhere.
                 prescribed_movement = state.loads[direction]
-                largest_miss = max(largest_miss, abs(movement - prescribed_movement))
-    return largest_miss
+                largest_error = max(largest_error, abs(movement - prescribed_movement))
+    return largest_error

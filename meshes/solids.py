@@ -71,10 +71,12 @@ def half_disc(
         MeshTri2 of six-node triangles with curved arc for order 2, MeshTri of three-node ones for
         order 1; MeshQuad2 of nine-node quadrilaterals, MeshQuad.
     """
-    unit = scaled_grading(grading, 1 / grading.outer).drawn_for(cells)
-    mesh = mirrored_mesh(lambda: _quarter(unit), size_formula(unit, growth), order, cells).scaled(
-        float(grading.outer)
-    )
+    # gmsh draws in units of the half-width of the fine part of the contact face
+    length_unit = grading.outer
+    unit_grading = scaled_grading(grading, 1 / length_unit).drawn_for(cells)
+    element_size = size_formula(unit_grading, growth)
+    unit_mesh = mirrored_mesh(lambda: _quarter(unit_grading), element_size, order, cells)
+    mesh = unit_mesh.scaled(float(length_unit))
     exact_area = np.pi * grading.radius**2 / 2
     return BodyMesh(name, mesh, grading, mesh_quality(mesh, exact_area))
 
@@ -146,12 +148,19 @@ def solid(
     """
     check_face(name, shape, profile, grading)
     face = face_of(shape, profile)
-    unit = scaled_grading(grading, 1 / grading.outer).drawn_for(cells)
-    length = grading.outer
-    outline = _Outline(shape, face, length)
-    size = size_formula(unit, growth, outline.sharp_corners)
-    mesh = mirrored_mesh(lambda: outline.draw(unit, growth), size, order, cells, outline.settle)
-    mesh = mesh.scaled(float(length))
+    # gmsh draws in units of the half-width of the fine part of the contact face
+    length_unit = grading.outer
+    unit_grading = scaled_grading(grading, 1 / length_unit).drawn_for(cells)
+    outline = _Outline(shape, face, length_unit)
+    element_size = size_formula(unit_grading, growth, outline.sharp_corners)
+    unit_mesh = mirrored_mesh(
+        lambda: outline.draw(unit_grading, growth),
+        element_size,
+        order,
+        cells,
+        outline.settle,
+    )
+    mesh = unit_mesh.scaled(float(length_unit))
     return BodyMesh(name, mesh, grading, mesh_quality(mesh, _area(shape, face)), _supports(shape))
 
 
@@ -244,7 +253,7 @@ class _Outline:
         self._half_width, self._height, self._drop = rounded(
             [half_width, height, face_drop]
         ).tolist()
-        self._foot = (self._half_width, -self._height)
+        self._foot = (self._half_width, -self._height)  # lower end of the side
         supports = _supports(shape)
         self._is_sharp_at_base = supports["base"] == "fixed" and "sides" not in supports
         self._at_step: list[tuple[float, float]] = []  # from the face downwards
@@ -369,7 +378,9 @@ class _Outline:
         return start + (np.array(places[1:]) - start) * (end - start) / (places[-1] - start)
 
     def settle(self, points: Array, named_nodes: dict[str, Indices]) -> Array:
-        """Mid-side points of straight curves onto the face, at the mean x of their corners."""
+        """Nodes (n, 2) with those on the face moved in y onto its true profile: gmsh puts mid-side
+        nodes on the chord between two corners.
+        """
         settled_points = points.copy()
         nodes = named_nodes["contact"]
         if self._face.arc is None or points[nodes, 0].max() < self._face.arc[0] / self._length:

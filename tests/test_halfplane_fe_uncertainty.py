@@ -254,7 +254,7 @@ def test_what_a_mesh_lets_creep_may_belong_to_the_zone_of_permanent_stick() -> N
     slip = np.array([[0.0], [1.0]]) * largest
     is_closed = np.ones(slip.shape, dtype=bool)
     zone = creeping_zone(scene, x, slip, is_closed)
-    wider_zone = creeping_zone(scene, x, slip, is_closed, times=10.0)
+    wider_zone = creeping_zone(scene, x, slip, is_closed, range_factor=10.0)
     np.testing.assert_allclose(zone, [-0.3, 0.3], atol=0.01)
     np.testing.assert_allclose(wider_zone, [-0.5, 0.5], atol=0.01)
     assert np.isnan(creeping_zone(scene, x, slip + np.ones(201), ~is_closed)).all()
