@@ -8,6 +8,7 @@ exact. All else: `answer_on_grids`. The question and the record are made in `ans
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -27,6 +28,13 @@ from semi_analytic.answer import (
 )
 from semi_analytic.answer_by_memory import by_memory
 from semi_analytic.bulk_and_tilt import one_curve, path_loads_and_contact, steady_curve
+
+# The C library of Linux gives every array of more than 128 kB fresh memory, page by page, which
+# takes a fifth of the time of all fields; once a larger block was freed it uses memory again for
+# arrays up to the size of that. No page of this block is ever touched.
+_REUSED_ARRAYS = 24 * 2**20  # bytes
+with suppress(MemoryError):
+    bytes(_REUSED_ARRAYS)
 
 
 def solve(

@@ -3,6 +3,8 @@ paper, planted faults.
 """
 
 import math
+import platform
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ import pytest
 import semi_analytic.fields
 import semi_analytic.history
 import semi_analytic.load_series
+from command_line import start
 from problems import errors, problems
 from reports.comparison import laws
 from scene_cases import CASES, scene_of
@@ -689,3 +692,26 @@ def test_what_has_no_answer_is_refused_in_a_sentence(question, words):
     with pytest.raises(InputError, match=words) as refusal:
         question()
     assert "\n" not in str(refusal.value)
+
+
+PAGES_OF_A_SOLVE = """
+import resource
+import semi_analytic
+def fresh_pages():
+    return resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+for _ in range(3):
+    semi_analytic.solve("hertz-paper")
+before = fresh_pages()
+for _ in range(10):
+    semi_analytic.solve("hertz-paper")
+print((fresh_pages() - before) / 10)
+"""
+
+
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="another C library's allocator")
+def test_a_solve_uses_the_memory_of_the_one_before(tmp_path: Path) -> None:
+    """Some thousand fresh pages of 4 kB for each would take a fifth of its time."""
+    with start(tmp_path, program=("-c", PAGES_OF_A_SOLVE)) as running:
+        printed, _ = running.communicate()
+    assert running.returncode == 0
+    assert float(printed) < 300
