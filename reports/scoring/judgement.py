@@ -62,8 +62,8 @@ _LEAST_SIZE = 0.005
 _NO_HELP = 0.98
 # Values in contact of which neighbours do not tell noise from what two causes at once make.
 _FEW_VALUES = 40
-# Causes whose theory takes longest.
-_OF_MODEL = (SMALL_BODY, SOFT_NORMAL)
+# Faults of the model: bodies of finite size, faces with a soft layer. Their theory takes longest.
+_MODEL_FAULTS = (SMALL_BODY, SOFT_NORMAL)
 # Of the square of the difference, what a cause leaves that is exact.
 _EXACT = 1e-6
 # Explanations of the pressure that the shear decides between.
@@ -129,27 +129,28 @@ class Judgement:
         """Which known faults (causes) explain the difference of a result from the reference, first
         in the pressure, then in the shear.
 
-        Of several explanations that one counts which leaves least; those that the file does not
-        tell apart from it are its rivals.
+        Of several explanations the one that leaves least of the difference is named, of equal ones
+        the one with the fewest causes. Those that the file does not tell apart from it are its
+        rivals.
         """
         pressure_fits = self._fits_of_pressure()
-        explanations: list[Fit] = []
+        explanations_of_both: list[Fit] = []
         fits_of_pressure_alone: list[Fit] = []
         for pressure_fit in pressure_fits:
             fits_of_both = self._with_shear(pressure_fit)
-            explanations += fits_of_both
+            explanations_of_both += fits_of_both
             if not fits_of_both:
                 fits_of_pressure_alone += self._named_alone(pressure_fit)
-        if not explanations:
-            explanations += self._with_small_body(fits_of_pressure_alone)
-        explanations += self._fitted_jointly(pressure_fits, explanations)
-        candidates = explanations or fits_of_pressure_alone
+        if not explanations_of_both:
+            explanations_of_both += self._explanations_with_small_body(fits_of_pressure_alone)
+        explanations_of_both += self._joint_fits(pressure_fits, explanations_of_both)
+        candidates = explanations_of_both or fits_of_pressure_alone
         if not candidates:
             return Verdict(None)
         # A cause that needs a size to do what another does without is no rival: a tilt of a
         # parabola is an offset of just that size, half a cycle late is the other sign of Q.
-        least_fit = min(candidates, key=lambda fit: fit.square(self.channels))
-        best_fit = min(candidates, key=lambda fit: self._rank(fit, least_fit))
+        closest_fit = min(candidates, key=lambda fit: fit.square(self.channels))
+        best_fit = min(candidates, key=lambda fit: self._rank(fit, closest_fit))
         rivals = tuple(
             fit
             for fit in candidates
@@ -157,7 +158,7 @@ class Judgement:
             and not self._told_apart(fit, best_fit)
             and fit.parameters <= best_fit.parameters
         )
-        return Verdict(best_fit, rivals, is_shear_left=not explanations)
+        return Verdict(best_fit, rivals, is_shear_left=not explanations_of_both)
 
     def _rank(self, fit: Fit, least_fit: Fit) -> tuple[bool, int, int, float]:
         """For sorting: what does as well as the best first, of these the fewest causes, then the
@@ -178,29 +179,25 @@ class Judgement:
         left = share_left(pressure_fit, self.no_cause, (PRESSURE,))
         return [fit] if left <= _ALONE or self.is_right(pressure_fit, PRESSURE) else []
 
-    def _with_small_body(self, pressure_fits: Sequence[Fit]) -> list[Fit]:
+    def _explanations_with_small_body(self, pressure_fits: Sequence[Fit]) -> list[Fit]:
         """Explanations of pressure and shear by bodies that are too small. They are tried in place
         of a wrong modulus E* where that explains the pressure (among `pressure_fits`) but not the
         shear.
 
         Under a constant P a rigid base that is near changes the pressure as another radius does.
         """
+        fits_with_modulus = [fit for fit in pressure_fits if "stiffness" in fit.keys]
+        if not fits_with_modulus:
+            return []
+        causes = (SMALL_BODY, *_without_width_causes(fits_with_modulus[0]))
         explanations = []
-        for fit in pressure_fits:
-            if "stiffness" not in fit.keys:
-                continue
-            causes = (SMALL_BODY, *_without_size(fit))
-            for small_body in self._explanations([causes], self.no_cause, (PRESSURE,)):
-                explanations += self._with_shear(small_body)
-            # one fit with a wrong modulus is enough
-            break
+        for fit_of_pressure in self._explanations([causes], self.no_cause, (PRESSURE,)):
+            explanations += self._with_shear(fit_of_pressure)
         return explanations
 
-    def _fitted_jointly(
-        self, pressure_fits: Sequence[Fit], explanations: Sequence[Fit]
-    ) -> list[Fit]:
-        """The best explanation of the difference again, with its causes of the pressure replaced by
-        those of each other fit of the pressure, and all sizes fitted to pressure and shear at once.
+    def _joint_fits(self, pressure_fits: Sequence[Fit], explanations: Sequence[Fit]) -> list[Fit]:
+        """Fits of pressure and shear at once that replace, in the best explanation, the causes of
+        the pressure by those of each fit of the pressure; all sizes are fitted again.
 
         Sizes that were fitted to a noisy pressure alone may be too far off for the shear to decide
         between the explanations.
@@ -217,10 +214,11 @@ class Judgement:
         best_explanation = min(explanations, key=lambda fit: fit.square(self.channels))
         if best_explanation.square(self.channels) <= _EXACT * self.no_cause.square(self.channels):
             return []
-        starts_of_best = [fit for fit in pressure_fits if fit.keys <= best_explanation.keys]
-        if not starts_of_best:
+        pressure_fits_of_best = [fit for fit in pressure_fits if fit.keys <= best_explanation.keys]
+        if not pressure_fits_of_best:
             return []
-        n_causes_of_pressure = len(starts_of_best[0].causes)
+        # the causes of the pressure come first in an explanation, then those of the shear
+        n_causes_of_pressure = len(pressure_fits_of_best[0].causes)
         joint_fits = []
         for pressure_fit in pressure_fits:
             causes = (*pressure_fit.causes, *best_explanation.causes[n_causes_of_pressure:])
@@ -246,7 +244,7 @@ class Judgement:
         if self.is_right(no_cause, PRESSURE) and self.discrepancy.is_within(PRESSURE):
             return [no_cause]
         causes = [cause for cause in CAUSES if cause.channel == PRESSURE]
-        quick_causes = [cause for cause in causes if cause not in _OF_MODEL]
+        quick_causes = [cause for cause in causes if cause not in _MODEL_FAULTS]
         single_fits = self._explanations_of_pressure([(cause,) for cause in quick_causes])
         if self._needs_no_pair(single_fits):
             return self._near_the_best(single_fits) or [no_cause]
@@ -254,7 +252,7 @@ class Judgement:
             self._pairs_worth_trying(single_fits, quick_causes)
         )
         # Few values may not show more than chance, and a pair is no way around that.
-        best_single = self._best_single(quick_causes)
+        best_single = self._best_single_fit(quick_causes)
         if best_single is not None:
             fits_of_pairs = [
                 fit for fit in fits_of_pairs if self._better(fit, best_single, (PRESSURE,))
@@ -268,28 +266,31 @@ class Judgement:
         values, which may look like noise by chance, next to nothing must be left.
         """
         if not single_fits:
-            best_cause = self.no_cause
-            is_right = best_cause.is_noise((PRESSURE,))
+            best_fit = self.no_cause
+            is_right = best_fit.is_noise((PRESSURE,))
         else:
-            best_cause = single_fits[0]
-            is_right = self.is_right(best_cause, PRESSURE)
-        is_exact = share_left(best_cause, self.no_cause, (PRESSURE,)) <= _COMPLETE
-        return is_right and (is_exact or best_cause.count((PRESSURE,)) >= _FEW_VALUES)
+            best_fit = single_fits[0]
+            is_right = self.is_right(best_fit, PRESSURE)
+        is_nearly_all_explained = share_left(best_fit, self.no_cause, (PRESSURE,)) <= _COMPLETE
+        return is_right and (is_nearly_all_explained or best_fit.count((PRESSURE,)) >= _FEW_VALUES)
 
     def _explanations_of_pressure(self, choices: Sequence[tuple[Cause, ...]]) -> list[Fit]:
         """Fits that explain the pressure, the best first; those of bodies and layers beside the
         best factor.
         """
         fits = self._explanations(choices, self.no_cause, (PRESSURE,))
-        fits += self._explanations(self._of_model(fits), self.no_cause, (PRESSURE,))
+        fits += self._explanations(self._choices_with_model_fault(fits), self.no_cause, (PRESSURE,))
         return sorted(fits, key=lambda fit: fit.square((PRESSURE,)))
 
     def _pairs_worth_trying(
         self, single_fits: Sequence[Fit], quick_causes: Sequence[Cause]
     ) -> list[tuple[Cause, ...]]:
-        """Pairs of causes that are worth a fit: any two that help alone, the one that helps most
-        with any other, and a cause without a size (a sign, a swap) with any other, since beside
-        such a cause no other one helps alone.
+        """Pairs of causes that are worth a fit to the pressure, as combinations that may occur
+        together.
+
+        They are any two of which each alone leaves less of the difference than no cause; the one of
+        these that leaves least with any other; and a cause without a size (a sign, a swap) with any
+        other, since beside such a cause no other one helps alone.
 
         Parameters
         ----------
@@ -321,7 +322,7 @@ class Judgement:
         fit = self.search.fit((cause,), (PRESSURE,))
         return np.inf if fit is None else share_left(fit, self.no_cause, (PRESSURE,))
 
-    def _best_single(self, causes: Sequence[Cause]) -> Fit | None:
+    def _best_single_fit(self, causes: Sequence[Cause]) -> Fit | None:
         """The fit of one cause (known fault) that leaves least of the pressure difference, of the
         `causes` tried, whether or not chance could do as much. None where each leaves a third or
         more.
@@ -329,7 +330,7 @@ class Judgement:
         possible_fits = []
         for cause in causes:
             fit = self.search.fit((cause,), (PRESSURE,))
-            if fit is None or self._is_contradicted(fit):
+            if fit is None or self._sum_of_pressures_contradicts(fit):
                 continue
             if share_left(fit, self.no_cause, (PRESSURE,)) < MOST_LEFT:
                 possible_fits.append(fit)
@@ -340,23 +341,25 @@ class Judgement:
         fits_alone = [self.search.fit((cause,), (PRESSURE,)) for cause in pair.causes]
         return all(fit is None or self._better(pair, fit, (PRESSURE,)) for fit in fits_alone)
 
-    def _of_model(self, fits: Sequence[Fit]) -> list[tuple[Cause, ...]]:
-        """Combinations of causes to try next, in each of which a fault of the model takes the place
-        of a wrong factor of E*, loads or x: bodies too small, or faces that sink into each other.
+    def _choices_with_model_fault(self, fits: Sequence[Fit]) -> list[tuple[Cause, ...]]:
+        """Combinations of causes to try next: a fault of the model in place of the cause of a wrong
+        width of contact. Such causes are wrong factors of E*, loads or x; faults of the model are
+        bodies of finite size, and faces with a soft layer. Both change the width alike.
 
-        Both change the contact's width alike. `fits` are the fits of such factors. Empty where the
-        best factor explains everything exactly.
+        `fits` are the fits tried before. Empty where the best one leaves nothing of the difference.
         """
         if not fits:
             is_noise = self.no_cause.is_noise((PRESSURE,))
-            return [] if is_noise else [(cause,) for cause in _OF_MODEL]
-        fits_with_size = [fit for fit in fits if any(cause.group == "size" for cause in fit.causes)]
-        if not fits_with_size:
+            return [] if is_noise else [(cause,) for cause in _MODEL_FAULTS]
+        fits_with_other_width = [
+            fit for fit in fits if any(cause.group == "size" for cause in fit.causes)
+        ]
+        if not fits_with_other_width:
             return []
-        best_fit = min(fits_with_size, key=lambda fit: fit.square((PRESSURE,)))
+        best_fit = min(fits_with_other_width, key=lambda fit: fit.square((PRESSURE,)))
         if best_fit.square((PRESSURE,)) <= _EXACT * self.no_cause.square((PRESSURE,)):
             return []
-        return [(cause, *_without_size(best_fit)) for cause in _OF_MODEL]
+        return [(cause, *_without_width_causes(best_fit)) for cause in _MODEL_FAULTS]
 
     def _near_the_best(self, fits: Sequence[Fit]) -> list[Fit]:
         """Of fits with the best first, the few that the pressure does not tell apart from it."""
@@ -397,7 +400,7 @@ class Judgement:
             return False
         if SHEAR_FACTOR in fit.causes and not self._is_factor_of_shear(fit, fit_before):
             return False
-        return not self._is_contradicted(fit)
+        return not self._sum_of_pressures_contradicts(fit)
 
     def _is_factor_of_shear(self, fit: Fit, fit_before: Fit) -> bool:
         """Whether the shear tractions of a result are right but for one constant factor, as a fit
@@ -416,37 +419,44 @@ class Judgement:
         """
         if share_left(fit, fit_before, (SHEAR,)) > _ALONE:
             return False
-        weight = self.discrepancy.weight
+        weight_of_points = self.discrepancy.weight
         # integrals of the shear over x, one for each instant
-        integrals = np.sum(weight * self.discrepancy.result_tractions[SHEAR], axis=1)
-        predicted_integrals = np.sum(weight * fit.predicted[SHEAR], axis=1)
-        sum_of_squares = float(predicted_integrals @ predicted_integrals)
-        if not sum_of_squares:
+        shear_integrals = np.sum(
+            weight_of_points * self.discrepancy.result_tractions[SHEAR], axis=1
+        )
+        predicted_shear_integrals = np.sum(weight_of_points * fit.predicted[SHEAR], axis=1)
+        square_of_predicted = float(predicted_shear_integrals @ predicted_shear_integrals)
+        if not square_of_predicted:
             return False
         factor = float(np.exp(fit.sizes[fit.causes.index(SHEAR_FACTOR)]))
-        ratio = float(integrals @ predicted_integrals) / sum_of_squares
+        ratio = float(shear_integrals @ predicted_shear_integrals) / square_of_predicted
         return abs(ratio - 1) <= _UNMOVED * abs(factor - 1)
 
-    def _is_contradicted(self, fit: Fit) -> bool:
-        """Whether the sum of the pressures over x speaks against a factor of loads, tractions or x
-        among the causes of a fit: P would be another one by that factor. The reason is noted in
-        `reason_by_cause`.
+    def _sum_of_pressures_contradicts(self, fit: Fit) -> bool:
+        """Whether the sum of the result's pressures over x excludes the causes of a fit.
+
+        A wrong factor of loads, pressures or x multiplies this sum by a known factor,
+        `Cause.resultant`. Such a factor is excluded where the sum remains near P. Nodal forces
+        instead of pressures ("coarse_edge") add up to P: they are excluded where the sum is not P.
+        The reason is kept in `reason_by_cause`.
         """
-        factors = [
+        predicted_ratios = [
             cause.resultant(size)
             for cause, size in zip(fit.causes, fit.sizes, strict=True)
             if cause.resultant is not None
         ]
-        if "other_times" in fit.keys:  # where P is another one
+        if "other_times" in fit.keys:  # P of another instant: the sum has no known value
             return False
-        sum_over_load = self.discrepancy.resultant_ratio
-        reason = f"the sum of the pressures is {sum_over_load:.4g} P"
-        if "coarse_edge" in fit.keys and not factors and abs(sum_over_load - 1) > _SAME_RESULTANT:
+        measured_ratio = self.discrepancy.resultant_ratio
+        reason = f"the sum of the pressures is {measured_ratio:.4g} P"
+        is_sum_wrong = abs(measured_ratio - 1) > _SAME_RESULTANT
+        if "coarse_edge" in fit.keys and not predicted_ratios and is_sum_wrong:
             self.reason_by_cause["coarse_edge"] = reason
             return True
-        if len(factors) != 1 or not np.isfinite(sum_over_load):
+        if len(predicted_ratios) != 1 or not np.isfinite(measured_ratio):
             return False
-        if abs(sum_over_load - 1) > _UNMOVED * abs(factors[0] - 1):
+        # the sum follows the predicted factor at least in part
+        if abs(measured_ratio - 1) > _UNMOVED * abs(predicted_ratios[0] - 1):
             return False
         if len(fit.causes) == 1:
             self.reason_by_cause[fit.causes[0].key] = reason
@@ -476,7 +486,7 @@ class Judgement:
             return []
         if self.is_right(fit_before, SHEAR):
             return [fit_before] if fit_before.causes else []
-        explanations = self._causes_of_shear(fit_before, 1)
+        explanations = self._explanations_by_shear_causes(fit_before, 1)
         if self._is_shear_explained(explanations):
             return explanations
         if len(fit_before.causes) < 2:
@@ -486,7 +496,7 @@ class Judgement:
         # Two causes of the shear are looked for only where the pressure is right without any: where
         # it is wrong and unexplained, the shear, which friction ties to it, says little.
         if not fit_before.causes and self.is_right(pressure_fit, PRESSURE):
-            fits_of_pairs = self._causes_of_shear(fit_before, 2)
+            fits_of_pairs = self._explanations_by_shear_causes(fit_before, 2)
             if explanations:
                 fits_of_pairs = [
                     fit for fit in fits_of_pairs if self._better(fit, explanations[0], (SHEAR,))
@@ -498,13 +508,14 @@ class Judgement:
         """Whether the best of them leaves noise alone."""
         return bool(explanations) and self.is_right(explanations[0], SHEAR)
 
-    def _causes_of_shear(self, fit_before: Fit, count: int) -> list[Fit]:
-        """Explanations of the shear by `count` causes (known faults) beside those of `fit_before`,
-        which explain the pressure; two causes in all at most; the best first.
+    def _explanations_by_shear_causes(self, fit_before: Fit, count: int) -> list[Fit]:
+        """Fits that explain the shear by `count` causes beside those of `fit_before`, which explain
+        the pressure; the best first. Empty where that makes more than two causes.
         """
         if len(fit_before.causes) + count > 2:
             return []
-        causes = [
+        # causes of the pressure that may show in the shear alone: other instants, nodal forces
+        possible_causes = [
             cause
             for cause in CAUSES
             if (cause.channel == SHEAR and cause.key != COUPLING.key)
@@ -512,7 +523,7 @@ class Judgement:
         ]
         choices = [
             (*fit_before.causes, *chosen_causes)
-            for chosen_causes in itertools.combinations(causes, count)
+            for chosen_causes in itertools.combinations(possible_causes, count)
         ]
         return self._explanations_of_shear(filter(_may_meet, choices), fit_before)
 
@@ -542,8 +553,8 @@ class Judgement:
         """Try combinations of causes (known faults): the fits that explain what `fit_before` leaves
         of the shear; the best first.
 
-        A fit counts where it leaves of the pressure at most twice the square that `fit_before`
-        leaves: causes of the shear hardly touch the pressure. `choices` are the combinations.
+        A fit counts where its mean square difference of the pressure is at most twice that of
+        `fit_before`: causes of the shear hardly touch the pressure. `choices` are the combinations.
         """
         explanations = []
         for causes in choices:
@@ -559,24 +570,26 @@ class Judgement:
 
     # -------------------------------------------------------------------------------- comparison
     def is_right(self, fit: Fit, channel: int) -> bool:
-        """Whether a fit of causes leaves nothing of a traction (channel: pressure or shear) but
-        noise, or what its tolerance allows. The fit without a cause counts as right within the
+        """Whether a fit of causes leaves nothing of a traction but noise, or what its tolerance
+        allows. `channel` is PRESSURE or SHEAR. The fit without a cause is right within the
         tolerance.
         """
         if fit.is_noise((channel,)):
             if channel == PRESSURE:
                 return True
-            # a shear that scatters more than the pressure holds more than noise
+            # A shear that scatters more than the pressure holds more than noise. `noisier` is the
+            # most that its noise may be of that of the pressure.
             if fit.square((SHEAR,)) <= max(fit.square((PRESSURE,)), ROUND_OFF) * fit.noisier**2:
                 return True
         if not fit.causes:
             return self.discrepancy.is_within(channel)
-        # Behind a factor of units the difference is far larger than the tractions.
-        square_left = fit.square((channel,)) - fit.noise((channel,))
-        square_of_traction = self.discrepancy.residual(0 * fit.predicted, channel).square
+        # With a factor of units the difference is far larger than the tractions: what is left must
+        # be small beside both.
+        mean_square_left = fit.square((channel,)) - fit.noise((channel,))
+        mean_square_of_traction = self.discrepancy.residual(0 * fit.predicted, channel).square
         return (
             share_left(fit, self.no_cause, (channel,)) <= _COMPLETE
-            and square_left <= _COMPLETE**2 * square_of_traction
+            and mean_square_left <= _COMPLETE**2 * mean_square_of_traction
         )
 
     def is_whole(self, fit: Fit) -> bool:
@@ -603,8 +616,8 @@ class Judgement:
         )
 
 
-def _without_size(fit: Fit) -> tuple[Cause, ...]:
-    """The causes of a fit but for those that change widths."""
+def _without_width_causes(fit: Fit) -> tuple[Cause, ...]:
+    """The causes of a fit without those that change the width of contact (group "size")."""
     return tuple(cause for cause in fit.causes if cause.group != "size")
 
 

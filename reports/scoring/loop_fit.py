@@ -96,11 +96,11 @@ class LoopRows:
             [range_of_load, range_of_load, range_of_shift / range_of_load, range_of_shift]
         )
 
-    def rig(
+    def fitted_rig(
         self, displacement: Array, rows: NDArray[np.bool_] | None = None
     ) -> tuple[float, float]:
-        """The rig that fits the rows best: C and U0 of U = U_theory + C Q + U0, by linear least
-        squares.
+        """The rig that fits the rows best: C [1/stress] and U0 [length] of U = U_theory + C Q + U0,
+        by linear least squares. C is the stated one where there is one.
 
         Parameters
         ----------
@@ -115,8 +115,8 @@ class LoopRows:
         if self.compliance is not None:
             return self.compliance, float(np.mean(displacement_of_rig - self.compliance * load))
         columns = np.column_stack([load, np.ones_like(displacement_of_rig)])
-        slope, origin = np.linalg.lstsq(columns, displacement_of_rig, rcond=None)[0]
-        return float(slope), float(origin)
+        compliance, origin = np.linalg.lstsq(columns, displacement_of_rig, rcond=None)[0]
+        return float(compliance), float(origin)
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,14 +223,14 @@ class LoopsOverFriction:
         step = round(place)
         if abs(place - step) < 1e-9:
             return self._solved_at(step)
-        values, _ = _cubic(place - math.floor(place))
+        values, _ = _cubic_weights(place - math.floor(place))
         return np.asarray(values @ self._solved_around(place))
 
     def shift_by_log_friction(self, friction: float) -> Array:
         """Derivative of U by ln f (m,)."""
         # The root has no derivative at gross sliding itself: that just above is taken.
         place = max(self._place(friction), 1e-3)
-        _, rates = _cubic(place - math.floor(place))
+        _, rates = _cubic_weights(place - math.floor(place))
         return np.asarray(rates @ self._solved_around(place)) / (2 * _ROOT_STEP**2 * place)
 
     def _place(self, friction: float) -> float:
@@ -255,8 +255,8 @@ class LoopsOverFriction:
         """Numbers of the instants of theory's cycle at which a row of the rising branch (True), or
         of the falling one (False), may lie.
 
-        They are those of the branch itself, and those of the other branch just before and just
-        behind it, since noise can lay a row beyond the turning point.
+        They are those of the branch itself, and those of the other branch before and behind it in
+        which Q is near to the turning point (`_BESIDE_TURN`): noise can lay a row beyond it.
         """
         load_of_cycle = self.load[:-1]
         n_instants = len(load_of_cycle)
@@ -269,10 +269,10 @@ class LoopsOverFriction:
             last_beside = end + self._count_beside(
                 load_of_cycle[(end + np.arange(1, n_instants // 2)) % n_instants]
             )
-            ranges = ((begin, end), (first_beside, begin), (end, last_beside))
+            spans_of_instants = ((begin, end), (first_beside, begin), (end, last_beside))
             parts[rising] = [
                 np.arange(first_instant, last_instant + 1)
-                for first_instant, last_instant in ranges
+                for first_instant, last_instant in spans_of_instants
                 if last_instant > first_instant
             ]
         return parts
@@ -286,24 +286,27 @@ class LoopsOverFriction:
         away = np.flatnonzero(to_end > margin)
         return int(away[0]) if len(away) else len(load)
 
-    def first_rig(
-        self, rows: LoopRows, friction: float, highest: float, lowest: float
+    def start_of_rig(
+        self, rows: LoopRows, friction: float, highest_load: float, lowest_load: float
     ) -> tuple[float, float]:
-        """C and U0 of the rig from which a fit begins, U = r U_theory + C Q + U0. Each row is laid
-        on theory's loop where Q is its own, on its own branch. Rows near the turning points, where
-        that place is not certain, are left out as long as enough others remain.
+        """C [1/stress] and U0 [length] of the rig from which a fit begins, U = r U_theory + C Q +
+        U0.
+
+        Each row is compared with theory's loop at the same Q, on the same branch. Rows near the
+        turning points, where the branch is not certain, are left out as long as more than eight
+        others remain.
 
         Parameters
         ----------
         friction
             f of the file, whose Q is r times that of the scene
-        highest, lowest
+        highest_load, lowest_load
             Q at the upper and at the lower turning point of the rows
         """
-        scale = self.scale(highest, lowest)
-        shift = self.shift(friction / scale)
-        share_of_range = (rows.load - lowest) / (highest - lowest)
-        load_of_scene = self.load.min() + self.range_of_load * np.clip(share_of_range, 0.0, 1.0)
+        scale = self.scale(highest_load, lowest_load)
+        shift_of_scene = self.shift(friction / scale)
+        fraction_of_range = (rows.load - lowest_load) / (highest_load - lowest_load)
+        load_of_scene = self.load.min() + self.range_of_load * np.clip(fraction_of_range, 0.0, 1.0)
         n_instants = len(self.load) - 1
         shift_at_rows = np.empty(len(rows.load))
         for rising in (True, False):
@@ -311,20 +314,20 @@ class LoopsOverFriction:
             begin, end = self.turns(rising=rising)
             instants = np.arange(begin, end + 1) % n_instants
             instants_by_load = instants if rising else instants[::-1]
-            rising_loads = np.maximum.accumulate(self.load[instants_by_load])
+            ascending_loads = np.maximum.accumulate(self.load[instants_by_load])
             shift_at_rows[is_on_branch] = np.interp(
-                load_of_scene[is_on_branch], rising_loads, shift[instants_by_load]
+                load_of_scene[is_on_branch], ascending_loads, shift_of_scene[instants_by_load]
             )
-        is_in_middle = (share_of_range > _MIDDLE[0]) & (share_of_range < _MIDDLE[1])
-        return rows.rig(
-            scale * shift_at_rows, is_in_middle if np.count_nonzero(is_in_middle) > 8 else None
-        )
+        is_in_middle = (fraction_of_range > _MIDDLE[0]) & (fraction_of_range < _MIDDLE[1])
+        rows_that_count = is_in_middle if np.count_nonzero(is_in_middle) > 8 else None
+        return rows.fitted_rig(scale * shift_at_rows, rows_that_count)
 
     def nearest_points(
         self, rows: LoopRows, friction: float, terms: Array, weights: Weights
     ) -> NearestPoints:
         """The point of theory's loop that is nearest to each row, on the branch of the row or just
-        beyond its turning points: place, distance and direction, in sigma of U and of Q.
+        beyond its turning points: place (instant of the loop, with a fraction), distance and unit
+        vector, in sigma of U and of Q.
 
         Parameters
         ----------
@@ -335,33 +338,33 @@ class LoopsOverFriction:
         weights
             sigma of U and of Q, by which both are divided
         """
-        highest, lowest, compliance, origin = terms.tolist()
-        scale = self.scale(highest, lowest)
-        load_of_loop = lowest + scale * (self.load - self.load.min())
+        highest_load, lowest_load, compliance, origin = terms.tolist()
+        scale = self.scale(highest_load, lowest_load)
+        load_of_loop = lowest_load + scale * (self.load - self.load.min())
         shift_of_loop = scale * self.shift(friction / scale) + compliance * load_of_loop + origin
         n_instants = len(self.load) - 1
-        points = np.empty((4, len(rows.load)))
+        # for each row: place, distance, unit vector in U and in Q
+        nearest = np.empty((4, len(rows.load)))
+        nearest[1] = math.inf
         row_points = np.array([rows.shift / weights.shift, rows.load / weights.load])
         loop_points = np.array([shift_of_loop / weights.shift, load_of_loop / weights.load])
-        # rows of `points`: place, distance, unit vector in U and in Q
-        points[1] = math.inf
-        for rising in (True, False):
-            rows_of_branch = np.flatnonzero(rows.branches.rising == rising)
-            for instants in self.branch_parts[rising]:
-                line_of_part = loop_points[:, instants % n_instants]
+        for is_branch_rising in (True, False):
+            rows_of_branch = np.flatnonzero(rows.branches.rising == is_branch_rising)
+            for instants in self.branch_parts[is_branch_rising]:
+                polyline = loop_points[:, instants % n_instants]
                 for begin in range(0, len(rows_of_branch), _ROWS_AT_ONCE):
-                    block = rows_of_branch[begin : begin + _ROWS_AT_ONCE]
-                    candidate = nearest_on_line(row_points[:, block], line_of_part)
+                    rows_of_block = rows_of_branch[begin : begin + _ROWS_AT_ONCE]
+                    candidate = nearest_on_polyline(row_points[:, rows_of_block], polyline)
                     candidate[0] += instants[0]
-                    is_nearer = np.abs(candidate[1]) < np.abs(points[1, block])
-                    points[:, block[is_nearer]] = candidate[:, is_nearer]
-        return NearestPoints(*points)
+                    is_nearer = np.abs(candidate[1]) < np.abs(nearest[1, rows_of_block])
+                    nearest[:, rows_of_block[is_nearer]] = candidate[:, is_nearer]
+        return NearestPoints(*nearest)
 
     def distances(self, rows: LoopRows, friction: float, terms: Array, weights: Weights) -> Array:
         """Of the rows from their branches in sigma (n,)."""
         return self.nearest_points(rows, friction, terms, weights).distance
 
-    def with_derivatives(
+    def distances_with_derivatives(
         self, rows: LoopRows, friction: float, terms: Array, weights: Weights
     ) -> tuple[Array, Array]:
         """Distances of the rows from theory's loop in sigma (n,), and their derivatives by ln f,
@@ -376,50 +379,50 @@ class LoopsOverFriction:
         weights
             sigma of U and of Q
         """
-        highest, lowest, compliance, _ = terms.tolist()
+        highest_load, lowest_load, compliance, _ = terms.tolist()
         # r: range of Q of these turning points over that of the scene
-        scale = self.scale(highest, lowest)
-        points = self.nearest_points(rows, friction, terms, weights)
-        shift = self.shift(friction / scale)
+        scale = self.scale(highest_load, lowest_load)
+        points_on_loop = self.nearest_points(rows, friction, terms, weights)
+        shift_of_scene = self.shift(friction / scale)
         shift_by_log = self.shift_by_log_friction(friction / scale)
         instants = np.arange(len(self.load))
         # place of the nearest point in the scene's cycle, as a number of instants
-        place = np.mod(points.place, len(self.load) - 1)
-        share_of_range = (
+        place = np.mod(points_on_loop.place, len(self.load) - 1)
+        fraction_of_range = (
             np.interp(place, instants, self.load - self.load.min()) / self.range_of_load
         )
-        shift_at_place = np.interp(place, instants, shift)
+        shift_at_place = np.interp(place, instants, shift_of_scene)
         shift_by_log_at_place = scale * np.interp(place, instants, shift_by_log)
-        load_at_place = lowest + (highest - lowest) * share_of_range
+        load_at_place = lowest_load + (highest_load - lowest_load) * fraction_of_range
         # Of the loop's point: the nearest place moves along the loop only, across which the
         # distance is measured. U depends on r by r U(tau; f/r).
         shift_by_range = (shift_at_place - shift_by_log_at_place / scale) / self.range_of_load
         shift_derivatives = np.column_stack(
             [
                 shift_by_log_at_place,
-                shift_by_range + compliance * share_of_range,
-                -shift_by_range + compliance * (1 - share_of_range),
+                shift_by_range + compliance * fraction_of_range,
+                -shift_by_range + compliance * (1 - fraction_of_range),
                 load_at_place,
-                np.ones_like(share_of_range),
+                np.ones_like(fraction_of_range),
             ]
         )
         load_derivatives = np.zeros_like(shift_derivatives)
         # Q of the point by highest and lowest Q
-        load_derivatives[:, 1] = share_of_range
-        load_derivatives[:, 2] = 1 - share_of_range
+        load_derivatives[:, 1] = fraction_of_range
+        load_derivatives[:, 2] = 1 - fraction_of_range
         derivatives = (
-            -points.shift_part[:, None] * shift_derivatives / weights.shift
-            - points.load_part[:, None] * load_derivatives / weights.load
+            -points_on_loop.shift_part[:, None] * shift_derivatives / weights.shift
+            - points_on_loop.load_part[:, None] * load_derivatives / weights.load
         )
-        return points.distance, derivatives
+        return points_on_loop.distance, derivatives
 
 
-def _cubic(x: float) -> tuple[Array, Array]:
-    """Lagrange's cubic through values at the nodes -1, 0, 1 and 2: the weight of each value in the
-    cubic at the place `x` (4,), and in its derivative there (4,).
+def _cubic_weights(x: float) -> tuple[Array, Array]:
+    """Weights of the four values at the nodes -1, 0, 1 and 2 in Lagrange's cubic through them: in
+    its value at `x`, (4,), and in its derivative there, (4,).
 
     >>> at = np.array([-1.0, 0.0, 1.0, 2.0])
-    >>> values, rates = _cubic(0.5)
+    >>> values, rates = _cubic_weights(0.5)
     >>> float(values @ at**3), float(rates @ at**3)
     (0.125, 0.75)
     """
@@ -439,64 +442,69 @@ def _cubic(x: float) -> tuple[Array, Array]:
     return weights, weights_of_derivative
 
 
-def nearest_on_line(rows: Array, line: Array) -> Array:
-    """The point of a line of straight pieces that is nearest to each row.
+def nearest_on_polyline(points: Array, polyline: Array) -> Array:
+    """The point of a polyline that is nearest to each of n points.
 
-    Returns (4, n): the place on the line, counted in pieces from its begin; the distance, positive
-    on the left of the line; and the unit normal, to the left. The nearest of every sixteenth corner
-    comes first, then the nearest corner around it. The line does not fold back.
+    Returns (4, n): the place on the polyline (index of its segment plus the fraction of it that is
+    passed); the distance, positive on the left of the polyline; and the unit normal, to the left.
+    The nearest of every sixteenth corner comes first, then the nearest corner around it. The
+    polyline does not fold back.
 
     Parameters
     ----------
-    rows
-        (2, n) coordinates of the rows
-    line
-        (2, m) corners of the line
+    points
+        (2, n) their coordinates
+    polyline
+        (2, m) its corners
 
     Examples
     --------
-    >>> rows = np.array([[1.5, -1.0], [1.0, 0.0]])
-    >>> line = np.array([[0.0, 1.0, 2.0], [0.0, 0.0, 0.0]])
-    >>> np.round(nearest_on_line(rows, line), 12).tolist()
+    >>> points = np.array([[1.5, -1.0], [1.0, 0.0]])
+    >>> polyline = np.array([[0.0, 1.0, 2.0], [0.0, 0.0, 0.0]])
+    >>> np.round(nearest_on_polyline(points, polyline), 12).tolist()
     [[1.5, 0.0], [1.0, 1.0], [0.0, -1.0], [1.0, 0.0]]
     """
-    last_corner = line.shape[1] - 1
+    last_corner = polyline.shape[1] - 1
     coarse_corners = np.minimum(np.arange(0, last_corner + _STRIDE, _STRIDE), last_corner)
-    nearest_corner = coarse_corners[_nearest_corner(rows, line[:, coarse_corners][:, None, :])]
+    nearest_corner = coarse_corners[
+        _nearest_corner(points, polyline[:, coarse_corners][:, None, :])
+    ]
     corners_around = np.clip(
         nearest_corner[:, None] + np.arange(-_STRIDE, _STRIDE + 1), 0, last_corner
     )
-    index_of_nearest = _nearest_corner(rows, line[:, corners_around])
+    index_of_nearest = _nearest_corner(points, polyline[:, corners_around])
     nearest_corner = corners_around[np.arange(len(index_of_nearest)), index_of_nearest]
 
-    # The piece in front of the nearest corner, or the one behind it.
-    piece = np.clip(nearest_corner[:, None] + np.array([-1, 0]), 0, last_corner - 1)
-    begin = line[:, piece]
-    piece_vector = line[:, piece + 1] - begin
-    vector_from_begin = rows[:, :, None] - begin
-    length_squared = np.maximum(np.sum(piece_vector**2, axis=0), 1e-300)
-    share_of_piece = np.clip(
-        np.sum(vector_from_begin * piece_vector, axis=0) / length_squared, 0.0, 1.0
+    # The segment in front of the nearest corner, or the one behind it.
+    segment = np.clip(nearest_corner[:, None] + np.array([-1, 0]), 0, last_corner - 1)
+    segment_start = polyline[:, segment]
+    segment_vector = polyline[:, segment + 1] - segment_start
+    vector_from_start = points[:, :, None] - segment_start
+    length_squared = np.maximum(np.sum(segment_vector**2, axis=0), 1e-300)
+    fraction_of_segment = np.clip(
+        np.sum(vector_from_start * segment_vector, axis=0) / length_squared, 0.0, 1.0
     )
-    vector_to_row = vector_from_begin - share_of_piece * piece_vector
-    index_of_piece = np.argmin(np.sum(vector_to_row**2, axis=0), axis=1)
+    vector_to_point = vector_from_start - fraction_of_segment * segment_vector
+    index_of_segment = np.argmin(np.sum(vector_to_point**2, axis=0), axis=1)
 
-    row_numbers = np.arange(rows.shape[1])
-    share_of_piece = share_of_piece[row_numbers, index_of_piece]
-    piece_vector = piece_vector[:, row_numbers, index_of_piece]
-    vector_to_row = vector_to_row[:, row_numbers, index_of_piece]
-    distance = np.hypot(vector_to_row[0], vector_to_row[1])
-    cross_product = piece_vector[0] * vector_to_row[1] - piece_vector[1] * vector_to_row[0]
+    point_numbers = np.arange(points.shape[1])
+    fraction_of_segment = fraction_of_segment[point_numbers, index_of_segment]
+    segment_vector = segment_vector[:, point_numbers, index_of_segment]
+    vector_to_point = vector_to_point[:, point_numbers, index_of_segment]
+    distance = np.hypot(vector_to_point[0], vector_to_point[1])
+    cross_product = segment_vector[0] * vector_to_point[1] - segment_vector[1] * vector_to_point[0]
     distance = np.where(cross_product < 0, -distance, distance)
-    # Normal of the piece, to its left. Beyond a corner of the line it has the direction from there
-    # to the row, or the opposite one where the row lies on the right.
-    length = np.sqrt(length_squared[row_numbers, index_of_piece])
-    normal_of_piece = np.array([-piece_vector[1], piece_vector[0]]) / length
-    is_at_corner = ((share_of_piece == 0) | (share_of_piece == 1)) & (distance != 0)
+    # Normal of the segment, to its left. Beyond a corner it has the direction from there to the
+    # point, or the opposite one where the point lies on the right.
+    length = np.sqrt(length_squared[point_numbers, index_of_segment])
+    normal_of_segment = np.array([-segment_vector[1], segment_vector[0]]) / length
+    is_at_corner = ((fraction_of_segment == 0) | (fraction_of_segment == 1)) & (distance != 0)
     normal = np.where(
-        is_at_corner, vector_to_row / np.where(is_at_corner, distance, 1.0), normal_of_piece
+        is_at_corner, vector_to_point / np.where(is_at_corner, distance, 1.0), normal_of_segment
     )
-    return np.array([piece[row_numbers, index_of_piece] + share_of_piece, distance, *normal])
+    return np.array(
+        [segment[point_numbers, index_of_segment] + fraction_of_segment, distance, *normal]
+    )
 
 
 def _nearest_corner(rows: Array, corners: Array) -> Indices:
@@ -516,7 +524,7 @@ class _Search:
     rows: LoopRows
     model: LoopsOverFriction
     weights: Weights
-    least: float  # f of gross sliding
+    sliding_friction: float  # f of gross sliding between the turning points of the rows
 
     def residuals(self, friction: float, terms: Array) -> Array:
         """Of the rows, then of the two turning points, each over its sigma: (n + 2,)."""
@@ -534,7 +542,7 @@ class _Search:
         self, friction: float, terms: Array, model: LoopsOverFriction
     ) -> tuple[Array, Array]:
         """The residuals (n + 2,), and their derivatives by ln f and the terms (n + 2, 5)."""
-        of_rows = model.with_derivatives(self.rows, friction, terms, self.weights)
+        of_rows = model.distances_with_derivatives(self.rows, friction, terms, self.weights)
         of_turns = np.zeros((2, 5))
         of_turns[0, 1] = 1 / self.rows.branches.highest.error
         of_turns[1, 2] = 1 / self.rows.branches.lowest.error
@@ -545,7 +553,7 @@ class _Search:
         """Terms from which a fit at this f begins."""
         top = self.rows.branches.highest.load
         bottom = self.rows.branches.lowest.load
-        return np.array([top, bottom, *self.model.first_rig(self.rows, friction, top, bottom)])
+        return np.array([top, bottom, *self.model.start_of_rig(self.rows, friction, top, bottom)])
 
     def first_fit(self, trials: Array) -> tuple[float, Array]:
         """f and the four terms of the best fit (highest Q, lowest Q, and C and U0 of the rig). It
@@ -560,17 +568,17 @@ class _Search:
             (k,) values of f, ascending
         """
         starts = [self.start(friction) for friction in trials.tolist()]
-        sums = np.array(
+        sums_of_squares = np.array(
             [
                 np.sum(self.residuals(friction, start) ** 2)
                 for friction, start in zip(trials.tolist(), starts, strict=True)
             ]
         )
-        sums_with_walls = np.concatenate([[math.inf], sums, [math.inf]])
+        sums_with_walls = np.concatenate([[math.inf], sums_of_squares, [math.inf]])
         local_minima = np.flatnonzero(
-            (sums <= sums_with_walls[:-2]) & (sums <= sums_with_walls[2:])
+            (sums_of_squares <= sums_with_walls[:-2]) & (sums_of_squares <= sums_with_walls[2:])
         )
-        lowest_minima = local_minima[np.argsort(sums[local_minima])][:_MINIMA]
+        lowest_minima = local_minima[np.argsort(sums_of_squares[local_minima])][:_MINIMA]
         fits = [self.best(float(trials[k]), starts[k]) for k in lowest_minima.tolist()]
         _, friction, terms = min(fits, key=lambda fit: fit[0])
         return friction, terms
@@ -599,26 +607,27 @@ class _Search:
         from scipy.optimize import least_squares
 
         is_free = np.array([friction_fitted, True, True, self.rows.compliance is None, True])
-        sizes = np.array([1.0, *self.rows.sizes])[is_free]
-        start_point = np.array([math.log(friction), *start])
-        lowest_log = math.log(self.least) - _BELOW
-        highest_log = math.log(self.least * _WIDEST)
+        typical_sizes = np.array([1.0, *self.rows.sizes])[is_free]
+        start_parameters = np.array([math.log(friction), *start])
+        lowest_log = math.log(self.sliding_friction) - _BELOW
+        highest_log = math.log(self.sliding_friction * _WIDEST)
 
         def friction_and_terms(steps: Array) -> tuple[float, Array]:
-            point = start_point.copy()
-            point[is_free] += steps * sizes
-            return math.exp(min(max(point[0], lowest_log), highest_log)), point[1:]
+            log_friction_and_terms = start_parameters.copy()
+            log_friction_and_terms[is_free] += steps * typical_sizes
+            log_friction = min(max(log_friction_and_terms[0], lowest_log), highest_log)
+            return math.exp(log_friction), log_friction_and_terms[1:]
 
         # The derivatives come with the residuals, and are asked for where these were last.
         @functools.lru_cache(maxsize=2)
         def residuals_and_derivatives(step_bytes: bytes) -> tuple[Array, Array]:
-            point = friction_and_terms(np.frombuffer(step_bytes))
-            residuals, derivatives = self._with_derivatives(*point, self.model)
-            return residuals, derivatives[:, is_free] * sizes
+            log_friction_and_terms = friction_and_terms(np.frombuffer(step_bytes))
+            residuals, derivatives = self._with_derivatives(*log_friction_and_terms, self.model)
+            return residuals, derivatives[:, is_free] * typical_sizes
 
         minimum = least_squares(
             lambda steps: residuals_and_derivatives(steps.tobytes())[0],
-            np.zeros(len(sizes)),
+            np.zeros(len(typical_sizes)),
             jac=lambda steps: residuals_and_derivatives(steps.tobytes())[1],
             method="lm",
             xtol=1e-11,
@@ -635,61 +644,66 @@ class _Search:
         """
         branches = self.rows.branches
         is_rising = branches.rising
-        changes = np.flatnonzero(is_rising[1:] != is_rising[:-1])
-        rows_at_turns = np.unique(np.concatenate([changes, changes + 1]))
+        last_before_change = np.flatnonzero(is_rising[1:] != is_rising[:-1])
+        rows_at_turns = np.unique(np.concatenate([last_before_change, last_before_change + 1]))
         rising_if_moved = is_rising.copy()
         rising_if_moved[rows_at_turns] = ~is_rising[rows_at_turns]
         distance_as_is = np.abs(self.residuals(friction, terms)[:-2])
         distance_if_moved = np.abs(
             self._with_rising(rising_if_moved).residuals(friction, terms)[:-2]
         )
-        moves = (is_rising != rising_if_moved) & (
+        is_moved = (is_rising != rising_if_moved) & (
             distance_as_is > _FAR * np.maximum(distance_if_moved, 1.0)
         )
-        return self._with_rising(np.where(moves, rising_if_moved, is_rising))
+        return self._with_rising(np.where(is_moved, rising_if_moved, is_rising))
 
     def _with_rising(self, rising: NDArray[np.bool_]) -> _Search:
         branches = replace(self.rows.branches, rising=rising)
         return replace(self, rows=replace(self.rows, branches=branches))
 
     def interval_end(
-        self, log_friction: float, terms: Array, end: float, limit: float
+        self, log_friction: float, terms: Array, end_of_search: float, largest_sum: float
     ) -> float | None:
-        """The end of the interval of f, as ln f: where the least sum of squares rises above `limit`
-        on the way from the best f to `end`. None where it stays below.
+        """One end of the 95 % interval of f, as ln f: where the least sum of squares rises above
+        `largest_sum` on the way from the best f to the end of the search. None where it stays
+        below.
 
         Parameters
         ----------
         log_friction, terms
             ln f of the best fit; its highest Q, lowest Q, rig compliance C and origin U0, (4,)
-        end
-            ln f at which the search gives up, below or above the best one
+        end_of_search
+            ln f up to which it is sought, below or above the best one
+        largest_sum
+            sum of squares that the interval admits
         """
         latest_terms = terms
 
-        def excess_over_limit(log_trial: float) -> float:
+        def excess_over_largest(log_trial: float) -> float:
             nonlocal latest_terms
             sum_of_squares, latest_terms = self.best_terms(math.exp(log_trial), latest_terms)
-            return sum_of_squares - limit
+            return sum_of_squares - largest_sum
 
-        direction = 1.0 if end > log_friction else -1.0
+        direction = 1.0 if end_of_search > log_friction else -1.0
         # The sum of squares is nearly a parabola: its rise at a step says how far the limit is.
-        excess_at_best = excess_over_limit(log_friction)
-        step = min(1e-3, abs(end - log_friction) / 2)
-        rise = max(excess_over_limit(log_friction + direction * step) - excess_at_best, 1e-300)
-        step *= math.sqrt(max(-excess_at_best / rise, 1e-8))
+        excess_at_best = excess_over_largest(log_friction)
+        step = min(1e-3, abs(end_of_search - log_friction) / 2)
+        rise_at_step = max(
+            excess_over_largest(log_friction + direction * step) - excess_at_best, 1e-300
+        )
+        step *= math.sqrt(max(-excess_at_best / rise_at_step, 1e-8))
         log_within = log_friction
         for _ in range(_STEPS):
-            log_beyond = log_friction + direction * min(step, abs(end - log_friction))
-            if excess_over_limit(log_beyond) > 0:
+            log_beyond = log_friction + direction * min(step, abs(end_of_search - log_friction))
+            if excess_over_largest(log_beyond) > 0:
                 for _ in range(_HALVED):
                     log_middle = (log_within + log_beyond) / 2
-                    if excess_over_limit(log_middle) > 0:
+                    if excess_over_largest(log_middle) > 0:
                         log_beyond = log_middle
                     else:
                         log_within = log_middle
                 return log_beyond
-            if log_beyond == end:
+            if log_beyond == end_of_search:
                 return None
             log_within = log_beyond
             step *= 1.3
@@ -702,10 +716,10 @@ def fit_loop(
     resolution: tuple[float, float],
     error_of_theory: float,
 ) -> LoopFit:
-    """Fit theory's loop of load Q over displacement U to the rows of a measured one: friction
-    coefficient f, turning points, compliance C of the rig and origin U0 of the displacement, with
-    the 95 % interval of f. The noise of U and of Q is estimated from the rows, and again from the
-    residuals of each fit.
+    """Fit theory's loop of load Q over displacement U to the rows of a measured one, where P
+    varies: friction coefficient f, turning points, compliance C of the rig and origin U0 of the
+    displacement, with the 95 % interval of f. The noise of U and of Q is estimated from the rows,
+    and again from the residuals of each fit.
 
     Parameters
     ----------
@@ -716,11 +730,11 @@ def fit_loop(
     resolution
         smallest differences of U and Q that the digits of the rows show
     error_of_theory
-        error of a fitted f, as a share of f, by the samples of the model
+        error of a fitted f, over f, since theory's loops are interpolated between samples
     """
     top_load = rows.branches.highest.load
     bottom_load = rows.branches.lowest.load
-    least_f = model.least_friction(top_load, bottom_load)
+    sliding_friction = model.least_friction(top_load, bottom_load)
     least_noise = Weights(
         *(
             max(step / math.sqrt(12), _LEAST_NOISE * float(np.max(np.abs(values))))
@@ -731,39 +745,42 @@ def fit_loop(
         max(row_noise(rows.shift), least_noise.shift),
         max(rows.branches.load_noise, least_noise.load),
     )
-    search = _Search(rows, model, weights, least_f)
+    search = _Search(rows, model, weights, sliding_friction)
 
+    # terms: highest Q, lowest Q, C and U0
     friction, terms = search.first_fit(model.first_frictions(top_load, bottom_load))
     degrees_of_freedom = len(rows.shift) - 4 - (rows.compliance is None)
     for _ in range(_REWEIGHTED):
         _, friction, terms = search.best(friction, terms)
         search = search.with_rows_at_turns_moved(friction, terms)
-        squares = float(np.sum(search.residuals(friction, terms)[:-2] ** 2))
+        sum_of_squares = float(np.sum(search.residuals(friction, terms)[:-2] ** 2))
         # noise that the fit leaves, over the noise it was weighted with
-        noise_ratio = math.sqrt(squares / degrees_of_freedom)
+        noise_ratio = math.sqrt(sum_of_squares / degrees_of_freedom)
         weights = Weights(
             max(noise_ratio * search.weights.shift, least_noise.shift),
             max(noise_ratio * search.weights.load, least_noise.load),
         )
-        changes = np.array(weights) / np.array(search.weights) - 1
+        noise_changes = np.array(weights) / np.array(search.weights) - 1
         search = replace(search, weights=weights)
-        if np.max(np.abs(changes)) < 0.05:
+        if np.max(np.abs(noise_changes)) < 0.05:
             break
-    lowest_sum, friction, terms = search.best(friction, terms)
-    friction = max(friction, least_f * (1 + 1e-9))
+    least_sum, friction, terms = search.best(friction, terms)
+    friction = max(friction, sliding_friction * (1 + 1e-9))
     distances = search.residuals(friction, terms)[:-2]
     misfit = misfit_of(distances, search.weights.shift)
-    limit = lowest_sum + _CHI * misfit.widening**2 * max(lowest_sum / degrees_of_freedom, 1.0)
+    largest_sum = least_sum + _CHI * misfit.widening**2 * max(least_sum / degrees_of_freedom, 1.0)
     log_friction = math.log(friction)
-    log_lower_end = search.interval_end(log_friction, terms, math.log(least_f * (1 + 1e-9)), limit)
-    log_upper_end = search.interval_end(log_friction, terms, math.log(least_f * _WIDEST), limit)
+    log_lower_end = search.interval_end(
+        log_friction, terms, math.log(sliding_friction * (1 + 1e-9)), largest_sum
+    )
+    log_upper_end = search.interval_end(
+        log_friction, terms, math.log(sliding_friction * _WIDEST), largest_sum
+    )
     sampling_error = friction * error_of_theory
+    lower_end = sliding_friction if log_lower_end is None else math.exp(log_lower_end)
     return LoopFit(
         friction=friction,
-        low=max(
-            least_f,
-            (math.exp(log_lower_end) if log_lower_end is not None else least_f) - sampling_error,
-        ),
+        low=max(sliding_friction, lower_end - sampling_error),
         high=None if log_upper_end is None else math.exp(log_upper_end) + sampling_error,
         highest=float(terms[0]),
         lowest=float(terms[1]),

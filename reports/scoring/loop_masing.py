@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 import semi_analytic
 from reports.scoring.loop_branches import Branches
-from reports.scoring.loop_fit import Weights, nearest_on_line
+from reports.scoring.loop_fit import Weights, nearest_on_polyline
 from scenes import Scene
 from scenes.array_types import Array
 
@@ -438,7 +438,7 @@ def _distances_from_branch(
         sigma of U and Q
     """
     row_points = np.array([branch_sign * shift / weights.shift, branch_sign * load / weights.load])
-    place_on_polygon, _, _, _ = nearest_on_line(row_points, polygon)
+    place_on_polygon, _, _, _ = nearest_on_polyline(row_points, polygon)
     place = (place_on_polygon - _BEYOND) / _CORNERS
     # The branch has no tangent where the slide begins (a kink), nor at its two ends, which lie
     # beyond the turning points.
