@@ -1030,12 +1030,13 @@ def _headings_above_rows(
     headings; if its cells are units, the one before does. 0 and empty tuples where other lines
     stand between headings and row.
     """
-    lines_with_all_cells = [
-        (number, cells_of_line)
-        for number, text in lines
-        for cells_of_line in _headings(text, separator)
-        if len(cells_of_line) == n_columns
-    ]
+    lines_with_all_cells = []
+    for number, text in lines:
+        # Two ways to cut a line may give the same cells: the line counts once.
+        for cells_of_line in _headings(text, separator):
+            if len(cells_of_line) == n_columns:
+                lines_with_all_cells.append((number, cells_of_line))
+                break
     units = [""] * n_columns
     if len(lines_with_all_cells) > 1 and _are_units(lines_with_all_cells[-1][1]):
         units = [cell.strip("[](){}<> ") for cell in lines_with_all_cells[-1][1]]

@@ -599,6 +599,12 @@ FORMS = {
         [[0, 500, 0.25], [1, 1000, 0.3]],
         ("kN", "over the thickness 2", "'Normalkraft', N (in the line of units)"),
     ),
+    "units below, columns by number, blanks": (
+        "time  load  shear\ns  kN  kN\n0  1  0.5\n1  2  0.6\n",
+        "thickness = 2\ncolumns = {time = 1, P = 2, Q = 3}",
+        [[0, 500, 250], [1, 1000, 300]],
+        ("'load'", "'shear'", "kN (in the line of units)"),
+    ),
     "numpy's headings": ("# time Q P\n0 1 2\n1 2 3\n", "", [[0, 2, 1], [1, 3, 2]], ("blanks",)),
     "decimal commas and blanks": (
         "Time  Normal force  Q\n0,0  1,5  2\n0,5  2,5  3\n",
