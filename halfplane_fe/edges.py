@@ -224,8 +224,9 @@ def _contact_uncertainty(answer: NodalAnswer, contact: Array) -> Array:
 def stick_edges(
     x: Array, stick: Mask, is_closed: Mask, contact: Array, anywhere: bool = False
 ) -> Array:
-    """Ends of the stick zone by the states of the nodes, (k, 2) [length]; the contact edges where
-    all of the contact sticks, NaN where nothing does.
+    """Ends of the stick zone by the states of the nodes, (k, 2) [length]. The contact edge where
+    all nodes stick on its side of the middle. Both are NaN where on one side at least nodes touch
+    but none is in the stick zone.
 
     The edge lies half-way between the last node of the stick zone and the first one of the slip
     zone: on each side of the middle of the contact where the fewest nodes are on the wrong side of
@@ -237,29 +238,29 @@ def stick_edges(
     x
         (n,) nodes in ascending order [length]
     stick
-        (k, n) nodes that stick at k instants
+        (k, n) nodes that stick at k instants, in the order of `x`
     is_closed
         (k, n) whether a node touches
     contact
         (k, 2) ends of the contact
     anywhere
-        whether the stick zone need not hold the middle of the contact (bulk stress, tilt): then
-        its own middle is the middle
+        whether the stick zone may lie anywhere in the contact, without its middle (bulk stress,
+        tilt): then the middle of the sticking nodes parts the sides
     """
     edges = np.empty((len(is_closed), 2))
-    nothing_sticks = np.zeros(len(is_closed), dtype=bool)
+    a_side_has_no_stick = np.zeros(len(is_closed), dtype=bool)
     for side in _sides(x):
-        sticks, in_contact = side.outwards(stick, is_closed)
-        half = _half(side, in_contact, sticks if anywhere else None)
-        last_node, n_sticking, n_in_half = _last_sticking(sticks, half)
-        nothing_sticks |= (n_sticking == 0) & (n_in_half > 0)
+        sticks_outwards, in_contact = side.outwards(stick, is_closed)
+        nodes_of_side = _half(side, in_contact, sticks_outwards if anywhere else None)
+        last_node, n_sticking, n_of_side = _last_sticking(sticks_outwards, nodes_of_side)
+        a_side_has_no_stick |= (n_sticking == 0) & (n_of_side > 0)
         next_node = np.minimum(last_node + 1, len(x) - 1)
-        between_nodes = side.sign * (side.x[last_node] + side.x[next_node]) / 2
-        sticks_to_contact_edge = n_sticking == n_in_half
+        edge_between_nodes = side.sign * (side.x[last_node] + side.x[next_node]) / 2
+        sticks_to_contact_edge = n_sticking == n_of_side
         edges[:, side.column] = np.where(
-            sticks_to_contact_edge, contact[:, side.column], between_nodes
+            sticks_to_contact_edge, contact[:, side.column], edge_between_nodes
         )
-    edges[nothing_sticks] = np.nan
+    edges[a_side_has_no_stick] = np.nan
     return edges
 
 

@@ -28,6 +28,10 @@ from scenes import OPEN, SLIP_FORWARD, SLIP_REVERSE, STICK, ConvergenceError, fr
 from scenes.array_types import Array, Mask, States
 
 Event = Literal["regular", "touch", "release"]
+"""What ends an increment: an open node touches, a closed one is released (lets go), or neither, at
+a regular instant.
+"""
+
 LoadsAt = Callable[[float], tuple[float, ...]]
 
 # Gap and nodal force within which a node counts as met by an event, scaled.
@@ -366,12 +370,16 @@ def _attempt(
 
 @dataclass
 class _Trial:
-    """The way to the end of one increment from the state `start`.
+    """The way to the end of one increment.
 
     Attributes
     ----------
-    end
-        latest instant that it may have
+    start_state
+        state of the interface at the begin of the increment
+    loads_at
+        the scaled loads at an instant
+    latest_end
+        instant at which the increment ends at the latest
     target
         instant that was predicted last
     iterations
@@ -379,50 +387,57 @@ class _Trial:
     """
 
     problem: ContactProblem
-    start: InterfaceState
+    start_state: InterfaceState
     loads_at: LoadsAt
-    end: float
+    latest_end: float
     target: float = np.nan
     iterations: int = 0
 
     def solved(self) -> tuple[Event, InterfaceState]:
-        """The event that the increment ends with, and the state there as it is solved for.
+        """The event that the increment ends with, and the state of the interface there as it is
+        solved for.
+
+        The event is "touch" where an open node touches, "release" where a closed one lets go, else
+        "regular". It is predicted with the states (open, stick, slip) that the nodes are expected
+        to have on the way. While a prediction misses, it is repeated with the states that came out.
 
         Raises
         ------
         ConvergenceError
             If the active set does not converge.
         """
-        expected_states = self.start.state
+        expected_node_states = self.start_state.state
         if self.problem.interface.coupling is not None:
-            expected_states = _with_touching_nodes_sliding(self.start)
-        event, self.target = self._predicted(expected_states)
-        solved_state = self._equilibrium(self.target, expected_states)
+            expected_node_states = _with_touching_nodes_sliding(self.start_state)
+        event, self.target = self._predicted(expected_node_states)
+        solved_state = self._equilibrium(self.target, expected_node_states)
         for _ in range(_MOST_PREDICTIONS - 1):
-            if not _misses(self.problem, self.start, solved_state, event):
+            if not _misses(self.problem, self.start_state, solved_state, event):
                 break
-            has_changed_sides = solved_state.closed != self.start.closed
-            expected_states = _on_its_side(self.start, solved_state, has_changed_sides)
-            event, self.target = self._predicted(expected_states)
+            has_opened_or_closed = solved_state.closed != self.start_state.closed
+            expected_node_states = _on_its_side(
+                self.start_state, solved_state, has_opened_or_closed
+            )
+            event, self.target = self._predicted(expected_node_states)
             if self.target == solved_state.time:
                 break
-            solved_state = self._equilibrium(self.target, expected_states)
+            solved_state = self._equilibrium(self.target, expected_node_states)
             self.problem.work["events predicted again"] += 1
         if event != "regular":
             time = _exact_time(
-                self.problem, self.start, self.loads_at, solved_state, event, self.end
+                self.problem, self.start_state, self.loads_at, solved_state, event, self.latest_end
             )
             if time != self.target:
-                solved_state = self._equilibrium(time, up_to_event(self.start, solved_state))
+                solved_state = self._equilibrium(time, up_to_event(self.start_state, solved_state))
         return event, solved_state
 
     def _predicted(self, states: States) -> tuple[Event, float]:
-        return next_event(self.problem, self.start, self.loads_at, self.end, states)
+        return next_event(self.problem, self.start_state, self.loads_at, self.latest_end, states)
 
     def _equilibrium(self, time: float, expected: States | None = None) -> InterfaceState:
         """The state at an instant; `expected` are states that its nodes may have."""
         solved, iterations = self.problem.equilibrium(
-            self.start, time, self.loads_at(time), expected
+            self.start_state, time, self.loads_at(time), expected
         )
         self.iterations += iterations
         return solved
@@ -582,15 +597,17 @@ def up_to_event(start: InterfaceState, solved: InterfaceState) -> States:
     return _on_its_side(start, solved, changed) if changed.any() else solved.state
 
 
-def _on_its_side(start: InterfaceState, solved: InterfaceState, has_changed_sides: Mask) -> States:
-    """(n,) states of `solved`; nodes that have changed sides get the state that they had on the
-    way: open, stuck, or sliding as they have moved since `start`.
+def _on_its_side(
+    start: InterfaceState, solved: InterfaceState, has_opened_or_closed: Mask
+) -> States:
+    """(n,) states of `solved`; nodes that have opened or closed get the state that they had on
+    the way: open, stuck, or sliding as they have moved since `start`.
     """
     slip = solved.slip - start.slip
     sliding = np.where(slip > ROUNDING, SLIP_FORWARD, SLIP_REVERSE)
     closed_until_now = np.where(np.abs(slip) > ROUNDING, sliding, STICK)
     states_until_now = np.where(start.closed, closed_until_now, OPEN)
-    return freeze(np.where(has_changed_sides, states_until_now, solved.state), np.int8)
+    return freeze(np.where(has_opened_or_closed, states_until_now, solved.state), np.int8)
 
 
 def _marginal(state: InterfaceState) -> Mask:

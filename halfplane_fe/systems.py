@@ -624,42 +624,49 @@ class Systems:
         """Responses of the contact for one set of node states from cached ones for another set, the
         base, by an update of low rank (Sherman-Morrison-Woodbury).
 
-        The base's response to a unit right side in each of `rows` is added with an amplitude, so
-        that the new set's equations in these rows are met. With their left sides in the responses,
+        Each of n nodes has an equation in the normal direction, number i, and one in the tangential
+        direction, number n + i; loads have the numbers from 2 n on. A unit case of the base is a
+        right side of 0 but for a 1 in one equation or load. A response is a row of what the base
+        does not prescribe: 2 n forces or displacements, then approach, shift and tilt.
+
+        The base's response to a 1 in each of `rows` is added with an amplitude, so that the new
+        set's equations in these rows are met. With their left sides in the responses,
 
             left sides in unit_cases + amplitudes @ left sides in cases of rows = right sides
             responses = responses to unit_cases + amplitudes @ responses to rows
 
-        The right sides are 0 in the unit cases.
+        The right sides are 0 in the unit cases. The answer has a row for each of `unit_cases`, then
+        one for each further right side.
 
         Parameters
         ----------
         base
             the set whose responses are cached
         row_states
-            (2 n,) states of the n nodes in the new set, for their normal equations, then for their
-            tangential ones
+            (2 n,) state in the new set of the node of each equation: those in the normal direction,
+            then those in the tangential one
         rows
-            (m,) equations in which the sets differ, or whose right side is given
+            (m,) numbers of the equations in which the sets differ, or whose right side is given
         unit_cases
-            (k,) loads, or equations common to both sets, each 1 in one of the first k cases
+            (k,) numbers of the loads, or of equations common to both sets, that are 1 in the first
+            k rows of the answer
         right_sides
-            (c, m) of the equations `rows` in c further cases
+            (c, m) of the equations `rows`, in c further rows of the answer
         """
         n_units = len(unit_cases)
-        cases = np.concatenate([unit_cases, rows])
-        self._solve_cases(base, cases)
-        case_responses = base.responses.take(base.case_number[cases], axis=0)
-        responses = np.zeros((n_units + len(right_sides), case_responses.shape[1]))
-        responses[:n_units] = case_responses[:n_units]
+        base_cases = np.concatenate([unit_cases, rows])
+        self._solve_cases(base, base_cases)
+        base_responses = base.responses.take(base.case_number[base_cases], axis=0)
+        responses = np.zeros((n_units + len(right_sides), base_responses.shape[1]))
+        responses[:n_units] = base_responses[:n_units]
         if not len(rows):
             return _Update(responses, rows, np.zeros((len(responses), 0)))
         self.work["factor updates"] += 1
-        left_sides = self._left_sides(base, row_states, rows, cases, case_responses)
+        left_sides = self._left_sides(base, row_states, rows, base_cases, base_responses)
         left_sides_by_amplitudes = left_sides[n_units:].T
         residuals = np.concatenate([-left_sides[:n_units], right_sides])
         amplitudes = _lu_solve(_lu(left_sides_by_amplitudes), residuals.T).T
-        responses += _few_rows_times(amplitudes, case_responses[n_units:])
+        responses += _few_rows_times(amplitudes, base_responses[n_units:])
         return _Update(responses, rows, amplitudes)
 
     def _left_sides(

@@ -291,7 +291,7 @@ class Engines:
     # how it was found out that bodies have room for the contact; "" where nothing was estimated
     size_in_words: str = ""
     # whether each engine finds loads of its own, under a displacement that is prescribed
-    separate: bool = False
+    finds_own_loads: bool = False
 
     @property
     def reasons(self) -> dict[str, str]:
@@ -308,7 +308,7 @@ class Engines:
         """Which engine takes the scene, which does not and why, and the command that works for it.
         "" where both take it; `source` is the scene's name in that command.
         """
-        if self.separate:
+        if self.finds_own_loads:
             return (
                 "Under a prescribed displacement each engine finds loads of its own, and no"
                 f" tolerance judges the difference: `halfplane run {source}` shows both, `halfplane"
@@ -332,23 +332,26 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> E
     """Which of theory and finite elements can solve a scene whose load path is admissible.
 
     In the answer the reason why an engine refuses is "" where it accepts. With `finite_elements`
-    False these are looked at only where theory refuses. `source` names the scene in messages.
+    False these are looked at only where theory refuses; else their reason is "" unexamined.
+    `size_in_words`, how the width of the contact was estimated, is "" where it was not.
+    `source` names the scene in messages.
 
     Raises
     ------
     InputError
-        One sentence, for what no engine answers: rows that do not say what the profile is, real
-        bodies that finite elements refuse (theory has half-planes in their place), and what both
-        refuse.
+        One sentence, for what no engine answers: rows of a table that do not define the profile,
+        real bodies that finite elements refuse (theory has half-planes in their place), a contact
+        wider than the narrower face of the bodies, and what both engines refuse.
     """
-    # prescribed displacements; theory then needs the responses of flat faces
+    # Under prescribed displacements each engine finds loads of its own. Theory then needs the
+    # responses of flat faces.
     if scene.load.is_driven:
         if scene.bodies.faces_are_true:
             return Engines(_NO_THEORY_OF_CURVED_FACES, "")
-        return Engines("", "", separate=True)
+        return Engines("", "", finds_own_loads=True)
     reason_of_theory = _refusal_of_theory(scene, source)
     if not reason_of_theory and not scene.bodies.half_planes:
-        _require_room(scene, source)
+        _require_face_wider_than_contact(scene, source)
     if not finite_elements and not reason_of_theory:
         return Engines("", "")
     reason_of_elements, size_in_words = _refusal_of_elements(scene, source, reason_of_theory)
@@ -400,7 +403,7 @@ def _refusal_of_elements(scene: Scene, source: str, reason_of_theory: str) -> tu
     return "", "" if estimate is None else estimate.in_words
 
 
-def _require_room(scene: Scene, source: str) -> None:
+def _require_face_wider_than_contact(scene: Scene, source: str) -> None:
     """InputError where the contact at the largest load, by half-plane theory, is wider than the
     narrower face; nothing is meshed.
 

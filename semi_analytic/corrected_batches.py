@@ -407,17 +407,23 @@ def _work_of_punches(cycle: CycleOfPunches, friction: Array) -> Array:
 
 
 def _load_integral(bound: _Sinusoid, load_outside: _Sinusoid, bound_value: Array) -> Array:
-    """Integral of the normal load outside of flat punches over their rising Coulomb bound, int pi
-    dB, up to where the bound is `bound_value`, (m, k) [force^2 per thickness^2].
+    """Integral of the normal load outside of flat punches over their rising Coulomb bound B, up to
+    where the bound is `bound_value` [force^2 per thickness^2].
 
-        A [p cos(theta) + b (cos(D) cos^2(theta)/2 - sin(D) (theta - sin(theta) cos(theta))/2)]
+        int L dB = A [p cos(theta) + b (cos(D) cos^2(theta)/2
+                                        - sin(D) (theta - sin(theta) cos(theta))/2)]
 
-    Only differences count: the constant is left out. The bound has the amplitude A, and is at the
-    angle theta before its maximum. p and b are mean and amplitude of the load pi; D is the phase of
-    the bound minus that of pi.
+    Arrays are (m, k): k flat punches under each of m ellipses of loads. L is the load that the
+    wider flat punches carry (pi of the module's formula). Only differences of the integral count:
+    the constant is left out.
+
+    In the phase angle t of the cycle B = B_0 + A cos(t - t_B) and L = p + b cos(t - t_L), with the
+    phases t_B and t_L. While B rises it is at the angle theta = t_B - t before its maximum, from 0
+    to pi; D = t_B - t_L.
     """
-    amplitude = np.maximum(bound.amplitude, _TINY)
-    cosine = np.clip((bound_value - bound.mean) / amplitude, -1.0, 1.0)
+    # A bound that does not vary is divided by as well; its integral is 0 by the last factor.
+    positive_amplitude = np.maximum(bound.amplitude, _TINY)
+    cosine = np.clip((bound_value - bound.mean) / positive_amplitude, -1.0, 1.0)
     sine = np.sqrt(1 - cosine**2)
     theta = np.arccos(cosine)
     phase_difference = bound.phase - load_outside.phase

@@ -152,12 +152,15 @@ def _span_by_span(integral_along: Callable[[SpanRanges, QuadratureRule], Array])
 def _over_spans(
     contact: Contact,
     modulus: float,
-    ranges: Sequence[SpanRanges],
+    spans_with_ranges: Sequence[SpanRanges],
     n_integrals: int,
     integrals_along: IntegralsAlong,
 ) -> Split:
-    """A/pi times integrals over the time of slip, summed by the direction of slip, and their
-    errors; A = 2/E*.
+    """Friction work: A/pi times integrals over the time of slip, summed by the direction of slip,
+    and the errors of the sums; A = 2/E*.
+
+    There is one integral, for W, or one for each point x, for W(x); `integrals_along` holds the
+    integrand. That of W is f w' Lam(P, P_c), with the rate of w = +-Q - f P in slip.
 
     A span is the time of one direction of slip. Each is integrated by one quadrature rule. Where
     the edges of contact or stick move unevenly, or pass corners of the profile, it is halved until
@@ -167,67 +170,86 @@ def _over_spans(
     ----------
     modulus
         E* [stress]
-    ranges
-        for each span the ranges of time over which to integrate
+    spans_with_ranges
+        one object for each span: the ranges of time in it over which to integrate, and the integral
+        to which each range belongs
     n_integrals
         number of integrals: one, or one for each point
     integrals_along
-        integrates over given ranges by a given rule
+        integrates over the ranges of given spans by a given quadrature rule
 
     Returns
     -------
     Split
         forward, reverse and the error of both, (n_integrals,) each
     """
-    corner_times_of_spans = [corner_times(contact, span_range.span) for span_range in ranges]
+    corner_times_of_spans = [
+        corner_times(contact, ranges_of_span.span) for ranges_of_span in spans_with_ranges
+    ]
     needs_halving = np.array(
         [
-            len(times_at_corners) > 0 or uneven(contact, span_range.span)
-            for times_at_corners, span_range in zip(corner_times_of_spans, ranges, strict=True)
+            len(times_at_corners) > 0 or uneven(contact, ranges_of_span.span)
+            for times_at_corners, ranges_of_span in zip(
+                corner_times_of_spans, spans_with_ranges, strict=True
+            )
         ],
         dtype=bool,
     )
-    integrals = np.zeros((len(ranges), n_integrals))
-    errors = np.zeros((len(ranges), n_integrals))
+    integrals = np.zeros((len(spans_with_ranges), n_integrals))
+    errors = np.zeros((len(spans_with_ranges), n_integrals))
     # The rule for any singular ends takes 193 nodes; ranges that are halved take one of 24.
     for rule, takes_rule in ((graded, ~needs_halving), (crowded_nodes, needs_halving)):
         span_numbers = [
-            k for k in np.flatnonzero(takes_rule).tolist() if len(ranges[k].integral_number)
+            k
+            for k in np.flatnonzero(takes_rule).tolist()
+            if len(spans_with_ranges[k].integral_number)
         ]
         if span_numbers:
-            integrals_of_spans = integrals_along([ranges[k] for k in span_numbers], rule)
+            integrals_of_spans = integrals_along([spans_with_ranges[k] for k in span_numbers], rule)
             for k, integrals_of_span in zip(span_numbers, integrals_of_spans, strict=True):
-                integrals[k, ranges[k].integral_number] = integrals_of_span
+                integrals[k, spans_with_ranges[k].integral_number] = integrals_of_span
     spans_to_halve = [
-        k for k in np.flatnonzero(needs_halving).tolist() if len(ranges[k].integral_number)
+        k
+        for k in np.flatnonzero(needs_halving).tolist()
+        if len(spans_with_ranges[k].integral_number)
     ]
     if spans_to_halve:
         # One size for all: a short span by itself may be all round-off, and would never converge
         # to its own.
         largest_total = float(np.max(np.abs(np.sum(integrals, axis=0))))
         size_of_integrals = np.maximum(largest_total, np.max(np.abs(integrals), axis=1))
-        # 1e-14 across corners, for many small kinks may hide from one halving.
+        # Across corners 25 times the relative round-off of the contact's P and dP/da, about 1e-14:
+        # many small kinks may hide from one halving.
         passes_corner = np.array(
             [len(times_at_corners) > 0 for times_at_corners in corner_times_of_spans]
         )
         relative_error = np.where(passes_corner, min(CONVERGED, 25 * contact.noise), CONVERGED)
         allowed_error_of_span = relative_error * size_of_integrals
-        ranges_to_halve = [ranges[k] for k in spans_to_halve]
+        ranges_to_halve = [spans_with_ranges[k] for k in spans_to_halve]
         span_number = np.repeat(
-            spans_to_halve, [len(span_range.integral_number) for span_range in ranges_to_halve]
+            spans_to_halve,
+            [len(ranges_of_span.integral_number) for ranges_of_span in ranges_to_halve],
         )
         integral_number = np.concatenate(
-            [span_range.integral_number for span_range in ranges_to_halve]
+            [ranges_of_span.integral_number for ranges_of_span in ranges_to_halve]
         )
         integrals[span_number, integral_number], errors[span_number, integral_number] = by_halving(
-            partial(_integrals_of_parts, ranges, integrals_along, span_number, integral_number),
-            np.concatenate([span_range.begin for span_range in ranges_to_halve]),
-            np.concatenate([span_range.end for span_range in ranges_to_halve]),
+            partial(
+                _integrals_of_parts,
+                spans_with_ranges,
+                integrals_along,
+                span_number,
+                integral_number,
+            ),
+            np.concatenate([ranges_of_span.begin for ranges_of_span in ranges_to_halve]),
+            np.concatenate([ranges_of_span.end for ranges_of_span in ranges_to_halve]),
             allowed_error_of_span[span_number],
             np.unique(np.concatenate([corner_times_of_spans[k] for k in spans_to_halve])),
             first_estimate=integrals[span_number, integral_number],
         )
-    is_forward = np.array([span_range.span.direction > 0 for span_range in ranges], dtype=bool)
+    is_forward = np.array(
+        [ranges_of_span.span.direction > 0 for ranges_of_span in spans_with_ranges], dtype=bool
+    )
     compliance = 2 / (math.pi * modulus)  # A/pi
     return Split(
         forward=compliance * np.sum(integrals[is_forward], axis=0),

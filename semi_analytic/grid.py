@@ -518,33 +518,44 @@ class Grid:
 
         Tractions and slip are (g, k) for g grids of k cells; approach, U, moments and friction work
         (g,). Work counts by the trapezoidal rule. The grids stand in the new state afterwards.
+
+        U has two datums. The state, `_displacement`, holds U as it is solved for, against a datum
+        at the distance of the grid's length. The field "displacement" is U against a datum at
+        distance 1: U of the state minus `datum_compliance` Q. Likewise the approach.
         """
         displacement_by_strain: Array = -strain * self.x
         if load <= 0:
-            normal, tangential = self._separated(displacement_by_strain)
+            normal_solution, tangential_solution = self._separated(displacement_by_strain)
         elif not self.dundurs:
             if (load, tilt) not in self._normal_by_load:
                 self._normal_by_load[load, tilt] = self._solve_normal(load, tilt, self._height)
-            normal = self._normal_by_load[load, tilt]
+            normal_solution = self._normal_by_load[load, tilt]
             cells_before = self._contact
-            self._contact = normal.contact
-            tangential = self._solve_tangential(
-                force, displacement_by_strain, self.friction * normal.pressure, cells_before
+            self._contact = normal_solution.contact
+            tangential_solution = self._solve_tangential(
+                force,
+                displacement_by_strain,
+                self.friction * normal_solution.pressure,
+                cells_before,
             )
         else:
-            normal, tangential = self._solve_in_turn(load, force, tilt, displacement_by_strain)
-        shear, slip, directions, displacement = tangential
+            normal_solution, tangential_solution = self._solve_in_turn(
+                load, force, tilt, displacement_by_strain
+            )
+        shear, slip, slip_directions, displacement_in_grid = tangential_solution
         work_per_area = (self._shear + shear) * (slip - self.slip) / 2
-        state = np.where(self._inside(self._contact), _STATES[directions], OPEN).astype(np.int8)
+        state = np.where(self._inside(self._contact), _STATES[slip_directions], OPEN).astype(
+            np.int8
+        )
         fields: dict[str, Any] = {
             "loads": np.array([load, force, strain, tilt]),
-            "pressure": normal.pressure,
+            "pressure": normal_solution.pressure,
             "shear": shear,
             "slip": slip,
             "state": state,
-            "approach": normal.approach - self.datum_compliance * load,
-            "displacement": displacement - self.datum_compliance * force,
-            "moment": self.step * np.sum(self.x * normal.pressure, axis=1),
+            "approach": normal_solution.approach - self.datum_compliance * load,
+            "displacement": displacement_in_grid - self.datum_compliance * force,
+            "moment": self.step * np.sum(self.x * normal_solution.pressure, axis=1),
             "shear_moment": self.step * np.sum(self.x * shear, axis=1),
             "density": work_per_area,
             "work": self.step * np.sum(work_per_area, axis=1),
@@ -553,9 +564,9 @@ class Grid:
         fields["loop"] = _loop_between(self._last_fields or fields, fields)
         self._shear = shear
         self.slip = slip
-        self._displacement = displacement
+        self._displacement = displacement_in_grid
         self._strain = strain
-        self._directions = directions
+        self._directions = slip_directions
         self._last_fields = fields
         return fields
 
@@ -580,14 +591,17 @@ class Grid:
         between unlike bodies, by turns until the shear changes no more.
 
         The normal problem takes the gap that the shear adds, the tangential problem the
-        displacement that the pressure adds (Dundurs' beta).
+        displacement that the pressure adds (Dundurs' beta). The first turn takes the shear from
+        before the increment. The cells in contact are stored in each turn, since the tangential
+        problem reads them.
 
         Parameters
         ----------
         load, force, tilt
             P, Q and alpha at the end of the increment
         displacement_by_strain
-            (g, k) tangential displacement of the faces by bulk strain [length]
+            tangential displacement of the faces by bulk strain, (g, k) for g grids of k cells
+            [length]
 
         Raises
         ------
@@ -595,18 +609,23 @@ class Grid:
             Where the turns do not converge.
         """
         cells_before = self._contact
-        shear_before = self._shear
+        shear_of_last_turn = self._shear
         for _ in range(_TURNS):
-            normal = self._solve_normal(load, tilt, self._height + shear_before @ self._coupling.T)
-            self._contact = normal.contact
-            displacement = displacement_by_strain + normal.pressure @ self._coupling.T
-            tangential = self._solve_tangential(
-                force, displacement, self.friction * normal.pressure, cells_before
+            gap_by_shear = shear_of_last_turn @ self._coupling.T
+            normal_solution = self._solve_normal(load, tilt, self._height + gap_by_shear)
+            self._contact = normal_solution.contact
+            friction_limit = self.friction * normal_solution.pressure
+            displacement_by_pressure = normal_solution.pressure @ self._coupling.T
+            tangential_solution = self._solve_tangential(
+                force,
+                displacement_by_strain + displacement_by_pressure,
+                friction_limit,
+                cells_before,
             )
-            shear_change = float(np.max(np.abs(tangential.shear - shear_before)))
-            shear_before = tangential.shear
-            if shear_change <= _ROUNDING * self.friction * normal.pressure.max():
-                return normal, tangential
+            shear_change = float(np.max(np.abs(tangential_solution.shear - shear_of_last_turn)))
+            shear_of_last_turn = tangential_solution.shear
+            if shear_change <= _ROUNDING * self.friction * normal_solution.pressure.max():
+                return normal_solution, tangential_solution
         raise ArithmeticError("pressure and shear by turns do not converge")
 
     def slip_field(self) -> Callable[[Array], Array]:

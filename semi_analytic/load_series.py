@@ -116,7 +116,10 @@ _OPEN = Knot(None, 0.0, 0.0, 1.0, 0.0, 0)  # in place of a line where nothing to
 Station = tuple[float, float, float]
 """A point of a load step: P, Q and the share of the step that is over."""
 
-# Kind of a step that unloads within the Coulomb limit; the other kinds are directions of slip.
+# Kinds of a step: slip in either direction, full stick, unloading within the Coulomb limit.
+_SLIPS_FORWARD = 1
+_SLIPS_IN_REVERSE = -1
+_STICKS = 0
 _UNLOADS = 2
 
 
@@ -258,9 +261,9 @@ def kinds_of_steps(rows: Array, friction: float) -> NDArray[np.int8]:
     round_off = _NOISE * (np.abs(force_rise) + np.abs(limit))
     slips_forward = force_rise - limit > round_off
     slips_in_reverse = -force_rise - limit > round_off
-    kinds = np.zeros(len(load_growth), dtype=np.int8)
-    kinds[slips_in_reverse] = -1
-    kinds[slips_forward] = 1
+    kinds = np.full(len(load_growth), _STICKS, dtype=np.int8)
+    kinds[slips_in_reverse] = _SLIPS_IN_REVERSE
+    kinds[slips_forward] = _SLIPS_FORWARD
     kinds[(load_growth < 0) & (slips_forward == slips_in_reverse)] = _UNLOADS
     return kinds
 
@@ -299,8 +302,11 @@ def _step(
     friction: float,
     recorder: Recorder,
 ) -> Knot | None:
-    """The memory curve after a straight load step (tangential force carried up to each load, a
-    chain of straight lines); None for bodies out of contact.
+    """The memory curve after a straight load step; None for bodies out of contact.
+
+    The memory curve M(eta) is the tangential force that the flat punches up to the normal load eta
+    carry, for 0 <= eta <= P: a chain of straight lines. A `Knot` is its uppermost line, and by
+    `below` the whole curve.
 
     The friction state along the step goes to `recorder`: one record for each line that the step
     goes through.
@@ -308,9 +314,9 @@ def _step(
     Parameters
     ----------
     curve
-        the uppermost line of the memory curve before the step; None for bodies out of contact
+        the memory curve before the step; None for bodies out of contact
     kind
-        1 slip forward, -1 slip in reverse, 0 full stick, 2 unloading with |dQ| <= f |dP|
+        of the step, of `kinds_of_steps`: a direction of slip +1 or -1, `_STICKS` or `_UNLOADS`
     begin_station, end_station
         P, Q and the share of the step that is over, at both ends
     friction
@@ -320,11 +326,13 @@ def _step(
     """
     if kind == _UNLOADS:
         return _unload(curve, begin_station, end_station, friction, recorder)
-    if kind:
+    if kind != _STICKS:
         return _slip(curve, kind, begin_station, end_station, friction, recorder)
-    if end_station[0] > begin_station[0]:
+    load_at_begin, _, _ = begin_station
+    load_at_end, _, _ = end_station
+    if load_at_end > load_at_begin:
         curve = _load_in_stick(curve, begin_station, end_station)
-    recorder.add(curve, 0, begin_station, end_station)
+    recorder.add(curve, _STICKS, begin_station, end_station)
     return curve
 
 

@@ -21,6 +21,7 @@ from scenes.body_effects import ZERO
 from semi_analytic.body_numbers import NEXT_ORDER
 from semi_analytic.odd_memory import ODD_NUMBERS
 
+# Of r and of r^2: the order after the fourth. Fitted with the next two numbers, see above.
 _AFTER_NEXT = (0.02, 0.1)
 _NEXT_ORDER_OF_TILT_AND_STRAIN = 0.6
 _PRODUCT = 0.5
@@ -52,11 +53,16 @@ def ratio_of_next_order(effects: BodyEffects, half_width: float) -> float:
 
 
 def uncertain_fraction_of_curvatures(effects: BodyEffects, half_width: float) -> dict[str, float]:
-    """Relative uncertainty of the change of a value by each curvature of finite bodies, under the
-    names of `CURVATURES`.
+    """Relative uncertainty of the change of a value by each curvature term of the elastic response
+    of finite bodies, by the names of the groups in `CURVATURES`.
 
-    It is the relative uncertainty of the curvature itself, plus the order after the fourth, 0.02 r
-    + 0.1 r^2 with r = |N_4 a^2/N|. a is the `half_width` of contact [length].
+    A curvature is not one of the profile but a term of the bodies' elastic response: N per P is
+    that of the gap, T per Q that of the tangential displacement. N and N_4 are `normal_curvature`
+    and `normal_fourth` of `effects`, T and T_4 `tangential_curvature` and `tangential_fourth`.
+
+    The uncertainty is the relative one of the curvature itself, plus the order after the fourth,
+    0.02 r + 0.1 r^2 with r = |N_4 a^2/N|, or |T_4 a^2/T|. a is the `half_width` of contact
+    [length]. The two factors are fitted, to the 133 bodies that the module names.
 
     >>> effects = BodyEffects(
     ...     datum_length=1.0, normal_curvature=Estimate(1.0, 0.001), normal_fourth=Estimate(-0.5)
@@ -68,8 +74,8 @@ def uncertain_fraction_of_curvatures(effects: BodyEffects, half_width: float) ->
     {'curvature under P': 0.036, 'curvature under Q': 0.0}
     """
     return {
-        words: _uncertain_fraction_of_curvature(effects, curvature, half_width)
-        for words, (curvature, *_) in CURVATURES.items()
+        name_of_group: _uncertain_fraction_of_curvature(effects, name_of_curvature, half_width)
+        for name_of_group, (name_of_curvature, *_) in CURVATURES.items()
     }
 
 

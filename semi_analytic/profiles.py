@@ -978,47 +978,65 @@ def _series_of_table(knots: Array, scaled_curvatures: Array) -> _TableSeries:
     )
 
 
-def _sums_over_all_knots(sums: _KnotSums, knot_of_interval: Array, distances: Array) -> Array:
-    """P and dP/da/a of a table at half-widths a, (n, nodes, 2), as sums over all knots below a: at
-    distances (n, nodes) from the knots (n,) of n intervals of a, ascending.
+def _sums_over_all_knots(knot_sums: _KnotSums, knot_of_interval: Array, distances: Array) -> Array:
+    """P and dP/da/a of a profile given by a table of heights, as sums over all knots below a, at
+    half-widths a in n intervals that ascend; (n, j, 2) at j half-widths of each interval.
 
     Over knots that are farther below a range of half-widths than it is long the sums are smooth:
     one Chebyshev series serves for the range. It is halved, and each half adds knots farther below
     than it is long itself. So the time grows as the number of rows, not as its square. Near knots
     of the last, short ranges are summed one by one.
+
+    Parameters
+    ----------
+    knot_sums
+        P and dP/da/a of the table as sums over any of its knots
+    knot_of_interval
+        (n,) knot from which the half-widths of each interval are counted, ascending [length]
+    distances
+        (n, j) of the half-widths from the knot of their interval, ascending: of the Chebyshev nodes
+        and the ends of the interval [length]
     """
     half_widths = knot_of_interval[:, None] + distances
-    sums_at_nodes = np.zeros((*half_widths.shape, 2))
+    sums_at_half_widths = np.zeros((*half_widths.shape, 2))
     groups: list[_IntervalGroup] = []
     if len(knot_of_interval):
-        no_far_knots = np.zeros((len(NODES), 2))
-        groups.append(_IntervalGroup(0, len(knot_of_interval), 0, (0.0, 1.0), no_far_knots))
-    while groups:
-        wider_group = groups.pop()
-        half_width_range = (
-            half_widths[wider_group.first, 0],
-            half_widths[wider_group.stop - 1, -1],
+        groups.append(
+            _IntervalGroup(
+                first=0,
+                stop=len(knot_of_interval),
+                n_far_knots=0,
+                half_width_range=(0.0, 1.0),  # any range: a series of zeros holds on all
+                far_series=np.zeros((len(NODES), 2)),
+            )
         )
-        group = sums.with_far_knots(wider_group, half_width_range)
+    while groups:
+        # its series is that of the wider group of which it was a half
+        group_to_sum = groups.pop()
+        half_width_range = (
+            half_widths[group_to_sum.first, 0],
+            half_widths[group_to_sum.stop - 1, -1],
+        )
+        group = knot_sums.with_far_knots(group_to_sum, half_width_range)
         if group.stop - group.first > _LARGEST_GROUP:
             middle = (group.first + group.stop) // 2
             groups.append(group._replace(stop=middle))
             groups.append(group._replace(first=middle))
             continue
-        numbers = slice(group.first, group.stop)
+        intervals = slice(group.first, group.stop)
         least_half_width, largest_half_width = half_width_range
         range_length = largest_half_width - least_half_width
-        place_in_range = (half_widths[numbers] - least_half_width) * 2 / range_length - 1
+        place_in_range = (half_widths[intervals] - least_half_width) * 2 / range_length - 1
         far_sums = chebyshev.chebval(place_in_range, group.far_series)
-        sums_at_nodes[numbers] = np.moveaxis(far_sums, 0, -1)
-        n_knots_reached = int(np.searchsorted(sums.knots[:-1], largest_half_width))
-        sums_at_nodes[numbers] += sums.over_knots(
-            half_widths[numbers, :, None],
-            knot_of_interval[numbers, None, None],
-            distances[numbers, :, None],
+        sums_at_half_widths[intervals] = np.moveaxis(far_sums, 0, -1)
+        n_knots_reached = int(np.searchsorted(knot_sums.knots[:-1], largest_half_width))
+        sums_at_half_widths[intervals] += knot_sums.over_knots(
+            half_widths[intervals, :, None],
+            knot_of_interval[intervals, None, None],
+            distances[intervals, :, None],
             slice(group.n_far_knots, n_knots_reached),
         )
-    return sums_at_nodes
+    return sums_at_half_widths
 
 
 def _contact_splits_error(profile: Tabulated, half_width: float) -> InputError:

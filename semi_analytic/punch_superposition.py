@@ -675,18 +675,24 @@ class PunchSuperposition:
     def _pressure_change_by_last_digit(
         self, load_power: int, distance: Array, advance: Array
     ) -> Array:
-        """Change of the pressure at |x| = `distance` [stress] by the round-off of v, the variable
-        in which its integral is a series; arrays of one shape.
+        """Change of the pressure at |x| = `distance` [stress] by the round-off of its substitution
+        variable v; arrays of one shape. The pressure is an integral over flat punches,
 
-        The edge of contact is a - |x| = |x - b| sinh^2 v beyond x, b the nearest corner of the
-        profile. A change of v by eps v moves the edge by 2 eps v (a - |x|), and p by dp/da times
-        that. At x = 0 v reaches 28, and p of a profile |x|^n goes as a^(n - 1): for |x|^20 the
-        change is 2e-13 of p.
+            p = (1/pi) int_|x|^a eta^k g / sqrt(alpha^2 - x^2) d alpha,    g = d eta/d alpha
+
+        alpha is the half-width of a punch, eta the normal load up to it, k = 0 (1 for moments). The
+        integral is a Chebyshev series in v, next to x with alpha = |x| + |x - b| sinh^2 v, b the
+        nearest corner of the profile. So the edge of contact is |x - b| sinh^2 v beyond x.
+
+        A change of v by eps v moves the edge by 2 eps v (a - |x|), and p by dp/da times that. At
+        x = 0 v reaches 28, and p of a profile |x|^n goes as a^(n - 1): for |x|^20 the change is
+        2e-13 of p.
 
         Parameters
         ----------
         load_power
-            with 1 the load stands in front of the integrand of the pressure
+            k, 0 or 1, the power of the load eta in the integrand; with 1 the result is in
+            stress times force per thickness
         advance
             a - a_0 of the edge, a_0 the half-width without load [length]
         """
@@ -695,7 +701,7 @@ class PunchSuperposition:
         root_ratio = np.sqrt(
             distance_to_edge / np.where(half_width > 0, half_width + distance, np.inf)
         )
-        # dp/da = g/(pi sqrt(a^2 - x^2)), g = dP/da, times a - |x|
+        # dp/da = g/(pi sqrt(a^2 - x^2)) at the edge, g = dP/da, times a - |x|
         change_per_relative_distance = self.law.stiffness(advance) * root_ratio / np.pi
         if load_power:
             change_per_relative_distance = change_per_relative_distance * self.law.load(advance)

@@ -651,11 +651,11 @@ def _element(name: str, content: str = "", /, **attributes: object) -> str:
 def _path_of(
     horizontal: ArrayLike, vertical: ArrayLike, tolerance: float = 0.0, passes: int = 0
 ) -> str:
-    """The "d" attribute of an SVG path: a line through places given by their coordinates
+    """The "d" attribute of an SVG path: a line through points given by their coordinates
     `horizontal` and `vertical` [pixels]. A NaN breaks the line.
 
-    Places that repeat the one before to a hundredth are left out; of a very long line so are those
-    that can't be seen. Then every other place is left out that lies within `tolerance` of the
+    Points that repeat the one before to a hundredth are left out; of a very long line so are those
+    that can't be seen. Then every other point is left out that lies within `tolerance` of the
     straight line between its neighbours; this is done `passes` times.
 
     >>> (
@@ -664,51 +664,53 @@ def _path_of(
     ... )
     ('M0 0L1 1M2 1L3 1', 'M0 0L3 0L4 5')
 
-    A place that stands alone is a line to itself, which round ends make a dot.
+    A point that stands alone is a line to itself, which round ends make a dot. So is one that is
+    only repeated.
 
-    >>> _path_of([0, np.nan, 2], [0, 1, 1])
+    >>> _path_of([0, np.nan, 2, 2], [0, 1, 1, 1])
     'M0 0L0 0M2 1L2 1'
     """
     x = np.round(np.asarray(horizontal, dtype=float), 2)
     y = np.round(np.asarray(vertical, dtype=float), 2)
     is_known = np.isfinite(x) & np.isfinite(y)
     if len(x) > _LONG_LINE:
-        places_that_show = _places_that_show(x, y, is_known)
-        x = x[places_that_show]
-        y = y[places_that_show]
-        is_known = is_known[places_that_show]
+        visible_indices = _places_that_show(x, y, is_known)
+        x = x[visible_indices]
+        y = y[visible_indices]
+        is_known = is_known[visible_indices]
     has_moved = np.ones(len(x), dtype=bool)
     has_moved[1:] = (x[1:] != x[:-1]) | (y[1:] != y[:-1]) | ~is_known[:-1]
     starts = is_known & ~np.concatenate([[False], is_known[:-1]])
-    is_alone = starts & ~np.concatenate([is_known[1:], [False]])
-    kept_places = np.flatnonzero(is_known & has_moved)
+    kept_indices = np.flatnonzero(is_known & has_moved)
     for _ in range(passes):
-        place_before = kept_places[: len(kept_places) - 2 : 2]
-        middle_place = kept_places[1 : len(kept_places) - 1 : 2]
-        place_after = kept_places[2::2]
-        chord_x = x[place_after] - x[place_before]
-        chord_y = y[place_after] - y[place_before]
-        x_of_middle = x[middle_place] - x[place_before]
-        y_of_middle = y[middle_place] - y[place_before]
+        index_before = kept_indices[: len(kept_indices) - 2 : 2]
+        middle_index = kept_indices[1 : len(kept_indices) - 1 : 2]
+        index_after = kept_indices[2::2]
+        chord_x = x[index_after] - x[index_before]
+        chord_y = y[index_after] - y[index_before]
+        x_of_middle = x[middle_index] - x[index_before]
+        y_of_middle = y[middle_index] - y[index_before]
         # twice the area of the triangle is its height times its base, the chord
         twice_the_area = np.abs(chord_x * y_of_middle - chord_y * x_of_middle)
         is_on_chord = twice_the_area <= tolerance * np.hypot(chord_x, chord_y)
-        dropped_places = middle_place[is_on_chord & ~starts[middle_place] & ~starts[place_after]]
-        kept_places = kept_places[~np.isin(kept_places, dropped_places)]
+        dropped_indices = middle_index[is_on_chord & ~starts[middle_index] & ~starts[index_after]]
+        kept_indices = kept_indices[~np.isin(kept_indices, dropped_indices)]
+    starts_line = starts[kept_indices]
+    ends_line = np.append(starts_line[1:], True)
     # as Python's numbers, which are formatted in half the time of numpy's
     columns = zip(
-        x[kept_places].tolist(),
-        y[kept_places].tolist(),
-        starts[kept_places].tolist(),
-        is_alone[kept_places].tolist(),
+        x[kept_indices].tolist(),
+        y[kept_indices].tolist(),
+        starts_line.tolist(),
+        (starts_line & ends_line).tolist(),
         strict=True,
     )
     steps = []
-    for place_x, place_y, starts_line, stands_alone in columns:
-        place = f"{place_x:g} {place_y:g}"
-        steps.append(f"M{place}" if starts_line else f"L{place}")
-        if stands_alone:
-            steps.append(f"L{place}")
+    for point_x, point_y, is_first, is_alone in columns:
+        coordinates = f"{point_x:g} {point_y:g}"
+        steps.append(f"M{coordinates}" if is_first else f"L{coordinates}")
+        if is_alone:
+            steps.append(f"L{coordinates}")
     return "".join(steps)
 
 

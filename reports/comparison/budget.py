@@ -515,8 +515,9 @@ class ErrorBudget:
 
     @property
     def honest(self) -> str:
-        """In words: of how many metrics the stated uncertainty covers what the measured errors
-        leave unexplained. That can be checked only where the exact answer of the bodies is known.
+        """A sentence: of how many metrics the stated uncertainty covers what the measured errors
+        leave unexplained. `Budget.honest` is the truth value for one metric. That can be checked
+        only where the exact answer of the bodies is known.
         """
         coverings_known = [budget.honest for budget in self.budgets if budget.honest is not None]
         if not coverings_known:
@@ -674,18 +675,22 @@ def _stated_of_edges(metric: Metric, comparison: Comparison) -> float:
 
 def _stated_of_peak(metric: Metric, comparison: Comparison) -> float:
     """Uncertainty that the result states of its largest pressure, over the reference's; 0 for
-    metrics that are no peak, and where none is stated.
+    metrics that are no peak, for half-planes, and where none is stated.
 
-    A few meshes may agree by chance: the peak is a smooth function of them only where edges stand
-    alike in their elements. Of half-planes the true error is known, and the runs cover it.
+    It is added because the coarser meshes of a budget may agree by chance: the peak is a smooth
+    function of the element size only where the edges of contact lie alike in their elements. For
+    half-planes it is not needed: their true error is known, and what those meshes show covers it.
+
+    The result states it over its own peak. The value of a metric is result/reference - 1: with 1
+    plus that value it is over the reference's peak.
     """
     if metric.key not in _PEAKS or are_half_planes(comparison.scene):
         return 0.0
     uncertainty = comparison.result.uncertainties.get("largest_pressure", math.nan)
     if not math.isfinite(uncertainty):
         return 0.0
-    share_of_result = float(uncertainty / comparison.result.pressure.max())
-    return share_of_result * abs(1 + (metric.value or 0.0))
+    uncertainty_over_result = float(uncertainty / comparison.result.pressure.max())
+    return uncertainty_over_result * abs(1 + (metric.value or 0.0))
 
 
 def _step(metric: Metric, refinements: Refinements) -> Term:

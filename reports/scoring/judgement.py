@@ -234,31 +234,34 @@ class Judgement:
 
     # ------------------------------------------------------------------------------ the pressure
     def _fits_of_pressure(self) -> list[Fit]:
-        """Explanations of the difference in the pressure by one or two causes (known faults), the
-        best first. It is the fit without a cause where the pressure is right, or where nothing
-        explains it.
+        """Explanations of the difference between the result's pressure and the reference's by one
+        or two causes (known faults), the best first. It is the fit without a cause where the
+        pressure is right, or where nothing explains it.
 
-        Single causes are tried first, pairs only where no single cause is enough.
+        Single causes are tried first, pairs only where no single cause is enough. A pair must do
+        better than the best single cause, and need both of its own. Bodies of finite size and soft
+        layers (`_MODEL_FAULTS`) take long to predict: they are tried beside the best of the others.
         """
-        no_cause = self.no_cause
-        if self.is_right(no_cause, PRESSURE) and self.discrepancy.is_within(PRESSURE):
-            return [no_cause]
-        causes = [cause for cause in CAUSES if cause.channel == PRESSURE]
-        quick_causes = [cause for cause in causes if cause not in _MODEL_FAULTS]
-        single_fits = self._explanations_of_pressure([(cause,) for cause in quick_causes])
+        fit_without_cause = self.no_cause
+        if self.is_right(fit_without_cause, PRESSURE) and self.discrepancy.is_within(PRESSURE):
+            return [fit_without_cause]
+        causes_of_pressure = [cause for cause in CAUSES if cause.channel == PRESSURE]
+        quickly_predicted = [cause for cause in causes_of_pressure if cause not in _MODEL_FAULTS]
+        single_fits = self._explanations_of_pressure([(cause,) for cause in quickly_predicted])
         if self._needs_no_pair(single_fits):
-            return self._near_the_best(single_fits) or [no_cause]
+            return self._near_the_best(single_fits) or [fit_without_cause]
         fits_of_pairs = self._explanations_of_pressure(
-            self._pairs_worth_trying(single_fits, quick_causes)
+            self._pairs_worth_trying(single_fits, quickly_predicted)
         )
-        # Few values may not show more than chance, and a pair is no way around that.
-        best_single = self._best_single_fit(quick_causes)
-        if best_single is not None:
+        # A single cause may be refused since few values show no more than chance. A pair must do
+        # better than that cause even so.
+        best_single_fit = self._best_single_fit(quickly_predicted)
+        if best_single_fit is not None:
             fits_of_pairs = [
-                fit for fit in fits_of_pairs if self._better(fit, best_single, (PRESSURE,))
+                fit for fit in fits_of_pairs if self._better(fit, best_single_fit, (PRESSURE,))
             ]
         fits_of_pairs = [fit for fit in fits_of_pairs if self._needs_both(fit)]
-        return self._near_the_best(fits_of_pairs or single_fits) or [no_cause]
+        return self._near_the_best(fits_of_pairs or single_fits) or [fit_without_cause]
 
     def _needs_no_pair(self, single_fits: Sequence[Fit]) -> bool:
         """Whether one cause of the pressure difference, or none, explains it so well that pairs of

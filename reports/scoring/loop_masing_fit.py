@@ -757,34 +757,44 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
 def with_interval(best_loop: BestLoop, error_of_theory: float) -> MasingFit:
     """The best fit of a measured loop with its 95 % interval of the coefficient of friction f: up
     to where the least sum of squares rises by what the F distribution admits. The interval is
-    widened where neighbouring rows lie on the same side of the loop (`Misfit.widening`).
+    widened where neighbouring rows lie on the same side of the loop (`Misfit.widening`), and by
+    errors that more rows would not lessen.
+
+    A loop is gross where the contact slides as a whole at its ends, else partial. `high` of the
+    answer is None where the rows do not bound f from above: the sum of squares never rises so far.
 
     Parameters
     ----------
     best_loop
-        the fitted parameters, their least sums of squares, and the rows that they were fitted to
+        the loop: its parameters, the fits of the best partial and the best gross loop with their
+        least sums of squares, and the search, which holds the rows and seeks other fits to them
     error_of_theory
         error of a fitted f, over f, since theory's memory curve is interpolated between samples
     """
-    from scipy.stats import f as fisher
+    from scipy.stats import f as f_distribution
 
     search = best_loop.search
-    variance = max(_better(best_loop.fits).squares / best_loop.freedom, 1.0)
+    partial_and_gross_fit = best_loop.fits
+    variance = max(_better(partial_and_gross_fit).squares / best_loop.freedom, 1.0)
     # what a change of each residual by its sigma changes in the parameters
     influence = _influence(search, best_loop.parameters, best_loop.gross)
     standard_errors = np.sqrt(variance * np.sum(influence**2, axis=1))
     widening = best_loop.misfit.widening
-    admitted_rise = float(fisher.ppf(0.95, 1, best_loop.freedom)) * widening**2 * variance
+    admitted_rise = float(f_distribution.ppf(0.95, 1, best_loop.freedom)) * widening**2 * variance
     first_step = float(np.clip(2 * standard_errors[LOG_F] * widening, 1e-9, 0.3))
     friction = math.exp(best_loop.parameters[LOG_F])
-    parameters_at_lower_end = search.interval_end(best_loop.fits, -1.0, admitted_rise, first_step)
-    parameters_at_upper_end = search.interval_end(best_loop.fits, 1.0, admitted_rise, first_step)
-    # the plateaus of a gross loop, at f P, are rounded to the last digit of Q
-    error_by_digits = 0.0
+    parameters_at_lower_end = search.interval_end(
+        partial_and_gross_fit, -1.0, admitted_rise, first_step
+    )
+    parameters_at_upper_end = search.interval_end(
+        partial_and_gross_fit, 1.0, admitted_rise, first_step
+    )
+    # of f: the plateaus of a gross loop, at f P, are rounded to the last digit of Q
+    error_by_last_digit = 0.0
     if best_loop.gross:
-        error_by_digits = _digits_of_plateau(search.rows, search.curve, search.weights)
+        error_by_last_digit = _digits_of_plateau(search.rows, search.curve, search.weights)
     # error of f that more rows would not lessen
-    error_beside_scatter = math.hypot(friction * error_of_theory, error_by_digits)
+    error_beside_scatter = math.hypot(friction * error_of_theory, error_by_last_digit)
     lowest_friction = 0.0
     if parameters_at_lower_end is not None:
         lowest_friction = friction - math.hypot(
@@ -807,7 +817,7 @@ def with_interval(best_loop: BestLoop, error_of_theory: float) -> MasingFit:
         misfit=best_loop.misfit,
         influence=influence,
         freedom=best_loop.freedom,
-        by_digits=error_by_digits,
+        by_digits=error_by_last_digit,
         ends=(parameters_at_lower_end, parameters_at_upper_end),
     )
 

@@ -416,11 +416,21 @@ def _slip_out_of_contact(case: Case) -> Found:
 
 
 def _gap_for_slope(case: Case) -> Found:
-    """Prove what h_o in equation (15) must be: with the slope of the gap the slip from event J to M
-    at 0.8 a0 is the engine's, and grows like it with all lengths and loads at the same stresses;
-    with the gap itself it does not. Returns whether it is proven, and numbers.
+    """Prove that h_o in the paper's equation (15), printed as a gap, must be the slope of a gap.
 
-    `case` is the paper's ellipse of loads on one profile.
+    Equation (15) gives the slip of a point by an integral over the loads, with h_o in the
+    integrand: the slip of each load increment on the flat punch that sticks, of half-width c. Three
+    readings of h_o are tried: the slope 1/sqrt(x^2 - c^2) of the gap that an increment of load
+    opens beside that punch; this gap itself; and the roller's gap x^2/(2 R). The slip is taken
+    from the event J to M, the second part of forward slip, at x = 0.8 a0; a0 is the contact
+    half-width at the mean load.
+
+    With the slope the slip is the engine's. It also grows as the engine's does where all lengths
+    and loads are ten times as large, at the same stresses. With either gap it does neither.
+
+    Returns whether it is proven, and numbers by name: "right" is the error with the slope,
+    "printed" the lesser one of both gaps; the others are errors and powers of the length by which
+    the slip grows. `case` is the paper's ellipse of loads on one profile.
     """
     case_as_is = case
     case_ten_times = case.ten_times()
@@ -428,18 +438,22 @@ def _gap_for_slope(case: Case) -> Found:
     power_of_slip = math.log10(_slip_after_j(case_ten_times) / slip_as_is)
     errors = {}
     powers = {}
-    for name in ("slope", "gap of the increment", "gap of the punch"):
-        slip_by_15_as_is = _by_15(case_as_is, 0.8 * case_as_is.length, name)
-        slip_by_15_ten_times = _by_15(case_ten_times, 0.8 * case_ten_times.length, name)
-        errors[name] = _relative_error(slip_by_15_as_is, slip_as_is)
-        powers[name] = math.log10(slip_by_15_ten_times / slip_by_15_as_is)
+    for reading in ("slope", "gap of the increment", "gap of the punch"):
+        slip_by_equation = _by_15(case_as_is, 0.8 * case_as_is.length, reading)
+        slip_by_equation_ten_times = _by_15(case_ten_times, 0.8 * case_ten_times.length, reading)
+        errors[reading] = _relative_error(slip_by_equation, slip_as_is)
+        powers[reading] = math.log10(slip_by_equation_ten_times / slip_by_equation)
     error_of_slope = errors.pop("slope")
-    least_error = min(errors.values())
-    numbers = {"right": error_of_slope, "printed": least_error, "power of the slip": power_of_slip}
-    numbers |= {f"power with the {name}": value for name, value in powers.items()}
-    numbers |= {f"error with the {name}": error for name, error in errors.items()}
+    least_error_of_gaps = min(errors.values())
+    numbers = {
+        "right": error_of_slope,
+        "printed": least_error_of_gaps,
+        "power of the slip": power_of_slip,
+    }
+    numbers |= {f"power with the {reading}": value for reading, value in powers.items()}
+    numbers |= {f"error with the {reading}": error for reading, error in errors.items()}
     grows_alike = abs(powers["slope"] - power_of_slip) <= EXACT
-    return proves(error_of_slope, least_error) and grows_alike, numbers
+    return proves(error_of_slope, least_error_of_gaps) and grows_alike, numbers
 
 
 def _slip_after_j(case: Case) -> float:

@@ -317,24 +317,30 @@ def _advance_of_slip(case: Case, start_time: float, end_time: float) -> Found:
 
 def slip_speed(case: Case, x: float = POINTS[0]) -> Found:
     """Check the paper's statement that forward slip is slower than reverse slip, at a point that is
-    always in contact: mean speeds over the time in which the point slips, and over the phases of
-    the contact. `x` is in half-widths at the mean load. Returns (verdict, numbers). `case` is the
-    paper's ellipse of loads on one profile.
+    always in contact.
+
+    The ratio of mean speeds, forward over reverse, is taken twice: over the time in which the point
+    itself slips, and over the whole phase in which any point does. The paper's letters are events
+    of the steady cycle: reverse slip begins at E and ends at G, forward slip begins at I and ends
+    at M. Distances are over A P0/3, with A = 2/E* and the mean load P0; times over a cycle of 2 pi.
+
+    `x` is in half-widths at the mean load. Returns (verdict, numbers). `case` is the paper's
+    ellipse of loads on one profile.
     """
     edge_load = np.asarray(case.contact.load(np.array([x * case.length])))
-    # Forward, reverse.
+    # of both: forward, reverse
     distance = np.zeros(2)
     duration = np.zeros(2)
+    unit_of_slip = case.compliance * case.unit
     for span in chain.from_iterable(case.slipping.values()):
         start_time, end_time = (float(time[0]) for time in slip_times(span, edge_load))
         if end_time > start_time:
             index_of_direction = 0 if span.direction > 0 else 1
-            slip = case.solve(
-                time=[start_time + span.delay, end_time + span.delay], x=[x], fields=("slip",)
-            ).slip[:, 0]
-            distance[index_of_direction] += abs(float(slip[1] - slip[0])) / (
-                case.compliance * case.unit
-            )
+            # Times of a span are its load segment's own; on the load path they are later by the
+            # delay, whole cycles.
+            times_on_path = [start_time + span.delay, end_time + span.delay]
+            slip = case.solve(time=times_on_path, x=[x], fields=("slip",)).slip[:, 0]
+            distance[index_of_direction] += abs(float(slip[1] - slip[0])) / unit_of_slip
             duration[index_of_direction] += end_time - start_time
     duration_of_phases = np.array(
         [case.time("M") - case.time("I"), case.time("G") - case.time("E")]
