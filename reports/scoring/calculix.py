@@ -196,7 +196,7 @@ def _face_by_stress(
     mesh: CalculixMesh, mapping: Mapping
 ) -> tuple[Integers, dict[_Quantity, float], list[str]]:
     """The lower body's face by its stress, where a file has no contact values: rows of its nodes in
-    the mesh; the factors that turn -SYY and SXY there into pressure and shear, p = -SYY and q = SXY
+    the mesh; the factors that turn SYY and SXY there into pressure and shear, p = -SYY and q = SXY
     (outward normal +y); and a note that says so. `mapping` states columns, units and signs of the
     file.
     """
