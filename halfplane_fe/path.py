@@ -217,8 +217,8 @@ def turning_points(leg: LoadSegment, friction: float) -> list[float]:
     """Instants inside one segment of a load path at which P, Q - f P, Q + f P, a bulk stress, tilt
     or moment turns round, ascending: there increments end, since slip starts or ends.
 
-    `friction` is f. Instants closer than round-off to one another, or to an end of the segment,
-    count once.
+    `friction` is f. Instants closer than round-off to one another count once, those as close to an
+    end of the segment not at all.
     """
     all_times = turning_points_of(leg, 1.0, 0.0)
     all_times |= turning_points_of(leg, -friction, 1.0)

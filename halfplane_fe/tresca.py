@@ -49,7 +49,8 @@ def pressure_at_known_shear(
     height
         (n,) initial gap, with what known tangential forces and displacement add to it
     load
-        normal load, scaled
+        normal load that the nodal normal forces carry, as scaled as these: P less what the known
+        tangential forces carry on an inclined face
     is_closed
         (n,) nodes that are assumed to touch first
     rounding

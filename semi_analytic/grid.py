@@ -630,7 +630,7 @@ class Grid:
 
     def slip_field(self) -> Callable[[Array], Array]:
         """Slip s at any points, in contact and outside, as a function of x (m,) [length]: the mean
-        over the grids in their present state.
+        over the grids in their present state. For like materials, which pressure does not shear.
 
             s = U - eps x - sum over cells of compliance times q
         """

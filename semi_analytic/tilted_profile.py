@@ -281,7 +281,7 @@ class ConvexProfile(abc.ABC):
             slope_residual = np.pi * (balance.mean_slope + tilt)
             load_residual = (load_product - balance.load_product) / trial_c
             # A step is halved where the potential rises behind it more than half as steeply as it
-            # fell before.
+            # fell before. The fall stays that of the full step: shorter ones are accepted sooner.
             rise_along_step = slope_residual * shift - load_residual * widening
             is_accepted = rise_along_step <= slope_along_step / 2
             m = np.where(is_accepted, trial_m, m)

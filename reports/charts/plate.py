@@ -745,7 +745,7 @@ def _png(
     pixels: NDArray[np.uint8], colours: Sequence[str] = (), *, all_colours: bool = False
 ) -> bytes:
     """A picture as the bytes of a PNG file. `pixels` are numbers of the given `colours`, (n, m), or
-    colours themselves, (n, m, 3), of which the 255 most frequent are kept unless `all_colours`.
+    colours themselves, (n, m, 3), which median cut reduces to 255 unless `all_colours`.
 
     >>> _png(np.zeros((1, 1), np.uint8), ["#ffffff"])[:8]
     b'\\x89PNG\\r\\n\\x1a\\n'
