@@ -319,8 +319,8 @@ def _change_of_stick(
 
 def split(comparison: JudgedPair, budget: ErrorBudget | None) -> Why:
     """Split the difference of the dissipation W between finite elements of real bodies and
-    half-plane theory into its causes. Not split, with the reason, where W was not compared, no method
-    for these bodies finds the causes, or a part does not converge or has no error.
+    half-plane theory into its causes. Not split, with the reason, where W was not compared, no
+    method for these bodies finds the causes, or a part does not converge or has no error.
 
     Parameters
     ----------
