@@ -52,8 +52,8 @@ _LOOP_HEIGHT = 220.0
 
 def half_widths(view: CycleView) -> Plate:
     """A figure of the contact edges and stick edges of both engines through the cycle, and beside
-    it the difference of the half-widths, result minus reference, both over a_ref. `view` holds the
-    last cycles of both solutions.
+    it the difference of the half-widths, result minus reference, per cent of a_ref. `view` holds
+    the last cycles of both solutions.
     """
     half_width = view.scales.half_width
     curves: list[Curve] = []
@@ -81,16 +81,16 @@ def half_widths(view: CycleView) -> Plate:
     )
 
     differences = {
-        kind: result_values - reference_values
+        kind: 100 * (result_values - reference_values)
         for kind, (reference_values, result_values) in half_widths_of.items()
     }
     notes = [
-        f"{kind}: {view.difference_over_time(difference, ' a_ref')}"
+        f"{kind}: {view.difference_over_time(difference, ' % of a_ref')}"
         for kind, difference in differences.items()
     ]
     difference_axis = Axis(
-        *limits(*differences.values(), zero=True, least=1e-12),
-        "difference of half-widths / a_ref",
+        *limits(*differences.values(), zero=True, least=1e-10),
+        "difference, % of a_ref",
     )
     lower_panel = Panel(
         "edges-difference",
