@@ -343,19 +343,19 @@ def contact_by_load(problem: ContactProblem, states: Sequence[InterfaceState]) -
     for row, state in enumerate(states):
         if not state.normal_load > 0:
             continue
-        by_load = None
         for side in (-1, 1):
             inwards = _inwards(problem, state, side)
-            share = (
-                _share_of_elements(problem, int(inwards[0])) if len(inwards) >= _CLOSED else None
-            )
+            if len(inwards) < _CLOSED:
+                continue
+            last_closed = int(inwards[0])
+            share = _share_of_elements(problem, last_closed)
             if share is None:
                 continue
-            if by_load is None:
-                by_load = nodal(problem.rates(state.state, len(state.loads))[0])
-            edge = Edge.of_contact(problem, side, int(inwards[0]), state, by_load)
+            by_load = nodal(problem.rates(state.state, len(state.loads))[0])  # cached
+            edge = Edge.of_contact(problem, side, last_closed, state, by_load)
             if edge.is_moved:
-                edges.put(row, edge.node, edge, _CONTACT * (1 + 2 / len(inwards)) + share)
+                share += _CONTACT * (1 + 2 / len(inwards))
+                edges.put(row, last_closed, edge, share)
     return edges
 
 

@@ -407,16 +407,15 @@ def _is_numeric(text: str, separator: str | None) -> bool:
 
 
 def _headings(text: str, separator: str | None) -> list[list[str]]:
-    """Cells of a line of headings, one list for each way to cut it.
+    """Cells of a line of headings, one list for each way to cut it that gives other cells.
 
     Where blanks separate the cells, a heading may also hold single blanks.
     """
-    ways = [_cells(text, separator)]
-    return (
-        ways
-        if separator is not None
-        else [[cell.strip('"') for cell in re.split(r"\s{2,}|\t", text)], *ways]
-    )
+    cells = _cells(text, separator)
+    if separator is not None:
+        return [cells]
+    cells_with_blanks = [cell.strip('"') for cell in re.split(r"\s{2,}|\t", text)]
+    return [cells] if cells_with_blanks == cells else [cells_with_blanks, cells]
 
 
 def _layout_of_bare_rows(lines: list[Line]) -> _Layout | None:
@@ -1030,13 +1029,12 @@ def _headings_above_rows(
     headings; if its cells are units, the one before does. 0 and empty tuples where other lines
     stand between headings and row.
     """
-    lines_with_all_cells = []
-    for number, text in lines:
-        # Two ways to cut a line may give the same cells: the line counts once.
-        for cells_of_line in _headings(text, separator):
-            if len(cells_of_line) == n_columns:
-                lines_with_all_cells.append((number, cells_of_line))
-                break
+    lines_with_all_cells = [
+        (number, cells_of_line)
+        for number, text in lines
+        for cells_of_line in _headings(text, separator)
+        if len(cells_of_line) == n_columns
+    ]
     units = [""] * n_columns
     if len(lines_with_all_cells) > 1 and _are_units(lines_with_all_cells[-1][1]):
         units = [cell.strip("[](){}<> ") for cell in lines_with_all_cells[-1][1]]

@@ -185,6 +185,19 @@ def test_a_stick_zone_that_vanishes_ends_in_its_middle() -> None:
     assert not at_jumps(nothing, [0, 1, 2, 3, 4]).any()
 
 
+def uncertainty_of_peak(peak: Peak) -> float:
+    """Uncertainty of the largest pressure of a Hertz contact on one mesh."""
+    return peak_uncertainty(
+        peak,
+        load_scene("hertz-paper").profile,
+        coarse=0.1,
+        fine=SurfaceGrading(inner=0.5, outer=1.2, size=0.05, edge_size=0.02),
+        growth=0.5,
+        depth=math.inf,
+        plain=False,
+    )
+
+
 def test_nodes_that_stray_make_the_largest_pressure_less_certain() -> None:
     x = np.linspace(-1.0, 1.0, 101)
     smooth = 50 * np.sqrt(1 - x**2)
@@ -194,19 +207,8 @@ def test_nodes_that_stray_make_the_largest_pressure_less_certain() -> None:
     assert scatter_of_nodes(smooth, node=50) < 1e-3
     assert scatter == pytest.approx(0.2, rel=1e-2)
     peak = Peak(value=50.2, difference=0.0, half_width=1.0, to_edge=1.0, stands_off=0.0)
-    profile = load_scene("hertz-paper").profile
-    grading = SurfaceGrading(inner=0.5, outer=1.2, size=0.05, edge_size=0.02)
     of_smooth, of_straying = (
-        peak_uncertainty(
-            replace(peak, scatter=size),
-            profile,
-            coarse=0.1,
-            fine=grading,
-            growth=0.5,
-            depth=math.inf,
-            plain=False,
-        )
-        for size in (0.0, scatter)
+        uncertainty_of_peak(replace(peak, scatter=size)) for size in (0.0, scatter)
     )
     assert of_straying - of_smooth == pytest.approx(0.6 * scatter, rel=1e-9)
 
@@ -218,19 +220,9 @@ def test_a_largest_pressure_that_bends_between_its_nodes_is_less_certain() -> No
     stands_off = largest_off_neighbours(x, kinked, node=50)
     assert stands_off == pytest.approx(5 * (x[1] - x[0]))
     assert largest_off_neighbours(x, kinked, node=40) < 1e-9
-    profile = load_scene("hertz-paper").profile
-    grading = SurfaceGrading(inner=0.5, outer=1.2, size=0.05, edge_size=0.02)
+    peak = Peak(value=50.0, difference=0.0, half_width=1.0, to_edge=0.5, stands_off=0.0)
     of_line, of_kink = (
-        peak_uncertainty(
-            Peak(value=50.0, difference=0.0, half_width=1.0, to_edge=0.5, stands_off=size),
-            profile,
-            coarse=0.1,
-            fine=grading,
-            growth=0.5,
-            depth=math.inf,
-            plain=False,
-        )
-        for size in (0.0, stands_off)
+        uncertainty_of_peak(replace(peak, stands_off=size)) for size in (0.0, stands_off)
     )
     assert of_line == pytest.approx((0.05 * 0.02**1.5 / 0.5 + 0.003 * 0.5**4) * 50.0, rel=1e-9)
     assert of_kink - of_line == pytest.approx(0.1 * stands_off, rel=1e-9)
