@@ -186,33 +186,30 @@ def _over_spans(
     corner_times_of_spans = [
         corner_times(contact, ranges_of_span.span) for ranges_of_span in spans_with_ranges
     ]
+    passes_corner = np.array(
+        [len(times_at_corners) > 0 for times_at_corners in corner_times_of_spans], dtype=bool
+    )
     needs_halving = np.array(
         [
-            len(times_at_corners) > 0 or uneven(contact, ranges_of_span.span)
-            for times_at_corners, ranges_of_span in zip(
-                corner_times_of_spans, spans_with_ranges, strict=True
-            )
+            has_corner or uneven(contact, ranges_of_span.span)
+            for has_corner, ranges_of_span in zip(passes_corner, spans_with_ranges, strict=True)
         ],
         dtype=bool,
     )
+    has_ranges = np.array(
+        [len(ranges_of_span.integral_number) > 0 for ranges_of_span in spans_with_ranges],
+        dtype=bool,
+    )
+    spans_by_rule_alone = np.flatnonzero(has_ranges & ~needs_halving).tolist()
+    spans_to_halve = np.flatnonzero(has_ranges & needs_halving).tolist()
     integrals = np.zeros((len(spans_with_ranges), n_integrals))
     errors = np.zeros((len(spans_with_ranges), n_integrals))
     # The rule for any singular ends takes 193 nodes; ranges that are halved take one of 24.
-    for rule, takes_rule in ((graded, ~needs_halving), (crowded_nodes, needs_halving)):
-        span_numbers = [
-            k
-            for k in np.flatnonzero(takes_rule).tolist()
-            if len(spans_with_ranges[k].integral_number)
-        ]
+    for rule, span_numbers in ((graded, spans_by_rule_alone), (crowded_nodes, spans_to_halve)):
         if span_numbers:
             integrals_of_spans = integrals_along([spans_with_ranges[k] for k in span_numbers], rule)
             for k, integrals_of_span in zip(span_numbers, integrals_of_spans, strict=True):
                 integrals[k, spans_with_ranges[k].integral_number] = integrals_of_span
-    spans_to_halve = [
-        k
-        for k in np.flatnonzero(needs_halving).tolist()
-        if len(spans_with_ranges[k].integral_number)
-    ]
     if spans_to_halve:
         # One size for all: a short span by itself may be all round-off, and would never converge
         # to its own.
@@ -220,9 +217,6 @@ def _over_spans(
         size_of_integrals = np.maximum(largest_total, np.max(np.abs(integrals), axis=1))
         # Across corners 25 times the relative round-off of the contact's P and dP/da, about 1e-14:
         # many small kinks may hide from one halving.
-        passes_corner = np.array(
-            [len(times_at_corners) > 0 for times_at_corners in corner_times_of_spans]
-        )
         relative_error = np.where(passes_corner, min(CONVERGED, 25 * contact.noise), CONVERGED)
         allowed_error_of_span = relative_error * size_of_integrals
         ranges_to_halve = [spans_with_ranges[k] for k in spans_to_halve]
