@@ -468,7 +468,7 @@ def _placed_by_load(
     if not edge.is_moved:
         return edge, math.inf
     behind = last_stuck - side * _BEHIND
-    loads = np.maximum(to_limit[behind], 0.0) / np.abs(rates_to_limit[behind])
+    loads = np.array([_load_to(max(to_limit[k], 0.0), rates_to_limit[k]) for k in behind.tolist()])
     distances = np.abs(problem.interface.x[behind] - edge.place)
     even_loads = 2 * edge.load_between * distances / edge.spacing
     ratios = np.maximum(loads / even_loads, _LEAST_SHARE)
