@@ -17,10 +17,10 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import case_table
 import regress
@@ -35,13 +35,16 @@ import contract_values  # noqa: E402
 
 
 class Line(NamedTuple):
-    """One quantity of one scene: value now, baseline and reference where there are any."""
+    """One quantity of one scene: value now, baseline and reference where there are any, and what
+    else a baseline of the quantity states, such as whether a metric is accurate.
+    """
 
     scene: str
     key: Key
     value: Any
     baseline: Case | None
     references: tuple[Case, ...]
+    more: Mapping[str, Any]
 
     @property
     def quantity(self) -> str:
@@ -67,36 +70,45 @@ class Line(NamedTuple):
         """Whether the baseline and every reference are met."""
         if self.baseline is None or not case_table.agrees(self.baseline, self.value):
             return False
+        if {**self.baseline.more, **self.more} != self.baseline.more:
+            return False
         return all(case_table.agrees(case, self.value) for case in self.references)
 
 
 # ---------------------------------------------------------------------------------------- the runs
-def of_regress(scene: str, known: Sheet) -> dict[Key, Any]:
+Measured: TypeAlias = tuple[dict[Key, Any], dict[Key, Mapping[str, Any]]]
+"""Values of a run, and what else a baseline of some of them states."""
+
+
+def of_regress(scene: str, known: Sheet) -> Measured:
     """Half-plane theory at a few instants and places."""
-    return regress.measure(load_scene(scene), dict(known.points))
+    return regress.measure(load_scene(scene), dict(known.points)), {}
 
 
-def of_contract(scene: str, known: Sheet) -> dict[Key, Any]:
+def of_contract(scene: str, known: Sheet) -> Measured:
     """Half-plane theory on a grid of instants and places."""
-    return contract_values.half_plane(contract_values.scene_of(scene), dict(known.points))
+    return contract_values.half_plane(contract_values.scene_of(scene), dict(known.points)), {}
 
 
-def of_coarse(scene: str, known: Sheet) -> dict[Key, Any]:
+def of_coarse(scene: str, known: Sheet) -> Measured:
     """Finite elements on the coarse mesh, and their comparison with theory."""
     values: dict[Key, Any] = {}
+    more: dict[Key, Mapping[str, Any]] = {}
     if known.baselines(contract_values.COARSE):
         answer = contract_values.finite_elements(scene)
         values |= contract_values.coarse_values(answer)
     if known.baselines(contract_values.COMPARED):
         with tempfile.TemporaryDirectory() as folder:
             metrics = contract_values.comparison_metrics(scene, Path(folder) / scene)
-        for key, metric in metrics.items():
-            values[contract_values.COMPARED, key, ""] = metric["value"]
-    return values
+        for name, metric in metrics.items():
+            key = (contract_values.COMPARED, name, "")
+            values[key] = metric["value"]
+            more[key] = {column: metric[column] for column in ("unit", "accurate")}
+    return values, more
 
 
 # Run -> scenes, what measures one of them.
-RUNS: dict[str, tuple[tuple[str, ...], Callable[[str, Sheet], dict[Key, Any]]]] = {
+RUNS: dict[str, tuple[tuple[str, ...], Callable[[str, Sheet], Measured]]] = {
     "regress": (regress.NAMES, of_regress),
     "contract": (contract_values.scenes_of(case_table.THEORY), of_contract),
     "coarse": (contract_values.scenes_of(contract_values.COARSE), of_coarse),
@@ -112,9 +124,10 @@ def lines(run: str, names: Sequence[str] = ()) -> Iterator[Line]:
         if not names or name in names:
             known = with_points(run, case_table.sheet(name))
             baselines = known.baselines()
-            for key, value in measure(name, known).items():
+            values, more = measure(name, known)
+            for key, value in values.items():
                 references = tuple(case for case in known.references(key[0]) if case.key == key)
-                yield Line(name, key, value, baselines.get(key), references)
+                yield Line(name, key, value, baselines.get(key), references, more.get(key, {}))
 
 
 def with_points(run: str, known: Sheet) -> Sheet:
@@ -131,7 +144,8 @@ def accept(run: str, line: Line) -> None:
     known = with_points(run, case_table.sheet(line.scene))
     commit = code_commit("*.py")
     if line.baseline is not None:
-        renewed = replace(line.baseline, value=line.value, commit=commit)
+        more = {**line.baseline.more, **line.more}
+        renewed = replace(line.baseline, value=line.value, commit=commit, more=more)
     else:
         by, quantity, at = line.key
         row = {"run": by, "quantity": quantity, "at": at, "value": line.value, "commit": commit}
