@@ -432,7 +432,7 @@ def test_scattered_points_beyond_the_coulomb_limit_are_one_finding_with_a_count(
         r"^(\d+) of (\d+) points in contact exceed the Coulomb limit", diagnosis.evidence[0]
     )[0]
     # the instants of the last cycle are judged
-    touching = (p > 0) & np.isin(time, comparison.found.time)[:, None]
+    touching = (p > 0) & np.isin(time, comparison.result_cycle.time)[:, None]
     beyond = (np.abs(q) > scene.friction.coefficient * p) & touching
     assert [int(word) for word in counts] == [beyond.sum(), touching.sum()]
     assert diagnosis.evidence[0].endswith("no more than noise makes: no fault of the contact law")

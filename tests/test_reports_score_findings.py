@@ -103,7 +103,9 @@ def test_finite_elements_on_their_own_instants_are_a_reference_for_a_cycle_from_
     comparison = compare(reference, cycle)
     assert comparison.metric("shear").value < 0.02
     np.testing.assert_allclose(
-        comparison.expected.tangential_load, comparison.found.tangential_load, atol=1e-9 * 90
+        comparison.reference_cycle.tangential_load,
+        comparison.result_cycle.tangential_load,
+        atol=1e-9 * 90,
     )
 
 
@@ -158,7 +160,7 @@ def test_a_pressure_alone_is_scored_where_the_scene_has_no_tangential_load(tmp_p
     report = score_file(table, Mapping(), scene)
     assert report.passed
     assert abs(report.metric("peak_pressure").value) < 1e-9
-    assert report.comparison.found.time.tolist() == pytest.approx([1.0])
+    assert report.comparison.result_cycle.time.tolist() == pytest.approx([1.0])
     with pytest.raises(
         InputError, match="without a shear the pressure alone does not say which instant is which"
     ):
@@ -226,9 +228,9 @@ def test_instants_that_share_one_time_end_the_choice_of_events(tmp_path: Path) -
         Mapping(),
         CATTANEO,
     )
-    cycle = report.comparison.found
+    cycle = report.comparison.result_cycle
     at_rest = replace(
-        cycle, whole=False, time=np.ones_like(cycle.time), fraction=np.ones_like(cycle.time)
+        cycle, is_whole=False, time=np.ones_like(cycle.time), fraction=np.ones_like(cycle.time)
     )
     assert 1 <= len(events(at_rest, 0.5)) <= 6
 

@@ -77,13 +77,13 @@ class Comparison(JudgedPair):
     plain_reference
         the reference as it is, where `reference` follows a rule of the result; else the same
     scales
-        what makes it dimensionless
-    expected, found
+        reference load, half-width, pressure, ... that make the metrics dimensionless
+    reference_cycle, result_cycle
         last cycle of the reference (on the result's points and instants) and of the result; with
         `effects` the displacements of half-planes in them are counted from the supports
     effects
         what the bodies add to half-planes, where it was given and a solution needs it; else None
-    lacks_datum
+    lacks_common_datum
         whether the displacements of the two are counted from different places, and no effects
         lead from the one to the other
     metrics
@@ -194,7 +194,7 @@ def compare(
     if polygon_reference is not None:
         _refuse_other_question(polygon_reference, result)
     result_cycle = last_cycle(result)
-    if result_cycle.whole:
+    if result_cycle.is_whole:
         reference_cycle = sample(last_cycle(reference), result_cycle, reference.engine)
     else:
         reference_cycle = sample_instants(reference, result_cycle)
@@ -211,10 +211,10 @@ def compare(
         polygon_reference,
         plain_reference or reference,
         scales(scales_from or reference),
-        expected=reference_cycle,
-        found=result_cycle,
+        reference_cycle=reference_cycle,
+        result_cycle=result_cycle,
         effects=effects,
-        lacks_datum=has_other_datum and effects is None,
+        lacks_common_datum=has_other_datum and effects is None,
     )
     return Comparison(
         **{name: getattr(pair, name) for name in Pair.__dataclass_fields__},
@@ -248,13 +248,15 @@ def _notes(pair: Pair) -> Iterator[str]:
     from reports.charts.templating import in_template
 
     scene = pair.result.scene
-    interpolation_errors = pair.expected.interpolation  # field -> estimated largest error
+    interpolation_errors = (
+        pair.reference_cycle.interpolation_errors
+    )  # field -> estimated largest error
     if interpolation_errors:
         yield in_template("interpolated", interpolation_errors)
     # instants in contact whose load is too light to be judged
-    light_count = int((pair.touching & ~pair.judged).sum())
+    light_count = int((pair.is_in_contact & ~pair.is_judged).sum())
     if light_count:
-        yield in_template("light", light_count, int(pair.touching.sum()), LIGHT)
+        yield in_template("light", light_count, int(pair.is_in_contact.sum()), LIGHT)
     for solution in (pair.reference, pair.result):
         name = name_of(solution.engine)
         if not solution.record.converged:
@@ -268,7 +270,9 @@ def _notes(pair: Pair) -> Iterator[str]:
         ):
             yield in_template("not_steady", name)
         yield from (f"{name}: {note}" for note in solution.record.notes)
-    if (pair.effects is not None or pair.lacks_datum) and _DISPLACEMENT not in missing(pair.result):
+    if (pair.effects is not None or pair.lacks_common_datum) and _DISPLACEMENT not in missing(
+        pair.result
+    ):
         yield in_template("displacements", pair.effects is not None)
     if pair.unsymmetric and pair.result.engine == "halfplane_fe" and pair.polygon_reference is None:
         yield in_template("steps_not_apart")

@@ -145,8 +145,9 @@ def without_steps(comparison: Comparison) -> dict[str, float | None]:
     Where bulk stress or tilt leave theory no such answer it is compared with theory on the smooth
     path. InputError where the comparison lacks theory on straight increments for another reason.
     """
-    # pulled: the scene has bulk stress; turned: it has tilt, a moment or two unequal sides
-    if comparison.polygon_reference is None and not (comparison.pulled or comparison.turned):
+    if comparison.polygon_reference is None and not (
+        comparison.has_bulk_stress or comparison.may_tilt
+    ):
         raise InputError(
             "a budget needs the reference on the polygon of the result's steps: give compare"
             " polygon_reference"

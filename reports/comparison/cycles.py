@@ -59,10 +59,10 @@ class Cycle:
     dissipation_density: Array  # (n,)
     # estimated largest error of the re-sampling, over the field's largest value; empty where
     # nothing was interpolated
-    interpolation: Mapping[str, float] = field(default_factory=dict)
+    interpolation_errors: Mapping[str, float] = field(default_factory=dict)
     # False for the instants of a result that holds no whole cycle; `fraction` is then the time
     # itself
-    whole: bool = True
+    is_whole: bool = True
     # bulk_stress_lower, bulk_stress_upper, tilt, moment, shear_moment: (k,), or None, as in the
     # solution
     bulk_stress_lower: Array | None = None
@@ -100,7 +100,7 @@ def last_cycle(solution: ContactSolution) -> Cycle:
     time = solution.time[steps]
     fraction = (time - time[0]) / (time[-1] - time[0])
     start = _start_of_cycle(solution, time[0])
-    return _cycle_of_steps(solution, steps, fraction + start, whole=True)
+    return _cycle_of_steps(solution, steps, fraction + start, is_whole=True)
 
 
 def _start_of_cycle(solution: ContactSolution, time: float) -> float:
@@ -116,11 +116,11 @@ def _start_of_cycle(solution: ContactSolution, time: float) -> float:
 def _all_instants(solution: ContactSolution) -> Cycle:
     """Every instant of `solution`, `fraction` being the time."""
     steps = np.arange(len(solution.time))
-    return _cycle_of_steps(solution, steps, solution.time, whole=False)
+    return _cycle_of_steps(solution, steps, solution.time, is_whole=False)
 
 
 def _cycle_of_steps(
-    solution: ContactSolution, steps: NDArray[np.intp], fraction: Array, *, whole: bool
+    solution: ContactSolution, steps: NDArray[np.intp], fraction: Array, *, is_whole: bool
 ) -> Cycle:
     """Fields, edges and loads of a solution at the instants of one cycle.
 
@@ -130,7 +130,7 @@ def _cycle_of_steps(
         (k,) indices of the instants in the solution
     fraction
         (k,) share of the period that is over at each; the time where they are no whole cycle
-    whole
+    is_whole
         whether they are a whole cycle
     """
 
@@ -146,7 +146,7 @@ def _cycle_of_steps(
     return Cycle(
         time=freeze(solution.time[steps]),
         fraction=freeze(fraction),
-        whole=whole,
+        is_whole=is_whole,
         x=solution.x,
         dissipation_density=solution.dissipation_density,
         **values,
@@ -192,7 +192,7 @@ def sample(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
         Where `like` asks for points at which `cycle` still carries pressure beyond its own range.
     """
     starts_elsewhere = like.fraction[-1] > cycle.fraction[-1] + _SAME_FRACTION
-    if starts_elsewhere and cycle.whole and like.whole:
+    if starts_elsewhere and cycle.is_whole and like.is_whole:
         return _sample_from_elsewhere(cycle, like, engine)
 
     error_by_field: dict[str, float] = {}
@@ -203,7 +203,7 @@ def sample(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
         cycle, error_in_x = _at_points(cycle, like.x)
         for name, value in error_in_x.items():
             error_by_field[name] = error_by_field.get(name, 0.0) + value
-    return replace(cycle, interpolation=error_by_field)
+    return replace(cycle, interpolation_errors=error_by_field)
 
 
 def _are_same_places(places: Array, other_places: Array, tolerance: float) -> bool:
@@ -447,6 +447,6 @@ def _extremes(cycle: Cycle, friction: float, first_index: int) -> dict[int, str]
 def _distance_in_time(cycle: Cycle, instants: Iterable[int]) -> Array:
     """Distance of each instant to the nearest of `instants`, as a fraction of the cycle, (k,)."""
     distance = np.abs(cycle.fraction[:, None] - cycle.fraction[list(instants)])
-    if cycle.whole:  # its end is its start
+    if cycle.is_whole:  # its end is its start
         distance = np.minimum(distance, 1 - distance)
     return np.asarray(distance.min(axis=1))

@@ -205,7 +205,9 @@ def _at_worst(
     pair: Pair, series: Array, applies: Mask | None = None, **of_measured: Any
 ) -> Measured:
     """`series` (k,) at the worst of the instants that are judged, or of those that apply."""
-    value, time = _worst(series, pair.judged if applies is None else applies, pair.found.time)
+    value, time = _worst(
+        series, pair.is_judged if applies is None else applies, pair.result_cycle.time
+    )
     return Measured(value=value, time=time, series=series, **of_measured)
 
 
@@ -372,13 +374,13 @@ def _uncertainty_stated(
 
 def _place_of_largest(pair: Pair, values: Array) -> float:
     """x/a_ref of the largest of (n,)."""
-    return float(pair.found.x[np.argmax(values)]) / pair.scales.half_width
+    return float(pair.result_cycle.x[np.argmax(values)]) / pair.scales.half_width
 
 
 def largest_pressure(pair: Pair) -> Measured:
     """Largest p of the cycle."""
-    reference_value = float(pair.expected.pressure.max())
-    result_value = float(pair.found.pressure.max())
+    reference_value = float(pair.reference_cycle.pressure.max())
+    result_value = float(pair.result_cycle.pressure.max())
     beside_theory = _beside_theory(
         pair, "pressure", reference_value, result_value, pair.scales.pressure
     )
@@ -387,8 +389,8 @@ def largest_pressure(pair: Pair) -> Measured:
 
 def largest_half_width(pair: Pair) -> Measured:
     """Largest half distance of the contact edges in the cycle."""
-    reference_value = _largest_half_distance(pair.expected)
-    result_value = _largest_half_distance(pair.found)
+    reference_value = _largest_half_distance(pair.reference_cycle)
+    result_value = _largest_half_distance(pair.result_cycle)
     beside_theory = _beside_theory(
         pair, "half_width", reference_value, result_value, pair.scales.half_width
     )
@@ -450,8 +452,8 @@ def largest_slip(pair: Pair) -> Measured:
     No value where the finite elements slip by no more than round-off and theory does slip. `pair`
     holds the last cycles of reference and result.
     """
-    reference_cycle = pair.expected
-    result_cycle = pair.found
+    reference_cycle = pair.reference_cycle
+    result_cycle = pair.result_cycle
     if not pair.result.scene.friction.coefficient:
         return _nothing_to_compare("nothing resists slip")
     touches_in_result = result_cycle.state != OPEN
@@ -479,8 +481,8 @@ def largest_slip_common(pair: Pair) -> Measured:
     is_touching = _in_contact_in_both(pair)
     if not is_touching.any():
         return _nothing_to_compare(_NOT_IN_CONTACT)
-    range_in_result = range_of_slip(pair.found.slip, is_touching)
-    reference_value = float(range_of_slip(pair.expected.slip, is_touching).max())
+    range_in_result = range_of_slip(pair.result_cycle.slip, is_touching)
+    reference_value = float(range_of_slip(pair.reference_cycle.slip, is_touching).max())
     result_value = float(range_in_result.max())
     return _of_amounts(
         reference_value,
@@ -492,7 +494,7 @@ def largest_slip_common(pair: Pair) -> Measured:
 
 def _in_contact_in_both(pair: Pair) -> Mask:
     """(k, n) points and instants in contact in both."""
-    return np.asarray((pair.expected.state != OPEN) & (pair.found.state != OPEN))
+    return np.asarray((pair.reference_cycle.state != OPEN) & (pair.result_cycle.state != OPEN))
 
 
 def dissipation(pair: Pair) -> Measured:
@@ -521,8 +523,8 @@ def largest_dissipation_density(pair: Pair) -> Measured:
     """Largest friction work per area w(x) of the last cycle: (result - reference)/reference, with
     the place of the result's largest value. `pair` holds the last cycles of reference and result.
     """
-    reference_cycle = pair.expected
-    result_cycle = pair.found
+    reference_cycle = pair.reference_cycle
+    result_cycle = pair.result_cycle
     value_on_points = float(reference_cycle.dissipation_density.max())
     largest_value = float(result_cycle.dissipation_density.max())
     measurement = _beside_theory(
@@ -583,15 +585,15 @@ def peak_pressure(pair: Pair) -> Measured:
     Both maxima over the same points: where these lie beside the true peak cancels. A reference at
     its own peak would make every result look too low by up to (h/a)^2/8.
     """
-    reference_value = pair.expected.pressure.max(axis=1)
-    result_value = pair.found.pressure.max(axis=1)
+    reference_value = pair.reference_cycle.pressure.max(axis=1)
+    result_value = pair.result_cycle.pressure.max(axis=1)
     return _at_worst(pair, over(result_value - reference_value, reference_value))
 
 
 def pressure(pair: Pair) -> Measured:
     """L2 norm of the difference of the pressure over that of the pressure."""
-    reference_cycle = pair.expected
-    result_cycle = pair.found
+    reference_cycle = pair.reference_cycle
+    result_cycle = pair.result_cycle
     x = result_cycle.x
     difference = norm(x, result_cycle.pressure - reference_cycle.pressure)
     series = over(difference, norm(x, reference_cycle.pressure))
@@ -600,8 +602,8 @@ def pressure(pair: Pair) -> Measured:
 
 def shear(pair: Pair) -> Measured:
     """L2 norm of the difference of the shear over f times that of the pressure."""
-    reference_cycle = pair.expected
-    result_cycle = pair.found
+    reference_cycle = pair.reference_cycle
+    result_cycle = pair.result_cycle
     x = result_cycle.x
     difference = norm(x, result_cycle.shear - reference_cycle.shear)
     series = over(difference, pair.scales.friction * norm(x, reference_cycle.pressure))
@@ -671,24 +673,24 @@ def _resultant(
     name_of_load
         name of the stated load in a cycle
     """
-    x = pair.found.x
+    x = pair.result_cycle.x
     normals_of_flat = np.array([np.zeros_like(x), np.ones_like(x)])
     weights = getattr(pair.result, "weights", None)
     normals = getattr(pair.result, "normals", None)
     note = ""
     weights_of_points = shares(x) if weights is None else weights
     normals_of_points = normals_of_flat if normals is None else normals
-    resultant = resultant_of(pair.found, weights_of_points, normals_of_points)
-    excess = resultant - getattr(pair.found, name_of_load)
+    resultant = resultant_of(pair.result_cycle, weights_of_points, normals_of_points)
+    excess = resultant - getattr(pair.result_cycle, name_of_load)
     if weights is None:
-        resultant_of_reference = resultant_of(pair.expected, shares(x), normals_of_flat)
-        error_of_rule = resultant_of_reference - getattr(pair.expected, name_of_load)
+        resultant_of_reference = resultant_of(pair.reference_cycle, shares(x), normals_of_flat)
+        error_of_rule = resultant_of_reference - getattr(pair.reference_cycle, name_of_load)
         excess = excess - error_of_rule
         note = (
             "the result states no weights, so by the trapezoidal rule, minus its error for the"
             " reference"
         )
-    return _at_worst(pair, over(excess, pair.found.normal_load), note=note)
+    return _at_worst(pair, over(excess, pair.result_cycle.normal_load), note=note)
 
 
 # -------------------------------------------------------------------------- contact, stick and slip
@@ -696,7 +698,9 @@ def _resultant(
 
 def contact_edge(pair: Pair) -> Measured:
     """Outward shift of the worse contact edge."""
-    shift = _shift_of_worse_edge(pair.expected.contact_edges, pair.found.contact_edges)
+    shift = _shift_of_worse_edge(
+        pair.reference_cycle.contact_edges, pair.result_cycle.contact_edges
+    )
     measurement = _at_worst(pair, shift / pair.scales.half_width)
     return replace(measurement, elements=_in_elements(pair, measurement.value))
 
@@ -708,21 +712,21 @@ def stick_edge(pair: Pair) -> Measured:
     The note counts the instants at which the two differ in full stick, partial slip or full slip.
     `pair` holds the last cycles of reference and result.
     """
-    reference_cycle = pair.expected
-    result_cycle = pair.found
+    reference_cycle = pair.reference_cycle
+    result_cycle = pair.result_cycle
     length = pair.scales.half_width
     status_of_reference = _stick_status(reference_cycle, length)
     status_of_result = _stick_status(result_cycle, length)
     shift = _shift_of_worse_edge(reference_cycle.stick_edges, result_cycle.stick_edges)
-    is_compared = pair.judged & _with_stick_edges(status_of_reference, status_of_result)
+    is_compared = pair.is_judged & _with_stick_edges(status_of_reference, status_of_result)
     measurement = _at_worst(pair, shift / length, is_compared)
 
-    n_differing = int((status_of_reference != status_of_result)[pair.judged].sum())
+    n_differing = int((status_of_reference != status_of_result)[pair.is_judged].sum())
     note = ""
     if n_differing:
         note = (
-            f"{n_differing} of {int(pair.judged.sum())} instants differ in full stick, partial slip"
-            " or full slip"
+            f"{n_differing} of {int(pair.is_judged.sum())} instants differ in full stick, partial"
+            " slip or full slip"
         )
     if measurement.value is None and n_differing:
         reason_for_none = f"no instant has a stick edge in both: {note}"
@@ -803,16 +807,16 @@ def state(pair: Pair) -> Measured:
     reference differ, at each instant; the value is the mean over time of the instants in contact.
     `pair` holds the last cycles of reference and result.
     """
-    reference_cycle = pair.expected
-    result_cycle = pair.found
+    reference_cycle = pair.reference_cycle
+    result_cycle = pair.result_cycle
     lengths = np.gradient(result_cycle.x)
     is_touching = (reference_cycle.state != OPEN) | (result_cycle.state != OPEN)
     differs = reference_cycle.state != result_cycle.state
     series = over((differs * lengths).sum(axis=1), (is_touching * lengths).sum(axis=1))
-    time = result_cycle.time[pair.touching]
+    time = result_cycle.time[pair.is_in_contact]
     if not len(time) or time[-1] == time[0]:
         return Measured(value=None, series=series)
-    mean_share = np.trapezoid(series[pair.touching], time) / (time[-1] - time[0])
+    mean_share = np.trapezoid(series[pair.is_in_contact], time) / (time[-1] - time[0])
     return Measured(value=float(mean_share), series=series)
 
 
@@ -824,10 +828,10 @@ def slip(pair: Pair) -> Measured:
     where the range of s_ref is below 1e-12 of that. `pair` holds the last cycles of reference and
     result.
     """
-    reference_cycle = pair.expected
-    result_cycle = pair.found
+    reference_cycle = pair.reference_cycle
+    result_cycle = pair.result_cycle
     is_touching = _in_contact_in_both(pair)
-    applies = pair.judged & is_touching.any(axis=1)
+    applies = pair.is_judged & is_touching.any(axis=1)
     if not applies.any():
         return _nothing_to_compare(_NOT_IN_CONTACT)
     range_of_reference = np.ptp(reference_cycle.slip[is_touching])
@@ -853,8 +857,8 @@ def tilt(pair: Pair) -> Measured:
 
 def _series_of_tilted(pair: Pair, name: str, scale: float) -> Measured:
     """A series over time that not every solution states, result − reference."""
-    reference_values = getattr(pair.expected, name)
-    result_values = getattr(pair.found, name)
+    reference_values = getattr(pair.reference_cycle, name)
+    result_values = getattr(pair.result_cycle, name)
     if reference_values is None or result_values is None:
         return _nothing_to_compare("a solution states none")
     return _at_worst(pair, (result_values - reference_values) / scale)
@@ -870,10 +874,10 @@ def tangential_displacement(pair: Pair) -> Measured:
     No value where the two count U from different places, or where the reference does not move
     sideways. `pair` holds the last cycles of reference and result.
     """
-    if pair.lacks_datum:
+    if pair.lacks_common_datum:
         return _nothing_to_compare(_NO_DATUM)
-    reference_values = pair.expected.tangential_displacement
-    result_values = pair.found.tangential_displacement
+    reference_values = pair.reference_cycle.tangential_displacement
+    result_values = pair.result_cycle.tangential_displacement
     stroke = float(np.ptp(reference_values))
     least_stroke = _NOTHING * pair.scales.shift
     if stroke <= least_stroke:
@@ -885,7 +889,7 @@ def tangential_displacement(pair: Pair) -> Measured:
     if stroke > least_stroke:
         series = (result_values - reference_values) / stroke
     note = "" if pair.effects is None else _WITH_COMPLIANCES
-    if not pair.judged.any():
+    if not pair.is_judged.any():
         note = "the reference does not move sideways"
     return _at_worst(pair, series, note=note)
 
@@ -902,8 +906,8 @@ def approach_amplitude(pair: Pair) -> Measured:
 
 def _amplitude(pair: Pair, name: str, reason_for_none: str) -> Measured:
     """Half the range of a displacement in the cycle, over that of the reference, − 1."""
-    reference_value = float(np.ptp(getattr(pair.expected, name))) / 2
-    result_value = float(np.ptp(getattr(pair.found, name))) / 2
+    reference_value = float(np.ptp(getattr(pair.reference_cycle, name))) / 2
+    result_value = float(np.ptp(getattr(pair.result_cycle, name))) / 2
     if not math.isfinite(reference_value + result_value):
         return _nothing_to_compare("a solution states none")
     if reference_value <= _NOTHING * pair.scales.shift:
@@ -939,7 +943,9 @@ def hysteresis(pair: Pair) -> Measured:
     """Closed integral of Q dU."""
     if not pair.periodic:
         return _nothing_to_compare(_NO_LOOP)
-    return _of_amounts(loop_work(pair.expected), loop_work(pair.found), pair.scales.dissipation)
+    return _of_amounts(
+        loop_work(pair.reference_cycle), loop_work(pair.result_cycle), pair.scales.dissipation
+    )
 
 
 def bulk_term(pair: Pair) -> Measured:
@@ -948,8 +954,8 @@ def bulk_term(pair: Pair) -> Measured:
     bulk strain. Where the reference does no friction work it is over A f^2 P_ref^2, A the
     compliance of both bodies, and marked `absolute`. `pair` holds the last cycles of both.
     """
-    reference_cycle = pair.expected
-    result_cycle = pair.found
+    reference_cycle = pair.reference_cycle
+    result_cycle = pair.result_cycle
     if not pair.periodic:
         return _nothing_to_compare(_NO_LOOP)
     for cycle, solution in ((reference_cycle, pair.reference), (result_cycle, pair.result)):
@@ -990,8 +996,8 @@ def dissipation_density(pair: Pair) -> Measured:
     Absolute, over A f^2 P_ref^2/a_ref, where the reference does no friction work anywhere (a NaN
     counts as work). `pair` holds the last cycles of reference and result.
     """
-    reference_cycle = pair.expected
-    result_cycle = pair.found
+    reference_cycle = pair.reference_cycle
+    result_cycle = pair.result_cycle
     reference_values = reference_cycle.dissipation_density
     largest_reference = np.max(np.abs(reference_values))
     is_absolute = bool(largest_reference <= _NO_DISSIPATION * pair.scales.density)

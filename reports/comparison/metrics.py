@@ -155,7 +155,7 @@ def judge(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric, ...]:
         name_of(solution.engine): missing(solution) for solution in (pair.result, pair.reference)
     }
     carries_shear = bool(
-        (np.abs(np.nan_to_num(pair.expected.shear)) > _NO_SHEAR * pair.scales.shear).any()
+        (np.abs(np.nan_to_num(pair.reference_cycle.shear)) > _NO_SHEAR * pair.scales.shear).any()
     )
     metrics = []
     for metric in METRICS.values():
@@ -265,8 +265,8 @@ _STICK = (
     f"{_INSTANTS} at which both have one, but for a single step by which full stick comes or goes"
     " apart"
 )
-_PULLED = attrgetter("pulled")
-_TURNED = attrgetter("turned")
+_HAS_BULK_STRESS = attrgetter("has_bulk_stress")
+_MAY_TILT = attrgetter("may_tilt")
 _WITH_EFFECTS = attrgetter("has_effects")
 
 # The first table, with absolute values of both; below it all others.
@@ -556,7 +556,7 @@ _ROWS = (
         measure=measures.bulk_term,
         absolute_unit=_WORK,
         judged_by="dissipation",
-        exists=_PULLED,
+        exists=_HAS_BULK_STRESS,
     ),
     Metric(
         key="dissipation_drift",
@@ -580,7 +580,7 @@ _ROWS = (
         region=_INSTANTS,
         needs=("pressure",),
         measure=measures.moment,
-        exists=_TURNED,
+        exists=_MAY_TILT,
     ),
     Metric(
         key="tilt",
@@ -592,7 +592,7 @@ _ROWS = (
         region=_INSTANTS,
         needs=(),
         measure=measures.tilt,
-        exists=_TURNED,
+        exists=_MAY_TILT,
     ),
     Metric(
         key="dissipation_density",

@@ -65,8 +65,7 @@ def are_half_planes(scene: Scene) -> bool:
 class Pair:
     """Reference and result of a comparison, the one put on the other's points and instants.
 
-    `expected` is the last cycle of the reference, `found` that of the result; `plain_reference` is
-    the reference as it is, where `reference` follows a rule of the result. See `Comparison`.
+    `Comparison` explains the fields.
     """
 
     reference: ContactSolution
@@ -74,10 +73,10 @@ class Pair:
     polygon_reference: ContactSolution | None
     plain_reference: ContactSolution
     scales: Scales
-    expected: Cycle
-    found: Cycle
+    reference_cycle: Cycle
+    result_cycle: Cycle
     effects: BodyEffects | None = field(default=None, kw_only=True)
-    lacks_datum: bool = field(default=False, kw_only=True)
+    lacks_common_datum: bool = field(default=False, kw_only=True)
 
     @cached_property
     def largest(self) -> Extremes | None:
@@ -108,21 +107,23 @@ class Pair:
         return self.polygon_reference is not None
 
     @cached_property
-    def touching(self) -> Mask:
-        """(k,) instants at which either carries pressure (a NaN counts as pressure: it must not
-        hide).
+    def is_in_contact(self) -> Mask:
+        """(k,) whether any point carries pressure at an instant, in reference or result. A NaN
+        counts as pressure: it must not hide.
         """
-        return (self.expected.pressure != 0).any(axis=1) | (self.found.pressure != 0).any(axis=1)
+        has_pressure = (self.reference_cycle.pressure != 0) | (self.result_cycle.pressure != 0)
+        return has_pressure.any(axis=1)
 
     @cached_property
-    def judged(self) -> Mask:
-        """(k,) instants that a verdict is taken from."""
-        return self.touching & (self.expected.normal_load >= LIGHT * self.scales.normal_load)
+    def is_judged(self) -> Mask:
+        """(k,) whether a verdict is taken from an instant: in contact, and P at least 0.1 P_ref."""
+        is_loaded = self.reference_cycle.normal_load >= LIGHT * self.scales.normal_load
+        return self.is_in_contact & is_loaded
 
     @cached_property
     def isolated(self) -> dict[str, Mask]:
         """(k, n) of pressure, shear and slip: values of the result that no neighbour supports."""
-        return isolated_values(self.found, self.expected)
+        return isolated_values(self.result_cycle, self.reference_cycle)
 
     @cached_property
     def periodic(self) -> bool:
@@ -130,13 +131,13 @@ class Pair:
         return self.result.scene.load.path().period is not None
 
     @cached_property
-    def pulled(self) -> bool:
+    def has_bulk_stress(self) -> bool:
         """Whether the scene states a bulk stress."""
         load = self.result.scene.load
         return load.bulk_stress_lower is not None or load.bulk_stress_upper is not None
 
     @cached_property
-    def turned(self) -> bool:
+    def may_tilt(self) -> bool:
         """Whether the scene states a tilt, a moment or a line of action, or has two unequal
         sides.
         """
@@ -147,11 +148,11 @@ class Pair:
     @property
     def unsymmetric(self) -> bool:
         """Whether the scene states bulk stress, tilt, moment or unequal sides."""
-        return self.pulled or self.turned
+        return self.has_bulk_stress or self.may_tilt
 
     @property
     def may_drift(self) -> bool:
-        """Whether a cycle may differ from the one before for good: an unsymmetric one that
-        repeats.
+        """Whether every cycle may differ from the one before: the load path repeats, and the scene
+        is unsymmetric.
         """
         return self.periodic and self.unsymmetric

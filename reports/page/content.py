@@ -99,7 +99,7 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
         "why": None if comparison.why is None else comparison.why.content(),
         "inputs": content_of_report(report),
         "expected": expected_content(expected_numbers(comparison.scene, complete_solutions)),
-        "instants": comparison.found.time,
+        "instants": comparison.result_cycle.time,
         "reference": solution_content(comparison.reference, comparison.reference_certificates),
         "result": solution_content(comparison.result, comparison.result_certificates),
         "polygon_reference": (
@@ -108,7 +108,7 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
             else None
         ),
         "measured": record_content(comparison.scene),
-        "interpolation": comparison.expected.interpolation,
+        "interpolation": comparison.reference_cycle.interpolation_errors,
         "notes": comparison.notes,
         "guesses": report.guesses,
         "read_as": report.read_as,

@@ -66,8 +66,8 @@ class CycleView:
         self.scales = comparison.scales
         self.stretch = words.stretch(comparison.scene)
         self.noun = self.stretch.split()[-1]
-        self.reference_cycle = comparison.expected
-        self.result_cycle = comparison.found
+        self.reference_cycle = comparison.reference_cycle
+        self.result_cycle = comparison.result_cycle
         # r and f: how lines of the reference and of the result look
         self.engines = (
             EngineView("r", self.reference_cycle, name_of(comparison.reference.engine)),
@@ -83,7 +83,7 @@ class CycleView:
         self.shown_instant = max(chosen_instants, key=self._slip_and_load)
         self.time = self.result_cycle.time
         self.time_words = "time"
-        if self.scene.load.path().period is not None and self.result_cycle.whole:
+        if self.scene.load.path().period is not None and self.result_cycle.is_whole:
             self.time = self.result_cycle.fraction
             self.time_words = "time / period"
         self.x = self.result_cycle.x / self.scales.half_width
@@ -189,10 +189,10 @@ def slip_points(comparison: Comparison, count: int = 4) -> list[int]:
     from the edge of the permanent stick zone (or the middle) to just outside the largest contact,
     on the right-hand side.
     """
-    edges = comparison.expected.contact_edges
-    x = comparison.found.x
+    edges = comparison.reference_cycle.contact_edges
+    x = comparison.result_cycle.x
     # Turned by a tilt, a moment or unequal sides the contact may lie on one side of x = 0.
-    if comparison.turned:
+    if comparison.may_tilt:
         outer_edge = float(np.nanmax(edges, initial=float(x[0])))
     else:
         outer_edge = float(np.nanmax(np.abs(edges), initial=0.0)) or float(np.abs(x).max())

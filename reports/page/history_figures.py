@@ -150,7 +150,7 @@ def discrepancies(view: CycleView) -> Plate:
         unit_of_ratio = (metric.tolerance or 1.0) if is_judged else 0.01
         ratios = np.abs(np.asarray(metric.series)) / unit_of_ratio
         # At a light load errors relative to the small traction measure the mesh only.
-        judged_ratios = np.where(view.comparison.judged, ratios, np.nan)
+        judged_ratios = np.where(view.comparison.is_judged, ratios, np.nan)
         worst_instant = int(np.nanargmax(judged_ratios)) if np.isfinite(judged_ratios).any() else 0
         largest_ratio = max(largest_ratio, float(np.nanmax(judged_ratios, initial=0.0)))
         marks.append(Curve(view.time, judged_ratios, css, metric.label))
@@ -538,7 +538,7 @@ def hysteresis(view: CycleView) -> Plate | None:
         ),
     ]
     # With bulk stress the friction work is not the area of one loop alone.
-    if comparison.pulled and all(cycle.shear_moment is not None for cycle in cycles):
+    if comparison.has_bulk_stress and all(cycle.shear_moment is not None for cycle in cycles):
         panels.append(_bulk_loop_panel(view))
 
     table = {
@@ -570,7 +570,7 @@ def _datum_in_words(comparison: JudgedPair) -> str:
     """
     if comparison.effects is not None:
         return "that of half-planes with c_t, c_n of these bodies"
-    if comparison.lacks_datum:
+    if comparison.lacks_common_datum:
         return "no datum: that of half-planes counts from another place than that of these bodies"
     return ""
 
@@ -598,7 +598,7 @@ def _loop_panel(
     fraction = view.result_cycle.fraction
     numbers_and_place = difference_in_words(difference_in_percent, fraction, "{}", " %")
     difference_note = numbers_and_place.rpartition(" at ")[0]
-    if letter == "U" and view.comparison.lacks_datum:
+    if letter == "U" and view.comparison.lacks_common_datum:
         difference_note = ""  # the distance of two places from which U is counted
     loop_extent = "stroke" if letter == "U" else "width"
     marks: list[Mark] = []
@@ -633,10 +633,10 @@ def _works_in_words(comparison: JudgedPair) -> tuple[str, ...]:
     stress and the friction work W, each "reference and result"; and their unit. Empty without bulk
     stress.
     """
-    if not comparison.pulled:
+    if not comparison.has_bulk_stress:
         return ()
     scene = comparison.scene
-    cycles = (comparison.expected, comparison.found)
+    cycles = (comparison.reference_cycle, comparison.result_cycle)
     works_of_cycle = (
         [loop_work(cycle) for cycle in cycles],
         [bulk_work(cycle, scene.material) for cycle in cycles],

@@ -496,7 +496,7 @@ def draw(report: Report) -> tuple[Plate, ...]:
     comparison = report.comparison
     view = CycleView(comparison)
     half_width = comparison.scales.half_width
-    contact_edge = float(np.nanmax(comparison.expected.contact_edges))
+    contact_edge = float(np.nanmax(comparison.reference_cycle.contact_edges))
     plates: list[Plate | None] = [
         sketch(comparison.scene, half_width),
         fit_residuals(comparison.scene, contact_edge),
@@ -521,7 +521,7 @@ def draw(report: Report) -> tuple[Plate, ...]:
     if meshes:
         from reports.field_output.pictures import mesh
 
-        edge_of_result = float(np.nanmax(comparison.found.contact_edges))
+        edge_of_result = float(np.nanmax(comparison.result_cycle.contact_edges))
         plates.append(mesh(meshes, half_width, edge_of_result))
 
     names_left_out = set()
@@ -576,7 +576,7 @@ def published(comparison: Comparison) -> str:
     """
     view = CycleView(comparison)
     scene = comparison.scene
-    reference_cycle = comparison.expected
+    reference_cycle = comparison.reference_cycle
     # Where P is largest, and of these instants where |Q| is.
     has_largest_load = reference_cycle.normal_load >= reference_cycle.normal_load.max() * (1 - 1e-9)
     shear_loads = np.where(has_largest_load, np.abs(reference_cycle.tangential_load), -1.0)

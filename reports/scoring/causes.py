@@ -202,7 +202,7 @@ def _of_cycle(discrepancy: Discrepancy) -> Sequence[float]:
 
 
 def _of_ends(discrepancy: Discrepancy) -> Sequence[float]:
-    is_short = len(discrepancy.comparison.found.time) - 1 <= _MOST_STEPS
+    is_short = len(discrepancy.comparison.result_cycle.time) - 1 <= _MOST_STEPS
     return (1.0,) if _of_cycle(discrepancy) and is_short and not discrepancy.unsymmetric else ()
 
 

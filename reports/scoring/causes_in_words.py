@@ -63,7 +63,7 @@ def sentence_of(discrepancy: Discrepancy, cause: Cause, size: float, fit: Fit) -
     factor = float(np.exp(size))
     numbers_in_sentence = {
         **_figures(cause, size),
-        "steps": float(len(discrepancy.comparison.found.time) - 1),
+        "steps": float(len(discrepancy.comparison.result_cycle.time) - 1),
         "height": _height(size),
         "spacing": 1 / discrepancy.elements,
         "likely": "",

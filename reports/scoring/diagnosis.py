@@ -193,7 +193,7 @@ def _own_bodies(judgement: Judgement) -> Iterator[Diagnosis]:
     discrepancy = judgement.discrepancy
     if not discrepancy.has_bodies:
         return
-    reference = discrepancy.comparison.expected
+    reference = discrepancy.comparison.reference_cycle
     half_planes = np.array(
         [reference.pressure[discrepancy.rows], reference.shear[discrepancy.rows]]
     )

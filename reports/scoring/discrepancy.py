@@ -82,12 +82,12 @@ class Discrepancy:
     @property
     def x(self) -> Array:
         """(n,) [length]."""
-        return self.comparison.found.x
+        return self.comparison.result_cycle.x
 
     @property
     def time(self) -> Array:
         """(k,) of the load path."""
-        return self.comparison.found.time[self.rows]
+        return self.comparison.result_cycle.time[self.rows]
 
     @property
     def fraction(self) -> Array:
@@ -98,12 +98,14 @@ class Discrepancy:
     def on_cycle(self) -> bool:
         """Whether the path repeats, and every instant lies on its cycle."""
         path = self.scene.load.path()
-        return path.period is not None and bool(self.comparison.found.time[0] >= path.cycle_start)
+        return path.period is not None and bool(
+            self.comparison.result_cycle.time[0] >= path.cycle_start
+        )
 
     @property
     def normal_load(self) -> Array:
         """(k,) P of the reference [force / thickness]."""
-        return self.comparison.expected.normal_load[self.rows]
+        return self.comparison.reference_cycle.normal_load[self.rows]
 
     @property
     def loaded(self) -> Mask:
@@ -151,7 +153,7 @@ class Discrepancy:
     @property
     def unsymmetric(self) -> bool:
         """Whether bulk stress, tilt or unequal sides make tractions that are not even in x."""
-        return self.comparison.pulled or self.comparison.turned
+        return self.comparison.has_bulk_stress or self.comparison.may_tilt
 
     @property
     def units(self) -> Array:
@@ -289,8 +291,8 @@ def fraction_of_cycle(comparison: Comparison) -> Array:
     cycle each counts from the start of its own revolution. The time itself where nothing repeats.
     """
     path = comparison.scene.load.path()
-    result_cycle = comparison.found
-    if path.period is None or result_cycle.whole:
+    result_cycle = comparison.result_cycle
+    if path.period is None or result_cycle.is_whole:
         return result_cycle.fraction
     return np.asarray(np.mod((result_cycle.time - path.cycle_start) / path.period, 1.0))
 
@@ -310,15 +312,15 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
     number.
     """
     # instants loaded enough to be judged; without any, those at which either has pressure
-    is_usable = comparison.judged if comparison.judged.any() else comparison.touching
+    is_usable = comparison.is_judged if comparison.is_judged.any() else comparison.is_in_contact
     usable_instants = np.flatnonzero(is_usable)
     if not len(usable_instants):
         return None
     n_instants = min(len(usable_instants), _MOST_INSTANTS)
     places = np.linspace(0, len(usable_instants) - 1, n_instants).round().astype(int)
     rows = usable_instants[np.unique(places)]
-    reference_cycle = comparison.expected
-    result_cycle = comparison.found
+    reference_cycle = comparison.reference_cycle
+    result_cycle = comparison.result_cycle
     reference_tractions = np.array([reference_cycle.pressure[rows], reference_cycle.shear[rows]])
     result_tractions = np.array([result_cycle.pressure[rows], result_cycle.shear[rows]])
     has_shear = not np.isnan(result_tractions[SHEAR]).all()
@@ -359,8 +361,8 @@ def _with_bodies(comparison: Comparison, rows: NDArray[np.intp]) -> Tractions | 
     try:
         solution = semi_analytic.solve(
             scene,
-            x=comparison.found.x,
-            time=comparison.found.time[rows],
+            x=comparison.result_cycle.x,
+            time=comparison.result_cycle.time[rows],
             fields=("pressure", "shear"),
             effects=halfplane_fe.body_effects(scene),
         )

@@ -65,7 +65,7 @@ def evidence(comparison: Comparison) -> tuple[Step, ...]:
 
 def _reading(comparison: Comparison) -> str:
     """In words which tractions a result has, at how many points and instants, and their range."""
-    result_cycle = comparison.found
+    result_cycle = comparison.result_cycle
     fields_in_words = "pressure alone"
     if not np.isnan(result_cycle.shear).all():
         fields_in_words = "pressure and shear"
@@ -99,7 +99,7 @@ def _equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
     friction = discrepancy.comparison.scene.friction.coefficient
     if discrepancy.sheared and friction:
         sum_of_shear = np.trapezoid(discrepancy.result_tractions[SHEAR], x, axis=1)[is_loaded]
-        tangential_load = discrepancy.comparison.expected.tangential_load[discrepancy.rows][
+        tangential_load = discrepancy.comparison.reference_cycle.tangential_load[discrepancy.rows][
             is_loaded
         ]
         largest_difference = float(
@@ -140,7 +140,9 @@ def _resolution(discrepancy: Discrepancy) -> Iterator[str]:
         yield f"{_range(points_in_contact)} points in contact at an instant"
     yield f"{discrepancy.elements:.3g} spacings over a_ref"
     if discrepancy.sheared and comparison.scene.friction.coefficient:
-        points_in_slip = np.isin(comparison.found.state, (SLIP_FORWARD, SLIP_REVERSE)).sum(axis=1)
+        points_in_slip = np.isin(comparison.result_cycle.state, (SLIP_FORWARD, SLIP_REVERSE)).sum(
+            axis=1
+        )
         yield f"{_range(points_in_slip)} points in slip"
     residuals = discrepancy.residuals(discrepancy.reference_tractions)
     scatter = [_rounded(residual.noise**0.5) for residual in residuals]

@@ -568,7 +568,7 @@ def _law_of_friction(discrepancy: Discrepancy) -> ProblemFit | None:
     friction = discrepancy.scene.friction.coefficient
     if not friction or not discrepancy.sheared:
         return None
-    state = discrepancy.comparison.expected.state[discrepancy.rows]
+    state = discrepancy.comparison.reference_cycle.state[discrepancy.rows]
     slip_direction = (state == SLIP_FORWARD) * 1.0 - (state == SLIP_REVERSE)
     slip_direction = np.where(
         slip_direction == 0, 0.0, np.sign(discrepancy.reference_tractions[SHEAR])

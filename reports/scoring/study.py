@@ -198,10 +198,10 @@ def _line(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
     instants, each mesh at its own worst. None where a mesh has no value.
     """
     values = []
-    times_of_finest = levels[0].comparison.found.time
+    times_of_finest = levels[0].comparison.result_cycle.time
     for level in levels:
         metric_of_level = level.comparison.metric(metric.key)
-        time = level.comparison.found.time
+        time = level.comparison.result_cycle.time
         has_same_times = len(time) == len(times_of_finest) and np.allclose(time, times_of_finest)
         value = metric_of_level.value
         series = metric_of_level.series
@@ -247,7 +247,7 @@ def element_size(path: Path, mapping: Mapping, comparison: Comparison) -> tuple[
     if size_in_name := _SIZE.search(path.stem):
         return float(size_in_name[1]), "from the file's name"
     x = comparison.result.x
-    largest_edge = float(np.nanmax(np.abs(comparison.found.contact_edges)))
+    largest_edge = float(np.nanmax(np.abs(comparison.result_cycle.contact_edges)))
     points_in_contact = x[np.abs(x) <= largest_edge]
     if len(points_in_contact) < 2:
         raise InputError(

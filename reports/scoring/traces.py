@@ -105,7 +105,7 @@ def outliers(comparison: Comparison) -> list[Diagnosis]:
     """A finding on single values of the result that stand out of all others, with the first one's
     place; empty where there is none.
     """
-    result_cycle = comparison.found
+    result_cycle = comparison.result_cycle
     values_in_words = [
         f"{name} {getattr(result_cycle, name)[instant, point]:.6g} at instant {instant + 1} of the"
         f" last cycle (time {result_cycle.time[instant]:.6g}), x = {result_cycle.x[point]:.6g}"
@@ -128,11 +128,11 @@ def full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     friction = discrepancy.comparison.scene.friction.coefficient
     if not friction or not discrepancy.sheared:
         return
-    result_cycle = comparison.found
-    reference_cycle = comparison.expected
+    result_cycle = comparison.result_cycle
+    reference_cycle = comparison.reference_cycle
     has_pressure = result_cycle.pressure > 0.01 * comparison.scales.pressure
-    # comparison.judged: instants with enough load to be judged
-    is_pressed = has_pressure & comparison.judged[:, None]
+    # comparison.is_judged: instants with enough load to be judged
+    is_pressed = has_pressure & comparison.is_judged[:, None]
     # well below the limit in the reference
     should_stick = (
         is_pressed
@@ -219,13 +219,13 @@ def _changes_of_sticking(
     """
     comparison = discrepancy.comparison
     friction = comparison.scene.friction.coefficient
-    result_cycle = comparison.found
-    reference_cycle = comparison.expected
+    result_cycle = comparison.result_cycle
+    reference_cycle = comparison.reference_cycle
     if not friction or not discrepancy.sheared or len(result_cycle.time) < 2:
         return None
     if not (np.isfinite(result_cycle.slip).all() and np.isfinite(reference_cycle.slip).all()):
         return None
-    is_well_inside = comparison.judged[:, None] & ~comparison.isolated["shear"]
+    is_well_inside = comparison.is_judged[:, None] & ~comparison.isolated["shear"]
     for cycle in (result_cycle, reference_cycle):
         is_well_inside &= cycle.pressure > 0.01 * comparison.scales.pressure
         is_well_inside &= np.abs(cycle.shear) < _STICKS * friction * cycle.pressure
@@ -300,8 +300,8 @@ def scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     noise_in_words = f"{noise_by_channel[0]:.2g} in p/p_ref"
     if len(noise_by_channel) > 1:
         noise_in_words += f" and {noise_by_channel[1]:.2g} in q/(f p_ref)"
-        result_cycle = discrepancy.comparison.found  # at all instants
-        is_touching = discrepancy.comparison.expected.pressure > 1e-3 * scales.pressure
+        result_cycle = discrepancy.comparison.result_cycle  # at all instants
+        is_touching = discrepancy.comparison.reference_cycle.pressure > 1e-3 * scales.pressure
         excess = np.abs(result_cycle.shear) / scales.shear - result_cycle.pressure / scales.pressure
         count = int(np.sum(excess[is_touching] > 0))
         largest_excess = float(np.max(excess[is_touching]))
@@ -333,7 +333,7 @@ def long_steps_by_work(comparison: Comparison) -> Iterator[Diagnosis]:
         return
     if not abs(error) > limit or not abs(error_on_lines) < abs(error) / 2:
         return
-    steps = len(comparison.found.time) - 1
+    steps = len(comparison.result_cycle.time) - 1
     evidence = (
         (
             f"error of the dissipation {error:.2g}; against that of the straight lines between the"
@@ -354,7 +354,7 @@ def near_edges(discrepancy: Discrepancy) -> NDArray[np.bool_]:
     reference.
     """
     x = discrepancy.x
-    reference_cycle = discrepancy.comparison.expected
+    reference_cycle = discrepancy.comparison.reference_cycle
     spacing = _wider_spacing(x)
     edge_positions = [
         edge

@@ -262,7 +262,7 @@ class Predictions:
         self, scene: Scene, x: Array, time: Array, effects: BodyEffects | None, layer: float
     ) -> Array:
         """(k, n) p at instants, which depends on P alone where nothing tilts the contact."""
-        if effects is not None or scene.load.is_driven or self.discrepancy.comparison.turned:
+        if effects is not None or scene.load.is_driven or self.discrepancy.comparison.may_tilt:
             return _tractions(scene, x, time, effects=effects, fields=("pressure",))[PRESSURE]
         normal_load = np.asarray(scene.load.path().at(time)[0])
         contact = contact_of(scene.profile, scene.material)
@@ -384,7 +384,7 @@ def _long_steps(discrepancy: Discrepancy, scene: Scene, x: Array, *, takes_ends:
     """
     path = scene.load.path()
     assert path.period is not None
-    result_cycle = discrepancy.comparison.found
+    result_cycle = discrepancy.comparison.result_cycle
     times_of_result = discrepancy.comparison.result.time
     times = times_of_result[times_of_result <= result_cycle.time[-1]]
     times_of_instants = discrepancy.time
