@@ -182,7 +182,7 @@ def _loop_work(scene: Scene, run: PathRun) -> float:
     """
     if scene.load.path().period is None or run.steady_from is None:
         return float("nan")
-    return float(run.column("loop")[run.cycle_starts[-1] :].sum())
+    return float(run.column("loop_work")[run.cycle_starts[-1] :].sum())
 
 
 def _tilt_arrays(
@@ -664,8 +664,9 @@ def record_of(
     energy_names = [name for name in _ENERGY_NAMES if note_of_layer is not None or name != "layer"]
     energies = {name: run.column(name) for name in energy_names}
     column_names = list(run.increment_records[0]) if run.increment_records else []
-    # "loop" and "bent" are works too, but for other uses: of Q dU, and of kinks in an increment
-    names_of_works = (*_ENERGY_NAMES, "layer", "loop", "bent")
+    # "loop_work" and "kink_work" are works too, but for other uses: of Q dU, and of kinks in an
+    # increment.
+    names_of_works = (*_ENERGY_NAMES, "layer", "loop_work", "kink_work")
     checks = {name: run.column(name) for name in column_names if name not in names_of_works}
     balance = np.abs(energies["external"] - energies["elastic"] - energies["interface"])
     largest_work = np.max(np.abs(np.cumsum(energies["external"])), initial=1e-300)

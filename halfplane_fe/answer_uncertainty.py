@@ -80,13 +80,13 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
         edges_are_known = scene.bodies.half_planes
     # rms of W over the places of edges between their nodes, over A f^2 P^2
     edge_scatter = run.excess[-1].rms / friction_unit if edges_are_known else 0.0
-    # "bent": what kinks of pressure and shear between the first and the last start of sliding add
-    # to W of an increment. Between unlike bodies the bound "step_error" counts in full: nodes that
-    # start to slide change the pressure too.
+    # "kink_work": what kinks of pressure and slip add to W of an increment, between the first node
+    # that starts to slide and the last. Between unlike bodies the bound "step_error" counts in
+    # full: nodes that start to slide change the pressure too.
     if task.steps_by_kinks:
-        step_uncertainty = _BENT_IN_RECORDS * run.column("bent")[first_increment:].sum()
+        step_uncertainty = _BENT_IN_RECORDS * run.column("kink_work")[first_increment:].sum()
     elif edges_are_known and shapes_alike(scene):
-        step_uncertainty = _BENT * run.column("bent")[first_increment:].sum()
+        step_uncertainty = _BENT * run.column("kink_work")[first_increment:].sum()
     else:
         step_uncertainty = run.column("step_error")[first_increment:].sum()
     return float(step_uncertainty) + friction_unit * uncertainty(

@@ -40,20 +40,22 @@ from scenes.array_types import Array, Indices, Mask, States
 class Energies:
     """Energies of m increments (over P^2/E*), each (m,), and the dissipation of their nodes (m, n).
 
+    Most names are also keys of a solution's record.
+
     Attributes
     ----------
     dissipation
-        f p |ds| of each sliding node, p being the mean of the increment, or of its parts before
-        and after nodes start to slide, and what the curve of the loads adds
-    loop
-        integral of Q dU along the curve of the loads, and of q in the slip by bulk stress (-m_q
-        d(eps) of half-planes)
+        friction work f p |ds| of each sliding node, p being the mean of the increment, or of its
+        parts before and after nodes start to slide; with what the curvature of the load path adds
+    loop_work
+        integral of Q dU along the load path, and of q in the slip by bulk stress (-m_q d(eps) of
+        half-planes)
     external
-        work of P, Q, bulk stresses and tilt along the chord
-    curve
-        what the curve of the loads adds to it, all of it friction work
+        work of P, Q, bulk stresses and tilt along the chord of the load path
     external_end_of_step
         the same with the loads at the end of the increment
+    curve
+        what the curvature of the load path adds to `external`, all of it friction work
     elastic
         change of elastic energy, that of the penalty layer included
     layer
@@ -64,13 +66,13 @@ class Energies:
         the same with the forces at the end of the increment
     step_error
         bound of the error of the dissipation, see `step_errors`
-    bent
-        part of the dissipation of three nodes and more that start to slide, see `_kinked_work`:
-        its error is less
+    kink_work
+        part of the dissipation, where three nodes and more start to slide, by kinks of pressure
+        and slip, see `_work_with_onsets`; its error is smaller than it
     """
 
     dissipation: Array
-    loop: Array
+    loop_work: Array
     external: Array
     external_end_of_step: Array
     curve: Array
@@ -79,45 +81,105 @@ class Energies:
     interface: Array
     end_of_step: Array
     step_error: Array
-    bent: Array
+    kink_work: Array
+
+
+class _Increments(NamedTuple):
+    """m increments, each between two contact states; n nodes. Scaled.
+
+    Attributes
+    ----------
+    p_at_start, p_at_end, q_at_start
+        (m, n) nodal forces, of pressure p and of shear q
+    slip
+        (m, n) slip of the upper face over the lower in the increment
+    states_before, states_after
+        (m, n) open, stick or slip of the nodes before the increment, and during it
+    load_changes
+        (m, k) changes of the k loads, or of the movements in their place
+    """
+
+    p_at_start: Array
+    p_at_end: Array
+    q_at_start: Array
+    slip: Array
+    states_before: States
+    states_after: States
+    load_changes: Array
+
+    @classmethod
+    def between(
+        cls, states: Sequence[InterfaceState], solved_states: States, friction: float
+    ) -> _Increments:
+        """Those between m + 1 contact states that follow each other.
+
+        `solved_states` (m, n) are open, stick or slip of the nodes as each increment was solved:
+        before a node that touches or lets go at its very end changes. `friction` is the coefficient
+        f.
+        """
+        slip, p, q, _ = nodal(np.stack([state.values for state in states]))
+        slip_change = np.diff(slip, axis=0)
+        states_before = np.stack([state.state for state in states[:-1]])
+        return cls(
+            p_at_start=p[:-1],
+            p_at_end=p[1:],
+            q_at_start=q[:-1],
+            slip=slip_change,
+            states_before=states_before,
+            states_after=_without_idle_onsets(friction, states_before, solved_states, slip_change),
+            load_changes=np.diff([state.loads for state in states], axis=0),
+        )
+
+    def at(self, numbers: Indices) -> _Increments:
+        """The increments of these numbers."""
+        return _Increments._make(values[numbers] for values in self)
 
 
 def elastic_energies(
     problem: ContactProblem, states: Sequence[InterfaceState]
 ) -> tuple[Array, Array]:
-    """Elastic energy of both bodies and of the layer between them, and that of the layer alone, at
-    m states of the interface of a contact `problem`, (m,) each, over P^2/E*.
+    """Elastic energy of both bodies and of the penalty layer between them, and that of the layer
+    alone, at m states of the contact, (m,) each, over P^2/E*.
+
+    It is (p^T N p - 2 q^T K p + q^T T q)/2, with N, T and K the contact compliance of `interface`;
+    N and T have the layer in them. N p - K^T q is the gap by the nodal forces, T q - K p minus
+    the slip by them.
     """
     values = np.stack([state.values for state in states])
     slip, pressure, shear, gap = nodal(values)
-    gap_moved, slip_moved = problem.interface.moved(values[:, 0, None], values[:, 1, None])
-    gap_imposed, slip_imposed = problem.offsets(np.array([state.imposed for state in states]))
-    gap_part = gap - problem.height - gap_moved - gap_imposed  # N p - K^T q
-    slip_part = slip_moved + slip_imposed - slip  # T q - K p
+    gap_by_motion, slip_by_motion = problem.interface.moved(values[:, 0, None], values[:, 1, None])
+    stresses_and_tilt = np.array([state.imposed for state in states])
+    gap_by_stress_and_tilt, slip_by_stress_and_tilt = problem.offsets(stresses_and_tilt)
+    gap_by_forces = gap - problem.height - gap_by_motion - gap_by_stress_and_tilt
+    minus_slip_by_forces = slip_by_motion + slip_by_stress_and_tilt - slip
+    elastic_energy = (pressure * gap_by_forces + shear * minus_slip_by_forces).sum(axis=1) / 2
     layer_energy = (pressure**2 @ problem.layer.normal + shear**2 @ problem.layer.tangential) / 2
-    return np.asarray((pressure * gap_part + shear * slip_part).sum(axis=1) / 2), np.asarray(
-        layer_energy
-    )
+    return np.asarray(elastic_energy), np.asarray(layer_energy)
 
 
-def _starting(states_before: States, states_after: States) -> Mask:
-    """Which nodes start to slide, or turn round: they slide after an increment and did not slide
-    that way before.
+def _slip_onsets(states_before: States, states_after: States) -> Mask:
+    """Whether each node starts to slide, or turns round: it slides after an increment and did not
+    slide that way before.
     """
-    sign = slip_sign(states_after)
-    return (sign != 0) & (sign != slip_sign(states_before))
+    sense = slip_sign(states_after)
+    return (sense != 0) & (sense != slip_sign(states_before))
 
 
 def step_errors(
-    friction: float, pressure: Array, slip: Array, states_before: States, states_after: States
+    friction: float,
+    pressure_change: Array,
+    slip_change: Array,
+    states_before: States,
+    states_after: States,
 ) -> Array:
-    """Bound (...) of the error of the dissipation: f |dp| |ds| / 2 of the nodes that start to slide
-    in the increment.
+    """Bound (...) of the error of the dissipation of increments: f |dp| |ds| / 2 of the nodes that
+    start to slide in them.
 
-    `pressure` and `slip` are the changes of the increment, `before` and `after` the states, each
-    (..., n).
+    `pressure_change` and `slip_change` are dp and ds of the increment, `states_before` and
+    `states_after` open, stick or slip of the nodes, each (..., n). Scaled.
     """
-    products = np.where(_starting(states_before, states_after), np.abs(pressure * slip), 0.0)
+    starts_to_slide = _slip_onsets(states_before, states_after)
+    products = np.where(starts_to_slide, np.abs(pressure_change * slip_change), 0.0)
     return np.asarray(friction * products.sum(axis=-1) / 2)
 
 
@@ -127,8 +189,8 @@ def increment_energies(
     solved_by_increment: Sequence[States],
     areas_of_curve: Array | None = None,
 ) -> Energies:
-    """Energies of the increments between m + 1 states that follow each other: friction work, work
-    of the loads, elastic energy and step errors, (m,) or (m, n) each.
+    """Energies of the m increments between m + 1 contact states that follow each other: friction
+    work, work of the loads, elastic energy and step errors, over P^2/E*.
 
     Parameters
     ----------
@@ -137,184 +199,194 @@ def increment_energies(
     states
         the m + 1 states
     solved_by_increment
-        (m,) of arrays (n,): the states of the nodes at the end of each increment, before an
-        event changes them
+        m arrays (n,): open, stick or slip of the nodes as each increment was solved, before a node
+        that touches or lets go at its very end changes
     areas_of_curve
-        (k, k, m) areas that a curved load path encloses with its chords, by pairs of k loads
-        over their units; None for straight increments
+        (k, k, m) areas that a curved load path encloses with its chords, by pairs of k loads,
+        scaled; None where the path is straight
     """
     interface = problem.interface
     values = np.stack([state.values for state in states])
-    loads = np.array([(state.normal_load, state.tangential_load) for state in states])
-    imposed_motion = np.diff([state.imposed for state in states], axis=0)
     _, p, q, _ = nodal(values)
+    loads = np.array([(state.normal_load, state.tangential_load) for state in states])
     mean_p = (p[:-1] + p[1:]) / 2
     mean_q = (q[:-1] + q[1:]) / 2
-    mean_load = (loads[:-1] + loads[1:]) / 2
-    changes = np.diff(values, axis=0)
-    approach = changes[:, 0]
-    shift = changes[:, 1]
-    slip, pressure, _, gap = nodal(changes)
+    mean_loads = (loads[:-1] + loads[1:]) / 2
+    value_changes = np.diff(values, axis=0)
+    approach_change = value_changes[:, 0]
+    shift_change = value_changes[:, 1]  # of U
+    slip_change, p_change, _, gap_change = nodal(value_changes)
+    stress_and_tilt_change = np.diff([state.imposed for state in states], axis=0)
 
-    def load_work(loads: Array, p: Array, q: Array) -> Array:
-        imposed_work = (interface.work_of_imposed(p, q) * imposed_motion).sum(axis=1)
-        return np.asarray(loads[:, 0] * approach + loads[:, 1] * shift + imposed_work)
-
-    states_before = np.stack([state.state for state in states[:-1]])
-    solved_states = np.stack(solved_by_increment)
-    slip_signs = slip_sign(solved_states)
-    dissipation = problem.friction * mean_p * np.maximum(slip_signs * slip, 0.0)
-    states_after = _states_of_moved(problem.friction, states_before, solved_states, slip)
-    kinked_rows = np.flatnonzero(_starting(states_before, states_after).any(axis=1))
-    bent_works = np.zeros(len(slip_signs))
-    share_before = np.ones(len(slip_signs))
-    if len(kinked_rows):
-        dissipation[kinked_rows], bent_works[kinked_rows], share_before[kinked_rows] = _kinked_work(
-            problem,
-            _changes_of_loads(states)[kinked_rows],
-            _Rows(p, q, slip, states_before, states_after),
-            kinked_rows,
+    def work_of_loads(load_pairs: Array, p_of_nodes: Array, q_of_nodes: Array) -> Array:
+        """(m,) work of P and Q (m, 2), of bulk stresses and of tilt in the increments."""
+        work_per_unit = interface.work_of_imposed(p_of_nodes, q_of_nodes)
+        return np.asarray(
+            load_pairs[:, 0] * approach_change
+            + load_pairs[:, 1] * shift_change
+            + (work_per_unit * stress_and_tilt_change).sum(axis=1)
         )
-    # The shear of a node that starts to slide has a kink in the increment, and the work of Q with
-    # it.
-    trapezoidal_works = np.where(slip_signs != 0, mean_q * slip, 0.0)
-    loop_works = mean_load[:, 1] * shift + (dissipation - trapezoidal_works).sum(axis=1)
-    loop_works += (interface.work_of_imposed(0 * mean_p, mean_q) * imposed_motion)[:, :2].sum(
-        axis=1
-    )
-    works_by_curve = np.zeros_like(slip)
+
+    solved_states = np.stack(solved_by_increment)
+    sense = slip_sign(solved_states)
+    increments = _Increments.between(states, solved_states, problem.friction)
+    states_before = increments.states_before
+    states_after = increments.states_after
+    dissipation = problem.friction * mean_p * np.maximum(sense * slip_change, 0.0)
+    kink_work = np.zeros(len(sense))
+    share_before = np.ones(len(sense))  # of each increment, in which the states before hold
+    with_onsets = np.flatnonzero(_slip_onsets(states_before, states_after).any(axis=1))
+    if len(with_onsets):
+        work_with_onsets = _work_with_onsets(problem, increments.at(with_onsets))
+        dissipation[with_onsets] = work_with_onsets.dissipation
+        kink_work[with_onsets] = work_with_onsets.kink_work
+        share_before[with_onsets] = work_with_onsets.mean_onset
+
+    # Q dU, and q in the slip by bulk stress. The shear of a node that starts to slide has a kink in
+    # the increment, and the work of Q with it: by as much as its dissipation differs from q ds.
+    trapezoidal_work = np.where(sense != 0, mean_q * slip_change, 0.0)
+    loop_work = mean_loads[:, 1] * shift_change + (dissipation - trapezoidal_work).sum(axis=1)
+    shear_work_per_unit = interface.work_of_imposed(0 * mean_p, mean_q)
+    loop_work += (shear_work_per_unit * stress_and_tilt_change)[:, :2].sum(axis=1)
+
+    curve_work = np.zeros_like(slip_change)
     if areas_of_curve is not None:
-        # The states before hold for a share of the increment, those after for the rest: of the area
-        # of a parabola over its chord they have this.
-        weight_before = share_before**2 * (3 - 2 * share_before)
-        directions_before = np.where(slip_signs == slip_sign(states_before), slip_signs, 0)
-        for node_states, slip_directions, weights in (
-            (states_before, directions_before, weight_before),
-            (states_after, slip_sign(states_after), 1 - weight_before),
+        # The states before hold up to a share z of the increment, those after from there on. Up to
+        # z, a parabola over its chord has z^2 (3 - 2 z) of its area.
+        area_before = share_before**2 * (3 - 2 * share_before)
+        sense_before = np.where(sense == slip_sign(states_before), sense, 0)
+        for node_states, slip_sense, area_share in (
+            (states_before, sense_before, area_before),
+            (states_after, slip_sign(states_after), 1 - area_before),
         ):
-            row_numbers = np.flatnonzero(slip_directions.any(axis=1) & (weights > 0))
-            enclosed_areas = areas_of_curve[:, :, row_numbers] * weights[row_numbers]
-            float_directions = slip_directions[row_numbers].astype(float)
-            node_works, loop_parts = _work_by_curve(
-                problem, node_states[row_numbers], float_directions, enclosed_areas
+            numbers = np.flatnonzero(slip_sense.any(axis=1) & (area_share > 0))
+            added_dissipation, added_normal_work = _work_by_curve(
+                problem,
+                node_states[numbers],
+                slip_sense[numbers].astype(float),
+                areas_of_curve[:, :, numbers] * area_share[numbers],
             )
-            works_by_curve[row_numbers] += node_works
-            loop_works[row_numbers] -= loop_parts
-        works_by_curve = np.maximum(works_by_curve, -dissipation)  # friction only takes
-        loop_works += works_by_curve.sum(axis=1)
+            curve_work[numbers] += added_dissipation
+            loop_work[numbers] -= added_normal_work
+        curve_work = np.maximum(curve_work, -dissipation)  # friction only takes energy
+        loop_work += curve_work.sum(axis=1)
+
     elastic_energy, layer_energy = elastic_energies(problem, states)
     return Energies(
-        dissipation=dissipation + works_by_curve,
-        loop=loop_works,
-        external=load_work(mean_load, mean_p, mean_q),
-        external_end_of_step=load_work(loads[1:], p[1:], q[1:]),
-        curve=works_by_curve.sum(axis=1),
+        dissipation=dissipation + curve_work,
+        loop_work=loop_work,
+        external=work_of_loads(mean_loads, mean_p, mean_q),
+        external_end_of_step=work_of_loads(loads[1:], p[1:], q[1:]),
+        curve=curve_work.sum(axis=1),
         elastic=np.diff(elastic_energy),
         layer=np.diff(layer_energy),
-        interface=(mean_q * slip - mean_p * gap).sum(axis=1),
-        end_of_step=(q[1:] * slip - p[1:] * gap).sum(axis=1),
-        step_error=step_errors(problem.friction, pressure, slip, states_before, states_after),
-        bent=bent_works,
+        interface=(mean_q * slip_change - mean_p * gap_change).sum(axis=1),
+        end_of_step=(q[1:] * slip_change - p[1:] * gap_change).sum(axis=1),
+        step_error=step_errors(
+            problem.friction, p_change, slip_change, states_before, states_after
+        ),
+        kink_work=kink_work,
     )
 
 
-def _changes_of_loads(states: Sequence[InterfaceState]) -> Array:
-    """(m, k) of the k loads, or movements in their place."""
-    return np.diff([state.loads for state in states], axis=0)
-
-
-def _states_of_moved(
+def _without_idle_onsets(
     friction: float, states_before: States, states_after: States, slip: Array
 ) -> States:
-    """(...) states after; of nodes that are to start sliding and have not moved those before: on
-    the cone a node is marked either way, by the last digit of its shear.
+    """(...) states after; of nodes that are to start sliding and have not moved those before: at
+    the Coulomb limit a node is marked either way, by the last digit of its shear.
     """
     has_moved = np.abs(slip) > ROUNDING * min(friction, 1.0)
-    return np.where(
-        _starting(states_before, states_after) & ~has_moved, states_before, states_after
-    )
+    is_idle_onset = _slip_onsets(states_before, states_after) & ~has_moved
+    return np.where(is_idle_onset, states_before, states_after)
 
 
-def bent_work(
-    problem: ContactProblem, start: InterfaceState, end: InterfaceState, solved: States
+def work_by_kinks(
+    problem: ContactProblem, start: InterfaceState, end: InterfaceState, solved_states: States
 ) -> float:
-    """Dissipation that kinks between the first and the last start of sliding add to one increment
-    from `start` to `end`, without sign [energy, scaled].
+    """Part of the dissipation of one increment, without sign, that is by kinks of pressure and slip
+    where nodes start to slide one after the other, see `_work_with_onsets`; over P^2/E*.
 
-    `problem` is the contact problem that both states solve; `solved` (n,) are the states of the
-    nodes at the end, before an event changes them. p and q are the nodal forces, pressure and
-    shear.
+    Parameters
+    ----------
+    problem
+        the contact problem that both states solve
+    start, end
+        contact states before and after the increment
+    solved_states
+        (n,) open, stick or slip of the nodes as the increment was solved, before a node that
+        touches or lets go at its very end changes
     """
-    values = np.stack([start.values, end.values])
-    _, p, q, _ = nodal(values)
-    slip = end.slip - start.slip
-    states_after = _states_of_moved(problem.friction, start.state, solved, slip)
-    increment = _Rows(p, q, slip[None], start.state[None], states_after[None])
-    changes_of_loads = np.subtract(end.loads, start.loads)[None]
-    _, bent, _ = _kinked_work(problem, changes_of_loads, increment, np.array([0]))
-    return float(bent[0])
+    increment = _Increments.between([start, end], solved_states[None], problem.friction)
+    return float(_work_with_onsets(problem, increment).kink_work[0])
 
 
 def _work_by_curve(
-    problem: ContactProblem, node_states: States, directions: Array, areas: Array
+    problem: ContactProblem, node_states: States, sense: Array, areas: Array
 ) -> tuple[Array, Array]:
-    """What the curve of the loads adds to increments: friction work (m, n) of the nodes, and the
-    work (m,) of pressure and P that is no work of Q.
+    """What the curvature of the load path adds to the work of m increments: to the dissipation of
+    the nodes (m, n), and to the normal work (m,) as in `_normal_work_rate`.
+
+    Source of the formula: the docstring of this module, with every pair of loads for P and Q.
 
     Parameters
     ----------
     node_states
-        (m, n) states that hold
-    directions
-        (m, n) sense of slip of the nodes that slide, 1 or -1, else 0
+        (m, n) open, stick or slip of the nodes, as they stay along the curve
+    sense
+        (m, n) 1 where a node slides forward, -1 in reverse, 0 where it does not slide
     areas
-        (k, k, m) that the curve encloses with its chord, for each pair of loads
+        (k, k, m) that the path encloses with its chord, by pairs of loads: integral of F_i dF_j
+        along the path minus that along the chord, minus that of the exchanged pair
     """
     n_loads = len(areas)
-    node_works = np.zeros(directions.shape)
-    loop_parts = np.zeros(len(directions))
-    pairs = np.argwhere(np.tril(areas.any(axis=2))).tolist()
+    added_dissipation = np.zeros(sense.shape)
+    added_normal_work = np.zeros(len(sense))
+    pairs = np.argwhere(np.tril(areas.any(axis=2))).tolist()  # each pair once
     if not pairs:
-        return node_works, loop_parts
-    rates_by_load = np.array([problem.rates(states, n_loads) for states in node_states])
+        return added_dissipation, added_normal_work
+    rates = np.array([problem.rates(states, n_loads) for states in node_states])
     for i, j in pairs:
-        by_i = rates_by_load[:, i]
-        by_j = rates_by_load[:, j]
-        slip_by_i, p_by_i, _, _ = nodal(by_i)
-        slip_by_j, p_by_j, _, _ = nodal(by_j)
+        rates_by_i = rates[:, i]
+        rates_by_j = rates[:, j]
+        slip_by_i, p_by_i, _, _ = nodal(rates_by_i)
+        slip_by_j, p_by_j, _, _ = nodal(rates_by_j)
         area = areas[i, j]
-        skew_rates = p_by_i * slip_by_j - p_by_j * slip_by_i
-        node_works += problem.friction * directions * skew_rates * area[:, None]
-        normal_work = _normal_work(problem, i, j, by_i, by_j)
-        loop_parts += (normal_work - _normal_work(problem, j, i, by_j, by_i)) * area
-    return node_works, loop_parts
+        work_per_area = p_by_i * slip_by_j - p_by_j * slip_by_i
+        added_dissipation += problem.friction * sense * work_per_area * area[:, None]
+        normal_work_per_area = _normal_work_rate(
+            problem, i, j, rates_by_i, rates_by_j
+        ) - _normal_work_rate(problem, j, i, rates_by_j, rates_by_i)
+        added_normal_work += normal_work_per_area * area
+    return added_dissipation, added_normal_work
 
 
-class _Rows(NamedTuple):
-    """Increments between m + 1 states: forces p and q (m + 1, n), changes of slip (m, n), states of
-    the nodes before and after (m, n).
+class _WorkWithOnsets(NamedTuple):
+    """Friction work of k increments in which nodes start to slide.
+
+    Attributes
+    ----------
+    dissipation
+        (k, n) of each node, over P^2/E*
+    kink_work
+        (k,) part of it by kinks between the first onset of slip and the last, without sign
+    mean_onset
+        (k,) middle of the first and the last onset, a share of the increment
     """
 
-    p: Array
-    q: Array
-    slip: Array
-    before: States
-    after: States
+    dissipation: Array
+    kink_work: Array
+    mean_onset: Array
 
 
-def _kinked_work(
-    problem: ContactProblem, changes_of_loads: Array, increments: _Rows, rows: Indices
-) -> tuple[Array, Array, Array]:
-    """Friction work of each node in increments of a contact `problem` in which nodes start to
-    slide, its part by kinks between the first and the last start, and the share of the increment up
-    to their middle.
+def _work_with_onsets(problem: ContactProblem, increments: _Increments) -> _WorkWithOnsets:
+    """Friction work of k increments of a contact `problem` in which nodes start to slide: onsets of
+    slip.
 
-    Where a node starts, p and s have a kink, and all that slides already goes faster from there on:
-    with the mean p of the increment W is too large, by 1e-4 of a cycle. Up to the first start the
-    states before hold, from the last one on those after, and both have known rates. That is all
-    where one node starts, or two. The first start is where the edge of stick meets the first node,
-    the last one where it meets the last, by the two distances of `between_nodes.Edge`: forces to
-    the Coulomb limit and slip, each over its rate.
+    At an onset p and s have a kink, and all nodes that slide already go faster from there on. With
+    the mean p of the increment W is too large, by 1e-4 of a cycle. So the increment is cut at its
+    first onset and at its last one (`_first_and_last_onset`). Up to the first the states before
+    hold, from the last one on those after, and both have known rates. With one onset, or two, that
+    is all.
 
     In between, a share z of the increment, n nodes start one after the other in much the same
     distances: n - 2 kinks, each with an area u (1 - u) z^2/2 over the chord, u the share of z up to
@@ -323,140 +395,179 @@ def _kinked_work(
         int p ds - (mean p) ds = [(n - 2)/(n - 1)] (z^2/12) (p'_before s'_after - p'_after
         s'_before).
 
-    Parameters
-    ----------
-    changes_of_loads
-        (k, n_loads) in the increments of these rows
-    rows
-        (k,) increments
-
-    Returns
-    -------
-    tuple[Array, Array, Array]
-        work (k, n); the part (k,) of the last formula, without sign; share (k,)
+    This times f is the work by kinks.
     """
     friction = problem.friction
-    slip_change = increments.slip[rows]
-    p_at_start = increments.p[rows]
-    p_at_end = increments.p[rows + 1]
-    states_after = increments.after[rows]
-    states_before = _states_with_rates(increments.before[rows], states_after, p_at_start)
-    slip_directions = slip_sign(states_after)
-    is_starting = _starting(states_before, states_after)
-    n_loads = changes_of_loads.shape[1]
-    rates_before = np.array([problem.rates(states, n_loads) for states in states_before])
-    rates_after = np.array([problem.rates(states, n_loads) for states in states_after])
-    slip_change_before, p_change_before, q_change_before, _ = nodal(
-        np.einsum("kj,kjv->kv", changes_of_loads, rates_before)
+    increments = increments._replace(states_before=_states_with_rates(increments))
+    sense = slip_sign(increments.states_after)
+    # as if the states before, or those after, held throughout the increment
+    changes_before = _changes_at_constant_states(problem, increments, increments.states_before)
+    changes_after = _changes_at_constant_states(problem, increments, increments.states_after)
+    slip_change_before, p_change_before, _, _ = changes_before
+    slip_change_after, p_change_after, _, _ = changes_after
+    first_onset, last_onset = _first_and_last_onset(
+        increments, changes_before, changes_after, friction
     )
-    slip_change_after, p_change_after, _, _ = nodal(
-        np.einsum("kj,kjv->kv", changes_of_loads, rates_after)
-    )
-    with np.errstate(divide="ignore", invalid="ignore"):
-        # f p -+ q falls to zero where a node starts; its slip goes back to zero there.
-        distance = force_to_limit(p_at_start, increments.q[rows], slip_directions, friction)
-        change = force_to_limit(p_change_before, q_change_before, slip_directions, friction)
-        first_start = distance / -change
-        last_start = 1 - slip_change / slip_change_after
-    # What slid the other way turns round somewhere.
-    first_start = np.where(first_start >= 0, first_start, 1.0)
-    first_start = np.where(slip_sign(states_before) != 0, 0.0, first_start)
-    first_start = np.where(is_starting, first_start, 1.0).min(axis=1).clip(0.0, 1.0)
-    first_start = np.where(is_starting.any(axis=1), first_start, 0.0)
-    last_start = (
-        np.where(is_starting & np.isfinite(last_start), last_start, 0.0)
-        .max(axis=1)
-        .clip(first_start, 1.0)
-    )
-    share_before = first_start[:, None]
-    share_after = 1 - last_start[:, None]
-    p_at_first = p_at_start + share_before * p_change_before
-    p_at_last = p_at_end - share_after * p_change_after
-    slip_to_first = share_before * slip_change_before
-    slip_from_last = share_after * slip_change_after
-    slip_between = slip_change - slip_to_first - slip_from_last
-    doubled_work = (p_at_start + p_at_first) * slip_to_first + (
+
+    share_to_first = first_onset[:, None]
+    share_from_last = 1 - last_onset[:, None]
+    p_at_first = increments.p_at_start + share_to_first * p_change_before
+    p_at_last = increments.p_at_end - share_from_last * p_change_after
+    slip_to_first = share_to_first * slip_change_before
+    slip_from_last = share_from_last * slip_change_after
+    slip_between = increments.slip - slip_to_first - slip_from_last
+    doubled_integral = (increments.p_at_start + p_at_first) * slip_to_first + (
         p_at_first + p_at_last
     ) * slip_between
-    doubled_work += (p_at_last + p_at_end) * slip_from_last
-    n_starts = _longest_row(is_starting)
-    kink_factor = np.maximum(n_starts - 2, 0) / np.maximum(n_starts - 1, 1) / 12
-    bent_work = ((last_start - first_start) ** 2 * kink_factor)[:, None] * (
+    doubled_integral += (p_at_last + increments.p_at_end) * slip_from_last
+
+    n_onsets = _longest_run(_slip_onsets(increments.states_before, increments.states_after))
+    kink_factor = np.maximum(n_onsets - 2, 0) / np.maximum(n_onsets - 1, 1) / 12
+    kink_integral = ((last_onset - first_onset) ** 2 * kink_factor)[:, None] * (
         p_change_before * slip_change_after - p_change_after * slip_change_before
     )
-    node_work = friction * slip_directions * (doubled_work / 2 + bent_work)
-    bent_work = friction * slip_directions * bent_work
-    return np.maximum(node_work, 0.0), np.abs(bent_work.sum(axis=1)), (first_start + last_start) / 2
+    dissipation = friction * sense * (doubled_integral / 2 + kink_integral)
+    kink_work_of_nodes = friction * sense * kink_integral
+    return _WorkWithOnsets(
+        dissipation=np.maximum(dissipation, 0.0),
+        kink_work=np.abs(kink_work_of_nodes.sum(axis=1)),
+        mean_onset=(first_onset + last_onset) / 2,
+    )
 
 
-def _states_with_rates(states_before: States, states_after: States, pressure: Array) -> States:
+def _changes_at_constant_states(
+    problem: ContactProblem, increments: _Increments, states: States
+) -> Array:
+    """(4, k, n) changes of slip, p, q and gap in k increments by the changes of the loads, if the
+    nodes kept these `states` (k, n).
+    """
+    load_changes = increments.load_changes
+    n_loads = load_changes.shape[1]
+    rates = np.array([problem.rates(node_states, n_loads) for node_states in states])
+    return nodal(np.einsum("kj,kjv->kv", load_changes, rates))
+
+
+def _first_and_last_onset(
+    increments: _Increments, changes_before: Array, changes_after: Array, friction: float
+) -> tuple[Array, Array]:
+    """Shares (k,) of k increments after which the first node starts to slide, and the last one;
+    both 0 where none starts.
+
+    These are the instants at which the edge of the stick zone meets the first and the last of the
+    nodes, by the two distances of `between_nodes.Edge`. For the first it is the force to the
+    Coulomb limit, f p - |q|, over its rate before; for the last the slip over its rate after.
+
+    `changes_before` and `changes_after` (4, k, n) are changes of slip, p, q and gap if the states
+    before, or those after, held throughout the increment. `friction` is the coefficient f.
+    """
+    sense = slip_sign(increments.states_after)
+    is_onset = _slip_onsets(increments.states_before, increments.states_after)
+    _, p_change_before, q_change_before, _ = changes_before
+    slip_change_after, _, _, _ = changes_after
+    with np.errstate(divide="ignore", invalid="ignore"):
+        force = force_to_limit(increments.p_at_start, increments.q_at_start, sense, friction)
+        force_change = force_to_limit(p_change_before, q_change_before, sense, friction)
+        onset_by_force = force / -force_change
+        onset_by_slip = 1 - increments.slip / slip_change_after
+    onset_by_force = np.where(onset_by_force >= 0, onset_by_force, 1.0)
+    # What slid the other way turns round somewhere.
+    onset_by_force = np.where(slip_sign(increments.states_before) != 0, 0.0, onset_by_force)
+    first_onset = np.where(is_onset, onset_by_force, 1.0).min(axis=1).clip(0.0, 1.0)
+    first_onset = np.where(is_onset.any(axis=1), first_onset, 0.0)
+    is_known = is_onset & np.isfinite(onset_by_slip)
+    last_onset = np.where(is_known, onset_by_slip, 0.0).max(axis=1).clip(first_onset, 1.0)
+    return first_onset, last_onset
+
+
+def _states_with_rates(increments: _Increments) -> States:
     """(k, n) states before, but a node that has just touched slides from there on; unless it is the
     last to stick: then no set has rates.
     """
-    just_touched = _starting(states_before, states_after) & (pressure <= ROUNDING)
-    sliding_on = np.where(just_touched, states_after, states_before)
-    some_stick = (sliding_on == STICK).any(axis=1, keepdims=True)
-    return np.where(some_stick, sliding_on, states_before)
+    is_onset = _slip_onsets(increments.states_before, increments.states_after)
+    has_just_touched = is_onset & (increments.p_at_start <= ROUNDING)
+    states_if_sliding = np.where(
+        has_just_touched, increments.states_after, increments.states_before
+    )
+    has_stick = (states_if_sliding == STICK).any(axis=1, keepdims=True)
+    return np.where(has_stick, states_if_sliding, increments.states_before)
 
 
-def _longest_row(starts: Mask) -> Indices:
-    """(k,) nodes of the longest row of neighbours that are True."""
-    running_count = np.cumsum(starts, axis=1)
-    count_at_row_begin = np.maximum.accumulate(np.where(starts, 0, running_count), axis=1)
-    return np.asarray(np.max(running_count - count_at_row_begin, axis=1))
+def _longest_run(is_onset: Mask) -> Indices:
+    """(k,) number of nodes in the longest run of neighbours that are True.
+
+    >>> _longest_run(np.array([[True, False, True, True, False]])).tolist()
+    [2]
+    """
+    running_count = np.cumsum(is_onset, axis=1)
+    count_at_run_begin = np.maximum.accumulate(np.where(is_onset, 0, running_count), axis=1)
+    return np.asarray(np.max(running_count - count_at_run_begin, axis=1))
 
 
-def _normal_work(
+def _normal_work_rate(
     problem: ContactProblem, i: int, j: int, rates_by_i: Array, rates_by_j: Array
 ) -> Array:
-    """(m,) work of normal tractions per unit of load i and unit of change of load j:
-    dP/di d(approach)/dj + dM/di d(tilt)/dj, and of a bulk stress j what it does on dp/di.
+    """(m,) normal work per unit of load i and unit change of load j at m instants: the work of the
+    loads that is neither Q dU nor that of shear in the slip by bulk stress,
+
+        dP/di d(approach)/dj - dM/di d(tilt)/dj,   with - sum dp/di G_j where j is a bulk stress
+
+    # notation: M moment, G_j gap of the nodes by a unit of load j, see `interface`
 
     `rates_by_i` and `rates_by_j` (m, 3 + 4 n) are the derivatives of the contact's values by loads
-    i and j at m instants: of approach, shift and tilt, then of slip, p, q and gap of the n nodes.
+    i and j: of approach, shift and tilt, then of slip, p, q and gap of the n nodes. Loads 0 to 4
+    are P, Q, the bulk stresses of lower and upper body, tilt or moment.
     """
     _, p_by_i, q_by_i, _ = nodal(rates_by_i)
     approach_by_j = rates_by_j[:, 0]
     tilt_by_j = rates_by_j[:, 2]
-    moment_by_i = problem.interface.work_of_imposed(p_by_i, q_by_i)[..., 2]
+    minus_moment_by_i = problem.interface.work_of_imposed(p_by_i, q_by_i)[..., 2]
     normal_load_by_i: Array | float = float(i == 0)
-    if problem.actuators.are_there:
+    if problem.actuators.are_there:  # P or Q is no load, but follows from movements
         normal_load_by_i, _ = problem.interface.carried(p_by_i.T, q_by_i.T)
-    work_rate = normal_load_by_i * approach_by_j + moment_by_i * tilt_by_j
+    work_rate = normal_load_by_i * approach_by_j + minus_moment_by_i * tilt_by_j
     if j in (2, 3):  # a bulk stress
-        work_by_bulk_stresses = problem.interface.work_of_imposed(p_by_i, 0 * q_by_i)
-        work_rate = work_rate + work_by_bulk_stresses[..., j - 2]
+        pressure_work_per_stress = problem.interface.work_of_imposed(p_by_i, 0 * q_by_i)
+        work_rate = work_rate + pressure_work_per_stress[..., j - 2]
     return np.asarray(work_rate)
 
 
 def certificates(problem: ContactProblem, states: Sequence[InterfaceState]) -> dict[str, Array]:
-    """Violations (m,) of law and equilibrium at the ends of increments, over the largest nodal
-    force and its work.
+    """Violations (m,) of the laws of contact and friction, and of equilibrium, at the ends of the m
+    increments between m + 1 states; 0 where they are met.
 
-    The force is at least a tenth of the mean one at the largest load: at the very first touch there
-    is nothing but rounding.
+    Forces, and forces times displacements, are over the largest nodal force; that is taken for a
+    tenth of the mean one at the largest load or more, since at the very first touch there is only
+    round-off. Equilibrium is over the normal load at the instant. Displacements are over P/E*.
+
+    Returns
+    -------
+    dict
+        `equilibrium`, and the names of `law.violations`.
     """
     values = np.stack([state.values for state in states])
-    loads = np.array([state.loads for state in states])[1:]
     slip, pressure, shear, gap = nodal(values)
     slip_increment = np.diff(slip, axis=0)
     # the first state is where the increments start
+    loads = np.array([state.loads for state in states])[1:]
     pressure = pressure[1:]
     shear = shear[1:]
     gap = gap[1:]
-    force = np.maximum(pressure.max(axis=1), 0.1 / pressure.shape[1])
-    of_law = violations(gap, pressure, shear, slip_increment, problem.friction)
+    largest_force = np.maximum(pressure.max(axis=1), 0.1 / pressure.shape[1])
+    violation_by_name = violations(gap, pressure, shear, slip_increment, problem.friction)
     for name in ("tension", "gap_pressure", "cone", "slip_sign"):
-        of_law[name] = of_law[name] / force
-    normal_load, tangential_load = problem.interface.carried(pressure.T, shear.T)
-    loads_reached = [normal_load, tangential_load]
-    # What stands in the place of a load is a movement: a rigid motion and what the rig gives way.
-    for number, compliance in enumerate(problem.actuators):
-        if compliance is not None:
-            loads_reached[number] = values[1:, number] + compliance * loads_reached[number]
-    equilibrium = np.abs(np.array(loads_reached) - loads[:, :2].T).max(axis=0)
+        violation_by_name[name] = violation_by_name[name] / largest_force
+
+    normal_resultant, tangential_resultant = problem.interface.carried(pressure.T, shear.T)
+    reached = [normal_resultant, tangential_resultant]
+    # An actuator's movement in the place of a load is the rigid motion of the upper body (approach,
+    # or U) and what the rig gives way.
+    for number, rig_compliance in enumerate(problem.actuators):
+        if rig_compliance is not None:
+            rigid_motion = values[1:, number]
+            reached[number] = rigid_motion + rig_compliance * reached[number]
+    imbalance = np.abs(np.array(reached) - loads[:, :2].T).max(axis=0)
     if problem.moment_given:
         moment = -problem.interface.work_of_imposed(pressure, shear)[:, 2]
-        equilibrium = np.maximum(equilibrium, np.abs(moment - loads[:, -1]))
-    largest_load = loads[:, 0] if problem.actuators.normal is None else normal_load
-    return {"equilibrium": equilibrium / np.maximum(largest_load, 1e-300), **of_law}
+        imbalance = np.maximum(imbalance, np.abs(moment - loads[:, -1]))
+    normal_load = loads[:, 0] if problem.actuators.normal is None else normal_resultant
+    return {"equilibrium": imbalance / np.maximum(normal_load, 1e-300), **violation_by_name}

@@ -1,5 +1,8 @@
 """States of the nodes as a reader sees them: what only creeps, by the error of the mesh or by
 round-off, sticks.
+
+A run has m + 1 contact states (`InterfaceState`), one before the first increment and one after
+each of m. In each of them a node is open, sticks or slips: its node state.
 """
 
 from __future__ import annotations
@@ -31,21 +34,21 @@ _ROUNDING = 1e-9
 def reported_states(
     problem: ContactProblem, states: Sequence[InterfaceState], cycle_starts: Sequence[int]
 ) -> States:
-    """States open, stick or slip of the contact nodes as they are reported to the user,
-    (n_steps, n): a node that only creeps, by round-off or by the error of the mesh, sticks.
+    """Node states as they are reported to the user, open, stick or slip, (m + 1, n): a node that
+    slides so little that it may be round-off or error of the mesh sticks.
 
-    Creep by the mesh can be told from slip only between bodies of one shape and material, where
+    Slip by the error of the mesh is known only between bodies of one shape and material, where
     half-plane theory holds. Between others pressing alone makes nodes slip, and slowly so near the
     stick edge: there only round-off is removed.
 
     Parameters
     ----------
     problem
-        the contact problem, whose compliance shows whether pressure and slip are coupled
+        the contact problem; the bodies are alike if pressure causes no slip in it
     states
-        contact states after all increments of the path
+        the m + 1 contact states of the load path
     cycle_starts
-        index of the state at which each revolution starts; what comes before them is the
+        index of the contact state at which each revolution starts; what comes before them is the
         initial loading
     """
     if problem.interface.coupling is not None:
@@ -54,42 +57,42 @@ def reported_states(
 
 
 def law_states(states: Sequence[InterfaceState]) -> States:
-    """States open, stick or slip of the nodes by the law of friction, (n_steps, n), but for
-    round-off: a node on the Coulomb limit that has not moved in an increment sticks.
+    """Node states by the law of friction, open, stick or slip, (m + 1, n); but a node on the
+    Coulomb limit that moves by no more than round-off in an increment sticks after it.
 
-    `states` are those after all increments of the path; at the first nothing has moved.
+    `states` are the m + 1 contact states of the load path; up to the first, nothing has moved.
     """
     node_states = np.stack([state.state for state in states])
-    blocks = _blocks(len(states) - 1)
+    blocks = _blocks_of_increments(len(states) - 1)
     largest_slip = max(
-        (float(np.abs(_slip_increments(states, steps)).max()) for steps in blocks), default=0.0
+        (float(np.abs(_slip_of_increments(states, block)).max()) for block in blocks), default=0.0
     )
     has_moved = np.zeros(node_states.shape, dtype=bool)
-    for steps in blocks:
-        slip = _slip_increments(states, steps)
-        later_steps = slice(steps.start + 1, steps.stop + 1)
-        has_moved[later_steps] = (
-            slip_sign(node_states[later_steps]) * slip > _ROUNDING * largest_slip
+    for block in blocks:
+        ends_of_block = slice(block.start + 1, block.stop + 1)  # contact states after increments
+        slip_along_sense = slip_sign(node_states[ends_of_block]) * _slip_of_increments(
+            states, block
         )
+        has_moved[ends_of_block] = slip_along_sense > _ROUNDING * largest_slip
     node_states[(slip_sign(node_states) != 0) & ~has_moved] = STICK
     return node_states
 
 
-def _blocks(n_increments: int) -> list[slice]:
+def _blocks_of_increments(n_increments: int) -> list[slice]:
     """Ranges of some hundred increments each: arrays of all increments of a long record would take
     gigabytes.
     """
     return [
-        slice(first_step, min(first_step + _INCREMENTS_PER_BLOCK, n_increments))
-        for first_step in range(0, n_increments, _INCREMENTS_PER_BLOCK)
+        slice(first_increment, min(first_increment + _INCREMENTS_PER_BLOCK, n_increments))
+        for first_increment in range(0, n_increments, _INCREMENTS_PER_BLOCK)
     ]
 
 
-def _slip_increments(states: Sequence[InterfaceState], steps: slice) -> Array:
+def _slip_of_increments(states: Sequence[InterfaceState], block: slice) -> Array:
     """(k, n) slip of the nodes in each of k increments, the difference of neighbouring states."""
     n_nodes = len(states[0].state)
     slip_of_states = [
-        state.values[3 : 3 + n_nodes] for state in states[steps.start : steps.stop + 1]
+        state.values[3 : 3 + n_nodes] for state in states[block.start : block.stop + 1]
     ]
     return np.diff(slip_of_states, axis=0)
 
@@ -100,54 +103,57 @@ def visible_states(
     friction: float,
     imposed: Array | None = None,
 ) -> States:
-    """States open, stick or slip of the nodes as they are reported between like bodies,
-    (n_steps, n): those of the law of friction, but a node that only creeps sticks.
+    """Node states as they are reported between like bodies, open, stick or slip, (m + 1, n): those
+    of the law of friction, but a node that only creeps sticks.
 
-    A sliding node slips if it has moved far enough since it last stopped or turned round, compared
-    with the farthest one of its direction, and if the load drives it there or it is fast. The load
-    drives forward slip where dQ > f dP and reverse slip where -dQ > f dP.
+    A sliding node slips if two conditions are met. Since it last stopped or turned round it has
+    slid far enough, compared with the farthest one of its direction. And the load drives its slip,
+    or it is fast (`_slip_limits`). The load drives forward slip where dQ > f dP and reverse slip
+    where -dQ > f dP.
 
     Parameters
     ----------
     states
-        contact states after all increments of the path
+        the m + 1 contact states of the load path
     cycle_starts
-        index of the state at which each revolution starts; what comes before them is the
+        index of the contact state at which each revolution starts; what comes before them is the
         initial loading
     friction
         coefficient f
     imposed
-        (2, n, 3) gap and slip by a unit of the bulk stresses and of the tilt; None without any
+        (2, n, 3) gap and slip of the nodes by a unit of the bulk stresses of lower and upper body
+        and of the tilt; None without any
     """
     node_states = np.stack([state.state for state in states])
     load_increments = np.diff([state.loads for state in states], axis=0)
-    largest_slip, least_slip = _slip_limits(states, node_states, load_increments, cycle_starts)
-    travel = np.zeros(len(states[0].state))
-    for steps in _blocks(len(load_increments)):
-        states_in_block = node_states[steps.start + 1 : steps.stop + 1]  # a view
+    largest_slip, least_fast_slip = _slip_limits(states, node_states, load_increments, cycle_starts)
+    travel_before = np.zeros(len(states[0].state))
+    for block in _blocks_of_increments(len(load_increments)):
+        states_in_block = node_states[block.start + 1 : block.stop + 1]  # a view: written below
         sense = slip_sign(states_in_block).astype(float)
-        slip = _slip_increments(states, steps)
+        slip = _slip_of_increments(states, block)
         slip[np.abs(slip) <= _ROUNDING * largest_slip] = 0.0
-        travels = slip_since_stop(slip, travel)
-        travel = travels[-1]
-        rise_of_p = load_increments[steps, 0, None]
-        rise_of_q = load_increments[steps, 1, None]
+        travels = slip_since_stop(slip, travel_before)
+        travel_before = travels[-1]
+        rise_of_p = load_increments[block, 0, None]
+        rise_of_q = load_increments[block, 1, None]
         if imposed is not None:
             # In full stick both tractions are [d(P, Q)/pi - d(tilt, strain) (x - m)/A] over one
             # root, m the middle of the stick zone, A = 2 in scaled variables.
-            imposed_of_states = [state.imposed for state in states[steps.start : steps.stop + 1]]
-            gap_by_imposed, slip_by_imposed = _about_stick_zone(
-                np.diff(imposed_of_states, axis=0), imposed, states_in_block == STICK
+            stresses_and_tilt = [state.imposed for state in states[block.start : block.stop + 1]]
+            gap_from_middle, slip_from_middle = _gap_and_slip_from_middle(
+                np.diff(stresses_and_tilt, axis=0), imposed, states_in_block == STICK
             )
-            rise_of_p = rise_of_p - np.pi / 2 * gap_by_imposed
-            rise_of_q = rise_of_q + np.pi / 2 * slip_by_imposed
+            rise_of_p = rise_of_p - np.pi / 2 * gap_from_middle
+            rise_of_q = rise_of_q + np.pi / 2 * slip_from_middle
         is_driven = sense * rise_of_q > friction * rise_of_p
-        may_slip = is_driven | (np.abs(slip) > least_slip[steps, None])
+        is_fast = np.abs(slip) > least_fast_slip[block, None]
         for direction in (1, -1):
-            slides = sense == direction
-            distance = np.where(slides, direction * travels, 0.0)
+            is_sliding = sense == direction
+            distance = np.where(is_sliding, direction * travels, 0.0)
             is_far = distance > _LEAST_TRAVEL_SHARE * distance.max(axis=1, keepdims=True)
-            states_in_block[slides & ~(may_slip & is_far)] = STICK
+            is_creeping = ~((is_driven | is_fast) & is_far)
+            states_in_block[is_sliding & is_creeping] = STICK
     first_states = node_states[:1]
     first_states[slip_sign(first_states) != 0] = STICK  # nothing has moved yet
     return node_states
@@ -159,73 +165,90 @@ def _slip_limits(
     load_increments: Array,
     cycle_starts: Sequence[int],
 ) -> tuple[float, Array]:
-    """Largest slip of any node in any increment, and for each of n increments the slip from which
-    on a node that the load does not drive counts as fast, (n,).
+    """Largest |slip| of any node in any of m increments, and for each increment, (m,), the |slip|
+    beyond which a node counts as fast; both over P/E*.
 
-    That is a hundredth of the fastest slip per change of load in its revolution, times the change
-    of load of the increment.
+    Fast is more than a hundredth of the largest slip per change of load in the same revolution,
+    times the change of load of the increment. Change of load is the sum of |dP|, |dQ| and the
+    others.
 
     Parameters
     ----------
-    states, node_states
-        contact states after all increments, and open, stick or slip of their nodes
+    states
+        the m + 1 contact states of the load path
+    node_states
+        (m + 1, n) open, stick or slip of their nodes
     load_increments
-        (n, n_loads) changes of the loads
+        (m, n_loads) changes of the loads
     cycle_starts
-        index of the state at which each revolution starts
+        index of the contact state at which each revolution starts
     """
     n_increments = len(load_increments)
+    # The least number keeps an increment without any change of load from a division by zero.
     load_changes = np.maximum(np.abs(load_increments).sum(axis=1), 1e-300)
-    largest_sliding = np.zeros(n_increments)  # slip of the nodes that slide, in each increment
+    largest_sliding_slip = np.zeros(n_increments)  # of the nodes that slide, in each increment
     largest_slip = 0.0  # of all nodes
-    for steps in _blocks(n_increments):
-        sense = slip_sign(node_states[steps.start + 1 : steps.stop + 1]).astype(float)
-        slip = _slip_increments(states, steps)
-        largest_sliding[steps] = np.abs(slip * sense).max(axis=1)
+    for block in _blocks_of_increments(n_increments):
+        sense = slip_sign(node_states[block.start + 1 : block.stop + 1]).astype(float)
+        slip = _slip_of_increments(states, block)
+        largest_sliding_slip[block] = np.abs(slip * sense).max(axis=1)
         largest_slip = max(largest_slip, float(np.abs(slip).max()))
     starts = np.asarray(cycle_starts, dtype=int)
+    # 0 is the initial loading
     revolution = np.searchsorted(starts, np.arange(n_increments), side="right")
-    speed = largest_sliding / load_changes
-    fastest = np.array(
-        [speed[revolution == number].max(initial=0.0) for number in range(len(cycle_starts) + 1)]
+    slip_per_load = largest_sliding_slip / load_changes
+    largest_slip_per_load = np.array(
+        [
+            slip_per_load[revolution == number].max(initial=0.0)
+            for number in range(len(cycle_starts) + 1)
+        ]
     )
-    return largest_slip, _LEAST_SPEED_SHARE * fastest[revolution] * load_changes
+    least_fast_slip = _LEAST_SPEED_SHARE * largest_slip_per_load[revolution] * load_changes
+    return largest_slip, least_fast_slip
 
 
 def slip_since_stop(slip: Array, travel_before: Array | float) -> Array:
-    """Distance (k, n) that each node has slipped in one direction without a stop, with a sign, open
-    or closed, after each of k increments.
+    """Distance (k, n) that each node has slipped in its present direction, after each of k
+    increments; with the sign of the slip. It starts again where a node stops or turns round.
 
     `slip` (k, n) is that of the increments, `travel_before` (n,) the distance before the first.
+
+    >>> slip_since_stop(np.array([[1.0], [2.0], [-1.0], [0.0]]), 0.5).T.tolist()
+    [[1.5, 3.5, -1.0, 0.0]]
     """
     travels = slip.copy()
     travel = np.asarray(travel_before)
-    for step in range(len(travels)):
-        travels[step] += np.where(travel * travels[step] > 0, travel, 0.0)
-        travel = travels[step]
+    for increment in range(len(travels)):
+        travels[increment] += np.where(travel * travels[increment] > 0, travel, 0.0)
+        travel = travels[increment]
     return travels
 
 
-def _about_stick_zone(rise: Array, imposed: Array, sticks: Mask) -> tuple[Array, Array]:
-    """Gap and slip of the nodes by changes of bulk stress and tilt, (k, n) each, minus their values
-    at the middle of the stick zone; 0 where nothing sticks.
+def _gap_and_slip_from_middle(
+    stress_and_tilt_changes: Array, displacement_per_unit: Array, is_stick: Mask
+) -> tuple[Array, Array]:
+    """Changes of gap and of slip of n nodes by bulk stress and tilt in k increments, (k, n) each,
+    minus their values at the middle of the stick zone; 0 where nothing sticks.
 
     Parameters
     ----------
-    rise
-        (k, 3) changes of both bulk stresses and of the tilt in k increments
-    imposed
-        (2, n, 3) gap and slip by a unit of each
-    sticks
-        (k, n) nodes that stick
+    stress_and_tilt_changes
+        (k, 3) changes of the bulk stresses of lower and upper body and of the tilt
+    displacement_per_unit
+        (2, n, 3) gap and slip of the nodes by a unit of each
+    is_stick
+        (k, n) whether a node sticks after an increment
     """
-    last_sticking = sticks.shape[1] - 1 - np.argmax(sticks[:, ::-1], axis=1)
-    end_nodes = np.stack([np.argmax(sticks, axis=1), last_sticking], axis=1)
-    has_sticking_nodes = sticks.any(axis=1, keepdims=True)
-    differences = []
-    for by_unit in imposed:
-        values = rise @ by_unit.T
-        value_at_middle = np.take_along_axis(values, end_nodes, axis=1).mean(axis=1, keepdims=True)
-        differences.append((values - value_at_middle) * has_sticking_nodes)
-    gap_by_rise, slip_by_rise = differences
-    return gap_by_rise, slip_by_rise
+    first_stick_node = np.argmax(is_stick, axis=1)
+    last_stick_node = is_stick.shape[1] - 1 - np.argmax(is_stick[:, ::-1], axis=1)
+    end_nodes = np.stack([first_stick_node, last_stick_node], axis=1)
+    has_stick_zone = is_stick.any(axis=1, keepdims=True)
+
+    def from_middle(per_unit: Array) -> Array:
+        """(k, n) gap or slip minus its value at the middle; `per_unit` (n, 3)."""
+        change = stress_and_tilt_changes @ per_unit.T
+        middle_value = np.take_along_axis(change, end_nodes, axis=1).mean(axis=1, keepdims=True)
+        return np.asarray((change - middle_value) * has_stick_zone)
+
+    gap_per_unit, slip_per_unit = displacement_per_unit
+    return from_middle(gap_per_unit), from_middle(slip_per_unit)

@@ -372,11 +372,11 @@ class PathRun:
         first_increment_of_record = len(self.iterations)
         for record_number in reversed(range(len(self.increment_records))):
             record = self.increment_records[record_number]
-            first_increment_of_record -= len(record["loop"])
+            first_increment_of_record -= len(record["loop_work"])
             if first_increment_of_record < first_increment_of_cycle:
                 break
             # friction work, and its integral Q dU
-            corrected_works = {name: record[name] * factor for name in ("dissipation", "loop")}
+            corrected_works = {name: record[name] * factor for name in ("dissipation", "loop_work")}
             self.increment_records[record_number] = record | corrected_works
         self.cycle_density.append(nodal_work * factor)
         self.excess.append(edge_excess)

@@ -20,7 +20,7 @@ import numpy as np
 import scipy
 
 from halfplane_fe.contact import ROUNDING, ContactProblem, InterfaceState, nodal
-from halfplane_fe.energy import bent_work, step_errors
+from halfplane_fe.energy import step_errors, work_by_kinks
 from halfplane_fe.law import slip_sign
 from halfplane_fe.path import Stretch, scaled_loads, straight, zero_between
 from halfplane_fe.systems import SingularSet
@@ -78,7 +78,7 @@ class StepTolerance:
         the largest error of an increment over its duration, scaled
     of_kinks
         whether the error of an increment is no more than what kinks between the first and the
-        last start of sliding add (`energy.bent_work`): so it is of like bodies, whose pressure
+        last start of sliding add (`energy.work_by_kinks`): so it is of like bodies, whose pressure
         does not depend on what slides. Else it is the bound of `energy.step_errors`
     """
 
@@ -316,7 +316,7 @@ class _ErrorControl:
             return True
         if self.tolerance.of_kinks:
             work_error = min(
-                work_error, bent_work(self.problem, start, increment.state, increment.solved)
+                work_error, work_by_kinks(self.problem, start, increment.state, increment.solved)
             )
             if not work_error > allowed_error:
                 return True

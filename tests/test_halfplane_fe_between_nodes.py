@@ -132,7 +132,7 @@ def test_w_scatters_less_over_the_places_of_the_edges(name: str, left: float) ->
         assert run.column("dissipation")[run.cycle_starts[-1] :].sum() * unit == pytest.approx(
             work, rel=1e-12
         )
-        assert run.column("loop")[run.cycle_starts[-1] :].sum() * unit == pytest.approx(
+        assert run.column("loop_work")[run.cycle_starts[-1] :].sum() * unit == pytest.approx(
             work, rel=1e-9
         )
         before.append(((work + excess.value * unit) / exact - 1) / square)

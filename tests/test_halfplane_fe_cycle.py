@@ -267,7 +267,7 @@ def test_a_contact_that_walks_is_said_to_ratchet(swing, drift):
     assert drift == pytest.approx(max(2400 * (swing - 1 / 30), 0))
     assert run.ratchets == (drift > 0)
     work = run.cycle_density[-1].sum()
-    assert work == pytest.approx(run.column("loop")[run.cycle_starts[-1] :].sum(), abs=1e-9)
+    assert work == pytest.approx(run.column("loop_work")[run.cycle_starts[-1] :].sum(), abs=1e-9)
     assert (work > 0) == (drift > 0)
 
 
