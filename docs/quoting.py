@@ -65,7 +65,7 @@ def paper_values(examples: Paper) -> dict[str, str]:
     misprint_rows = misprints(examples)
     numbers = {
         f"permanent stick, {case.scene.name}": f"{case.stick_edge:.4f}"
-        for case in (examples.hertz, examples.rounded)
+        for case in (examples.hertz_case, examples.rounded_case)
     }
     for row in statement_rows:
         for quantity, value in row.values.items():

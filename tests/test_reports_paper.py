@@ -19,10 +19,15 @@ from reports.cli import main
 from reports.console import Stages
 from reports.studies.paper import page as paper_page
 from reports.studies.paper.cases import LETTERS, Case, Paper, paper
-from reports.studies.paper.figures import sheets
+from reports.studies.paper.figures import all_figures
 from reports.studies.paper.page import PaperReport, tally
-from reports.studies.paper.statements import course, loads
-from reports.studies.paper.tables import APART, EXACT, judge_number, proves
+from reports.studies.paper.statements import statements_on_cycle, statements_on_loads
+from reports.studies.paper.tables import (
+    AGREEMENT_TOLERANCE,
+    LEAST_MISPRINT_ERROR,
+    judge_number,
+    proves,
+)
 from scenes import InputError, load_scene
 
 FIGURES = [
@@ -178,7 +183,7 @@ def page(report: PaperReport) -> str:
 
 @pytest.fixture(scope="module")
 def plates() -> dict[str, Plate]:
-    return {plate.name: plate for plate in sheets(paper())}
+    return {plate.name: plate for plate in all_figures(paper())}
 
 
 # ------------------------------------------------------------------------- statements and misprints
@@ -203,8 +208,8 @@ def test_misprint(report: PaperReport, key: str) -> None:
     for name, (value, tolerance) in WRONG[key].items():
         assert row.values[name] == pytest.approx(value, rel=0, abs=tolerance), name
     if key not in {"condition of stick", "3H", "J and K", "reference [7]", "(11)"}:
-        assert row.values["right"] <= EXACT
-        assert row.values["printed"] > APART
+        assert row.values["right"] <= AGREEMENT_TOLERANCE
+        assert row.values["printed"] > LEAST_MISPRINT_ERROR
     if key == "(23), (24), sign":  # forward slip does negative work as printed
         assert max(row.values["printed JM"], row.values["printed IJ"]) < 0
 
@@ -230,8 +235,10 @@ def test_other_friction_takes_the_numbers_away() -> None:
     """With f = 0.9 the same rows give other numbers and other verdicts: nothing in them is written
     down beforehand.
     """
-    rougher = Paper(paper().hertz.with_load(friction=0.9), paper().rounded.with_load(friction=0.9))
-    numbers = course(rougher.hertz) | loads(rougher)
+    rougher = Paper(
+        paper().hertz_case.with_load(friction=0.9), paper().rounded_case.with_load(friction=0.9)
+    )
+    numbers = statements_on_cycle(rougher.hertz_case) | statements_on_loads(rougher)
     verdict, values = numbers["permanent stick"]
     assert verdict != "confirmed"
     assert values["a(P_T)/a0"] < 0.72

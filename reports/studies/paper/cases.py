@@ -67,13 +67,13 @@ class Case:
         return contact_of(self.scene.profile, self.scene.material)
 
     @property
-    def unit(self) -> float:
-        """P0/3 [force per thickness]."""
+    def unit_load(self) -> float:
+        """P0/3 [force per thickness]; unit of scaled loads."""
         return self.load.mean_normal_load / 3
 
     @property
-    def length(self) -> float:
-        """a0 = a(P0) [length]."""
+    def unit_length(self) -> float:
+        """a0 = a(P0) [length], the contact half-width at the mean load; unit of scaled lengths."""
         return float(self.contact.half_width(self.load.mean_normal_load))
 
     @property
@@ -82,13 +82,18 @@ class Case:
         return 2 / composite_modulus(self.scene.material)
 
     @property
-    def work_unit(self) -> float:
+    def unit_slip(self) -> float:
+        """A P0/3 [length]; unit of scaled slips."""
+        return self.compliance * self.unit_load
+
+    @property
+    def unit_work(self) -> float:
         """A f^2 P0^2 [energy per thickness], the unit of a cycle's dissipation."""
         return self.compliance * (self.friction * self.load.mean_normal_load) ** 2
 
-    def width(self, load: ArrayLike) -> Array:
-        """a(P)/a0 from P in scene units."""
-        return np.asarray(self.contact.half_width(load)) / self.length
+    def scaled_half_width(self, load: ArrayLike) -> Array:
+        """a(P)/a0 from normal loads P [force per thickness]."""
+        return np.asarray(self.contact.half_width(load)) / self.unit_length
 
     def solve(
         self,
@@ -111,54 +116,62 @@ class Case:
         steady
             whether only the steady cycle is followed
         """
-        places = np.asarray(x, dtype=float) * self.length
+        places = np.asarray(x, dtype=float) * self.unit_length
         return semi_analytic.solve(
             self.scene, x=places, time=time, fields=fields, cycles="steady" if steady else "all"
         )
 
     @cached_property
     def events(self) -> Mapping[str, semi_analytic.Event]:
-        """The paper's letters A to M."""
+        """Letter A to M of the paper -> its event: instant, loads, load at the stick edge."""
         return {
             letter: event for event in semi_analytic.events(self.scene) for letter in event.letter
         }
 
-    def time(self, letter: str) -> float:
-        """When the letter is."""
+    def time_of(self, letter: str) -> float:
+        """Time [rad] of the event that the paper calls by a letter."""
         return self.events[letter].time
 
-    def loads(self, time: ArrayLike) -> tuple[Array, Array]:
-        """P and Q at times, scaled."""
-        normal_load, tangential_load = self.scene.load.path().at(time)
-        return normal_load / self.unit, tangential_load / self.unit
+    def half_width_at(self, letter: str) -> float:
+        """Contact half-width over a0 at the event that the paper calls by a letter."""
+        return float(self.scaled_half_width(self.events[letter].normal_load))
 
-    def round_times(self, count: int = 361) -> Array:
+    def loads(self, time: ArrayLike) -> tuple[Array, Array]:
+        """P and Q over P0/3 at instants of the load path."""
+        normal_load, tangential_load = self.scene.load.path().at(time)
+        return normal_load / self.unit_load, tangential_load / self.unit_load
+
+    def cycle_times(self, count: int = 361) -> Array:
         """(count,) instants of one steady revolution that starts at M, and ends there."""
-        return self.time("M") + np.linspace(0.0, 2 * math.pi, count)
+        return self.time_of("M") + np.linspace(0.0, 2 * math.pi, count)
 
     @cached_property
-    def steady(self) -> ContactSolution:
-        """The steady cycle: its dissipations, permanent stick and both routes to W."""
+    def steady_cycle(self) -> ContactSolution:
+        """Solution of the steady cycle: dissipation W, its value as a closed integral of Q dU
+        (`loop_work`), and the permanent stick zone.
+        """
         return self.solve(fields=("loop_work",), steady=True)
 
     @property
     def stick_edge(self) -> float:
         """Half-width of the permanent stick zone over a0."""
-        return self.steady.permanent_stick_half_width / self.length
+        return self.steady_cycle.permanent_stick_half_width / self.unit_length
 
     @property
     def outer_edge(self) -> float:
         """Largest contact half-width over a0."""
-        return float(self.width(self.load.mean_normal_load + self.load.normal_amplitude))
+        return float(
+            self.scaled_half_width(self.load.mean_normal_load + self.load.normal_amplitude)
+        )
 
     @cached_property
-    def slipping(self) -> Mapping[str, tuple[Span, ...]]:
+    def slip_spans(self) -> Mapping[str, tuple[Span, ...]]:
         """Spans of time in which points slip in the steady cycle, by the paper's phases: reverse
         slip EG, forward slip IJ and JM.
         """
         spans = history_of(self.scene.load.path(), self.friction, self.scene.cycles).cycles[-1]
         start_of_forward = min(span.begin.time for span in spans if span.direction > 0)
-        time_of_j = start_of_forward + self.time("J") - self.time("I")
+        time_of_j = start_of_forward + self.time_of("J") - self.time_of("I")
         spans_of: dict[str, list[Span]] = {"EG": [], "IJ": [], "JM": []}
         for span in spans:
             middle_time = (span.begin.time + span.end.time) / 2
@@ -170,17 +183,21 @@ class Case:
                 spans_of["JM"].append(span)
         return {phase: tuple(phase_spans) for phase, phase_spans in spans_of.items()}
 
-    def density(self, x: ArrayLike) -> dict[str, Array]:
-        """Pointwise work of each phase of slip at scaled `x`, over A f^2 P0^2/a0."""
-        points = np.asarray(x, dtype=float) * self.length
+    def density_of_phases(self, x: ArrayLike) -> dict[str, Array]:
+        """Part of the pointwise dissipation W(x) in each phase of slip ("EG", "IJ", "JM"), over
+        A f^2 P0^2/a0; `x` (n,) over a0, each part (n,).
+        """
+        points = np.asarray(x, dtype=float) * self.unit_length
         modulus = composite_modulus(self.scene.material)
         parts = {
             phase: pointwise_dissipation(self.contact, modulus, spans, points)
-            for phase, spans in self.slipping.items()
+            for phase, spans in self.slip_spans.items()
         }
-        return {phase: self.length / self.work_unit * part.total for phase, part in parts.items()}
+        return {
+            phase: self.unit_length / self.unit_work * part.total for phase, part in parts.items()
+        }
 
-    def batch(self, **changes: Any) -> dict[str, Any]:
+    def batch_arguments(self, **changes: Any) -> dict[str, Any]:
         """Keyword arguments of `semi_analytic.dissipation` and `peak_dissipation`, which take
         arrays of load ellipses: those of this case, with `changes`, which may be arrays, in place
         of some.
@@ -199,17 +216,19 @@ class Case:
         }
         return contact_arguments | {name: getattr(self.load, name) for name in load_names} | changes
 
-    def circles(self, friction: ArrayLike, ratio: ArrayLike, **changes: Any) -> dict[str, Any]:
+    def circle_arguments(
+        self, friction: ArrayLike, ratio: ArrayLike, **changes: Any
+    ) -> dict[str, Any]:
         """Keyword arguments of `semi_analytic.dissipation` and `peak_dissipation` for loads that go
         round a circle about Q = 0: phase 90 degrees, Q1 = P1 = P0/3 of this case, P0/P1 = `ratio`.
         `friction` and `ratio` may be arrays; `changes` replace further arguments.
         """
         loads = {
-            "mean_normal_load": np.asarray(ratio) * self.unit,
-            "normal_amplitude": self.unit,
-            "tangential_amplitude": self.unit,
+            "mean_normal_load": np.asarray(ratio) * self.unit_load,
+            "normal_amplitude": self.unit_load,
+            "tangential_amplitude": self.unit_load,
         }
-        return self.batch(
+        return self.batch_arguments(
             friction_coefficient=friction, mean_tangential_load=0.0, **loads, **changes
         )
 
@@ -219,7 +238,7 @@ class Case:
             self.scene.vary(load=changes, friction=self.friction if friction is None else friction)
         )
 
-    def ten_times(self) -> Case:
+    def scaled_ten_times(self) -> Case:
         """The case with the profile's radius and all loads (per thickness) times ten: lengths and
         loads grow tenfold, stresses stay as they are.
         """
@@ -237,7 +256,7 @@ class Case:
             )
         )
 
-    def about_no_shear(self, friction: float) -> Case:
+    def with_zero_mean_shear(self, friction: float) -> Case:
         """The case with the same amplitudes about Q0 = 0 and another f: the widest range of f
         before gross sliding.
         """
@@ -248,8 +267,10 @@ class Case:
 
 @dataclass(frozen=True, eq=False)
 class Formulas:
-    """Loads, tractions of the first cycle, fronts and slip of the steady one: equations (3) to (8),
-    (14) and (16) to (19).
+    """The paper's equations (3) to (8), (14) and (16) to (19), mended: loads, tractions of the
+    first cycle, stick edges and slip of the steady cycle.
+
+    All values are in units of the scene; times are in radians of the ellipse.
     """
 
     case: Case
@@ -272,31 +293,31 @@ class Formulas:
         tangential_rate = -load.tangential_amplitude * np.sin(time - load.phase_radians)
         return normal_rate, tangential_rate
 
-    def level(self, letter: str, sign: int) -> float:
-        """Q + sign f P at the event that the paper calls by a letter."""
+    def q_plus_f_p(self, letter: str, sign: int) -> float:
+        """Q + f P at the event that the paper calls by a letter; Q - f P if `sign` is -1."""
         event = self.case.events[letter]
         return event.tangential_load + sign * self.case.friction * event.normal_load
 
-    def initial(self) -> tuple[float, float]:
+    def initial_parabola(self) -> tuple[float, float]:
         """alpha and beta of the initial loading Q = alpha P + beta P^2: a parabola from no load
         that is tangent to the ellipse of loads at the point A, where the ellipse begins.
         """
         event_a = self.case.events["A"]
-        normal_rate, tangential_rate = self.rates(self.case.time("A"))
+        normal_rate, tangential_rate = self.rates(self.case.time_of("A"))
         slope = float(tangential_rate / normal_rate)
         beta = (slope * event_a.normal_load - event_a.tangential_load) / event_a.normal_load**2
         return slope - 2 * beta * event_a.normal_load, beta
 
-    def initial_meeting(self, t: float) -> float:
+    def intersection_with_initial_loading(self, t: float) -> float:
         """The normal load at which the line of gradient f through the loads at time t meets the
-        initial loading, in the plane of P and Q: P_Y of the paper's equation (6), or P_Z of (7) at
-        the event E. O is the unloaded point, A the point where the ellipse begins, and B where slip
-        begins.
+        path of full stick, in the plane of P and Q. This path is the initial loading up to the
+        event A, where the ellipse begins, and the ellipse from there to B, where slip begins. The
+        paper calls the load P_Y in equation (6), and P_Z in (7), where t is the time of E.
         """
         case = self.case
-        alpha, beta = self.initial()
-        mirrored_time = 2 * case.time("B") - t
-        if mirrored_time >= case.time("A"):
+        alpha, beta = self.initial_parabola()
+        mirrored_time = 2 * case.time_of("B") - t
+        if mirrored_time >= case.time_of("A"):
             return float(self.loads(mirrored_time)[0])
         normal_load, tangential_load = self.loads(t)
         q_minus_f_p = float(tangential_load - case.friction * normal_load)
@@ -304,7 +325,7 @@ class Formulas:
         # The root of beta P^2 + slope P = level that stays finite for beta = 0; slope < 0.
         return 2 * q_minus_f_p / (slope - math.sqrt(slope * slope + 4 * beta * q_minus_f_p))
 
-    def stuck(self, x: Array, load: float) -> Array:
+    def shear_of_full_stick(self, x: Array, load: float) -> Array:
         """Shear traction q at points x (n,) after loading without slip up to the normal load
         `load`, along the initial parabola O-A and the ellipse after A: the integral of p'(x, P)
         dQ/dP over P, in the paper's equations (5) to (7), where p' = dp/dP.
@@ -313,7 +334,7 @@ class Formulas:
         load whose contact reaches x.
         """
         case = self.case
-        alpha, beta = self.initial()
+        alpha, beta = self.initial_parabola()
         load_at_a = case.events["A"].normal_load
         edge_load = np.asarray(case.contact.load(x))
 
@@ -348,51 +369,59 @@ class Formulas:
             shear = shear - np.sum(weights * curvature * pressure, axis=-1)
         return np.asarray(shear)
 
-    def twin(self, t: ArrayLike) -> Array:
-        """Time of Y of the paper: where the line of gradient f through t meets the stretch G-I of
-        the loop.
-        """
-        return 2 * self.case.time("I") - np.asarray(t, dtype=float)
+    def mirrored_time(self, t: ArrayLike) -> Array:
+        """Time of the paper's point Y: where the line of gradient f through the loads at time t
+        meets the ellipse again, between G and I.
 
-    def front(self, phase: str, t: ArrayLike) -> Array:
+        Q - f P is a cosine of time that is least at I, so that it has the same value as long before
+        I as after.
+        """
+        return 2 * self.case.time_of("I") - np.asarray(t, dtype=float)
+
+    def stick_edge_load(self, phase: str, t: ArrayLike) -> Array:
         """The normal load whose contact half-width is that of the stick zone, at times `t` in a
         phase of the cycle ("EG", "IJ" or "JM", from event to event). The paper calls it P_S in EG,
         P_Y in IJ, and P_K in JM.
         """
         if phase == "IJ":
-            return self.loads(self.twin(t))[0]
+            return self.loads(self.mirrored_time(t))[0]
         friction = self.case.friction
         normal_load, tangential_load = self.loads(t)
         if phase == "EG":
-            return (tangential_load + friction * normal_load - self.level("E", -1)) / (2 * friction)
-        return (self.level("G", 1) - tangential_load + friction * normal_load) / (2 * friction)
+            return (tangential_load + friction * normal_load - self.q_plus_f_p("E", -1)) / (
+                2 * friction
+            )
+        return (self.q_plus_f_p("G", 1) - tangential_load + friction * normal_load) / (2 * friction)
 
-    def front_rate(self, phase: str, t: ArrayLike) -> Array:
+    def stick_edge_load_rate(self, phase: str, t: ArrayLike) -> Array:
         """Rate in time of the normal load whose contact half-width is that of the stick zone, at
         times `t` in a phase of the cycle ("EG", "IJ" or "JM", from event to event).
         """
         if phase == "IJ":
-            return -self.rates(self.twin(t))[0]
+            return -self.rates(self.mirrored_time(t))[0]
         friction = self.case.friction
         normal_rate, tangential_rate = self.rates(t)
         if phase == "EG":
             return (friction * normal_rate + tangential_rate) / (2 * friction)
         return (friction * normal_rate - tangential_rate) / (2 * friction)
 
-    def multiplier(self, phase: str, t: ArrayLike) -> Array:
-        """C of the paper's equation (14), as printed: (dQ/dP)/f, plus 1 in the phase EG of the
-        cycle, minus 1 in IJ and JM. `t` are times in that phase.
+    def multiplier_c(self, phase: str, t: ArrayLike) -> Array:
+        """C of the paper's equation (14), as printed, the factor of dP in the increment of slip:
+        (dQ/dP)/f, plus 1 in the phase EG of the cycle, minus 1 in IJ and JM. `t` are times in that
+        phase; in IJ dQ/dP is that of the point Y, see `mirrored_time`.
         """
-        normal_rate, tangential_rate = self.rates(self.twin(t) if phase == "IJ" else t)
+        normal_rate, tangential_rate = self.rates(self.mirrored_time(t) if phase == "IJ" else t)
         return tangential_rate / normal_rate / self.case.friction + (1 if phase == "EG" else -1)
 
-    def driving(self, phase: str, t: ArrayLike) -> Array:
-        """C dP/dt with the sign of slip: dv/f in EG, du/f in IJ and JM (where C dP is C dP_Y)."""
+    def multiplied_load_rate(self, phase: str, t: ArrayLike) -> Array:
+        """C dP/dt of equation (14), mended: d(Q + f P)/dt / f in the phase EG, d(Q - f P)/dt / f in
+        IJ and JM; it has the sign of the slip. In IJ it is C dP_Y/dt.
+        """
         normal_rate, tangential_rate = self.rates(t)
         sign = 1 if phase == "EG" else -1
         return tangential_rate / self.case.friction + sign * normal_rate
 
-    def reach(self, x: float | Array, load: ArrayLike) -> Array:
+    def arccosh_ratio(self, x: float | Array, load: ArrayLike) -> Array:
         """arccosh(x/a), 0 for x < a, where a is the contact half-width at a normal load: int_a^x
         dx' / sqrt(x'^2 - a^2), with which slip outside a stick zone grows.
         """
@@ -406,25 +435,31 @@ class Formulas:
         sign = 1 if phase == "EG" else -1
         load, _ = self.loads(t)
         load_rate, _ = self.rates(t)
-        part_by_slip = self.driving(phase, t) * self.reach(x, self.front(phase, t))
-        part_by_load = sign * load_rate * self.reach(x, load)
+        part_by_slip = self.multiplied_load_rate(phase, t) * self.arccosh_ratio(
+            x, self.stick_edge_load(phase, t)
+        )
+        part_by_load = sign * load_rate * self.arccosh_ratio(x, load)
         return self.case.compliance * self.case.friction / math.pi * (part_by_slip - part_by_load)
 
-    def moved(self, x: float, start: float, end: float) -> float:
+    def engine_slip(self, x: float, start: float, end: float) -> float:
         """The slip s that a point at `x` gains between two times (later minus earlier), by the
         numerical solution of half-plane theory.
         """
-        solution = self.case.solve(time=[start, end], x=[x / self.case.length], fields=("slip",))
+        solution = self.case.solve(
+            time=[start, end], x=[x / self.case.unit_length], fields=("slip",)
+        )
         slip_at_begin, slip_at_end = solution.slip[:, 0]
         return float(slip_at_end - slip_at_begin)
 
-    def rubbing(self, phase: str, x: float, rate: Callable[[Array], ArrayLike]) -> float:
+    def integral_while_slipping(
+        self, phase: str, x: float, rate: Callable[[Array], ArrayLike]
+    ) -> float:
         """Integral of `rate`, a function of time, over the times at which the point `x` slips
         inside contact in a phase of the cycle ("EG", "IJ" or "JM", from event to event).
         """
         edge_load = np.asarray(self.case.contact.load(np.array([x])))
         sum_over_spans = 0.0
-        for span in self.case.slipping[phase]:
+        for span in self.case.slip_spans[phase]:
             start, end = (float(time[0]) for time in slip_times(span, edge_load))
             if end > start:
                 sum_over_spans += integral(rate, start + span.delay, end + span.delay)
@@ -445,7 +480,7 @@ def sliding_limit(friction: ArrayLike) -> Array:
     return np.sqrt(1 + f * f) / f
 
 
-def total(parts: Mapping[str, Array]) -> Array:
+def sum_over_phases(parts: Mapping[str, Array]) -> Array:
     """Sum over the phases of slip."""
     return np.asarray(sum(parts.values(), start=np.zeros(1)))
 
@@ -457,11 +492,11 @@ class Sweep:
     """
 
     frictions: Array  # (m,) f
-    ratio: Array  # (m, n) P0/P1, from the sliding limit on
+    load_ratio: Array  # (m, n) P0/P1, from the sliding limit on
     work: Array  # (m, n) W/(A P1^2)
     peak: Array  # (m, n) max W(x) a0/(A P1^2)
     # (m, n) place of the peak between permanent stick edge (0) and largest contact (1)
-    place: Array
+    peak_fraction: Array
 
 
 def _sweep(case: Case, largest_ratio: float = 6.0, count: int = 33) -> Sweep:
@@ -478,13 +513,13 @@ def _sweep(case: Case, largest_ratio: float = 6.0, count: int = 33) -> Sweep:
     ratio = ratio * (largest_ratio / ratio) ** (np.linspace(0, 1, count) ** 2)
     profile = case.scene.profile.model_dump()
     # P0 is ratio P0/3 of the case: the radius falls as P0 grows, so that a(P0) stays
-    arguments = case.circles(
+    arguments = case.circle_arguments(
         friction[:, None], ratio, profile=profile | {"radius": profile["radius"] * 3 / ratio}
     )
-    scale = case.compliance * case.unit**2
+    scale = case.compliance * case.unit_load**2
     peak = semi_analytic.peak_dissipation(**arguments)
     work = semi_analytic.dissipation(**arguments).value / scale
-    arrays = (friction, ratio, work, peak.value * case.length / scale, peak.fraction)
+    arrays = (friction, ratio, work, peak.value * case.unit_length / scale, peak.fraction)
     return Sweep(*(freeze(array) for array in arrays))
 
 
@@ -494,19 +529,19 @@ class Paper:
     once.
     """
 
-    hertz: Case
-    rounded: Case
+    hertz_case: Case
+    rounded_case: Case
 
     @cached_property
     def sweeps(self) -> tuple[Sweep, Sweep]:
         """Hertz, flat and rounded."""
-        return _sweep(self.hertz), _sweep(self.rounded)
+        return _sweep(self.hertz_case), _sweep(self.rounded_case)
 
     @cached_property
     def peaks(self) -> tuple[semi_analytic.PeakBatch, semi_analytic.PeakBatch]:
         """Place and size of the peak of W(x) in the two examples."""
-        peak_of_hertz = semi_analytic.peak_dissipation(**self.hertz.batch())
-        peak_of_rounded = semi_analytic.peak_dissipation(**self.rounded.batch())
+        peak_of_hertz = semi_analytic.peak_dissipation(**self.hertz_case.batch_arguments())
+        peak_of_rounded = semi_analytic.peak_dissipation(**self.rounded_case.batch_arguments())
         return peak_of_hertz, peak_of_rounded
 
 
@@ -515,7 +550,7 @@ def paper() -> Paper:
     """The two examples from the library; one and the same value each time, for its parts are
     costly.
 
-    >>> round(paper().hertz.length, 12)  # a(P0) = 1 mm
+    >>> round(paper().hertz_case.unit_length, 12)  # a(P0) = 1 mm
     1.0
     """
     return Paper(Case(load_scene(_HERTZ)), Case(load_scene(_ROUNDED)))

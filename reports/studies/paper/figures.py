@@ -13,26 +13,34 @@ from numpy.typing import ArrayLike, NDArray
 
 from reports.charts.plate import Arrow, Axis, Band, Curve, Dot, Key, Mark, Note, Panel, Plate
 from reports.charts.templating import Table
-from reports.studies.paper.cases import FRICTIONS, LETTERS, POINTS, Case, Paper, Sweep, total
-from reports.studies.paper.tables import WORDS, filled_in
+from reports.studies.paper.cases import (
+    FRICTIONS,
+    LETTERS,
+    POINTS,
+    Case,
+    Paper,
+    Sweep,
+    sum_over_phases,
+)
+from reports.studies.paper.tables import WORDS, fill_in
 from scenes import SurfaceState
 from scenes.array_types import Array
 
 # Looks of curves that a figure tells apart, the first to the last.
-_FAMILY = ("c0 solid", "c1 dash", "c2 dashdot", "c3 dot")
-_DIRECTIONS = {1: ("pale-forward", "forward slip"), -1: ("pale-reverse", "reverse slip")}
+_CURVE_LOOKS = ("c0 solid", "c1 dash", "c2 dashdot", "c3 dot")
+_SLIP_LOOKS = {1: ("pale-forward", "forward slip"), -1: ("pale-reverse", "reverse slip")}
 _ANGLE = "angle θ of the cycle after M  [degrees]"
 _DEGREES = tuple((float(angle), f"{angle}") for angle in range(0, 361, 45))
 _HALF_WIDTH = Axis(0.0, 1.3, "half-width / a(P₀)")
 _REVOLUTION = Axis(0.0, 360.0, _ANGLE, ticks=_DEGREES)
 
 
-def sheets(paper: Paper) -> tuple[Plate, ...]:
+def all_figures(paper: Paper) -> tuple[Plate, ...]:
     """Every figure of the paper, in its order, computed again from its cases. `paper` holds the
     paper's two profiles, with their solutions.
     """
-    hertz = paper.hertz
-    rounded = paper.rounded
+    hertz = paper.hertz_case
+    rounded = paper.rounded_case
     sweep_of_hertz, sweep_of_rounded = paper.sweeps
     return (
         _figure_1(rounded),
@@ -116,7 +124,7 @@ def _plate(
                 legend[mark.label] = Key(mark.css, mark.label, isinstance(mark, Band))
     for further_key in keys:
         legend[further_key.text] = further_key
-    caption = filled_in(figure_words["text"], values)
+    caption = fill_in(figure_words["text"], values)
     return Plate(
         name,
         figure_words["title"],
@@ -151,7 +159,7 @@ def _figure_1(case: Case) -> Plate:
     case, drawn much higher. `case` is the paper's ellipse of loads on one profile.
     """
     x = np.linspace(-1.9, 1.9, 191)
-    height = np.asarray(case.scene.profile.height(x * case.length))
+    height = np.asarray(case.scene.profile.height(x * case.unit_length))
     height_of_foot = height * 0.45 / height[0]
     full_angle = np.linspace(0.0, 2 * math.pi, 121)
     angle_of_arrow = np.linspace(math.radians(70), math.radians(160), 31)
@@ -231,7 +239,8 @@ def _figure_2(case: Case) -> Plate:
     friction = case.friction
     loads_on_limit = np.array([0.0, 4.6])
     points = {
-        letter: np.array([event.normal_load, event.tangential_load, event.front_load]) / case.unit
+        letter: np.array([event.normal_load, event.tangential_load, event.front_load])
+        / case.unit_load
         for letter, event in case.events.items()
     }
     p_e, q_e, p_z = points["E"].tolist()
@@ -243,7 +252,7 @@ def _figure_2(case: Case) -> Plate:
         _line(loads_on_limit, friction * loads_on_limit, "sliding, |Q| = f P", "faint dash fine"),
         _line(loads_on_limit, -friction * loads_on_limit, "", "faint dash fine"),
         _line(
-            *case.loads(np.linspace(case.scene.load.path().start, case.time("A"), 101)),
+            *case.loads(np.linspace(case.scene.load.path().start, case.time_of("A"), 101)),
             "initial loading, parabola OA",
             "c1 dashdot",
         ),
@@ -252,7 +261,7 @@ def _figure_2(case: Case) -> Plate:
         _line([p_t, p_g], [q_t, q_g], "gradient −f through G", "c2 dot"),
         *_text_at(p_z, q_z, "Z", (-8.0, 6.0), "0", dot=True),
         *_text_at(p_t, q_t, "T", (-7.0, 7.0), "2", dot=True),
-        _line(*case.loads(case.round_times()), "ellipse, gone round anticlockwise", "bold"),
+        _line(*case.loads(case.cycle_times()), "ellipse, gone round anticlockwise", "bold"),
     ]
     # Letters outside the ellipse, those of one point together.
     letters_at_point: dict[tuple[float, float], list[str]] = {}
@@ -261,7 +270,7 @@ def _figure_2(case: Case) -> Plate:
         letters_at_point.setdefault((place_p, place_q), []).append(letter)
     for (place_p, place_q), letters in letters_at_point.items():
         vector_from_centre = np.array(
-            [place_p - 3.0, place_q - case.load.mean_tangential_load / case.unit]
+            [place_p - 3.0, place_q - case.load.mean_tangential_load / case.unit_load]
         )
         outward_direction = vector_from_centre / np.hypot(*vector_from_centre)
         shift = (14.0 * float(outward_direction[0]), 12.0 * float(outward_direction[1]))
@@ -270,11 +279,11 @@ def _figure_2(case: Case) -> Plate:
     x_axis = Axis(0.0, 4.6, "normal load P / (P₀/3)")
     y_axis = Axis(-0.7, 2.8, "tangential load Q / (P₀/3)")
     panel = _panel("figure_02", x_axis, y_axis, marks, "Load path with its letters", (640.0, 480.0))
-    letters_in_order = sorted(case.events, key=case.time)
+    letters_in_order = sorted(case.events, key=case.time_of)
     points_in_order = np.array([points[letter] for letter in letters_in_order])
     table: Table = {
         "letter": letters_in_order,
-        "t": [case.time(letter) for letter in letters_in_order],
+        "t": [case.time_of(letter) for letter in letters_in_order],
     }
     for name, column in zip(("P", "Q", "front load"), points_in_order.T, strict=True):
         table = {**table, f"{name} / (P0/3)": column.tolist()}
@@ -286,12 +295,14 @@ def _figure_3(case: Case) -> Plate:
     and the limit of friction. `case` is the paper's ellipse of loads on one profile.
     """
     x = np.linspace(-1.25, 1.25, 251)
-    scale = case.length / case.unit
-    times = [case.time(letter) for letter in LETTERS]
+    scale = case.unit_length / case.unit_load
+    times = [case.time_of(letter) for letter in LETTERS]
     solution = case.solve(time=times, x=x, fields=("pressure", "shear", "state"))
     limits_at_events = case.friction * solution.pressure * scale
     shears_at_events = solution.shear * scale
-    loads_at_events = np.column_stack([solution.normal_load, solution.tangential_load]) / case.unit
+    loads_at_events = (
+        np.column_stack([solution.normal_load, solution.tangential_load]) / case.unit_load
+    )
     x_axis = Axis(-1.25, 1.25, "x / a(P₀)")
     y_axis = Axis(-2.4, 2.4, "traction · a(P₀) / (P₀/3)")
     panels = []
@@ -303,7 +314,7 @@ def _figure_3(case: Case) -> Plate:
         for slip_state, sign in ((SurfaceState.SLIP_FORWARD, 1), (SurfaceState.SLIP_REVERSE, -1)):
             slips = state == slip_state
             if slips.any():
-                css, label = _DIRECTIONS[sign]
+                css, label = _SLIP_LOOKS[sign]
                 lower_edge = np.where(slips, 0.0, np.nan)
                 upper_edge = np.where(slips, sign * friction_limit, np.nan)
                 marks.append(Band(x, lower_edge, upper_edge, css, label))
@@ -336,16 +347,16 @@ class Zones:
     stick: Array
     direction: NDArray[np.int64]
 
-    def drawn(self, x: Array) -> Iterator[Mark]:
+    def marks(self, x: Array) -> Iterator[Mark]:
         """Stick and slip filled over `x`, both edges drawn."""
         yield Band(x, np.zeros(len(x)), self.stick, "pale-stick", "stick")
-        yield from self.slipping(x)
+        yield from self.slip_bands(x)
         yield _line(x, self.contact, "contact, a / a(P₀)", "bold")
         yield _line(x, self.stick, "stick, c / a(P₀)", "c2 dash")
 
-    def slipping(self, x: Array, label_end: str = "") -> Iterator[Band]:
+    def slip_bands(self, x: Array, label_end: str = "") -> Iterator[Band]:
         """A band for each direction of slip, between the stick edge and the contact edge."""
-        for sign, (css, label) in _DIRECTIONS.items():
+        for sign, (css, label) in _SLIP_LOOKS.items():
             slips = self.direction == sign
             inner_edge = np.where(slips, self.stick, np.nan)
             outer_edge = np.where(slips, self.contact, np.nan)
@@ -379,22 +390,22 @@ def _zones(case: Case, events: Sequence[tuple[float, int]], count: int = 91) -> 
     )
     unique_times, rows_of_times = np.unique(time, return_inverse=True)
     solution = case.solve(time=unique_times)
-    contact_half_width = solution.contact_half_width[rows_of_times] / case.length
-    stick_half_width = solution.stick_half_width[rows_of_times] / case.length
+    contact_half_width = solution.contact_half_width[rows_of_times] / case.unit_length
+    stick_half_width = solution.stick_half_width[rows_of_times] / case.unit_length
     # A turning point belongs to what ends there; the second time to what starts, where all sticks.
     stick_half_width[::count] = contact_half_width[::count]
     directions = [direction for _, direction in events[:-1]]
     return Zones(time, contact_half_width, stick_half_width, np.repeat(directions, count))
 
 
-def _steady_marks(case: Case) -> list[tuple[float, int]]:
+def _slip_events(case: Case) -> list[tuple[float, int]]:
     """Turning points of slip of a steady revolution from M on."""
     turn = 2 * math.pi
     return [
-        (case.time("M"), -1),
-        (case.time("G") + turn, 0),
-        (case.time("I") + turn, 1),
-        (case.time("M") + turn, 0),
+        (case.time_of("M"), -1),
+        (case.time_of("G") + turn, 0),
+        (case.time_of("I") + turn, 1),
+        (case.time_of("M") + turn, 0),
     ]
 
 
@@ -403,7 +414,7 @@ def _figure_4a(case: Case) -> Plate:
     so that the axis resumes where P turns. `case` is the paper's ellipse of loads on one profile.
     """
     turning_events = (
-        (case.time(letter), way_of_load)
+        (case.time_of(letter), way_of_load)
         for letter, way_of_load in zip("BEGIM", (1, -1, 0, 1, 0), strict=True)
     )
     # P turns at C, F and K: finer than that nothing is needed, since the way of P is taken from the
@@ -411,21 +422,21 @@ def _figure_4a(case: Case) -> Plate:
     zones = _zones(case, [(case.scene.load.path().start, 0), *turning_events], 181)
     way_of_load = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(case.loads(zones.time)[0])))])
     way_at_letter = {
-        letter: float(np.interp(case.time(letter), zones.time, way_of_load))
+        letter: float(np.interp(case.time_of(letter), zones.time, way_of_load))
         for letter in sorted(case.events)
     }
-    drawn_marks = list(zones.drawn(way_of_load))
+    drawn_marks = list(zones.marks(way_of_load))
     for letter, way_there in way_at_letter.items():
         drawn_marks += _text_at(
             way_there,
-            float(case.width(case.events[letter].normal_load)),
+            case.half_width_at(letter),
             letter,
             (0.0, 9.0),
             dot=True,
         )
     ticks = [(0.0, "0"), (1.0, "1"), (2.0, "2")]
     ticks += [
-        (way_at_letter[letter], f"{case.events[letter].normal_load / case.unit:.3g}")
+        (way_at_letter[letter], f"{case.events[letter].normal_load / case.unit_load:.3g}")
         for letter in "ACDFHKLM"
     ]
     largest_way = float(way_of_load[-1]) + 0.05
@@ -439,13 +450,13 @@ def _figure_4b(case: Case) -> Plate:
     """Figure 4b: half-widths through the steady cycle for four coefficients of friction, about Q0 =
     0. `case` is the paper's ellipse of loads on one profile.
     """
-    case_of = {friction: case.about_no_shear(friction) for friction in FRICTIONS}
+    case_of = {friction: case.with_zero_mean_shear(friction) for friction in FRICTIONS}
     case_of_largest = case_of[FRICTIONS[0]]
     case_of_least = case_of[FRICTIONS[-1]]
-    time_of_m = case_of_largest.time("M")
+    time_of_m = case_of_largest.time_of("M")
     # Stick and slip of the least coefficient, filled; two revolutions, for its letters are
     # elsewhere.
-    events = _steady_marks(case_of_least)
+    events = _slip_events(case_of_least)
     second_revolution = [(time + 2 * math.pi, direction) for time, direction in events]
     zones = _zones(case_of_least, [*events[:-1], *second_revolution])
     angles = np.degrees(zones.time - time_of_m)
@@ -455,22 +466,22 @@ def _figure_4b(case: Case) -> Plate:
     remark = f", f = {case_of_least.friction:g}"
     filled_bands = [
         Band(angles, np.zeros(len(angles)), zones.stick, "pale-stick", f"stick{remark}"),
-        *zones.slipping(angles, remark),
+        *zones.slip_bands(angles, remark),
     ]
     # Just after M, for f = 1 the instant of M itself still belongs to forward slip.
     angles_of_curves = np.linspace(1e-6, 360.0, 721)
     stick_by_friction = {
         friction: case_of_f.solve(time=time_of_m + np.radians(angles_of_curves)).stick_half_width
-        / case_of_f.length
+        / case_of_f.unit_length
         for friction, case_of_f in case_of.items()
     }
     curves = [
         _line(angles_of_curves, stick_half_width, f"c / a(P₀), f = {friction}", look)
         for (friction, stick_half_width), look in zip(
-            stick_by_friction.items(), _FAMILY, strict=True
+            stick_by_friction.items(), _CURVE_LOOKS, strict=True
         )
     ]
-    contact_half_width = case.width(
+    contact_half_width = case.scaled_half_width(
         case_of_largest.solve(time=time_of_m + np.radians(angles_of_curves)).normal_load
     )
     curves.append(_line(angles_of_curves, contact_half_width, "contact, a / a(P₀)", "bold"))
@@ -491,22 +502,22 @@ def _figure_5(case: Case) -> Plate:
     where they slip and dotted where they are out of contact. `case` is the paper's ellipse of loads
     on one profile.
     """
-    time_of_m = case.time("M")
-    zones = _zones(case, _steady_marks(case))
-    marks_above = list(zones.drawn(np.degrees(zones.time - time_of_m)))
+    time_of_m = case.time_of("M")
+    zones = _zones(case, _slip_events(case))
+    marks_above = list(zones.marks(np.degrees(zones.time - time_of_m)))
     for letter in "MFGHIKJL":
-        time = case.time(letter) + (2 * math.pi if case.time(letter) < time_of_m else 0.0)
+        time = case.time_of(letter) + (2 * math.pi if case.time_of(letter) < time_of_m else 0.0)
         offset_of_letter = {"M": (8.0, 9.0), "I": (0.0, -12.0), "J": (-6.0, -12.0)}.get(
             letter, (0.0, 9.0)
         )
-        height = float(case.width(case.events[letter].normal_load))
+        height = case.half_width_at(letter)
         marks_above += _text_at(
             math.degrees(time - time_of_m), height, letter, offset_of_letter, dot=True
         )
     angles = np.linspace(0.0, 360.0, 721)
     marks_below: list[Mark] = []
     solution = case.solve(time=time_of_m + np.radians(angles), x=POINTS, fields=("slip", "state"))
-    displacement = (solution.slip - solution.slip[0]) / (case.compliance * case.unit)
+    displacement = (solution.slip - solution.slip[0]) / (case.unit_slip)
     for x, colour, displacement_of_point, state in zip(
         POINTS, "d435", displacement.T, solution.state.T, strict=True
     ):
@@ -551,7 +562,7 @@ def _figure_5(case: Case) -> Plate:
     return _plate("figure_05", panels, table, keys=keys)
 
 
-def _grown(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _with_neighbours(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """A mask with one instant more at either end of each run, so that pieces of a curve meet."""
     return np.asarray(mask | np.roll(mask, 1) | np.roll(mask, -1))
 
@@ -568,22 +579,22 @@ def _displacement_line(
     ):
         slips = state == slip_state
         if slips.any():
-            slipping_y = np.where(_grown(slips), displacement, np.nan)
+            slipping_y = np.where(_with_neighbours(slips), displacement, np.nan)
             yield _line(angles, slipping_y, "", f"{direction} broad-line")
     is_open = state == SurfaceState.OPEN
     yield _line(angles, np.where(is_open, np.nan, displacement), "", css)
-    yield _line(angles, np.where(_grown(is_open), displacement, np.nan), "", f"{css} dot")
+    yield _line(angles, np.where(_with_neighbours(is_open), displacement, np.nan), "", f"{css} dot")
 
 
 def _figure_8(case: Case) -> Plate:
     """Figure 8: half-widths of contact and stick of the flat and rounded contact through the cycle.
     `case` is the paper's ellipse of loads on one profile.
     """
-    zones = _zones(case, _steady_marks(case))
-    edge_of_flat = float(case.width(0.0))
-    angle = np.degrees(zones.time - case.time("M"))
+    zones = _zones(case, _slip_events(case))
+    edge_of_flat = float(case.scaled_half_width(0.0))
+    angle = np.degrees(zones.time - case.time_of("M"))
     marks = [
-        *zones.drawn(angle),
+        *zones.marks(angle),
         _line([0.0, 360.0], [edge_of_flat, edge_of_flat], "edge of flat, b / a(P₀)", "c1 dot"),
     ]
     alt = "Half-widths over the angle"
@@ -603,7 +614,7 @@ def _figure_of_density(name: str, paper: Paper, index_of_case: int) -> Plate:
     1 for the flat and rounded contact. `paper` holds the paper's two profiles, with their
     solutions.
     """
-    case = (paper.hertz, paper.rounded)[index_of_case]
+    case = (paper.hertz_case, paper.rounded_case)[index_of_case]
     peak = paper.peaks[index_of_case]
     inner_edge = case.stick_edge
     outer_edge = case.outer_edge
@@ -612,10 +623,10 @@ def _figure_of_density(name: str, paper: Paper, index_of_case: int) -> Plate:
         inner_edge + (outer_edge - inner_edge) * (1 - np.cos(np.linspace(0, np.pi, 241))) / 2
     )
     x = np.concatenate([[0.95 * inner_edge], places_in_zone, [outer_edge + 0.05 * inner_edge]])
-    phases = case.density(x)
-    density = total(phases)
-    peak_place = float(peak.place) / case.length
-    peak_value = float(peak.value) * case.length / case.work_unit
+    phases = case.density_of_phases(x)
+    density = sum_over_phases(phases)
+    peak_place = float(peak.place) / case.unit_length
+    peak_value = float(peak.value) * case.unit_length / case.unit_work
     marks: list[Mark] = [
         _line(x, density, "whole cycle", "bold"),
         _line(x, phases["IJ"], "forward, I–J", "c1 dash"),
@@ -659,7 +670,7 @@ def _figure_of_sweep(
         pale_values = getattr(pale_sweep, quantity)
         largest_value = max(largest_value, float(pale_values.max()))
         for number, (load_ratios, values_at_friction) in enumerate(
-            zip(pale_sweep.ratio, pale_values, strict=True)
+            zip(pale_sweep.load_ratio, pale_values, strict=True)
         ):
             marks.append(
                 _line(
@@ -670,18 +681,20 @@ def _figure_of_sweep(
                 )
             )
     for number, (friction, load_ratios, values_at_friction) in enumerate(
-        zip(sweep.frictions, sweep.ratio, values, strict=True)
+        zip(sweep.frictions, sweep.load_ratio, values, strict=True)
     ):
-        marks.append(_line(load_ratios, values_at_friction, f"f = {friction:g}", _FAMILY[number]))
+        marks.append(
+            _line(load_ratios, values_at_friction, f"f = {friction:g}", _CURVE_LOOKS[number])
+        )
         marks += _text_at(
             float(load_ratios[0]), float(values_at_friction[0]), "", look=f"{number}", dot=True
         )
-    x_axis = Axis(1.0, float(sweep.ratio.max()), "P₀ / P₁")
+    x_axis = Axis(1.0, float(sweep.load_ratio.max()), "P₀ / P₁")
     y_axis = Axis(0.0, 1.08 * largest_value, label)
     panel = _panel(name, x_axis, y_axis, marks, f"{label} over P₀/P₁", (620.0, 400.0))
     table = {
         f"P0/P1, f = {friction:g}": load_ratios
-        for friction, load_ratios in zip(sweep.frictions, sweep.ratio, strict=True)
+        for friction, load_ratios in zip(sweep.frictions, sweep.load_ratio, strict=True)
     }
     for friction, values_at_friction in zip(sweep.frictions, values, strict=True):
         table[f"{quantity}, f = {friction:g}"] = values_at_friction

@@ -13,9 +13,9 @@ from reports.charts.templating import script, table_text, template
 from reports.console import Stages
 from reports.folder import filled
 from reports.studies.paper.cases import Paper, paper
-from reports.studies.paper.figures import sheets
-from reports.studies.paper.misprints import proofs
-from reports.studies.paper.statements import judged
+from reports.studies.paper.figures import all_figures
+from reports.studies.paper.misprints import prove_misprints
+from reports.studies.paper.statements import judge_statements
 from reports.studies.paper.tables import (
     WORDS,
     Misprint,
@@ -49,13 +49,13 @@ class PaperReport:
 
 def statements(examples: Paper) -> tuple[Statement, ...]:
     """Every statement of the paper, with verdicts."""
-    verdicts = judged(examples)
+    verdicts = judge_statements(examples)
     return tuple(row(Statement, words, verdicts[words["key"]]) for words in WORDS["statement"])
 
 
 def misprints(examples: Paper) -> tuple[Misprint, ...]:
     """Every misprint of the paper, with proofs."""
-    proof_of = proofs(examples)
+    proof_of = prove_misprints(examples)
     return tuple(row(Misprint, words, proof_of[words["key"]]) for words in WORDS["misprint"])
 
 
@@ -79,7 +79,7 @@ def write(out: str | Path, stages: Stages, command: str = "halfplane paper") -> 
         statement_rows = statements(examples)
         misprint_rows = misprints(examples)
     with stages.stage("figures"):
-        figures = sheets(examples)
+        figures = all_figures(examples)
     with filled(out) as folder:
         statement_table = table_text(as_columns(statement_rows, "statement"))
         (folder / "statements.csv").write_text(statement_table, encoding="utf-8")

@@ -22,34 +22,36 @@ from reports.studies.paper.cases import (
     Formulas,
     Paper,
     Sweep,
-    total,
+    sum_over_phases,
 )
-from reports.studies.paper.tables import EXACT, Found, judge, judge_number
+from reports.studies.paper.tables import AGREEMENT_TOLERANCE, VerdictAndNumbers, judge, judge_number
 from scenes import SurfaceState
 from scenes.array_types import Array
 from semi_analytic.friction_work import slip_times
 
-_ROUNDING = 1e-10
-_EXPONENT_SLACK = 0.01
-# Points from the centre to near the largest contact, at which tractions are compared.
-_PLACES = (0.0, 0.2, 0.4, 0.55, 0.7, 0.8, 0.9, 1.0, 1.1)
+# Scaled values up to this differ by round-off only.
+_ROUNDING_ERROR = 1e-10
+# Error of an exponent that is measured between two points.
+_EXPONENT_TOLERANCE = 0.01
+# x/a0 of the points at which tractions are compared, from the centre to near the largest contact.
+_SHEAR_POINTS = (0.0, 0.2, 0.4, 0.55, 0.7, 0.8, 0.9, 1.0, 1.1)
 # What the text gives for its four points: S stick, F forward slip, R reverse slip, O separation.
-_HISTORIES = {0.77: "SRSF", 0.82: "SRORSF", 1.0: "OSFO", 1.13: "OFO"}
+_STATED_HISTORIES = {0.77: "SRSF", 0.82: "SRORSF", 1.0: "OSFO", 1.13: "OFO"}
 
 
-def judged(paper: Paper) -> dict[str, Found]:
+def judge_statements(paper: Paper) -> dict[str, VerdictAndNumbers]:
     """Key of a statement -> its verdict and numbers."""
     return (
-        tractions(paper.hertz)
-        | course(paper.hertz)
-        | loads(paper)
-        | work(paper.hertz)
-        | _comparisons(paper)
+        statements_on_tractions(paper.hertz_case)
+        | statements_on_cycle(paper.hertz_case)
+        | statements_on_loads(paper)
+        | statements_on_work(paper.hertz_case)
+        | _statements_on_comparison(paper)
     )
 
 
 # --------------------------------------------------------------------- tractions of the first cycle
-def tractions(case: Case) -> dict[str, Found]:
+def statements_on_tractions(case: Case) -> dict[str, VerdictAndNumbers]:
     """Check what the paper states of the tractions: the shear by its equations (5) to (8) against
     that of the engine, at the events that it calls by letters, and what the first cycle leaves.
     Returns name of a statement -> (verdict, numbers). `case` is the paper's ellipse of loads on one
@@ -64,258 +66,318 @@ def tractions(case: Case) -> dict[str, Found]:
     }
 
 
-def _error_of_shear(case: Case, time: float, by_formula: Array) -> float:
+def _error_of_shear(case: Case, time: float, shear_by_formula: Array) -> float:
     """Largest difference of a shear traction from the engine's at an instant, over the largest
-    value of the latter. `by_formula` (n,) are its values at the n points of `_PLACES`.
+    value of the latter. `shear_by_formula` (n,) is given at the n points of `_SHEAR_POINTS`.
     """
-    shear = case.solve(time=[time], x=_PLACES, fields=("shear",)).shear[0]
-    return float(np.max(np.abs(by_formula - shear)) / np.max(np.abs(shear)))
+    shear = case.solve(time=[time], x=_SHEAR_POINTS, fields=("shear",)).shear[0]
+    return float(np.max(np.abs(shear_by_formula - shear)) / np.max(np.abs(shear)))
 
 
-def _shear_in_stick(case: Case) -> Found:
-    """Check equation (5), the shear of full stick: it holds up to the event B. Beyond B, where the
-    normal load still grows, the edges slip. Returns (verdict, numbers). `case` is the paper's
-    ellipse of loads on one profile.
+def _shear_in_stick(case: Case) -> VerdictAndNumbers:
+    """Check the paper's equation (5), the shear traction of full stick, against the engine.
+
+    The paper's letters are events of the first cycle: A its start, B the end of full stick, C the
+    largest normal load. The verdict is "confirmed" if the equation holds at A, at B and halfway
+    from B to C, where the normal load still grows but the edges slip; "refined" if at A and B only.
+    `case` is the paper's ellipse of loads on one profile. Returns (verdict, relative errors).
     """
     formulas = Formulas(case)
-    x = np.array(_PLACES) * case.length
+    x = np.array(_SHEAR_POINTS) * case.unit_length
 
     def error_at(time: float) -> float:
         """Relative error of equation (5) at an instant."""
         normal_load = float(formulas.loads(time)[0])
-        return _error_of_shear(case, time, formulas.stuck(x, normal_load))
+        return _error_of_shear(case, time, formulas.shear_of_full_stick(x, normal_load))
 
-    error_in_stick = max(error_at(case.time("A")), error_at(case.time("B")))
-    error_in_slip = error_at((case.time("B") + case.time("C")) / 2)
-    verdict = judge(max(error_in_stick, error_in_slip) <= EXACT, nearly=error_in_stick <= EXACT)
+    error_in_stick = max(error_at(case.time_of("A")), error_at(case.time_of("B")))
+    error_in_slip = error_at((case.time_of("B") + case.time_of("C")) / 2)
+    verdict = judge(
+        max(error_in_stick, error_in_slip) <= AGREEMENT_TOLERANCE,
+        nearly=error_in_stick <= AGREEMENT_TOLERANCE,
+    )
     return verdict, {"error in full stick": error_in_stick, "error in slip": error_in_slip}
 
 
-def _shear_in_forward_slip(case: Case) -> Found:
-    """Check equation (6), the shear between the events B and E: that of full stick up to the load
-    P_Y, then f times the pressure since. At P_Y the line of gradient f through the loads meets the
-    initial loading. Returns (verdict, numbers). `case` is the paper's ellipse of loads on one
-    profile.
+def _shear_in_forward_slip(case: Case) -> VerdictAndNumbers:
+    """Check the paper's equation (6), the shear traction during the forward slip of the first
+    cycle, at four instants: q = q_Y + f (p(P) - p(P_Y)).
+
+    # notation: p(P) the pressure under the normal load P; q_Y the shear of full stick up to the
+    #           load P_Y, at which the line of gradient f through the loads meets the path of full
+    #           stick (initial loading, and the ellipse up to B)
+
+    The letters are events: slip begins at B, P is largest at C and Q at D, slip ends at E. `case`
+    is the paper's ellipse of loads on one profile. Returns (verdict, largest relative errors).
     """
     formulas = Formulas(case)
-    x = np.array(_PLACES) * case.length
+    x = np.array(_SHEAR_POINTS) * case.unit_length
     pressure = case.contact.pressure
-    errors = {}
-    for name, time in {
-        "B-C": (case.time("B") + case.time("C")) / 2,
-        "C": case.time("C"),
-        "D": case.time("D"),
-        "E": case.time("E"),
-    }.items():
-        normal_load = float(formulas.loads(time)[0])
-        load_at_meeting = formulas.initial_meeting(time)
-        shear_by_6 = formulas.stuck(x, load_at_meeting) + case.friction * (
-            pressure(x, normal_load) - pressure(x, load_at_meeting)
-        )
-        errors[f"error at {name}"] = _error_of_shear(case, time, shear_by_6)
-    worst_error = max(errors.values())
-    return judge(worst_error <= EXACT), errors | {"largest error": worst_error}
-
-
-def _shear_in_reverse_slip(case: Case) -> Found:
-    """Check the paper's equation (7), the shear during reverse slip, at three instants: q = q_0 + f
-    (2 p(P_c) - p(P) - p(P_0)).
-
-    # notation: p(P) the pressure under the load P; P_c the load at which the contact is as wide as
-    #           the stick zone now is; P_0, q_0 load and shear where the initial loading meets the
-    #           cycle; E begin, F turning point of P, G end of reverse slip
-
-    `case` is the paper's ellipse of loads on one profile. Returns (verdict, largest errors).
-    """
-    formulas = Formulas(case)
-    x = np.array(_PLACES) * case.length
-    pressure = case.contact.pressure
-    load_at_meeting = formulas.initial_meeting(case.time("E"))
-    errors = {}
-    for name, time in {
-        "E-F": (case.time("E") + case.time("F")) / 2,
-        "F": case.time("F"),
-        "G": case.time("G"),
-    }.items():
-        normal_load = float(formulas.loads(time)[0])
-        stick_edge_load = float(formulas.front("EG", time))
-        slipped_pressure = (2 * pressure(x, stick_edge_load) - pressure(x, normal_load)) - pressure(
-            x, load_at_meeting
-        )
-        shear_by_7 = formulas.stuck(x, load_at_meeting) + case.friction * slipped_pressure
-        errors[f"error at {name}"] = _error_of_shear(case, time, shear_by_7)
-    worst_error = max(errors.values())
-    return judge(worst_error <= EXACT), errors | {"largest error": worst_error}
-
-
-def _rest_at_e(case: Case) -> Found:
-    """Statement on the event E, where forward slip ends: it comes to rest everywhere, and reverse
-    slip then starts from the edges. `case` is the paper's ellipse of loads on one profile.
-    """
-    time_of_b = case.time("B")
-    time_of_e = case.time("E")
-    time_before = 1e-6
-    around_e = case.solve(time=[time_of_e - time_before, time_of_e + time_before])
-    stick_ratio = (around_e.stick_half_width / around_e.contact_half_width).tolist()
-    slip_at_times = case.solve(
-        time=[time_of_b, time_of_e - time_before, time_of_e], x=[0.8, 0.85], fields=("slip",)
-    ).slip
-    speed_before_e = (slip_at_times[2] - slip_at_times[1]) / time_before
-    mean_speed = (slip_at_times[2] - slip_at_times[0]) / (time_of_e - time_of_b)
-    slowest_ratio = float(np.max(speed_before_e / mean_speed))
-    comes_to_rest = (
-        stick_ratio[0] < 1 - EXACT and 1 - stick_ratio[1] <= EXACT and slowest_ratio <= 1e-5
-    )
-    numbers_at_rest = {
-        "stick before": stick_ratio[0],
-        "slip after": 1 - stick_ratio[1],
-        "speed before": slowest_ratio,
+    instants = {
+        "B-C": (case.time_of("B") + case.time_of("C")) / 2,
+        "C": case.time_of("C"),
+        "D": case.time_of("D"),
+        "E": case.time_of("E"),
     }
-    return judge(comes_to_rest), numbers_at_rest
+    errors = {}
+    for name, time in instants.items():
+        normal_load = float(formulas.loads(time)[0])
+        load_at_y = formulas.intersection_with_initial_loading(time)
+        pressure_since_y = pressure(x, normal_load) - pressure(x, load_at_y)
+        shear_by_6 = formulas.shear_of_full_stick(x, load_at_y) + case.friction * pressure_since_y
+        errors[f"error at {name}"] = _error_of_shear(case, time, shear_by_6)
+    largest_error = max(errors.values())
+    return judge(largest_error <= AGREEMENT_TOLERANCE), errors | {"largest error": largest_error}
 
 
-def _residual_tractions(case: Case) -> Found:
-    """Check what the paper states of the slip of the first cycle: the slip that stays locked in,
-    and the tractions that the initial loading alone would not leave. Returns (verdict, numbers).
-    `case` is the paper's ellipse of loads on one profile.
+def _shear_in_reverse_slip(case: Case) -> VerdictAndNumbers:
+    """Check the paper's equation (7), the shear traction during reverse slip, at three instants:
+    q = q_Z + f (2 p(P_c) - p(P) - p(P_Z)).
+
+    # notation: p(P) the pressure under the normal load P; P_c the load at which the contact is as
+    #           wide as the stick zone now is; q_Z the shear of full stick up to the load P_Z, at
+    #           which the line of gradient f through the loads at E meets the initial loading
+
+    The letters are events: reverse slip begins at E, P is least at F, reverse slip ends at G.
+    `case` is the paper's ellipse of loads on one profile. Returns (verdict, largest relative
+    errors).
     """
     formulas = Formulas(case)
-    # P_Z and P_T: between their half-widths the slip that E leaves is locked in
-    inner_load = formulas.initial_meeting(case.time("E"))
-    outer_load = float(formulas.front("EG", case.time("G")))
-    bounds_of_locked = case.width([inner_load, outer_load])
-    shares = np.linspace(0.01, 0.99, 50)
-    places_of_slip = np.concatenate(
-        [
-            bounds_of_locked[0] * shares,
-            bounds_of_locked[0] + (bounds_of_locked[1] - bounds_of_locked[0]) * shares,
-        ]
-    )
-    times = [case.time(letter) for letter in "BGM"]
-    slip = case.solve(time=times, x=places_of_slip, fields=("slip",)).slip / (
-        case.compliance * case.unit
-    )
-    locked_slip = np.abs(slip[1] - slip[0])
-    later_change = float(np.max(np.abs(slip[2] - slip[1])))
-    largest_within = float(np.max(locked_slip[:50]))
-    least_locked = float(np.min(locked_slip[50:]))
+    x = np.array(_SHEAR_POINTS) * case.unit_length
+    pressure = case.contact.pressure
+    load_at_z = formulas.intersection_with_initial_loading(case.time_of("E"))
+    instants = {
+        "E-F": (case.time_of("E") + case.time_of("F")) / 2,
+        "F": case.time_of("F"),
+        "G": case.time_of("G"),
+    }
+    errors = {}
+    for name, time in instants.items():
+        normal_load = float(formulas.loads(time)[0])
+        stick_edge_load = float(formulas.stick_edge_load("EG", time))
+        sum_of_pressures = (2 * pressure(x, stick_edge_load) - pressure(x, normal_load)) - pressure(
+            x, load_at_z
+        )
+        shear_by_7 = formulas.shear_of_full_stick(x, load_at_z) + case.friction * sum_of_pressures
+        errors[f"error at {name}"] = _error_of_shear(case, time, shear_by_7)
+    largest_error = max(errors.values())
+    return judge(largest_error <= AGREEMENT_TOLERANCE), errors | {"largest error": largest_error}
 
-    # At G: the engine's q without the hooks of reverse slip, and without what loading in stick to
-    # P_T would have left.
-    largest_half_width = float(case.width(case.events["G"].normal_load))
-    places_of_shear = np.array(
+
+def _rest_at_e(case: Case) -> VerdictAndNumbers:
+    """Check the paper's statement on the event E, at which the forward slip of the first cycle
+    ends: all points come to rest, and reverse slip then starts from the edges.
+
+    Just before E a part of the contact must slip, just after E almost none. Two points of the slip
+    zone (x/a0 = 0.8 and 0.85) must be slow just before E, beside their mean speed since slip began
+    at B. `case` is the paper's ellipse of loads on one profile. Returns (verdict, numbers).
+    """
+    time_of_b = case.time_of("B")
+    time_of_e = case.time_of("E")
+    time_step = 1e-6
+    solution_around_e = case.solve(time=[time_of_e - time_step, time_of_e + time_step])
+    stick_ratio_before, stick_ratio_after = (
+        solution_around_e.stick_half_width / solution_around_e.contact_half_width
+    ).tolist()
+    slip_at_b, slip_before_e, slip_at_e = case.solve(
+        time=[time_of_b, time_of_e - time_step, time_of_e], x=[0.8, 0.85], fields=("slip",)
+    ).slip
+    speed_before_e = (slip_at_e - slip_before_e) / time_step
+    mean_speed = (slip_at_e - slip_at_b) / (time_of_e - time_of_b)
+    largest_speed_ratio = float(np.max(speed_before_e / mean_speed))
+    comes_to_rest = (
+        stick_ratio_before < 1 - AGREEMENT_TOLERANCE
+        and 1 - stick_ratio_after <= AGREEMENT_TOLERANCE
+        and largest_speed_ratio <= 1e-5
+    )
+    numbers = {
+        "stick before": stick_ratio_before,
+        "slip after": 1 - stick_ratio_after,
+        "speed before": largest_speed_ratio,
+    }
+    return judge(comes_to_rest), numbers
+
+
+def _residual_tractions(case: Case) -> VerdictAndNumbers:
+    """Check what the paper states of the slip of the first cycle: that slip stays locked in between
+    the half-widths a(P_Z) and a(P_T), and residual tractions with it.
+
+    # notation: P_Z the load at which the line of gradient f through the loads at E (end of forward
+    #           slip) meets the initial loading; P_T the load whose half-width is that of the
+    #           permanent stick zone; B begin of forward slip, G end of reverse slip, M end of the
+    #           second forward slip
+
+    The verdict is "refined" if the slip is as stated, but tractions remain at the centre too.
+    `case` is the paper's ellipse of loads on one profile. Returns (verdict, numbers).
+    """
+    load_at_z = Formulas(case).intersection_with_initial_loading(case.time_of("E"))
+    load_at_t = float(Formulas(case).stick_edge_load("EG", case.time_of("G")))
+    half_width_z, half_width_t = case.scaled_half_width([load_at_z, load_at_t])
+    slip_numbers = _slip_of_first_cycle(case, half_width_z, half_width_t)
+
+    half_width_g = case.half_width_at("G")
+    x = np.array(
         [
             0.0,
-            bounds_of_locked[0],
-            0.7 * bounds_of_locked[1] + 0.3 * largest_half_width,
-            0.1 * bounds_of_locked[1] + 0.9 * largest_half_width,
+            half_width_z,
+            0.7 * half_width_t + 0.3 * half_width_g,
+            0.1 * half_width_t + 0.9 * half_width_g,
         ]
     )
-    shear = case.solve(time=[case.time("G")], x=places_of_shear, fields=("shear",)).shear[0]
-    place_in_units = places_of_shear * case.length
-    load_at_g = case.events["G"].normal_load
-    pressure_hooks = case.contact.pressure(place_in_units, load_at_g) - case.contact.pressure(
-        place_in_units, outer_load
+    traction = _residual_traction_at_g(case, x, load_at_t)
+    centre_over_z = float(traction[0] / traction[1])
+    largest_beyond_t = float(np.max(np.abs(traction[2:])))
+
+    largest_of_zeros = max(
+        slip_numbers["slip within a(P_Z)"],
+        slip_numbers["change in later cycles"],
+        largest_beyond_t,
     )
-    residual = shear + case.friction * pressure_hooks - formulas.stuck(place_in_units, outer_load)
-    scaled_residual = residual * case.length / case.unit
-    share_at_centre = float(scaled_residual[0] / scaled_residual[1])
-    largest_beyond = float(np.max(np.abs(scaled_residual[2:])))
-    holds = max(largest_within, later_change, largest_beyond) <= _ROUNDING < least_locked
-    return judge(holds and abs(share_at_centre) <= _ROUNDING, nearly=holds), {
-        "a(P_Z)/a0": float(bounds_of_locked[0]),
-        "a(P_T)/a0": float(bounds_of_locked[1]),
-        "slip within a(P_Z)": largest_within,
-        "slip beyond a(P_Z)": least_locked,
-        "change in later cycles": later_change,
-        "traction at the centre over that at a(P_Z)": share_at_centre,
-        "traction beyond a(P_T)": largest_beyond,
+    slip_is_as_stated = largest_of_zeros <= _ROUNDING_ERROR < slip_numbers["slip beyond a(P_Z)"]
+    centre_is_free = abs(centre_over_z) <= _ROUNDING_ERROR
+    return judge(slip_is_as_stated and centre_is_free, nearly=slip_is_as_stated), {
+        "a(P_Z)/a0": float(half_width_z),
+        "a(P_T)/a0": float(half_width_t),
+        **slip_numbers,
+        "traction at the centre over that at a(P_Z)": centre_over_z,
+        "traction beyond a(P_T)": largest_beyond_t,
     }
+
+
+def _slip_of_first_cycle(case: Case, half_width_z: float, half_width_t: float) -> dict[str, float]:
+    """Slip over A P0/3 that points gain from the event B to G: its largest value at |x| up to
+    `half_width_z`, its least from there to `half_width_t` (both over a0). With it the largest
+    change of slip from G to M.
+    """
+    fractions = np.linspace(0.01, 0.99, 50)
+    x_within = half_width_z * fractions
+    x_beyond = half_width_z + (half_width_t - half_width_z) * fractions
+    slip_at_b, slip_at_g, slip_at_m = (
+        case.solve(
+            time=[case.time_of(letter) for letter in "BGM"],
+            x=np.concatenate([x_within, x_beyond]),
+            fields=("slip",),
+        ).slip
+        / case.unit_slip
+    )
+    locked_slip = np.abs(slip_at_g - slip_at_b)
+    return {
+        "slip within a(P_Z)": float(np.max(locked_slip[:50])),
+        "slip beyond a(P_Z)": float(np.min(locked_slip[50:])),
+        "change in later cycles": float(np.max(np.abs(slip_at_m - slip_at_g))),
+    }
+
+
+def _residual_traction_at_g(case: Case, x: Array, load_at_t: float) -> Array:
+    """Residual shear traction at the event G (end of reverse slip) at points `x` over a0, times
+    a0/(P0/3): the engine's q + f (p(P_G) - p(P_T)) - q_T.
+
+    Two known parts are taken off: the traction of reverse slip, and q_T, what loading in full stick
+    up to P_T (`load_at_t`) alone leaves.
+    """
+    shear = case.solve(time=[case.time_of("G")], x=x, fields=("shear",)).shear[0]
+    places = x * case.unit_length
+    load_at_g = case.events["G"].normal_load
+    pressure_since_t = case.contact.pressure(places, load_at_g) - case.contact.pressure(
+        places, load_at_t
+    )
+    shear_of_stick = Formulas(case).shear_of_full_stick(places, load_at_t)
+    residual = shear + case.friction * pressure_since_t - shear_of_stick
+    return np.asarray(residual * case.unit_length / case.unit_load)
 
 
 # ----------------------------------------------------------------------- stick, slip and separation
-def course(case: Case) -> dict[str, Found]:
+def statements_on_cycle(case: Case) -> dict[str, VerdictAndNumbers]:
     """Check what the paper states of stick, slip and separation through the cycle, between events
-    that it calls by the letters A to M. Returns name of a statement -> (verdict, numbers). `case`
-    is the paper's ellipse of loads on one profile.
+    that it calls by the letters A to M. Returns name of a statement -> (verdict, numbers).
+
+    B: begin of slip in the first cycle; from E to G reverse slip, from G to I full stick, from I to
+    M forward slip. `case` is the paper's ellipse of loads on one profile.
     """
     revolution = 2 * math.pi
-    time_of = {letter: case.time(letter) for letter in LETTERS}
-    depth_of_hold = _slip_depth(case, time_of["G"], time_of["I"])
-    depth_of_forward_slip = _slip_depth(case, time_of["I"], time_of["M"])
+    time_of = {letter: case.time_of(letter) for letter in LETTERS}
+    slip_width_in_stick = _slip_zone_width(case, time_of["G"], time_of["I"])
+    slip_width_in_slip = _slip_zone_width(case, time_of["I"], time_of["M"])
     numbers_of_stick = {
-        "deepest slip in G-I": float(depth_of_hold.max()),
-        "least slip in I-M": float(depth_of_forward_slip.min()),
+        "deepest slip in G-I": float(slip_width_in_stick.max()),
+        "least slip in I-M": float(slip_width_in_slip.min()),
         "share of the cycle": (time_of["I"] - time_of["G"]) / revolution,
     }
-    front_of_first_cycle = float(case.width(case.events["E"].front_load))
-    front_in_reverse = float(case.width(case.events["G"].front_load))
-    front_forward = float(case.width(case.events["M"].front_load))
-    shares_of_cycle = {
-        "forward": (time_of["M"] - time_of["I"]) / revolution,
-        "reverse": (time_of["G"] - time_of["E"]) / revolution,
-    }
-    # From G of the first cycle on: the engine marches along it, later ones it looks up.
-    slip = case.solve(
-        time=time_of["G"] + np.linspace(0.0, revolution, 361), x=POINTS, fields=("slip",)
-    ).slip
-    relative_net_slip = float(np.max(np.abs(slip[-1] - slip[0])) / np.max(np.ptp(slip, axis=0)))
+    # least half-widths of the stick zone: where slip ends
+    stick_edge_at_e, stick_edge_at_g, stick_edge_at_m = (
+        float(case.scaled_half_width(case.events[letter].front_load)) for letter in "EGM"
+    )
+    forward_duration = (time_of["M"] - time_of["I"]) / revolution
+    reverse_duration = (time_of["G"] - time_of["E"]) / revolution
     return {
         "stick from G to I": (
-            judge(depth_of_hold.max() <= _ROUNDING < depth_of_forward_slip.min()),
+            judge(slip_width_in_stick.max() <= _ROUNDING_ERROR < slip_width_in_slip.min()),
             numbers_of_stick,
         ),
         "transient slip": (
-            judge(front_of_first_cycle < case.stick_edge),
-            {"first cycle": front_of_first_cycle, "steady": case.stick_edge},
+            judge(stick_edge_at_e < case.stick_edge),
+            {"first cycle": stick_edge_at_e, "steady": case.stick_edge},
         ),
         "slip advances from B to E": _advance_of_slip(case, time_of["B"], time_of["E"]),
         "slip as deep forward as in reverse": (
-            judge(abs(front_forward - front_in_reverse) <= _ROUNDING),
-            {"forward": front_forward, "reverse": front_in_reverse},
+            judge(abs(stick_edge_at_m - stick_edge_at_g) <= _ROUNDING_ERROR),
+            {"forward": stick_edge_at_m, "reverse": stick_edge_at_g},
         ),
         "longer in forward slip": (
-            judge(shares_of_cycle["forward"] > shares_of_cycle["reverse"]),
-            shares_of_cycle,
+            judge(forward_duration > reverse_duration),
+            {"forward": forward_duration, "reverse": reverse_duration},
         ),
         "forward slip is slower": slip_speed(case),
         "permanent stick": (judge_number(case.stick_edge, 0.73, 2), {"a(P_T)/a0": case.stick_edge}),
-        "no net displacement": (
-            judge(relative_net_slip <= _ROUNDING),
-            {"net over largest": relative_net_slip},
-        ),
+        "no net displacement": _net_slip_of_cycle(case),
         **{f"history of x = {x}": _point_history(case, x) for x in POINTS},
         "one-way slip": one_way_slip(case),
     }
 
 
-def _slip_depth(case: Case, start_time: float, end_time: float) -> Array:
+def _net_slip_of_cycle(case: Case) -> VerdictAndNumbers:
+    """Check the paper's statement that a cycle leaves no net slip at the four points of figure 5.
+    The net slip is taken over the largest range of slip. `case` is the paper's ellipse of loads on
+    one profile. Returns (verdict, numbers).
+    """
+    # From G of the first cycle on: the engine marches along it, later ones it looks up.
+    times = case.time_of("G") + np.linspace(0.0, 2 * math.pi, 361)
+    slip = case.solve(time=times, x=POINTS, fields=("slip",)).slip
+    relative_net_slip = float(np.max(np.abs(slip[-1] - slip[0])) / np.max(np.ptp(slip, axis=0)))
+    return judge(relative_net_slip <= _ROUNDING_ERROR), {"net over largest": relative_net_slip}
+
+
+def _slip_zone_width(case: Case, start_time: float, end_time: float) -> Array:
     """Width of the slip zone at each edge, (a - c)/a0, at 201 instants between two times: the
-    contact's half-width a less that of the stick zone, c, over a0 = a(P0).
+    contact's half-width a minus that of the stick zone, c, over a0 = a(P0).
     """
-    zone = case.solve(time=np.linspace(start_time, end_time, 203)[1:-1])
-    return np.asarray((zone.contact_half_width - zone.stick_half_width) / case.length)
+    solution = case.solve(time=np.linspace(start_time, end_time, 203)[1:-1])
+    slip_zone_width = solution.contact_half_width - solution.stick_half_width
+    return np.asarray(slip_zone_width / case.unit_length)
 
 
-def _advance_of_slip(case: Case, start_time: float, end_time: float) -> Found:
-    """Statement that the stick zone shrinks from B to E (times `start_time` and `end_time`), while
-    the contact grows from B to C. `case` is the paper's ellipse of loads on one profile.
+def _advance_of_slip(case: Case, start_time: float, end_time: float) -> VerdictAndNumbers:
+    """Check the paper's statement that the stick zone shrinks all the way from the event B to E
+    (times `start_time` and `end_time`), although the contact grows from B to C.
+
+    Half-widths are over a0: c of the stick zone, a of the contact. `case` is the paper's ellipse of
+    loads on one profile. Returns (verdict, numbers).
     """
-    stick_half_widths = (
-        case.solve(time=np.linspace(start_time, end_time, 201)).stick_half_width / case.length
-    )
-    contact_half_widths = case.width([case.events[letter].normal_load for letter in "BC"])
+    times = np.linspace(start_time, end_time, 201)
+    stick_half_widths = case.solve(time=times).stick_half_width / case.unit_length
     least_fall = float(np.min(-np.diff(stick_half_widths)))
-    return judge(least_fall > 0 and contact_half_widths[1] > contact_half_widths[0]), {
+    contact_at_b = case.half_width_at("B")
+    contact_at_c = case.half_width_at("C")
+    return judge(least_fall > 0 and contact_at_c > contact_at_b), {
         "least fall of c in a step": least_fall,
         "c at B": float(stick_half_widths[0]),
         "c at E": float(stick_half_widths[-1]),
-        "a at B": float(contact_half_widths[0]),
-        "a at C": float(contact_half_widths[1]),
+        "a at B": contact_at_b,
+        "a at C": contact_at_c,
     }
 
 
-def slip_speed(case: Case, x: float = POINTS[0]) -> Found:
+def slip_speed(case: Case, x: float = POINTS[0]) -> VerdictAndNumbers:
     """Check the paper's statement that forward slip is slower than reverse slip, at a point that is
     always in contact.
 
@@ -324,64 +386,75 @@ def slip_speed(case: Case, x: float = POINTS[0]) -> Found:
     of the steady cycle: reverse slip begins at E and ends at G, forward slip begins at I and ends
     at M. Distances are over A P0/3, with A = 2/E* and the mean load P0; times over a cycle of 2 pi.
 
-    `x` is in half-widths at the mean load. Returns (verdict, numbers). `case` is the paper's
-    ellipse of loads on one profile.
+    `x` is over the half-width a0 at the mean load. Returns (verdict, numbers). `case` is the
+    paper's ellipse of loads on one profile.
     """
-    edge_load = np.asarray(case.contact.load(np.array([x * case.length])))
-    # of both: forward, reverse
-    distance = np.zeros(2)
-    duration = np.zeros(2)
-    unit_of_slip = case.compliance * case.unit
-    for span in chain.from_iterable(case.slipping.values()):
+    # P at which the edge of contact is at the point
+    edge_load = np.asarray(case.contact.load(np.array([x * case.unit_length])))
+    distance = {"forward": 0.0, "reverse": 0.0}
+    duration = {"forward": 0.0, "reverse": 0.0}
+    for span in chain.from_iterable(case.slip_spans.values()):
         start_time, end_time = (float(time[0]) for time in slip_times(span, edge_load))
         if end_time > start_time:
-            index_of_direction = 0 if span.direction > 0 else 1
+            direction = "forward" if span.direction > 0 else "reverse"
             # Times of a span are its load segment's own; on the load path they are later by the
             # delay, whole cycles.
             times_on_path = [start_time + span.delay, end_time + span.delay]
             slip = case.solve(time=times_on_path, x=[x], fields=("slip",)).slip[:, 0]
-            distance[index_of_direction] += abs(float(slip[1] - slip[0])) / unit_of_slip
-            duration[index_of_direction] += end_time - start_time
-    duration_of_phases = np.array(
-        [case.time("M") - case.time("I"), case.time("G") - case.time("E")]
-    )
-    ratio_in_slip = float(np.divide(*(distance / duration)))
-    ratio_over_phases = float(np.divide(*(distance / duration_of_phases)))
+            distance[direction] += abs(float(slip[1] - slip[0])) / case.unit_slip
+            duration[direction] += end_time - start_time
+    duration_of_phase = {
+        "forward": case.time_of("M") - case.time_of("I"),
+        "reverse": case.time_of("G") - case.time_of("E"),
+    }
+
+    def speed_ratio(durations: dict[str, float]) -> float:
+        """Mean speed of forward slip over that of reverse slip."""
+        forward_speed = distance["forward"] / durations["forward"]
+        return forward_speed / (distance["reverse"] / durations["reverse"])
+
+    ratio_in_slip = speed_ratio(duration)
+    ratio_over_phases = speed_ratio(duration_of_phase)
     numbers = {
         "speeds while the point slips": ratio_in_slip,
         "speeds over the phases": ratio_over_phases,
-        "distance forward": float(distance[0]),
-        "distance reverse": float(distance[1]),
-        "time forward": float(duration[0] / (2 * math.pi)),
-        "time reverse": float(duration[1] / (2 * math.pi)),
+        "distance forward": distance["forward"],
+        "distance reverse": distance["reverse"],
+        "time forward": duration["forward"] / (2 * math.pi),
+        "time reverse": duration["reverse"] / (2 * math.pi),
     }
-    verdict = judge(ratio_in_slip < 1 - _ROUNDING, nearly=ratio_over_phases < 1 - _ROUNDING)
+    verdict = judge(
+        ratio_in_slip < 1 - _ROUNDING_ERROR, nearly=ratio_over_phases < 1 - _ROUNDING_ERROR
+    )
     return verdict, numbers
 
 
-def _point_history(case: Case, x: float) -> Found:
-    """Check the paper's statement on the sequence of stick, slip and separation of a point of
-    figure 5, at `x` half-widths. Returns (verdict, numbers). `case` is the paper's ellipse of loads
-    on one profile.
+def _point_history(case: Case, x: float) -> VerdictAndNumbers:
+    """Check the sequence of stick, slip and separation that the paper states for a point of figure
+    5, at `x` over the half-width a0 at the mean load. The cycle may begin anywhere in the sequence.
+
+    `case` is the paper's ellipse of loads on one profile. Returns (verdict, numbers).
     """
-    times = case.round_times(1441)
-    states = case.solve(time=(times[1:] + times[:-1]) / 2, x=[x], fields=("state",)).state[:, 0]
-    names = _sequence([STATE_NAMES[SurfaceState(int(state))] for state in states])
-    stated_sequence = _sequence(_HISTORIES[x])
+    times = case.cycle_times(1441)
+    middle_times = (times[1:] + times[:-1]) / 2
+    states = case.solve(time=middle_times, x=[x], fields=("state",)).state[:, 0]
+    state_names = _sequence([STATE_NAMES[SurfaceState(int(state))] for state in states])
     letter_of = {"stick": "S", "forward slip": "F", "reverse slip": "R", "open": "O"}
-    letters = [letter_of[name] for name in names]
-    # the cycle may begin anywhere
-    stated_turns = [stated_sequence[k:] + stated_sequence[:k] for k in range(len(stated_sequence))]
+    letters = [letter_of[name] for name in state_names]
+    stated_letters = _sequence(_STATED_HISTORIES[x])
+    stated_sequences = [
+        stated_letters[start:] + stated_letters[:start] for start in range(len(stated_letters))
+    ]
     numbers = {
         "share of separation": float(np.mean(states == SurfaceState.OPEN)),
-        "runs": len(names),
-        "history": ", ".join(names).replace("open", "separation"),
+        "runs": len(state_names),
+        "history": ", ".join(state_names).replace("open", "separation"),
     }
-    return judge(letters in stated_turns), numbers
+    return judge(letters in stated_sequences), numbers
 
 
 def _sequence(states: Sequence[str]) -> list[str]:
-    """The runs of a closed cycle.
+    """States of a closed cycle without repetition: each once for the time that it lasts.
 
     >>> _sequence("SSFOS")
     ['S', 'F', 'O']
@@ -390,221 +463,237 @@ def _sequence(states: Sequence[str]) -> list[str]:
     return names[:-1] if len(names) > 1 and names[0] == names[-1] else names
 
 
-def one_way_slip(case: Case) -> Found:
-    """Check of the paper's statement on where slip is in one direction only: the |x|/a0, printed as
-    0.88, beyond which reverse slip does no work. It is found by halving the zone of slip down.
-    `case` is the paper's ellipse of loads on one profile.
+def one_way_slip(case: Case) -> VerdictAndNumbers:
+    """Check the paper's statement on where slip is in one direction only: the x/a0, printed as
+    0.88, beyond which reverse slip does no work.
+
+    Five times, the part of the slip zone in which this place lies is divided by 100. The numbers
+    also have the largest contact half-width over a0 at the events E and G, between which reverse
+    slip lasts. `case` is the paper's ellipse of loads on one profile. Returns (verdict, numbers).
     """
-    inner_edge = case.stick_edge
-    outer_edge = case.outer_edge
+    lower_bound = case.stick_edge
+    upper_bound = case.outer_edge
     for _ in range(5):
-        trial_edges = np.linspace(inner_edge, outer_edge, 101)
-        last_rubbed = np.flatnonzero(case.density(trial_edges)["EG"] > 0)[-1]
-        inner_edge = float(trial_edges[last_rubbed])
-        outer_edge = float(trial_edges[last_rubbed + 1])
-    edge = (inner_edge + outer_edge) / 2
-    largest_half_width = max(float(case.width(case.events[letter].normal_load)) for letter in "EG")
+        x = np.linspace(lower_bound, upper_bound, 101)
+        last_index = np.flatnonzero(case.density_of_phases(x)["EG"] > 0)[-1]
+        lower_bound = float(x[last_index])
+        upper_bound = float(x[last_index + 1])
+    edge = (lower_bound + upper_bound) / 2
+    largest_half_width = max(case.half_width_at("E"), case.half_width_at("G"))
     return judge_number(edge, 0.88, 2), {"edge": edge, "largest a in E-G": largest_half_width}
 
 
 # ------------------------------------------------------------------- other loads, the other profile
-def loads(paper: Paper) -> dict[str, Found]:
-    """Statements on what the zones of slip and the dissipation depend on: friction, mean shear
-    force, initial loading, profile. Name of a statement -> (verdict, numbers). `paper` holds the
-    paper's two profiles, with their solutions.
+def statements_on_loads(paper: Paper) -> dict[str, VerdictAndNumbers]:
+    """Check what the paper states on the influence of friction, mean shear force, initial loading
+    and profile on slip and dissipation. Returns name of a statement -> (verdict, numbers). `paper`
+    holds the paper's two profiles, with their solutions.
     """
-    case = paper.hertz
+    case = paper.hertz_case
     return {
         "friction delays slip": friction_delays_slip(case),
         "coefficients of figure 4b": sliding_coefficients(case),
         "mean shear force": no_effect_of_mean_shear(case),
         "initial loading": forgotten_loading(case),
-        **bands_of_slip(case, paper.rounded),
+        **bands_of_slip(case, paper.rounded_case),
     }
 
 
-def friction_delays_slip(case: Case) -> Found:
+def friction_delays_slip(case: Case) -> VerdictAndNumbers:
     """Check the paper's statement on friction: the more there is, the later slip begins at the
-    events E and I, and the later the slip of unloading ends, at G. Returns (verdict, numbers).
-    `case` is the paper's ellipse of loads on one profile.
+    events E and I, and the later reverse slip ends, at G.
+
+    The shifts are from the least to the largest coefficient of friction, in degrees of the cycle.
+    The verdict is "refined" if slip begins later but does not end later. `case` is the paper's
+    ellipse of loads on one profile. Returns (verdict, shifts).
     """
-    cases = [case.about_no_shear(f) for f in sorted(FRICTIONS)]
-    times = {
-        letter: np.array([case_of_friction.time(letter) for case_of_friction in cases])
+    cases = [case.with_zero_mean_shear(f) for f in sorted(FRICTIONS)]
+    times_of = {
+        letter: np.array([case_of_friction.time_of(letter) for case_of_friction in cases])
         for letter in "EGI"
     }
-    is_later = {
-        letter: bool(np.all(np.diff(times_by_friction) > 0))
-        for letter, times_by_friction in times.items()
-    }
+    is_later = {letter: bool(np.all(np.diff(times) > 0)) for letter, times in times_of.items()}
     shifts = {
-        f"shift of {letter} in degrees": math.degrees(times_by_friction[-1] - times_by_friction[0])
-        for letter, times_by_friction in times.items()
+        f"shift of {letter} in degrees": math.degrees(times[-1] - times[0])
+        for letter, times in times_of.items()
     }
     shifts["G earlier in degrees"] = -shifts["shift of G in degrees"]
     is_onset_later = is_later["E"] and is_later["I"]
     return judge(is_onset_later and is_later["G"], nearly=is_onset_later), shifts
 
 
-def sliding_coefficients(case: Case) -> Found:
-    """Check whether the contact slides as a whole at the coefficients of friction of the paper's
-    figure 4b, with the mean shear force of the cycle and without any. Returns (verdict, numbers).
-    `case` is the paper's ellipse of loads on one profile.
+def sliding_coefficients(case: Case) -> VerdictAndNumbers:
+    """Check whether the whole contact slides (gross sliding) at the coefficients of friction of the
+    paper's figure 4b: with the mean shear force Q0 of the cycle, and with Q0 = 0.
+
+    "Confirmed" if no coefficient slides with Q0; "refined" if none slides with Q0 = 0. `case` is
+    the paper's ellipse of loads on one profile. Returns (verdict, numbers).
     """
     frictions = np.array(FRICTIONS)
     mean_shear = case.load.mean_tangential_load
-    arguments = case.batch(
+    arguments = case.batch_arguments(
         friction_coefficient=frictions, mean_tangential_load=mean_shear * np.array([[1.0], [0.0]])
     )
+    # (2, n): with and without mean shear force along rows, coefficients along columns
     reasons = semi_analytic.dissipation(**arguments).reason
-    slides_with_mean, slides_without = reasons == semi_analytic.Reason.SLIDING
+    slides_with_mean, slides_without_mean = reasons == semi_analytic.Reason.SLIDING
     numbers = {
         "sliding with Q0": int(slides_with_mean.sum()),
-        "sliding with Q0 = 0": int(slides_without.sum()),
-        "Q0": mean_shear / case.unit,
+        "sliding with Q0 = 0": int(slides_without_mean.sum()),
+        "Q0": mean_shear / case.unit_load,
         "which slide": ", ".join(f"{f:g}" for f in frictions[slides_with_mean]),
     }
-    return judge(not slides_with_mean.any(), nearly=not slides_without.any()), numbers
+    return judge(not slides_with_mean.any(), nearly=not slides_without_mean.any()), numbers
 
 
-def no_effect_of_mean_shear(case: Case) -> Found:
+def no_effect_of_mean_shear(case: Case) -> VerdictAndNumbers:
     """Check the paper's statement that neither stick zone nor dissipation depends on the mean shear
     force, with three other mean forces. Returns (verdict, numbers). `case` is the paper's ellipse
     of loads on one profile.
     """
-    cases = [
-        case.with_load(mean_tangential_load=force * case.unit, initial_loading="straight")
+    changed_cases = [
+        case.with_load(mean_tangential_load=force * case.unit_load, initial_loading="straight")
         for force in (-1.0, 0.0, 0.5)
     ]
-    changes = _changes(case, cases)
-    return judge(max(changes.values()) <= _ROUNDING), changes
+    changes = _changes(case, changed_cases)
+    return judge(max(changes.values()) <= _ROUNDING_ERROR), changes
 
 
-def forgotten_loading(case: Case) -> Found:
+def forgotten_loading(case: Case) -> VerdictAndNumbers:
     """Check the paper's statement that the steady cycle forgets the initial loading but for the
-    shear inside the permanent stick zone, with two other initial loadings. Returns (verdict,
-    numbers). `case` is the paper's ellipse of loads on one profile.
+    shear inside the permanent stick zone. It is compared with two other initial loadings: a
+    straight line, and one with two vertices.
+
+    `case` is the paper's ellipse of loads on one profile. Returns (verdict, largest changes).
     """
-    corners = tuple((p * case.unit, q * case.unit) for p, q in ((1.0, 0.5), (2.0, -0.5)))
-    cases = [case.with_load(initial_loading=loading) for loading in ("straight", corners)]
-    changes = _changes(case, cases)
+    vertices = tuple((p * case.unit_load, q * case.unit_load) for p, q in ((1.0, 0.5), (2.0, -0.5)))
+    changed_cases = [
+        case.with_load(initial_loading=initial_loading)
+        for initial_loading in ("straight", vertices)
+    ]
+    changes = _changes(case, changed_cases)
 
     def shear(chosen_case: Case, x: Array) -> Array:
-        """Shear a cycle after the end M of forward slip, over the unit of load and length."""
-        time = [chosen_case.time("M") + 2 * math.pi]
+        """Shear traction over P0/(3 a0) at `x` over a0, a cycle after forward slip ends at M."""
+        time = [chosen_case.time_of("M") + 2 * math.pi]
         solution = chosen_case.solve(time=time, x=x, fields=("shear",))
-        return np.asarray(solution.shear * case.length / case.unit)
+        return np.asarray(solution.shear * case.unit_length / case.unit_load)
 
     def change_of_shear(x: Array) -> float:
+        """Largest change of the shear traction that a changed initial loading makes at `x`."""
         return max(
-            float(np.max(np.abs(shear(loading_case, x) - shear(case, x)))) for loading_case in cases
+            float(np.max(np.abs(shear(changed_case, x) - shear(case, x))))
+            for changed_case in changed_cases
         )
 
     change_inside = change_of_shear(np.linspace(0, case.stick_edge * 0.999, 50))
     change_outside = change_of_shear(np.linspace(case.stick_edge * 1.001, case.outer_edge, 50))
-    is_forgotten = max(changes.values()) <= _ROUNDING and change_outside <= _ROUNDING
-    changes_of_shear = {"change of q inside": change_inside, "change of q outside": change_outside}
-    return judge(is_forgotten and change_inside > _ROUNDING), changes | changes_of_shear
+    is_forgotten = max(changes.values()) <= _ROUNDING_ERROR and change_outside <= _ROUNDING_ERROR
+    shear_changes = {"change of q inside": change_inside, "change of q outside": change_outside}
+    return judge(is_forgotten and change_inside > _ROUNDING_ERROR), changes | shear_changes
 
 
-def bands_of_slip(hertz: Case, rounded: Case) -> dict[str, Found]:
-    """Check what the paper states of the flat and rounded profile beside the parabola (`hertz`): it
-    slips on its rounded edges alone, and in narrower bands. Returns name of a statement ->
-    (verdict, numbers).
+def bands_of_slip(hertz_case: Case, rounded_case: Case) -> dict[str, VerdictAndNumbers]:
+    """Check what the paper states of the flat and rounded profile beside the parabola: it slips on
+    its rounded edges alone, and in narrower bands at the edges of contact. All widths are over a0.
+    Returns name of a statement -> (verdict, numbers).
     """
-    flat_half_width = float(rounded.width(0.0))
-    width_of_hertz = hertz.outer_edge - hertz.stick_edge
-    width_of_rounded = rounded.outer_edge - rounded.stick_edge
+    # without load the contact is as wide as the flat
+    flat_half_width = float(rounded_case.scaled_half_width(0.0))
+    hertz_band = hertz_case.outer_edge - hertz_case.stick_edge
+    rounded_band = rounded_case.outer_edge - rounded_case.stick_edge
     return {
         "slip in the radii": (
-            judge(rounded.stick_edge > flat_half_width),
-            {"a(P_T)/a0": rounded.stick_edge, "b/a0": flat_half_width},
+            judge(rounded_case.stick_edge > flat_half_width),
+            {"a(P_T)/a0": rounded_case.stick_edge, "b/a0": flat_half_width},
         ),
         "narrow bands": (
-            judge(width_of_rounded < width_of_hertz),
-            {"hertz": width_of_hertz, "flat and rounded": width_of_rounded},
+            judge(rounded_band < hertz_band),
+            {"hertz": hertz_band, "flat and rounded": rounded_band},
         ),
     }
 
 
 def _changes(case: Case, changed_cases: Sequence[Case]) -> dict[str, float]:
-    """Largest changes that some variants of a case (`changed_cases`) make: of the stick half-width
-    through the cycle, and of the dissipation W, taken as the closed integral of Q dU, which depends
+    """Largest changes that variants of a case (`changed_cases`) make in the steady cycle: of the
+    stick half-width c, over a0, and of the dissipation W, relative.
+
+    W is taken as the closed integral of Q dU, U the tangential displacement: its integrand depends
     on the mean shear force. `case` is the paper's ellipse of loads on one profile.
     """
 
     def stick_half_widths_of(chosen_case: Case) -> Array:
-        return (
-            chosen_case.solve(time=chosen_case.round_times(73)).stick_half_width
-            / chosen_case.length
-        )
+        """c/a0 at 73 instants of the steady cycle."""
+        times = chosen_case.cycle_times(73)
+        return chosen_case.solve(time=times).stick_half_width / chosen_case.unit_length
 
-    stick_of_case = stick_half_widths_of(case)
-    work_of_case = case.steady.loop_work
-    zone_changes = []
-    work_changes = []
+    stick_half_widths = stick_half_widths_of(case)
+    dissipation = case.steady_cycle.loop_work
+    stick_changes = []
+    dissipation_changes = []
     for changed_case in changed_cases:
-        zone_changes.append(
-            float(np.max(np.abs(stick_half_widths_of(changed_case) - stick_of_case)))
-        )
-        work_changes.append(abs(changed_case.steady.loop_work / work_of_case - 1))
-    return {"change of c": max(zone_changes), "change of W": max(work_changes)}
+        difference = stick_half_widths_of(changed_case) - stick_half_widths
+        stick_changes.append(float(np.max(np.abs(difference))))
+        dissipation_changes.append(abs(changed_case.steady_cycle.loop_work / dissipation - 1))
+    return {"change of c": max(stick_changes), "change of W": max(dissipation_changes)}
 
 
 # --------------------------------------------------------------------------------- work of friction
-def work(case: Case) -> dict[str, Found]:
-    """Check what the paper states of the dissipation: the phases' shares, and W(x) at the ends of
-    the slip zone. Returns name of a statement -> (verdict, numbers). `case` is the paper's ellipse
-    of loads on one profile.
+def statements_on_work(case: Case) -> dict[str, VerdictAndNumbers]:
+    """Check what the paper states of the dissipation: how much of it forward slip does, and W(x),
+    the dissipation per area, at both ends of the slip zone. Returns name of a statement ->
+    (verdict, numbers). `case` is the paper's ellipse of loads on one profile.
     """
-    batch = semi_analytic.dissipation(**case.batch())
-    inner_edge = case.stick_edge
-    outer_edge = case.outer_edge
+    batch = semi_analytic.dissipation(**case.batch_arguments())
     forward_share = float(batch.forward / batch.value)
     shares = {"share of forward slip": forward_share, "share of reverse slip": 1 - forward_share}
-    shares_of_zone = np.array([-0.5, -1e-9, 0.5, 1 - 1e-9])
-    places = inner_edge + (outer_edge - inner_edge) * shares_of_zone
-    values = total(case.density(places)).tolist()
-    work_of_stuck = max(values[:2])
-    value_in_middle = values[2]
-    value_at_edge = values[3]
+
+    stick_edge = case.stick_edge
+    contact_edge = case.outer_edge
+    zone_width = contact_edge - stick_edge
+    # over the width of the slip zone from the stick edge on: two in the stick zone, two in the slip
+    # zone
+    fractions = np.array([-0.5, -1e-9, 0.5, 1 - 1e-9])
+    densities = sum_over_phases(
+        case.density_of_phases(stick_edge + zone_width * fractions)
+    ).tolist()
+    density_in_stick = max(densities[:2])
+    density_in_middle = densities[2]
+    density_at_edge = densities[3]
+    end_ratio = max(density_in_stick, density_at_edge) / density_in_middle
     numbers_at_ends = {
-        "largest at the ends over mid-zone": max(work_of_stuck, value_at_edge) / value_in_middle,
-        "in the stick zone": work_of_stuck,
+        "largest at the ends over mid-zone": end_ratio,
+        "in the stick zone": density_in_stick,
+        "at the outer edge over mid-zone": density_at_edge / density_in_middle,
     }
 
     def exponent(origin: float, sense: float) -> float:
         """The power of the distance from an end of the slip zone (`origin`) with which W(x) grows:
         d ln W / d ln(distance), close to it. `sense` is 1 to the right of the end, −1 to the left.
         """
-        distance = (outer_edge - inner_edge) * np.array([1e-6, 1e-5])
-        density = total(case.density(origin + sense * distance))
+        distance = zone_width * np.array([1e-6, 1e-5])
+        density = sum_over_phases(case.density_of_phases(origin + sense * distance))
         return float(np.diff(np.log(density))[0] / np.diff(np.log(distance))[0])
 
-    exponent_at_stick = exponent(inner_edge, 1.0)
-    exponent_at_edge = exponent(outer_edge, -1.0)
+    exponent_at_stick = exponent(stick_edge, 1.0)
+    exponent_at_edge = exponent(contact_edge, -1.0)
     return {
         "most work in forward slip": (
             judge(forward_share > 0.75, nearly=forward_share > 0.5),
             shares,
         ),
-        "no work at the ends": (
-            judge(
-                work_of_stuck == 0 and max(work_of_stuck, value_at_edge) / value_in_middle < 1e-6
-            ),
-            numbers_at_ends | {"at the outer edge over mid-zone": value_at_edge / value_in_middle},
-        ),
+        "no work at the ends": (judge(density_in_stick == 0 and end_ratio < 1e-6), numbers_at_ends),
         "slope at the stick edge": (
-            judge(exponent_at_stick > 1 + _EXPONENT_SLACK),
+            judge(exponent_at_stick > 1 + _EXPONENT_TOLERANCE),
             {"exponent": exponent_at_stick},
         ),
         "slope at the outer edge": (
-            judge(abs(exponent_at_edge - 1) <= _EXPONENT_SLACK),
+            judge(abs(exponent_at_edge - 1) <= _EXPONENT_TOLERANCE),
             {"exponent": exponent_at_edge},
         ),
         "root at the outer edge": (
             judge(
-                abs(exponent_at_edge - 0.5) <= _EXPONENT_SLACK,
+                abs(exponent_at_edge - 0.5) <= _EXPONENT_TOLERANCE,
                 nearly=abs(exponent_at_edge - 0.5) <= 0.1,
             ),
             {"exponent": exponent_at_edge},
@@ -612,10 +701,10 @@ def work(case: Case) -> dict[str, Found]:
     }
 
 
-_NAMES = ("Hertz", "flat and rounded")
+_PROFILE_NAMES = ("Hertz", "flat and rounded")
 
 
-def _comparisons(paper: Paper) -> dict[str, Found]:
+def _statements_on_comparison(paper: Paper) -> dict[str, VerdictAndNumbers]:
     """Peaks, the sweeps over P0/P1 and f, and the flat and rounded contact beside Hertz at equal
     loads, f, material and a0.
     """
@@ -627,54 +716,62 @@ def _comparisons(paper: Paper) -> dict[str, Found]:
     )
 
 
-def _places_of_peaks(paper: Paper) -> dict[str, Found]:
-    """Statements on where the pointwise dissipation is largest, as a fraction of the way from the
-    stick edge to the contact edge. `paper` holds the paper's two profiles, with their solutions.
+def _places_of_peaks(paper: Paper) -> dict[str, VerdictAndNumbers]:
+    """Check what the paper states on where W(x), the dissipation per area, has its peak: a little
+    beyond 60 % of the way from the stick edge to the contact edge.
+
+    The last statement takes the sweeps of loads, at the largest coefficient of friction: "near" is
+    the load nearest to gross sliding, "far" the farthest. `paper` holds the paper's two profiles,
+    with their solutions. Returns name of a statement -> (verdict, numbers).
     """
-    statements: dict[str, Found] = {}
-    cases = (paper.hertz, paper.rounded)
-    for name, case, peak in zip(_NAMES, cases, paper.peaks, strict=True):
+    statements: dict[str, VerdictAndNumbers] = {}
+    cases = (paper.hertz_case, paper.rounded_case)
+    for profile_name, case, peak in zip(_PROFILE_NAMES, cases, paper.peaks, strict=True):
         fraction = float(peak.fraction)
-        numbers = {"fraction": fraction, "x/a0": float(peak.place) / case.length}
+        numbers = {"fraction": fraction, "x/a0": float(peak.place) / case.unit_length}
         verdict = judge(0.6 < fraction < 0.65, nearly=abs(fraction - 0.6) < 0.02)
-        statements[f"place of the peak, {name}"] = (verdict, numbers)
-    fractions_at_ends = {}
-    for name, sweep in zip(_NAMES, paper.sweeps, strict=True):
-        fractions_at_ends[f"{name}, near"] = float(sweep.place[0, 0])
-        fractions_at_ends[f"{name}, far"] = float(sweep.place[0, -1])
-    as_stated = all(0.6 < fraction < 0.65 for fraction in fractions_at_ends.values())
-    nearly_as_stated = all(0.55 < fraction < 0.7 for fraction in fractions_at_ends.values())
-    statements["place of the peak, all loads"] = (
-        judge(as_stated, nearly_as_stated),
-        fractions_at_ends,
-    )
+        statements[f"place of the peak, {profile_name}"] = (verdict, numbers)
+    fractions = {}
+    for profile_name, sweep in zip(_PROFILE_NAMES, paper.sweeps, strict=True):
+        fractions[f"{profile_name}, near"] = float(sweep.peak_fraction[0, 0])
+        fractions[f"{profile_name}, far"] = float(sweep.peak_fraction[0, -1])
+    as_stated = all(0.6 < fraction < 0.65 for fraction in fractions.values())
+    nearly_as_stated = all(0.55 < fraction < 0.7 for fraction in fractions.values())
+    statements["place of the peak, all loads"] = (judge(as_stated, nearly_as_stated), fractions)
     return statements
 
 
 def _exponents(sweep: Sweep, quantity: str) -> Array:
-    """Exponent n of a quantity that goes as P0^n, P0 the mean normal load, between neighbouring
-    values of P0: (m, k - 1) for a sweep of (m, k) loads at constant half-width a(P0).
+    """Exponent n with which a quantity of a sweep ("work" or "peak") goes as P0^n, at constant
+    amplitude P1 and half-width a(P0). (m, k - 1) for a sweep of (m, k) loads: between neighbouring
+    values of P0.
     """
-    growth = np.diff(np.log(getattr(sweep, quantity)), axis=1)
-    return np.asarray(growth / np.diff(np.log(sweep.ratio), axis=1))
+    log_quantity = np.log(getattr(sweep, quantity))
+    log_load = np.log(sweep.load_ratio)
+    return np.asarray(np.diff(log_quantity, axis=1) / np.diff(log_load, axis=1))
 
 
-def _falls_towards_far_loads(paper: Paper) -> dict[str, Found]:
-    """Check what the paper states of the work, its peak over x and their quotient, from loads near
-    gross sliding to loads far from it. Returns name of a statement -> (verdict, numbers). `paper`
-    holds the paper's two profiles, with their solutions.
+def _falls_towards_far_loads(paper: Paper) -> dict[str, VerdictAndNumbers]:
+    """Check what the paper states of a cycle's work W, the peak of W(x) over x, and their quotient
+    (the figure of merit), from loads near gross sliding to loads far from it.
+
+    The sweeps have friction along rows, P0/P1 along columns; the first column is nearest to
+    sliding. `paper` holds the paper's two profiles, with their solutions. Returns name of a
+    statement -> (verdict, numbers).
     """
-    hertz = paper.sweeps[0]
+    hertz_sweep = paper.sweeps[0]
     largest_rise = {}
     falls = {}
     for quantity in ("work", "peak"):
         rises_of_sweeps = [np.diff(getattr(sweep, quantity), axis=1) for sweep in paper.sweeps]
         largest_rise[quantity] = max(float(np.max(rises)) for rises in rises_of_sweeps)
-        near_and_far = getattr(hertz, quantity)[0, [0, -1]]
-        falls[f"fall of {quantity}"] = float(near_and_far[0] / near_and_far[1])
-    # At constant R, a grows like sqrt(P0).
-    exponents_of_peak = _exponents(hertz, "peak") - 0.5
-    least_gap = float(np.min(exponents_of_peak - _exponents(hertz, "work")))
+        values_at_first_friction = getattr(hertz_sweep, quantity)[0]
+        falls[f"fall of {quantity}"] = float(
+            values_at_first_friction[0] / values_at_first_friction[-1]
+        )
+    # At constant radius, not constant a0: the peak goes as 1/a0, and a0 grows like sqrt(P0).
+    peak_exponents = _exponents(hertz_sweep, "peak") - 0.5
+    least_gap = float(np.min(peak_exponents - _exponents(hertz_sweep, "work")))
     merits = [sweep.work / sweep.peak for sweep in paper.sweeps]
     best_columns = {int(column) for merit in merits for column in np.argmax(merit, axis=1)}
     return {
@@ -697,20 +794,26 @@ def _falls_towards_far_loads(paper: Paper) -> dict[str, Found]:
     }
 
 
-def _flat_over_hertz(paper: Paper) -> dict[str, Found]:
+def _flat_over_hertz(paper: Paper) -> dict[str, VerdictAndNumbers]:
     """Check what the paper states of the flat and rounded contact beside the Hertz contact: how
     many times its dissipation W, and the peak of W(x) over x, are those of Hertz. Returns name of a
     statement -> (verdict, numbers). `paper` holds the paper's two profiles, with their solutions.
     """
     hertz_sweep, rounded_sweep = paper.sweeps
-    cases = (paper.hertz, paper.rounded)
-    works = [case.steady.dissipation / case.work_unit for case in cases]
-    peaks = [
-        float(peak.value) * case.length / case.work_unit
-        for case, peak in zip(cases, paper.peaks, strict=True)
-    ]
-    quotient_of_works = works[1] / works[0]
-    quotient_of_peaks = peaks[1] / peaks[0]
+    hertz_peak, rounded_peak = paper.peaks
+
+    def scaled_work(case: Case) -> float:
+        """W over A f^2 P0^2."""
+        return case.steady_cycle.dissipation / case.unit_work
+
+    def scaled_peak(case: Case, peak: semi_analytic.PeakBatch) -> float:
+        """Peak of W(x) over A f^2 P0^2/a0."""
+        return float(peak.value) * case.unit_length / case.unit_work
+
+    quotient_of_works = scaled_work(paper.rounded_case) / scaled_work(paper.hertz_case)
+    quotient_of_peaks = scaled_peak(paper.rounded_case, rounded_peak) / scaled_peak(
+        paper.hertz_case, hertz_peak
+    )
     return {
         "five times the energy": (
             judge_number(quotient_of_works, 5, 0, slack=0.2),
@@ -720,6 +823,7 @@ def _flat_over_hertz(paper: Paper) -> dict[str, Found]:
             judge_number(quotient_of_peaks, 8, 0, slack=0.2),
             {"quotient of peaks": quotient_of_peaks} | _span(rounded_sweep.peak / hertz_sweep.peak),
         ),
+        # the merit is work over peak
         "figure of merit": (
             judge(quotient_of_works < quotient_of_peaks),
             {
@@ -731,37 +835,39 @@ def _flat_over_hertz(paper: Paper) -> dict[str, Found]:
 
 
 def _span(quotients: Array) -> dict[str, float]:
-    """Least and largest."""
+    """Least and largest value of an array."""
     return {"least": float(quotients.min()), "largest": float(quotients.max())}
 
 
-def _dependence_of_the_peak(paper: Paper) -> Found:
-    """Judge the paper's statement that the largest W(x) of the flat and rounded contact falls less
+def _dependence_of_the_peak(paper: Paper) -> VerdictAndNumbers:
+    """Check the paper's statement that the largest W(x) of the flat and rounded contact falls less
     with the mean normal load P0 than that of the Hertz contact.
 
-    The numbers returned with the verdict also show where along x that largest value lies: it jumps
-    from the inner to the outer shoulder of W(x) as P0 grows. `paper` holds sweeps of both profiles
-    over P0 in units of the amplitude P1, each (m, k): friction along rows, P0/P1 along columns.
+    At the least coefficient of friction W(x) has two maxima, and the largest jumps from the inner
+    to the outer one as P0 grows. The numbers show the loads P0/P1 around the jump, and the places
+    of the peak: 0 at the stick edge, 1 at the contact edge. `paper` holds sweeps of both profiles over P0 in units of the amplitude P1,
+    each (m, k): friction along rows, P0/P1 along columns. Returns (verdict, numbers).
     """
     hertz_sweep, rounded_sweep = paper.sweeps
     # At constant P0 the peak goes as (P1/P0)^2 times what the sweep has at constant P1.
-    fall_of_hertz = hertz_sweep.peak[:, 0] / hertz_sweep.peak[:, -1]
-    fall_of_rounded = rounded_sweep.peak[:, 0] / rounded_sweep.peak[:, -1]
+    hertz_falls = hertz_sweep.peak[:, 0] / hertz_sweep.peak[:, -1]
+    rounded_falls = rounded_sweep.peak[:, 0] / rounded_sweep.peak[:, -1]
     # the exponents are negative: the larger one is that of the weaker fall
     falls_less = _exponents(rounded_sweep, "peak") > _exponents(hertz_sweep, "peak")
-    share_that_falls_less = float(np.mean(falls_less))
-    ratio = rounded_sweep.ratio[-1]
-    place = rounded_sweep.place[-1]
-    column_before_jump = int(np.argmax(np.abs(np.diff(place))))
+    share_of_weaker_falls = float(np.mean(falls_less))
+    # the last row: the least coefficient of friction
+    load_ratios = rounded_sweep.load_ratio[-1]
+    peak_fractions = rounded_sweep.peak_fraction[-1]
+    column_before_jump = int(np.argmax(np.abs(np.diff(peak_fractions))))
     numbers = {
-        "fall, hertz": float(fall_of_hertz[0]),
-        "fall, flat and rounded": float(fall_of_rounded[0]),
-        "share of smaller exponents": share_that_falls_less,
-        "last shoulder": float(ratio[column_before_jump]),
-        "first outer one": float(ratio[column_before_jump + 1]),
-        "first place": float(place[0]),
-        "last place": float(place[column_before_jump]),
-        "place of the outer one": float(place[column_before_jump + 1]),
+        "fall, hertz": float(hertz_falls[0]),
+        "fall, flat and rounded": float(rounded_falls[0]),
+        "share of smaller exponents": share_of_weaker_falls,
+        "last shoulder": float(load_ratios[column_before_jump]),
+        "first outer one": float(load_ratios[column_before_jump + 1]),
+        "first place": float(peak_fractions[0]),
+        "last place": float(peak_fractions[column_before_jump]),
+        "place of the outer one": float(peak_fractions[column_before_jump + 1]),
     }
-    is_true = bool(np.all(fall_of_rounded < fall_of_hertz)) and share_that_falls_less == 1
+    is_true = bool(np.all(rounded_falls < hertz_falls)) and share_of_weaker_falls == 1
     return judge(is_true), numbers

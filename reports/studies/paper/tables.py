@@ -12,11 +12,10 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any, TypeVar
 
-EXACT = 1e-9
-APART = 1e-3
-"""A mended formula agrees with the engine to EXACT; a misprint errs by more than APART: both shares
-of the right value.
-"""
+# Relative error up to which a mended formula agrees with the engine.
+AGREEMENT_TOLERANCE = 1e-9
+# Relative error from which a formula as printed disagrees with the engine.
+LEAST_MISPRINT_ERROR = 1e-3
 WORDS: dict[str, list[dict[str, str]]] = tomllib.loads(
     Path(__file__).with_name("paper.toml").read_text(encoding="utf-8")
 )
@@ -58,14 +57,14 @@ class Misprint:
 
 Row = TypeVar("Row", Statement, Misprint)
 # The verdict, or whether the misprint is proven, and what the words of its row name.
-Found = tuple[Any, dict[str, Any]]
+VerdictAndNumbers = tuple[Any, dict[str, Any]]
 
 
-def filled_in(text: str, values: Mapping[str, Any]) -> str:
+def fill_in(text: str, values: Mapping[str, Any]) -> str:
     """A text of paper.toml with each {name:format} replaced by a number of `values`, by name.
     Formats are Python's, or "small" for one digit. A name may hold any sign but : and braces.
 
-    >>> filled_in("error {error at a/b:small}", {"error at a/b": 3.14e-15})
+    >>> fill_in("error {error at a/b:small}", {"error at a/b": 3.14e-15})
     'error 3e-15'
     """
 
@@ -79,12 +78,12 @@ def filled_in(text: str, values: Mapping[str, Any]) -> str:
     return re.sub(r"\{([^{}:]+)(?::([^{}]*))?\}", number, text)
 
 
-def row(kind: type[Row], words: Mapping[str, str], found: Found) -> Row:
+def row(kind: type[Row], words: Mapping[str, str], found: VerdictAndNumbers) -> Row:
     """A row of either table: its words, then text, verdict and numbers."""
     verdict, values = found
     numbers = {name: value for name, value in values.items() if not isinstance(value, str)}
     cells: list[Any] = [words[field.name] for field in fields(kind)[:-3]]
-    cells += [filled_in(words["text"], values), verdict, numbers]
+    cells += [fill_in(words["text"], values), verdict, numbers]
     return kind(*cells)
 
 
@@ -131,7 +130,7 @@ def proves(right_error: float, printed_error: float) -> bool:
     >>> proves(1e-12, 0.5), proves(1e-5, 0.5), proves(1e-12, 1e-6)
     (True, False, False)
     """
-    return bool(right_error <= EXACT and not printed_error <= APART)
+    return bool(right_error <= AGREEMENT_TOLERANCE and not printed_error <= LEAST_MISPRINT_ERROR)
 
 
 def proven_in_words(row: Misprint) -> str:
