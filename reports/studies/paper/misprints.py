@@ -28,32 +28,43 @@ from reports.studies.paper.tables import AGREEMENT_TOLERANCE, VerdictAndNumbers,
 from scenes import PolygonLoad
 from scenes.array_types import Array
 
+# Phases of slip of the steady cycle, each from event to event: reverse slip, and both parts of
+# forward slip.
 _PHASES = ("EG", "IJ", "JM")
 
 
 def prove_misprints(paper: Paper) -> dict[str, VerdictAndNumbers]:
     """Key of a misprint -> whether it is proven (None: by reading) and its numbers."""
     proof_of = _misprints_of_cycle(paper.hertz_case) | _misprints_of_slip(paper.hertz_case)
-    proof_of |= work(paper.hertz_case, float(paper.peaks[0].place))
+    proof_of |= _misprints_of_work(paper.hertz_case, float(paper.peaks[0].place))
     proof_of["(25)"] = _sliding_condition(paper.hertz_case)
     proof_of["flat-and-rounded law"] = _rounded_law(paper.rounded_case)
     proof_of["reference [7]"] = (None, {})
     return proof_of
 
 
-def _relative_error(value: float, truth: float) -> float:
-    """|value/truth - 1|."""
-    return abs(value / truth - 1)
+def _relative_error(value: float, reference: float) -> float:
+    """|value/reference - 1|."""
+    return abs(value / reference - 1)
 
 
 def _proof(
-    right: float, printed: float, truth: float, numbers: Mapping[str, float], holds: bool = True
+    mended_value: float,
+    printed_value: float,
+    engine_value: float,
+    numbers: Mapping[str, float],
+    *,
+    also_holds: bool = True,
 ) -> VerdictAndNumbers:
-    """Whether the mended and the printed reading of a value that the engine gives as `truth` prove
-    a misprint; their errors, and other numbers that the words name.
+    """Whether a misprint is proven: the mended reading gives the engine's value, the printed one
+    does not, and a further condition (`also_holds`) is met. With it the relative errors of both
+    ("right", "printed") and `numbers`, which the words of paper.toml name.
     """
-    errors = {"right": _relative_error(right, truth), "printed": _relative_error(printed, truth)}
-    return proves(errors["right"], errors["printed"]) and holds, {**errors, **numbers}
+    errors = {
+        "right": _relative_error(mended_value, engine_value),
+        "printed": _relative_error(printed_value, engine_value),
+    }
+    return proves(errors["right"], errors["printed"]) and also_holds, {**errors, **numbers}
 
 
 # -------------------------------------------------------------------- loads, friction and tractions
@@ -64,119 +75,142 @@ def _misprints_of_cycle(case: Case) -> dict[str, VerdictAndNumbers]:
 
     `case` is the paper's ellipse of loads on one profile.
     """
-    formulas = Formulas(case)
-    events = case.events
-    level_of_e = formulas.q_plus_f_p("E", -1)
-
-    def edge_with(letter: str) -> float:
-        """Half-width of permanent stick with the level of Q - f P at this event."""
-        return float(
-            case.scaled_half_width(
-                (formulas.q_plus_f_p(letter, 1) - level_of_e) / (2 * case.friction)
-            )
-        )
-
-    edge_with_b = edge_with("B")
-    edge_with_g = edge_with("G")
-    angle_of_j = math.degrees(case.time_of("J") - case.time_of("K"))
-    angle_of_i = math.degrees(case.time_of("I") - case.time_of("K"))
-    error_of_front = _relative_error(events["J"].front_load, events["G"].normal_load)
-    angles_after_k = {
-        "J after K in degrees": angle_of_j,
-        "I after K in degrees": angle_of_i,
-        "I before K in degrees": -angle_of_i,
-    }
-
-    def loop_work_halved(name: str) -> float:
-        """The closed integral of Q dU, when a load is halved."""
-        changes = {name: getattr(case.load, name) / 2}
-        return case.with_load(initial_loading="straight", **changes).steady_cycle.loop_work
-
-    work_at_half_mean = loop_work_halved("mean_tangential_load")
-    work_at_half_amplitude = loop_work_halved("tangential_amplitude")
-    named_numbers = {
-        "with B": edge_with_b,
-        "with G": edge_with_g,
-        "permanent stick": case.stick_edge,
-    }
     return {
         "(2)": _corrective_load(case),
         "condition of stick": _condition_of_stick(case),
-        "(9), (10)": _proof(edge_with_g, edge_with_b, case.stick_edge, named_numbers),
+        "(9), (10)": _point_of_permanent_stick(case),
         "3H": _event_of_least_load(case),
-        "J and K": (
-            error_of_front <= AGREEMENT_TOLERANCE and angle_of_i < 0 < angle_of_j,
-            angles_after_k | {"front at J against P_G": error_of_front},
-        ),
-        "mean shear force": _proof(
-            work_at_half_mean, work_at_half_amplitude, case.steady_cycle.loop_work, {}
-        ),
+        "J and K": _order_of_j_and_k(case),
+        "mean shear force": _mean_shear_force(case),
         "net displacement": _net_displacement(case),
     }
 
 
+def _point_of_permanent_stick(case: Case) -> VerdictAndNumbers:
+    """Prove that the permanent stick zone of equations (9) and (10) is given by the loads at the
+    event G (end of reverse slip), not at B (end of full stick in the first cycle) as printed: P_T =
+    [(Q + f P) at the event - (Q - f P) at E] / (2 f). Returns whether it is proven, and half-widths
+    over a0.
+
+    `case` is the paper's ellipse of loads on one profile.
+    """
+    formulas = Formulas(case)
+
+    def half_width_with(letter: str) -> float:
+        """a(P_T)/a0 with the loads at this event."""
+        difference = formulas.q_plus_f_p(letter, 1) - formulas.q_plus_f_p("E", -1)
+        return float(case.scaled_half_width(difference / (2 * case.friction)))
+
+    half_width_with_b = half_width_with("B")
+    half_width_with_g = half_width_with("G")
+    numbers = {
+        "with B": half_width_with_b,
+        "with G": half_width_with_g,
+        "permanent stick": case.stick_edge,
+    }
+    return _proof(half_width_with_g, half_width_with_b, case.stick_edge, numbers)
+
+
+def _order_of_j_and_k(case: Case) -> VerdictAndNumbers:
+    """Prove that the event J comes after K in the paper's example: at K the normal load is largest,
+    at J the stick edge is where the contact edge was at G. Forward slip begins at I, before K.
+    Returns whether it is proven, and angles.
+
+    `case` is the paper's ellipse of loads on one profile.
+    """
+    angle_of_j = math.degrees(case.time_of("J") - case.time_of("K"))
+    angle_of_i = math.degrees(case.time_of("I") - case.time_of("K"))
+    error_at_j = _relative_error(case.events["J"].front_load, case.events["G"].normal_load)
+    return (
+        error_at_j <= AGREEMENT_TOLERANCE and angle_of_i < 0 < angle_of_j,
+        {
+            "J after K in degrees": angle_of_j,
+            "I after K in degrees": angle_of_i,
+            "I before K in degrees": -angle_of_i,
+            "front at J against P_G": error_at_j,
+        },
+    )
+
+
+def _mean_shear_force(case: Case) -> VerdictAndNumbers:
+    """Prove that the shear force on which the dissipation does not depend is the mean Q0, not the
+    amplitude Q1 as printed: half of either is tried. Returns whether it is proven, and relative
+    changes of the dissipation.
+
+    `case` is the paper's ellipse of loads on one profile.
+    """
+
+    def work_with_half(load_name: str) -> float:
+        """Dissipation of a cycle as the closed integral of Q dU, when a load is halved."""
+        changes = {load_name: getattr(case.load, load_name) / 2}
+        return case.with_load(initial_loading="straight", **changes).steady_cycle.loop_work
+
+    return _proof(
+        work_with_half("mean_tangential_load"),
+        work_with_half("tangential_amplitude"),
+        case.steady_cycle.loop_work,
+        {},
+    )
+
+
 def _condition_of_stick(case: Case) -> VerdictAndNumbers:
     """Prove that the paper's condition of full stick is misprinted: dQ/dP < f as printed, |dQ/dP| <
-    f with growing P as mended. Each is compared with the engine at instants of the steady cycle:
-    the share of these that it gets wrong. Returns whether it is proven, and the shares.
+    f with growing P as mended. Each is compared with the engine at 720 instants of the steady
+    cycle. Returns whether it is proven, and the share of instants that each gets wrong.
 
     `case` is the paper's ellipse of loads on one profile.
     """
     times = case.cycle_times(721)
-    times = (times[1:] + times[:-1]) / 2
-    solution = case.solve(time=times)
-    sticks = (
-        solution.contact_half_width - solution.stick_half_width
-        <= AGREEMENT_TOLERANCE * case.unit_length
-    )
-    rate_of_p, rate_of_q = Formulas(case).rates(times)
+    middle_times = (times[1:] + times[:-1]) / 2
+    solution = case.solve(time=middle_times)
+    slip_zone_width = solution.contact_half_width - solution.stick_half_width
+    is_full_stick = slip_zone_width <= AGREEMENT_TOLERANCE * case.unit_length
+    rate_of_p, rate_of_q = Formulas(case).rates(middle_times)
     slope = rate_of_q / rate_of_p
     printed_condition = slope < case.friction
-    right_condition = (np.abs(slope) < case.friction) & (rate_of_p > 0)
-    printed_share = float(np.mean(printed_condition != sticks))
-    right_share = float(np.mean(right_condition != sticks))
+    mended_condition = (np.abs(slope) < case.friction) & (rate_of_p > 0)
+    printed_share = float(np.mean(printed_condition != is_full_stick))
+    mended_share = float(np.mean(mended_condition != is_full_stick))
     return (
-        right_share == 0 and printed_share > 0.01,
-        {"printed": printed_share, "right": right_share},
+        mended_share == 0 and printed_share > 0.01,
+        {"printed": printed_share, "right": mended_share},
     )
 
 
 def _event_of_least_load(case: Case) -> VerdictAndNumbers:
     """Prove that P is least at the event F of the paper's cycle, and Q at H, where the paper has P
-    least at H. Returns whether it is proven, and the loads.
+    least at H. Returns whether it is proven, and the loads over P0/3.
 
     `case` is the paper's ellipse of loads on one profile.
     """
     events = case.events
-    loads_of_cycle = case.loads(case.cycle_times(3601))
-    least_p = float(loads_of_cycle[0].min())
-    least_q = float(loads_of_cycle[1].min())
-    loads_at_letters = {
-        f"P at {letter}": events[letter].normal_load / case.unit_load for letter in "HF"
-    }
-    loads_at_letters |= {
+    normal_loads, tangential_loads = case.loads(case.cycle_times(3601))
+    least_p = float(normal_loads.min())
+    least_q = float(tangential_loads.min())
+    numbers = {f"P at {letter}": events[letter].normal_load / case.unit_load for letter in "HF"}
+    numbers |= {
         f"Q at {letter}": events[letter].tangential_load / case.unit_load for letter in "HF"
     }
-    is_least = (
-        abs(loads_at_letters["P at F"] - least_p)
-        < AGREEMENT_TOLERANCE
-        < loads_at_letters["P at H"] - least_p
-        and abs(loads_at_letters["Q at H"] - least_q) < AGREEMENT_TOLERANCE
-    )
-    return is_least, loads_at_letters | {"least P": least_p, "least Q": least_q}
+    p_is_least_at_f = abs(numbers["P at F"] - least_p) < AGREEMENT_TOLERANCE
+    p_is_least_at_h = numbers["P at H"] - least_p <= AGREEMENT_TOLERANCE
+    q_is_least_at_h = abs(numbers["Q at H"] - least_q) < AGREEMENT_TOLERANCE
+    is_proven = p_is_least_at_f and not p_is_least_at_h and q_is_least_at_h
+    return is_proven, numbers | {"least P": least_p, "least Q": least_q}
 
 
 def _net_displacement(case: Case) -> VerdictAndNumbers:
     """Prove that what is 0 after a revolution is the net slip, and not the dissipation as printed,
     at x = 0.8 a0. Returns whether it is proven, with the net slip over the range of slip, and the
-    dissipation in the paper's unit.
+    dissipation in the paper's unit A f^2 P0^2.
 
     `case` is the paper's ellipse of loads on one profile.
     """
-    start = case.time_of("G")
-    revolution = start + np.linspace(0, 2 * math.pi, 101)
-    slip = case.solve(time=revolution, x=[0.8], fields=("slip",)).slip[:, 0]
-    net_slip = abs(Formulas(case).engine_slip(0.8 * case.unit_length, start, start + 2 * math.pi))
+    start_time = case.time_of("G")
+    times = start_time + np.linspace(0, 2 * math.pi, 101)
+    slip = case.solve(time=times, x=[0.8], fields=("slip",)).slip[:, 0]
+    net_slip = abs(
+        Formulas(case).engine_slip(0.8 * case.unit_length, start_time, start_time + 2 * math.pi)
+    )
     relative_net_slip = net_slip / float(np.ptp(slip))
     dissipation = case.steady_cycle.dissipation / case.unit_work
     return (
@@ -188,9 +222,12 @@ def _net_displacement(case: Case) -> VerdictAndNumbers:
 def _corrective_load(
     case: Case, friction: float = 0.5, share_of_limit: float = 0.6
 ) -> VerdictAndNumbers:
-    """Prove that equation (2) is misprinted, on Cattaneo and Mindlin's problem: f times a
-    difference of two pressures is the engine's shear with the mended corrective load, not with the
-    printed one. Returns whether it is proven, and the error of each reading.
+    """Prove that equation (2) is misprinted, on Cattaneo and Mindlin's problem of constant P: the
+    shear is q = f [p(x, P) - p(x, corrective load)].
+
+    The corrective load is P - Q/f as mended, Q - P as printed; the printed one with its sign
+    turned, P - Q, is tried too. Returns whether it is proven, and the relative error of q with
+    each.
 
     `case` gives profile and normal load; Q is `share_of_limit` times f P.
     """
@@ -203,9 +240,9 @@ def _corrective_load(
     x = np.linspace(0.0, 0.999, 200) * case.unit_length
     shear = semi_analytic.solve(scene, x=x, time=[2.0], fields=("shear",)).shear[0]
 
-    def error(corrective_load: float) -> float:
-        """Largest difference of f (p at P − p at that load) from the engine's shear, over the
-        latter's largest value.
+    def error_with(corrective_load: float) -> float:
+        """Largest difference of equation (2) from the engine's shear, over the latter's largest
+        value. A negative load has no pressure.
         """
         pressure = case.contact.pressure(x, normal_load)
         if corrective_load > 0:
@@ -213,43 +250,45 @@ def _corrective_load(
         return float(np.max(np.abs(friction * pressure - shear)) / np.max(np.abs(shear)))
 
     errors = {
-        "right": error(normal_load - tangential_load / friction),
-        "printed": error(tangential_load - normal_load),
-        "sign turned only": error(normal_load - tangential_load),
+        "right": error_with(normal_load - tangential_load / friction),
+        "printed": error_with(tangential_load - normal_load),
+        "sign turned only": error_with(normal_load - tangential_load),
     }
     return proves(errors["right"], min(errors["printed"], errors["sign turned only"])), errors
 
 
 def _sliding_condition(case: Case) -> VerdictAndNumbers:
-    """Prove that the paper's condition of gross sliding is misprinted, for loads that go round a
-    circle in the plane of P and Q. Circles between the printed and the mended limit of P0/P1 slide,
-    and the engine's limit is within 1e-10 of the mended one. Returns whether it is proven, and
-    numbers.
+    """Prove that equation (25), the condition of gross sliding for loads that go round a circle in
+    the plane of P and Q, is misprinted: P0/P1 below sqrt(2) (1 + f)/(2 f) as printed, below
+    sqrt(1 + f^2)/f as mended. Circles between both limits slide, and the engine's limit is within
+    1e-10 of the mended one. Returns whether it is proven, and numbers.
 
     `case` is the paper's ellipse of loads on one profile.
     """
     friction = np.array([0.1, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0])
     mended_limit = sliding_limit(friction)
     printed_limit = math.sqrt(2) * (1 + friction) / (2 * friction)
-    relative_distance = 1e-10
 
-    def slides(f: Array, ratio: Array) -> NDArray[np.bool_]:
-        """Whether the engine says that circles of P0/P1 = `ratio` slide."""
-        batch = semi_analytic.dissipation(**case.circle_arguments(f, ratio))
+    def slides(f: Array, load_ratio: Array) -> NDArray[np.bool_]:
+        """Whether the engine says that circles of P0/P1 = `load_ratio` slide."""
+        batch = semi_analytic.dissipation(**case.circle_arguments(f, load_ratio))
         return np.asarray(batch.reason == semi_analytic.Reason.SLIDING)
 
-    is_not_one = np.abs(friction - 1) > AGREEMENT_TOLERANCE  # at f = 1 both formulas agree
-    distance = (mended_limit - printed_limit)[is_not_one]
-    ratios_between = printed_limit[is_not_one] + distance * np.linspace(0.01, 0.99, 99)[:, None]
-    sliding_share = float(np.mean(slides(friction[is_not_one], ratios_between)))
-    slides_below = slides(friction, mended_limit * (1 - relative_distance))
-    slides_above = slides(friction, mended_limit * (1 + relative_distance))
-    error_of_right = relative_distance if (slides_below & ~slides_above).all() else math.nan
-    errors = {
-        "right": error_of_right,
-        "printed": float(np.min(np.abs(printed_limit / mended_limit - 1)[is_not_one])),
-    }
-    return sliding_share == 1 and proves(errors["right"], errors["printed"]), errors | {
+    limits_differ = np.abs(friction - 1) > AGREEMENT_TOLERANCE  # they are equal at f = 1
+    width_between = (mended_limit - printed_limit)[limits_differ]
+    fractions = np.linspace(0.01, 0.99, 99)[:, None]
+    ratios_between = printed_limit[limits_differ] + width_between * fractions
+    sliding_share = float(np.mean(slides(friction[limits_differ], ratios_between)))
+
+    margin = 1e-10
+    slides_below = slides(friction, mended_limit * (1 - margin))
+    slides_above = slides(friction, mended_limit * (1 + margin))
+    mended_error = margin if (slides_below & ~slides_above).all() else math.nan
+    printed_error = float(np.min(np.abs(printed_limit / mended_limit - 1)[limits_differ]))
+    return sliding_share == 1 and proves(mended_error, printed_error), {
+        "right": mended_error,
+        "printed": printed_error,
+        # at friction[4] = 1 and friction[1] = 0.4
         "apart at f = 1": _relative_error(float(printed_limit[4]), float(mended_limit[4])),
         "sliding share between": sliding_share,
         "circles between": ratios_between.size,
@@ -260,45 +299,48 @@ def _sliding_condition(case: Case) -> VerdictAndNumbers:
 
 def _rounded_law(case: Case) -> VerdictAndNumbers:
     """Prove that the paper's contact law of the flat and rounded profile (section 4.2) is
-    misprinted: its left side is over b^2, not over a^2 as printed. P is the integral of the
-    engine's pressure; the paper's (1 + kappa)/mu is 2 A. Returns whether it is proven, and both
+    misprinted: its left side is P R (1 + kappa)/(4 mu b^2), not over a^2 as printed. P is the
+    integral of the engine's pressure; (1 + kappa)/mu is 2 A. Returns whether it is proven, and both
     sides.
+
+    # notation: a half-width of contact, b of the flat, R radius of the edges; the right side is
+    #           (pi - 2 t)/(4 sin^2 t) - cot(t)/2, with sin t = b/a
 
     `case` is the paper's ellipse of loads on this profile.
     """
-    load = case.load.mean_normal_load
+    mean_load = case.load.mean_normal_load
     profile = case.scene.profile.model_dump()
     flat_half_length = profile["flat_half_length"]
     radius = profile["radius"]
     # x = a sin(angle), in two parts: the pressure's root at the edge becomes smooth, its singular
     # slope at x = b lies at an end.
-    angle_of_corner = math.asin(flat_half_length / case.unit_length)
+    angle_of_flat_end = math.asin(flat_half_length / case.unit_length)
 
     def load_per_angle(angle: Array) -> Array:
         """Pressure times dx/d(angle), x = a sin(angle)."""
         x = case.unit_length * np.sin(angle)
-        return case.contact.pressure(x, load) * case.unit_length * np.cos(angle)
+        return case.contact.pressure(x, mean_load) * case.unit_length * np.cos(angle)
 
-    carried_load = 2 * (
-        integral(load_per_angle, 0.0, angle_of_corner)
-        + integral(load_per_angle, angle_of_corner, math.pi / 2)
+    normal_load = 2 * (
+        integral(load_per_angle, 0.0, angle_of_flat_end)
+        + integral(load_per_angle, angle_of_flat_end, math.pi / 2)
     )
-    first_term = (math.pi - 2 * angle_of_corner) / (4 * math.sin(angle_of_corner) ** 2)
-    right_side = first_term - 1 / math.tan(angle_of_corner) / 2
+    first_term = (math.pi - 2 * angle_of_flat_end) / (4 * math.sin(angle_of_flat_end) ** 2)
+    right_side = first_term - 1 / math.tan(angle_of_flat_end) / 2
 
     def left_side_over(length: float) -> float:
         """Left side of the law, with the square of this length as divisor."""
-        return carried_load * radius * 2 * case.compliance / (4 * length**2)
+        return normal_load * radius * 2 * case.compliance / (4 * length**2)
 
     left_side_over_a = left_side_over(case.unit_length)
     left_side_over_b = left_side_over(flat_half_length)
-    sides = {
+    numbers = {
         "left side over a²": left_side_over_a,
         "left side over b²": left_side_over_b,
         "right side": right_side,
         "b/a": flat_half_length / case.unit_length,
     }
-    return _proof(left_side_over_b, left_side_over_a, right_side, sides)
+    return _proof(left_side_over_b, left_side_over_a, right_side, numbers)
 
 
 # --------------------------------------------------------------------------------------------- slip
@@ -309,130 +351,210 @@ def _misprints_of_slip(case: Case) -> dict[str, VerdictAndNumbers]:
 
     `case` is the paper's ellipse of loads on one profile.
     """
-    formulas = Formulas(case)
-    time_of = {letter: case.time_of(letter) for letter in "GIJM"}
-    proofs_in_contact = _slip_in_contact(case)
-
-    # After J: P_K is a front; as a constant load it leaves what the open surface does.
-    x_of_edge = case.unit_length
-    phase = time_of["J"], (time_of["J"] + time_of["M"]) / 2
-    slip_factor = case.compliance * case.friction / math.pi
-
-    def open_surface(time: Array) -> Array:
-        """Rate of slip that is left where P_K is a constant load."""
-        load, _ = formulas.loads(time)
-        load_rate, _ = formulas.rates(time)
-        return slip_factor * load_rate * formulas.arccosh_ratio(x_of_edge, load)
-
-    slip_mended = integral(lambda time: formulas.slip_rate("JM", x_of_edge, time), *phase)
-    outer_value = integral(open_surface, *phase)
-    named_numbers = {
-        "front at M": float(formulas.stick_edge_load("JM", time_of["M"])) / case.unit_load,
-        "load at K": case.events["K"].normal_load / case.unit_load,
-    }
-
-    # (12) is a closed integral; (15) is what becomes (23).
-    x_in_contact = 0.8 * case.unit_length
-    slip_by_15 = formulas.integral_while_slipping(
-        "JM", x_in_contact, lambda time: formulas.slip_rate("JM", x_in_contact, time)
-    )
-    forward_slip = formulas.engine_slip(x_in_contact, time_of["I"], time_of["M"])
-    net_slip = formulas.engine_slip(x_in_contact, time_of["G"], time_of["G"] + 2 * math.pi)
     return {
-        "(14), I–J": proofs_in_contact["(14), I–J"],
+        "(14), I–J": _multiplier_in_contact(case),
         "(15)": _gap_for_slope(case),
         "(16), second line": _slip_out_of_contact(case),
         "(17)": _stick_displacement(case),
-        "(18)": proofs_in_contact["(18)"],
-        "P_K in (19)": _proof(
-            slip_mended, outer_value, formulas.engine_slip(x_of_edge, *phase), named_numbers
-        ),
-        "reference before (23)": _proof(
-            slip_by_15, net_slip, forward_slip, {"net over the slip": abs(net_slip / forward_slip)}
-        ),
+        "(18)": _slope_as_product(case),
+        "P_K in (19)": _load_at_k(case),
+        "reference before (23)": _closed_integral(case),
     }
 
 
-def _slip_in_contact(case: Case) -> dict[str, VerdictAndNumbers]:
-    """Prove that equations (14) and (18) are misprinted: slip of a point in contact from the event
-    I to J. C is (dQ/dP)/f - 1, P_Y the load whose half-width is that of the stick zone.
+def _load_at_k(case: Case) -> VerdictAndNumbers:
+    """Prove that P_K of equation (19), the slip after the event J, is the load at the moving stick
+    edge, not the normal load at the event K: with a constant P_K the term of the stick edge is
+    zero. The slip is that of the point x = a0, from J halfway to M, the end of forward slip.
+    Returns whether it is proven, and numbers.
 
-    Equation (14) is computed with C dP as printed and with C dP_Y; (18) with dQ/dP times P_Y as
-    printed and with dQ/dP at P_Y. Returns, by name, whether each is proven, and numbers. `case` is
-    the paper's ellipse of loads on one profile.
+    `case` is the paper's ellipse of loads on one profile.
     """
     formulas = Formulas(case)
-    factor = case.compliance * case.friction / math.pi
-    x = 1.05 * case.unit_length
-    moved_distance = formulas.engine_slip(x, case.time_of("I"), case.time_of("J"))
+    x = case.unit_length
+    time_of_j = case.time_of("J")
+    time_of_m = case.time_of("M")
+    middle_time = (time_of_j + time_of_m) / 2
+    slip_factor = case.compliance * case.friction / math.pi
 
-    def rate_by_14(time: Array) -> Array:
-        """Rate of slip by equation (14) as printed, C dP."""
+    def rate_as_printed(time: Array) -> Array:
+        """Rate of slip that is left where P_K is a constant load."""
+        load, _ = formulas.loads(time)
         load_rate, _ = formulas.rates(time)
-        reach = formulas.arccosh_ratio(x, formulas.stick_edge_load("IJ", time))
-        return factor * formulas.multiplier_c("IJ", time) * reach * load_rate
+        return slip_factor * load_rate * formulas.arccosh_ratio(x, load)
 
-    def slip_by_18(unit: float | None) -> float:
-        """Slip with dQ/dP multiplied by the load P_Y in some unit; None: not multiplied."""
+    def rate_as_mended(time: Array) -> Array:
+        """Rate of slip with the moving stick edge."""
+        return formulas.slip_rate("JM", x, time)
+
+    numbers = {
+        "front at M": float(formulas.stick_edge_load("JM", time_of_m)) / case.unit_load,
+        "load at K": case.events["K"].normal_load / case.unit_load,
+    }
+    return _proof(
+        integral(rate_as_mended, time_of_j, middle_time),
+        integral(rate_as_printed, time_of_j, middle_time),
+        formulas.engine_slip(x, time_of_j, middle_time),
+        numbers,
+    )
+
+
+def _closed_integral(case: Case) -> VerdictAndNumbers:
+    """Prove that it is equation (15) which becomes (23), not (12) as printed: (15) gives the
+    forward slip at x = 0.8 a0, whereas (12) is the slip of a whole cycle, which is zero. The
+    forward slip of this point lies between the events J and M. Returns whether it is proven, and
+    the net slip over the forward slip.
+
+    `case` is the paper's ellipse of loads on one profile.
+    """
+    formulas = Formulas(case)
+    x = 0.8 * case.unit_length
+    time_of_g = case.time_of("G")
+
+    def slip_rate(time: Array) -> Array:
+        """Rate of slip by the mended equations, from J to M."""
+        return formulas.slip_rate("JM", x, time)
+
+    slip_by_15 = formulas.integral_while_slipping("JM", x, slip_rate)
+    forward_slip = formulas.engine_slip(x, case.time_of("I"), case.time_of("M"))
+    net_slip = formulas.engine_slip(x, time_of_g, time_of_g + 2 * math.pi)
+    numbers = {"net over the slip": abs(net_slip / forward_slip)}
+    return _proof(slip_by_15, net_slip, forward_slip, numbers)
+
+
+@dataclass(frozen=True, eq=False)
+class _SlipFromIToJ:
+    """Slip of the point x = 1.05 a0 from the event I to J, the first part of forward slip, while it
+    is in contact: by equation (15), the time integral of (A f/pi) C arccosh(x/c) dP_Y/dt.
+
+    # notation: c half-width of the stick zone, P_Y the load whose contact half-width is c, C =
+    #           (dQ/dP)/f - 1 the multiplier of equation (14), at the loads P_Y
+    """
+
+    case: Case
+
+    @property
+    def formulas(self) -> Formulas:
+        """The paper's mended equations."""
+        return Formulas(self.case)
+
+    @property
+    def x(self) -> float:
+        """The point [length]."""
+        return 1.05 * self.case.unit_length
+
+    @property
+    def factor(self) -> float:
+        """A f/pi."""
+        return self.case.compliance * self.case.friction / math.pi
+
+    @property
+    def by_engine(self) -> float:
+        """Slip [length] of half-plane theory, to which the equations are compared."""
+        return self.formulas.engine_slip(self.x, self.case.time_of("I"), self.case.time_of("J"))
+
+    def with_slope_times(self, load_unit: float | None) -> float:
+        """Slip [length] by equation (18), with the slope dQ/dP multiplied by P_Y in a unit of load,
+        as printed; not multiplied if None, as mended.
+        """
 
         def rate(time: Array) -> Array:
-            load = formulas.stick_edge_load("IJ", time)
-            slope = case.friction * (formulas.multiplier_c("IJ", time) + 1)
-            if unit:
-                slope = slope * load / unit
-            multiplier = slope / case.friction - 1
-            front_rate = formulas.stick_edge_load_rate("IJ", time)
-            return multiplier * factor * front_rate * formulas.arccosh_ratio(x, load)
+            """ds/dt."""
+            load = self.formulas.stick_edge_load("IJ", time)
+            slope = self.case.friction * (self.formulas.multiplier_c("IJ", time) + 1)
+            if load_unit:
+                slope = slope * load / load_unit
+            multiplier = slope / self.case.friction - 1
+            load_rate = self.formulas.stick_edge_load_rate("IJ", time)
+            arccosh_ratio = self.formulas.arccosh_ratio(self.x, load)
+            return multiplier * self.factor * load_rate * arccosh_ratio
 
-        return formulas.integral_while_slipping("IJ", x, rate)
+        return self.formulas.integral_while_slipping("IJ", self.x, rate)
 
-    slip_right = slip_by_18(None)
-    printed_value = formulas.integral_while_slipping("IJ", x, rate_by_14)
-    ratio_after = integral(rate_by_14, case.time_of("K"), case.time_of("J")) / moved_distance
-    ratios_of_halves = {
-        "printed I-K": printed_value / moved_distance - ratio_after,
-        "printed K-J": ratio_after,
+    def rate_as_printed(self, time: Array) -> Array:
+        """ds/dt by equation (14) as printed: with C dP/dt instead of C dP_Y/dt."""
+        load_rate, _ = self.formulas.rates(time)
+        stick_edge_load = self.formulas.stick_edge_load("IJ", time)
+        arccosh_ratio = self.formulas.arccosh_ratio(self.x, stick_edge_load)
+        return self.factor * self.formulas.multiplier_c("IJ", time) * arccosh_ratio * load_rate
+
+
+def _multiplier_in_contact(case: Case) -> VerdictAndNumbers:
+    """Prove that equation (14) is misprinted between the events I and J: slip is by C dP_Y, not by
+    C dP as printed. P_Y is the load at the stick edge, C = (dQ/dP)/f - 1.
+
+    P is largest at K, between I and J, so that the printed slip has different signs before and
+    after. Returns whether it is proven, and parts of the printed slip over the engine's.
+    """
+    slip = _SlipFromIToJ(case)
+    engine_slip = slip.by_engine
+    printed_slip = slip.formulas.integral_while_slipping("IJ", slip.x, slip.rate_as_printed)
+    slip_after_k = integral(slip.rate_as_printed, case.time_of("K"), case.time_of("J"))
+    ratio_after_k = slip_after_k / engine_slip
+    ratio_before_k = printed_slip / engine_slip - ratio_after_k
+    return _proof(
+        slip.with_slope_times(None),
+        printed_slip,
+        engine_slip,
+        {"printed I-K": ratio_before_k, "printed K-J": ratio_after_k},
+        also_holds=ratio_before_k * ratio_after_k < 0,
+    )
+
+
+def _slope_as_product(case: Case) -> VerdictAndNumbers:
+    """Prove that equation (18) is misprinted: it needs the slope dQ/dP at the load P_Y of the stick
+    edge, not dQ/dP times P_Y as printed. The product depends on the unit of load; two are tried,
+    and the better one must be wrong. Returns whether it is proven, and the slip in either unit over
+    the engine's.
+    """
+    slip = _SlipFromIToJ(case)
+    engine_slip = slip.by_engine
+    printed_ratios = {
+        "printed in N/mm": slip.with_slope_times(1.0) / engine_slip,
+        "printed in P0/3": slip.with_slope_times(case.unit_load) / engine_slip,
     }
-    ratios_with_unit = {
-        "printed in N/mm": slip_by_18(1.0) / moved_distance,
-        "printed in P0/3": slip_by_18(case.unit_load) / moved_distance,
-    }
-    nearest_ratio = min(ratios_with_unit.values(), key=lambda ratio: abs(ratio - 1))
-    have_other_signs = ratios_of_halves["printed I-K"] * ratio_after < 0
-    return {
-        "(14), I–J": _proof(
-            slip_right, printed_value, moved_distance, ratios_of_halves, have_other_signs
-        ),
-        "(18)": _proof(
-            slip_right, nearest_ratio * moved_distance, moved_distance, ratios_with_unit
-        ),
-    }
+    nearest_ratio = min(printed_ratios.values(), key=lambda ratio: abs(ratio - 1))
+    return _proof(
+        slip.with_slope_times(None), nearest_ratio * engine_slip, engine_slip, printed_ratios
+    )
 
 
 def _slip_out_of_contact(case: Case) -> VerdictAndNumbers:
-    """Prove that the second line of equation (16) is misprinted: movement of a point out of contact
-    from event E to F. As printed it has int_a^x dx / sqrt(x^2 - c^2), as mended a root of x^2 -
-    a^2. Returns whether it is proven, and numbers.
+    """Prove that the second line of equation (16) is misprinted: movement of the point x = a0, out
+    of contact, from the event E to F. As printed it has int_a^x dx' / sqrt(x'^2 - c^2), as mended a
+    root of x'^2 - a^2; a and c are the half-widths of contact and stick zone. Returns whether it is
+    proven, and the relative error of each.
 
     `case` is the paper's ellipse of loads on one profile.
     """
     formulas = Formulas(case)
     factor = case.compliance * case.friction / math.pi
     x = case.unit_length
-    phase = (case.time_of("E"), case.time_of("F"))
+    time_of_e = case.time_of("E")
+    time_of_f = case.time_of("F")
 
-    def rate_by_16(time: Array) -> Array:
-        """Rate of slip by equation (16) as printed."""
+    def rate_as_printed(time: Array) -> Array:
+        """Rate of movement by equation (16) as printed."""
         load, _ = formulas.loads(time)
         load_rate, _ = formulas.rates(time)
-        front = formulas.stick_edge_load("EG", time)
-        reach_of_x = formulas.arccosh_ratio(x, front)
-        reach_from_edge = reach_of_x - formulas.arccosh_ratio(case.contact.half_width(load), front)
-        front_rate = formulas.stick_edge_load_rate("EG", time)
-        return factor * (2 * front_rate * reach_of_x - load_rate * reach_from_edge)
+        stick_edge_load = formulas.stick_edge_load("EG", time)
+        # int_c^x and int_a^x of dx' / sqrt(x'^2 - c^2)
+        integral_from_c = formulas.arccosh_ratio(x, stick_edge_load)
+        half_width = case.contact.half_width(load)
+        integral_from_a = integral_from_c - formulas.arccosh_ratio(half_width, stick_edge_load)
+        stick_edge_load_rate = formulas.stick_edge_load_rate("EG", time)
+        return factor * (2 * stick_edge_load_rate * integral_from_c - load_rate * integral_from_a)
 
-    slip_mended = integral(lambda time: formulas.slip_rate("EG", x, time), *phase)
-    return _proof(slip_mended, integral(rate_by_16, *phase), formulas.engine_slip(x, *phase), {})
+    def rate_as_mended(time: Array) -> Array:
+        """Rate of movement by equation (16) as mended."""
+        return formulas.slip_rate("EG", x, time)
+
+    return _proof(
+        integral(rate_as_mended, time_of_e, time_of_f),
+        integral(rate_as_printed, time_of_e, time_of_f),
+        formulas.engine_slip(x, time_of_e, time_of_f),
+        {},
+    )
 
 
 def _gap_for_slope(case: Case) -> VerdictAndNumbers:
@@ -452,74 +574,78 @@ def _gap_for_slope(case: Case) -> VerdictAndNumbers:
     "printed" the lesser one of both gaps; the others are errors and powers of the length by which
     the slip grows. `case` is the paper's ellipse of loads on one profile.
     """
-    case_as_is = case
-    case_ten_times = case.scaled_ten_times()
-    slip_as_is = _slip_after_j(case_as_is)
-    power_of_slip = math.log10(_slip_after_j(case_ten_times) / slip_as_is)
+    large_case = case.scaled_ten_times()
+    engine_slip = _slip_after_j(case)
+    power_of_engine = math.log10(_slip_after_j(large_case) / engine_slip)
     errors = {}
     powers = {}
     for reading in ("slope", "gap of the increment", "gap of the punch"):
-        slip_by_equation = _by_15(case_as_is, 0.8 * case_as_is.unit_length, reading)
-        slip_by_equation_ten_times = _by_15(
-            case_ten_times, 0.8 * case_ten_times.unit_length, reading
-        )
-        errors[reading] = _relative_error(slip_by_equation, slip_as_is)
-        powers[reading] = math.log10(slip_by_equation_ten_times / slip_by_equation)
+        slip_by_15 = _slip_by_15(case, 0.8 * case.unit_length, reading)
+        slip_of_large_case = _slip_by_15(large_case, 0.8 * large_case.unit_length, reading)
+        errors[reading] = _relative_error(slip_by_15, engine_slip)
+        powers[reading] = math.log10(slip_of_large_case / slip_by_15)
     error_of_slope = errors.pop("slope")
     least_error_of_gaps = min(errors.values())
     numbers = {
         "right": error_of_slope,
         "printed": least_error_of_gaps,
-        "power of the slip": power_of_slip,
+        "power of the slip": power_of_engine,
     }
-    numbers |= {f"power with the {reading}": value for reading, value in powers.items()}
+    numbers |= {f"power with the {reading}": power for reading, power in powers.items()}
     numbers |= {f"error with the {reading}": error for reading, error in errors.items()}
-    grows_alike = abs(powers["slope"] - power_of_slip) <= AGREEMENT_TOLERANCE
+    grows_alike = abs(powers["slope"] - power_of_engine) <= AGREEMENT_TOLERANCE
     return proves(error_of_slope, least_error_of_gaps) and grows_alike, numbers
 
 
 def _slip_after_j(case: Case) -> float:
-    """The engine's slip from the event J to M at the point 0.8 a0."""
-    return Formulas(case).engine_slip(0.8 * case.unit_length, case.time_of("J"), case.time_of("M"))
+    """The engine's slip [length] from the event J to M at the point x = 0.8 a0."""
+    x = 0.8 * case.unit_length
+    return Formulas(case).engine_slip(x, case.time_of("J"), case.time_of("M"))
 
 
-def _by_15(case: Case, x: float, reading: str) -> float:
-    """Slip of the point x [length] between the events J and M by the paper's equation (15), with
-    one `reading` of its h_o: the slope, the gap of the load increment, or the gap of the punch.
-    `case` is the paper's ellipse of loads on a parabola.
+def _slip_by_15(case: Case, x: float, reading: str) -> float:
+    """Slip [length] of the point x [length] between the events J and M (second part of forward
+    slip) by the paper's equation (15): the time integral of (A f/pi) h_o C dP/dt.
+
+    # notation: c half-width of the stick zone; C the multiplier of the paper's equation (14)
+
+    `reading` is what h_o is, the integral from c to x of one of three functions of x': "slope",
+    1/sqrt(x'^2 - c^2); "gap of the increment", arccosh(x'/c); "gap of the punch", x'^2/(2 R).
+    `case` is the paper's ellipse of loads on a parabola of radius R.
     """
     formulas = Formulas(case)
     radius = case.scene.profile.model_dump()["radius"]
 
     def rate(time: Array) -> Array:
-        front = formulas.stick_edge_load("JM", time)
-        stick_half_width = np.asarray(case.contact.half_width(front))
-        slope = formulas.arccosh_ratio(x, front)
+        """ds/dt over A f/pi."""
+        stick_edge_load = formulas.stick_edge_load("JM", time)
+        c = np.asarray(case.contact.half_width(stick_edge_load))
+        arccosh_ratio = formulas.arccosh_ratio(x, stick_edge_load)
         integrals = {
-            "slope": slope,
-            "gap of the increment": x * slope
-            - np.sqrt(np.maximum(x**2 - stick_half_width**2, 0.0)),
-            "gap of the punch": (x**3 - stick_half_width**3) / (6 * radius),
+            "slope": arccosh_ratio,
+            "gap of the increment": x * arccosh_ratio - np.sqrt(np.maximum(x**2 - c**2, 0.0)),
+            "gap of the punch": (x**3 - c**3) / (6 * radius),
         }
         return formulas.multiplied_load_rate("JM", time) * integrals[reading]
 
-    return (
-        case.compliance * case.friction / math.pi * formulas.integral_while_slipping("JM", x, rate)
-    )
+    slip_factor = case.compliance * case.friction / math.pi
+    return slip_factor * formulas.integral_while_slipping("JM", x, rate)
 
 
-def _stick_displacement(hertz: Case) -> VerdictAndNumbers:
+def _stick_displacement(hertz_case: Case) -> VerdictAndNumbers:
     """Prove that equation (17), the displacement of a point out of contact in full stick, has a
-    factor 2 f too much. Between the events G (end of reverse slip) and H the formula without and
-    with it is compared with the engine's displacement, at two coefficients of friction. Returns
-    whether it is proven, and the errors of both.
+    factor 2 f too much: dU = (A/pi) arccosh(x/a) dQ as mended, a the contact half-width.
 
-    `hertz` is the paper's ellipse of loads on a parabola.
+    Both are compared with the engine's displacement at x = 1.1 a0 between the events G (end of
+    reverse slip) and H, at two coefficients of friction. Returns whether it is proven, and the
+    relative errors of both.
+
+    `hertz_case` is the paper's ellipse of loads on a parabola.
     """
 
-    def ratio_to_engine(friction: float) -> float:
-        """A/pi int dQ arccosh(x/a) over the engine's movement."""
-        case = hertz.with_zero_mean_shear(friction)
+    def mended_over_engine(friction: float) -> float:
+        """Displacement from G to H by the mended equation (17), over the engine's."""
+        case = hertz_case.with_zero_mean_shear(friction)
         formulas = Formulas(case)
         x = 1.1 * case.unit_length
         time_of_g = case.time_of("G")
@@ -531,21 +657,18 @@ def _stick_displacement(hertz: Case) -> VerdictAndNumbers:
             _, tangential_rate = formulas.rates(time)
             return tangential_rate * formulas.arccosh_ratio(x, load)
 
-        sheared_distance = integral(rate, time_of_g, time_of_h)
-        return (
-            case.compliance
-            / math.pi
-            * sheared_distance
-            / formulas.engine_slip(x, time_of_g, time_of_h)
-        )
+        integral_of_17 = integral(rate, time_of_g, time_of_h)
+        engine_displacement = formulas.engine_slip(x, time_of_g, time_of_h)
+        return case.compliance / math.pi * integral_of_17 / engine_displacement
 
-    ratios = {friction: ratio_to_engine(friction) for friction in (1.0, 0.6)}
+    ratios = {friction: mended_over_engine(friction) for friction in (1.0, 0.6)}
+    printed_ratios = {friction: 2 * friction * ratio for friction, ratio in ratios.items()}
     errors = {
         "right": max(abs(ratio - 1) for ratio in ratios.values()),
-        "printed": min(abs(2 * friction * ratio - 1) for friction, ratio in ratios.items()),
+        "printed": min(abs(ratio - 1) for ratio in printed_ratios.values()),
     }
     return proves(errors["right"], errors["printed"]), errors | {
-        f"factor at f = {friction}": 2 * friction * ratio for friction, ratio in ratios.items()
+        f"factor at f = {friction}": ratio for friction, ratio in printed_ratios.items()
     }
 
 
@@ -554,103 +677,108 @@ def _stick_displacement(hertz: Case) -> VerdictAndNumbers:
 class _PartsOfWork:
     """W(x), the friction work per area of a cycle under a parabola, by readings of the paper's
     equations (23) and (24): the part of each phase of slip, over the W(x) of the engine.
+
+    Every reading is a time integral of f^2/(pi R) sqrt(a^2 - x^2) arccosh(...) C dP/dt, while the
+    point slips.
+
+    # notation: a, c half-widths of contact and stick zone, R radius, C the multiplier (dQ/dP)/f ± 1
+    #           of the paper's equation (14)
     """
 
     formulas: Formulas
     x: float  # [length]
-    density: float  # W(x) of the engine
+    engine_density: float  # W(x) of the engine
 
-    def root(self, time: Array) -> Array:
-        """f^2/(pi R) sqrt(a^2 - x^2) over W(x): the factor that every reading has."""
+    def root_factor(self, time: Array) -> Array:
+        """f^2/(pi R) sqrt(a^2 - x^2) over the engine's W(x): the factor that every reading has."""
         case = self.formulas.case
         radius = case.scene.profile.model_dump()["radius"]
         half_width = case.contact.half_width(self.formulas.loads(time)[0])
         square = np.maximum(np.square(half_width) - self.x * self.x, 0.0)
-        return case.friction**2 / (math.pi * radius) * np.sqrt(square) / self.density
+        return case.friction**2 / (math.pi * radius) * np.sqrt(square) / self.engine_density
 
     def mended(self, phase: str) -> float:
-        """The mended part: with arccosh(x/c), c the half-width of the stick zone, and |C dP|."""
+        """The mended part: with arccosh(x/c) and |C dP|, where C dP is C dP_Y from I to J."""
 
         def rate(time: Array) -> Array:
-            reach_ratio = self.formulas.arccosh_ratio(
-                self.x, self.formulas.stick_edge_load(phase, time)
-            )
-            return (
-                self.root(time)
-                * np.abs(self.formulas.multiplied_load_rate(phase, time))
-                * reach_ratio
-            )
+            stick_edge_load = self.formulas.stick_edge_load(phase, time)
+            arccosh_ratio = self.formulas.arccosh_ratio(self.x, stick_edge_load)
+            load_rate = np.abs(self.formulas.multiplied_load_rate(phase, time))
+            return self.root_factor(time) * load_rate * arccosh_ratio
 
         return self.formulas.integral_while_slipping(phase, self.x, rate)
 
-    def with_c_as_multiplier(self, phase: str, unit: float) -> float:
-        """The part with arccosh(x/C), C being the multiplier (dQ/dP)/f ± 1 of equation (14), not a
-        half-width. C has no unit, so that the result depends on the unit of length.
+    def with_multiplier_as_c(self, phase: str, length_unit: float) -> float:
+        """The part with arccosh(x/C), as printed: C has no unit, so that the result depends on the
+        unit of length. It is in units of the scene over `length_unit`.
         """
 
         def rate(time: Array) -> Array:
-            ratio = unit * self.x / np.abs(self.formulas.multiplier_c(phase, time))
-            reach_ratio = np.arccosh(np.maximum(ratio, 1.0))
-            return (
-                self.root(time)
-                * np.abs(self.formulas.multiplied_load_rate(phase, time))
-                * reach_ratio
-            )
+            ratio = length_unit * self.x / np.abs(self.formulas.multiplier_c(phase, time))
+            arccosh_ratio = np.arccosh(np.maximum(ratio, 1.0))
+            load_rate = np.abs(self.formulas.multiplied_load_rate(phase, time))
+            return self.root_factor(time) * load_rate * arccosh_ratio
 
         return self.formulas.integral_while_slipping(phase, self.x, rate)
 
-    def real_time(self, phase: str) -> float:
-        """How long x/C is at least 1 while x slips, so that its arccosh is a real number."""
+    def time_with_real_arccosh(self, phase: str) -> float:
+        """How long x/|C| is at least 1 while x slips, so that its arccosh is a real number."""
         return self.formulas.integral_while_slipping(
             phase, self.x, lambda time: self.x >= np.abs(self.formulas.multiplier_c(phase, time))
         )
 
-    def with_minus(self, phase: str) -> float:
-        """The part with the printed minus before it, and C dP with its sign in every phase."""
+    def with_printed_sign(self, phase: str) -> float:
+        """The part with the printed minus before it, with C dP and its sign in every phase, and
+        arccosh(x/c).
+        """
 
         def rate(time: Array) -> Array:
             load_rate, _ = self.formulas.rates(time)
-            reach_ratio = self.formulas.arccosh_ratio(
-                self.x, self.formulas.stick_edge_load(phase, time)
-            )
-            return (
-                -self.root(time) * reach_ratio * self.formulas.multiplier_c(phase, time) * load_rate
-            )
+            stick_edge_load = self.formulas.stick_edge_load(phase, time)
+            arccosh_ratio = self.formulas.arccosh_ratio(self.x, stick_edge_load)
+            multiplier = self.formulas.multiplier_c(phase, time)
+            return -self.root_factor(time) * arccosh_ratio * multiplier * load_rate
 
         return self.formulas.integral_while_slipping(phase, self.x, rate)
 
 
-def work(case: Case, x: float) -> dict[str, VerdictAndNumbers]:
+def _misprints_of_work(case: Case, x: float) -> dict[str, VerdictAndNumbers]:
     """Prove that equations (11), (23) and (24) on the dissipation are misprinted, at the place x
     [length] of the peak of W(x), for a parabola. Returns, by name of the misprint, whether it is
     proven, and numbers.
 
-    `case` is the paper's ellipse of loads.
+    (23) and (24) have arccosh(x/C), where C is also the multiplier of equation (14), and a minus
+    before the integral; as mended arccosh(x/c), c the half-width of the stick zone, and no minus.
+    All values are over the engine's W(x). `case` is the paper's ellipse of loads.
     """
     formulas = Formulas(case)
     solution = case.solve(x=[x / case.unit_length], fields=("dissipation_density",))
     parts_of_work = _PartsOfWork(formulas, x, float(solution.dissipation_density[0]))
     mended_parts = {f"mended {phase}": parts_of_work.mended(phase) for phase in _PHASES}
-    printed_parts = {f"printed {phase}": parts_of_work.with_minus(phase) for phase in _PHASES}
-    sum_in_millimetres = sum(parts_of_work.with_c_as_multiplier(phase, 1.0) for phase in _PHASES)
-    sum_in_metres = sum(parts_of_work.with_c_as_multiplier(phase, 1e-3) for phase in _PHASES)
-    rubbing_time = sum(
-        formulas.integral_while_slipping(phase, x, np.ones_like) for phase in _PHASES
-    )
-    parts = {
-        "share of time with a real arccosh": sum(map(parts_of_work.real_time, _PHASES))
-        / rubbing_time,
+    printed_parts = {
+        f"printed {phase}": parts_of_work.with_printed_sign(phase) for phase in _PHASES
+    }
+    # the scene's unit of length is the millimetre
+    sum_in_millimetres = sum(parts_of_work.with_multiplier_as_c(phase, 1.0) for phase in _PHASES)
+    sum_in_metres = sum(parts_of_work.with_multiplier_as_c(phase, 1e-3) for phase in _PHASES)
+    slip_time = sum(formulas.integral_while_slipping(phase, x, np.ones_like) for phase in _PHASES)
+    real_time = sum(map(parts_of_work.time_with_real_arccosh, _PHASES))
+    numbers_of_arccosh = {
+        "share of time with a real arccosh": real_time / slip_time,
         "in millimetres": sum_in_millimetres,
         "in metres": sum_in_metres,
     }
 
-    sign_differs = printed_parts["printed JM"] < 0 < mended_parts["mended JM"]
     mended_sum = sum(mended_parts.values())
     printed_sum = sum(printed_parts.values())
     return {
-        "(23), (24), arccosh": _proof(mended_sum, sum_in_millimetres, 1.0, parts),
+        "(23), (24), arccosh": _proof(mended_sum, sum_in_millimetres, 1.0, numbers_of_arccosh),
         "(23), (24), sign": _proof(
-            mended_sum, printed_sum, 1.0, printed_parts | mended_parts, sign_differs
+            mended_sum,
+            printed_sum,
+            1.0,
+            printed_parts | mended_parts,
+            also_holds=printed_parts["printed JM"] < 0 < mended_parts["mended JM"],
         ),
         "(11)": _integral_over_face(case),
     }
@@ -664,20 +792,21 @@ def _integral_over_face(case: Case) -> VerdictAndNumbers:
     `case` is the paper's ellipse of loads on one profile.
     """
     fields = ("dissipation_density", "dissipation")
-    solution_as_is = case.solve(x=[1.0], fields=fields, steady=True)
-    solution_ten_times = case.scaled_ten_times().solve(x=[1.0], fields=fields, steady=True)
+    solution = case.solve(x=[1.0], fields=fields, steady=True)
+    large_solution = case.scaled_ten_times().solve(x=[1.0], fields=fields, steady=True)
     power_of_density = math.log10(
-        solution_ten_times.dissipation_density[0] / solution_as_is.dissipation_density[0]
+        large_solution.dissipation_density[0] / solution.dissipation_density[0]
     )
-    power_of_work = math.log10(solution_ten_times.dissipation / solution_as_is.dissipation)
-    # The integral in parts between the edges at events.
-    edges = (case.half_width_at(letter) for letter in "FGHIJ")
-    places_of_edges = sorted({case.stick_edge, case.outer_edge, *edges})
+    power_of_work = math.log10(large_solution.dissipation / solution.dissipation)
+    # W(x) has corners at the contact half-widths of the events: the integral in parts between them.
+    corners = sorted({case.stick_edge, case.outer_edge, *map(case.half_width_at, "FGHIJ")})
     parts_of_work = (
         integral(lambda x: sum_over_phases(case.density_of_phases(x)), begin, end)
-        for begin, end in pairwise(places_of_edges)
+        for begin, end in pairwise(corners)
     )
-    error = _relative_error(2 * sum(parts_of_work) * case.unit_work, case.steady_cycle.dissipation)
+    # twice: W(x) is even, and the integral is over x > 0
+    dissipation = 2 * sum(parts_of_work) * case.unit_work
+    error = _relative_error(dissipation, case.steady_cycle.dissipation)
     powers_hold = (
         abs(power_of_density - 1) <= AGREEMENT_TOLERANCE
         and abs(power_of_work - 2) <= AGREEMENT_TOLERANCE

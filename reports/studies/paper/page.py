@@ -48,13 +48,17 @@ class PaperReport:
 
 
 def statements(examples: Paper) -> tuple[Statement, ...]:
-    """Every statement of the paper, with verdicts."""
-    verdicts = judge_statements(examples)
-    return tuple(row(Statement, words, verdicts[words["key"]]) for words in WORDS["statement"])
+    """Every statement of the paper, in the order of paper.toml, with its verdict and numbers.
+    `examples` are the paper's two profiles, with their solutions.
+    """
+    verdict_of = judge_statements(examples)
+    return tuple(row(Statement, words, verdict_of[words["key"]]) for words in WORDS["statement"])
 
 
 def misprints(examples: Paper) -> tuple[Misprint, ...]:
-    """Every misprint of the paper, with proofs."""
+    """Every misprint of the paper, in the order of paper.toml, with its proof and numbers.
+    `examples` are the paper's two profiles, with their solutions.
+    """
     proof_of = prove_misprints(examples)
     return tuple(row(Misprint, words, proof_of[words["key"]]) for words in WORDS["misprint"])
 
@@ -66,8 +70,11 @@ def tally(rows: Sequence[Statement]) -> dict[str, int]:
 
 
 def write(out: str | Path, stages: Stages, command: str = "halfplane paper") -> PaperReport:
-    """Compute everything of the paper and fill the folder: page, tables of statements and misprints
-    as CSV, each figure as SVG and CSV.
+    """Compute everything of the paper and fill the folder `out`: a page, tables of statements and
+    misprints as CSV, each figure as SVG and CSV. Returns the rows of both tables and the path of
+    the page.
+
+    `stages` measures how long each part takes; `command` is stated on the page.
 
     Raises
     ------
@@ -85,15 +92,14 @@ def write(out: str | Path, stages: Stages, command: str = "halfplane paper") -> 
         (folder / "statements.csv").write_text(statement_table, encoding="utf-8")
         misprint_table = table_text(as_columns(misprint_rows, "misprint"))
         (folder / "misprints.csv").write_text(misprint_table, encoding="utf-8")
-        (folder / "figures").mkdir()
+        figure_folder = folder / "figures"
+        figure_folder.mkdir()
         with stages.stage("SVG and CSV"):
             for figure in figures:
-                (folder / "figures" / f"{figure.name}.svg").write_text(
-                    figure.svg(), encoding="utf-8"
-                )
-                (folder / "figures" / f"{figure.name}.csv").write_text(
-                    figure.csv(), encoding="utf-8"
-                )
+                svg_path = figure_folder / f"{figure.name}.svg"
+                svg_path.write_text(figure.svg(), encoding="utf-8")
+                csv_path = figure_folder / f"{figure.name}.csv"
+                csv_path.write_text(figure.csv(), encoding="utf-8")
         with stages.stage("page"):
             page_script, script_hash = script()
             page_text = template("paper.html").render(

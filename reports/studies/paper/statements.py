@@ -845,8 +845,10 @@ def _dependence_of_the_peak(paper: Paper) -> VerdictAndNumbers:
 
     At the least coefficient of friction W(x) has two maxima, and the largest jumps from the inner
     to the outer one as P0 grows. The numbers show the loads P0/P1 around the jump, and the places
-    of the peak: 0 at the stick edge, 1 at the contact edge. `paper` holds sweeps of both profiles over P0 in units of the amplitude P1,
-    each (m, k): friction along rows, P0/P1 along columns. Returns (verdict, numbers).
+    of the peak: 0 at the stick edge, 1 at the contact edge.
+
+    `paper` holds sweeps of both profiles over P0 in units of the amplitude P1, each (m, k):
+    friction along rows, P0/P1 along columns. Returns (verdict, numbers).
     """
     hertz_sweep, rounded_sweep = paper.sweeps
     # At constant P0 the peak goes as (P1/P0)^2 times what the sweep has at constant P1.

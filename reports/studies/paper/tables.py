@@ -61,27 +61,32 @@ VerdictAndNumbers = tuple[Any, dict[str, Any]]
 
 
 def fill_in(text: str, values: Mapping[str, Any]) -> str:
-    """A text of paper.toml with each {name:format} replaced by a number of `values`, by name.
+    """A text of paper.toml with each {name:format} replaced by the value of that name.
+
     Formats are Python's, or "small" for one digit. A name may hold any sign but : and braces.
 
     >>> fill_in("error {error at a/b:small}", {"error at a/b": 3.14e-15})
     'error 3e-15'
     """
 
-    def number(match: re.Match[str]) -> str:
-        """The number that stands for a name and a format in braces."""
-        value = values[match[1]]
-        if match[2] == "small":
-            return _small(value)
-        return format(value, match[2] or "")
+    def formatted_value(match: re.Match[str]) -> str:
+        """The value for a name and a format in braces, as text."""
+        name = match[1]
+        number_format = match[2]
+        if number_format == "small":
+            return _small(values[name])
+        return format(values[name], number_format or "")
 
-    return re.sub(r"\{([^{}:]+)(?::([^{}]*))?\}", number, text)
+    return re.sub(r"\{([^{}:]+)(?::([^{}]*))?\}", formatted_value, text)
 
 
-def row(kind: type[Row], words: Mapping[str, str], found: VerdictAndNumbers) -> Row:
-    """A row of either table: its words, then text, verdict and numbers."""
-    verdict, values = found
+def row(kind: type[Row], words: Mapping[str, str], judgement: VerdictAndNumbers) -> Row:
+    """A row of the statements or the misprints (`kind`): `words` are those of paper.toml by key,
+    whose "text" is filled in with the numbers of the judgement.
+    """
+    verdict, values = judgement
     numbers = {name: value for name, value in values.items() if not isinstance(value, str)}
+    # the last three fields are text, verdict and numbers
     cells: list[Any] = [words[field.name] for field in fields(kind)[:-3]]
     cells += [fill_in(words["text"], values), verdict, numbers]
     return kind(*cells)
@@ -100,8 +105,7 @@ def judge(holds: bool, nearly: bool = False) -> Verdict:
 
 def judge_number(computed: float, printed: float, digits: int, slack: float = 0.02) -> Verdict:
     """Verdict on a number that the paper prints: "confirmed" if `computed` rounds to `printed` at
-    `digits` decimals, "refined" if it differs by no more than the share `slack`, else
-    "contradicted".
+    `digits` decimals, "refined" if the relative difference is at most `slack`, else "contradicted".
 
     >>> (
     ...     judge_number(0.72705, 0.73, 2).value,
@@ -110,9 +114,8 @@ def judge_number(computed: float, printed: float, digits: int, slack: float = 0.
     ... )
     ('confirmed', 'refined', 'contradicted')
     """
-    return judge(
-        round(computed, digits) == printed, abs(computed - printed) <= slack * abs(printed)
-    )
+    rounds_to_printed = round(computed, digits) == printed
+    return judge(rounds_to_printed, nearly=abs(computed - printed) <= slack * abs(printed))
 
 
 def _small(value: float) -> str:
@@ -124,13 +127,14 @@ def _small(value: float) -> str:
     return "0" if value == 0 else f"{value:.0e}"
 
 
-def proves(right_error: float, printed_error: float) -> bool:
-    """Whether two relative errors prove a misprint.
+def proves(mended_error: float, printed_error: float) -> bool:
+    """Whether the relative errors of the mended and the printed formula prove a misprint.
 
     >>> proves(1e-12, 0.5), proves(1e-5, 0.5), proves(1e-12, 1e-6)
     (True, False, False)
     """
-    return bool(right_error <= AGREEMENT_TOLERANCE and not printed_error <= LEAST_MISPRINT_ERROR)
+    # not <=: a printed formula without a real value (NaN) counts as an error too
+    return bool(mended_error <= AGREEMENT_TOLERANCE and not printed_error <= LEAST_MISPRINT_ERROR)
 
 
 def proven_in_words(row: Misprint) -> str:
