@@ -1,5 +1,5 @@
-"""The command line `halfplane`: the tables of options and of commands, exit codes, what is said of
-a fault, streams and signals.
+"""The command line `halfplane`: the tables of options and of commands, exit codes, sentences on
+faults, streams and signals.
 
 A command is a row of `_COMMANDS`, and a function in a module of its own that is imported by its
 name when the command is called: so the command line reaches the studies without importing them.
@@ -37,7 +37,7 @@ from cyclopts import (
     UnknownOptionError,
     UnusedCliTokensError,
 )
-from cyclopts import Parameter as Words
+from cyclopts import Parameter as CommandLineParameter
 
 from reports.console import Console, Part, complain, say, show
 
@@ -63,35 +63,34 @@ def _whole_number(_: type, tokens: Sequence[Token]) -> int:
     try:
         return int(tokens[0].value)
     except ValueError:
-        # what reads options would round it
         raise ValueError(f"{tokens[0].value!r} is no whole number") from None
 
 
 # A number of things: nothing is rounded.
-_Count = Annotated[int, Words(converter=_whole_number)]
+_Count = Annotated[int, CommandLineParameter(converter=_whole_number)]
 
 
-def _option(words: str, *names: str) -> Words:
-    """An option with its words; with names other than that of its field."""
-    return Words(*names, help=words)
+def _option(words: str, *names: str) -> CommandLineParameter:
+    """An option: its help text `words`, and its `names` where they are not that of its field."""
+    return CommandLineParameter(*names, help=words)
 
 
-def _flag(words: str) -> Words:
+def _flag(words: str) -> CommandLineParameter:
     """A switch that has no opposite."""
-    return Words(negative="", help=words)
+    return CommandLineParameter(negative="", help=words)
 
 
-def _several(words: str) -> Words:
+def _several(words: str) -> CommandLineParameter:
     """An option with one value or many: `--vtu 1 2`, or the option again."""
-    return Words(consume_multiple=True, negative="", help=words)
+    return CommandLineParameter(consume_multiple=True, negative="", help=words)
 
 
-def _mesh(words: str) -> Words:
-    return Words(group=_MESH, help=words)
+def _mesh(words: str) -> CommandLineParameter:
+    return CommandLineParameter(group=_MESH, help=words)
 
 
-def _solver(words: str) -> Words:
-    return Words(group=_SOLVER, help=words)
+def _solver(words: str) -> CommandLineParameter:
+    return CommandLineParameter(group=_SOLVER, help=words)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -253,7 +252,7 @@ class Options:
         False
     )
     # init, scenes, schema
-    start: Annotated[
+    library_scene: Annotated[
         str,
         _option(
             "Copy this library scene, with the files it reads, instead of the commented example.",
@@ -272,33 +271,38 @@ class Options:
         _option("Only scenes that have this tag; again for scenes that have all of them."),
     ] = ()
 
-    def stated(self, names: Iterable[str]) -> dict[str, Any]:
-        """Name -> value, of those that are not None."""
+    def values_given(self, names: Iterable[str]) -> dict[str, Any]:
+        """Name -> value of the options `names` that are not None."""
         values = {name: getattr(self, name) for name in names}
         return {name: value for name, value in values.items() if value is not None}
 
     def command(self, name: str, operand: str, out: Path) -> str:
-        """The command line that repeats this run: command `name`, its operand, every option that
-        differs from its default but --json and --quiet, and the folder `out`.
+        """The command line that repeats this run: command `name`, its operand, the options that
+        differ from their defaults, and the folder `out`. --json, --quiet and --verbose are left
+        out, for they change no result. The operand is a scene or a file; "" where there is none.
 
         >>> Options(order=1, quiet=True).command("run", "hertz-paper", Path("out/first"))
         'halfplane run hertz-paper --order 1 --out out/first'
         """
-        command_words = ["halfplane", name, *([operand] if operand else [])]
+        command_words = ["halfplane", name]
+        if operand:
+            command_words.append(operand)
         for option in fields(self):
             value = getattr(self, option.name)
             if value == option.default or option.name in ("out", "json", "quiet", "verbose"):
                 continue
-            name = option.name.strip("_").replace("_", "-")
+            # as_ is written --as, and element_size --element-size
+            option_word = option.name.strip("_").replace("_", "-")
             if isinstance(value, bool):
-                command_words.append(f"--{name}" if value else f"--no-{name}")
+                command_words.append(f"--{option_word}" if value else f"--no-{option_word}")
             else:
                 values = value if isinstance(value, tuple) else (value,)
-                command_words += [f"--{name}", *map(str, values)]
+                command_words += [f"--{option_word}", *map(str, values)]
         return shlex.join([*command_words, "--out", str(out)])
 
     def settings(self) -> "tuple[MeshSettings, SolverSettings]":
-        """Settings of mesh and solver from these options; InputError for a value out of range.
+        """Settings of mesh and solver: the options that were given, and the defaults of the preset
+        and of the solver for all others. InputError for a value out of range.
 
         >>> mesh, _ = Options(preset="coarse", growth=0.2).settings()
         >>> mesh.edge_element_size, mesh.growth
@@ -307,31 +311,29 @@ class Options:
         from halfplane_fe import SolverSettings
         from meshes import MeshSettings
 
-        mesh_values = self.stated(_FINITE_ELEMENTS & MeshSettings.__dataclass_fields__.keys())
-        solver_values = self.stated(_FINITE_ELEMENTS & SolverSettings.__dataclass_fields__.keys())
-        mesh = replace(MeshSettings.preset(self.preset), **mesh_values)
-        return mesh, SolverSettings(**solver_values)
+        mesh_options = _FINITE_ELEMENT_OPTIONS & MeshSettings.__dataclass_fields__.keys()
+        solver_options = _FINITE_ELEMENT_OPTIONS & SolverSettings.__dataclass_fields__.keys()
+        mesh = replace(MeshSettings.preset(self.preset), **self.values_given(mesh_options))
+        return mesh, SolverSettings(**self.values_given(solver_options))
 
 
 _NAMES = [option.name for option in fields(Options)]
 _OUTPUT = ("out", "json", "quiet")
 # Sets of names, in their order above.
-_FINITE_ELEMENTS = dict.fromkeys(
+_FINITE_ELEMENT_OPTIONS = dict.fromkeys(
     _NAMES[_NAMES.index("preset") : _NAMES.index("max_iterations") + 1]
 ).keys()
 WORKERS = ("executor", "scheduler", "workers")
 
 
 class _Operand(NamedTuple):
-    """What a command is about: its name, kind, words and default (... where it must be given);
-    `alone`: never as an option.
-    """
+    """A positional argument of a command, such as the scene that it solves."""
 
     name: str
-    kind: Any
-    words: str
-    default: Any = ...
-    alone: bool = False
+    type: Any
+    help: str
+    default: Any = ...  # ...: it must be given
+    positional_only: bool = False  # True: it can't be written as an option (--name VALUE)
 
 
 @dataclass(frozen=True)
@@ -342,17 +344,19 @@ class _Command:
     group: str
     name: str
     help: str
-    does: str  # module of `reports` and its function, of the operands and of `Options`
+    # the function that does its work, as "module:function" with the module below `reports`; its
+    # arguments are the operands, then `Options`
+    function: str
     # operands, options: what it takes; an option with "!" must be given
     operands: tuple[_Operand, ...]
     options: tuple[str, ...]
-    # of options that mean something else than in the table
-    words: Mapping[str, str] = field(default_factory=dict)
-    silent: bool = False  # what --quiet prints: nothing at all
+    # help texts of options that mean something else here than in `Options`
+    help_of_option: Mapping[str, str] = field(default_factory=dict)
+    quiet_hides_answer: bool = False  # True: --quiet prints nothing; else it hides progress alone
 
 
 _SCENE_NAME = _Operand("scene", str, "Name of a library scene, or a .toml or .json file.")
-_FOLDER = _Operand("folder", Path, "Folder of a sweep.", alone=True)
+_FOLDER = _Operand("folder", Path, "Folder of a sweep.", positional_only=True)
 _SILENT = {"quiet": "Print nothing: the exit code is the answer."}
 # The list of commands by use, and within a group in this order.
 _COMMANDS = (
@@ -370,7 +374,7 @@ _COMMANDS = (
             "vtu",
             "stress",
             "third",
-            *_FINITE_ELEMENTS,
+            *_FINITE_ELEMENT_OPTIONS,
         ),
     ),
     _Command(
@@ -387,7 +391,7 @@ _COMMANDS = (
         "Finite elements alone: summary, NetCDF and CSV, no page.",
         "cli.solving:fe",
         (_SCENE_NAME,),
-        (*_OUTPUT, *_FINITE_ELEMENTS),
+        (*_OUTPUT, *_FINITE_ELEMENT_OPTIONS),
     ),
     _Command(
         "Solve",
@@ -405,7 +409,7 @@ _COMMANDS = (
             "fatemi_socie",
             "findley",
             "critical_distance",
-            *_FINITE_ELEMENTS,
+            *_FINITE_ELEMENT_OPTIONS,
         ),
     ),
     _Command(
@@ -481,7 +485,7 @@ _COMMANDS = (
         ),
         ("tolerance", "accept", "json", "quiet"),
         {"tolerance": 'KEY=VALUE of one value, or of many: "metric.*=1e-4".', **_SILENT},
-        silent=True,
+        quiet_hides_answer=True,
     ),
     _Command(
         "Judge",
@@ -516,9 +520,9 @@ _COMMANDS = (
         "Write a commented scene to start from, never over a file that exists.",
         "cli.scene_files:init",
         (_Operand("file", Path, "New file, ending in .toml."),),
-        ("start", "bodies", "profile", "quiet"),
+        ("library_scene", "bodies", "profile", "quiet"),
         {"quiet": "Print nothing."},
-        silent=True,
+        quiet_hides_answer=True,
     ),
     _Command(
         "Scenes",
@@ -528,7 +532,7 @@ _COMMANDS = (
         (_SCENE_NAME,),
         ("json", "quiet", "loop", "mapping", "picture"),
         _SILENT,
-        silent=True,
+        quiet_hides_answer=True,
     ),
     _Command(
         "Scenes",
@@ -541,7 +545,7 @@ _COMMANDS = (
                 str,
                 "Show this scene in detail: a name of the library, or a .toml or .json file.",
                 "",
-                alone=True,
+                positional_only=True,
             ),
         ),
         ("tag", "json"),
@@ -562,7 +566,7 @@ _COMMANDS = (
         (),
         _OUTPUT,
         {"out": "Folder whose disk and rights are checked; out if left out.", **_SILENT},
-        silent=True,
+        quiet_hides_answer=True,
     ),
 )
 
@@ -581,7 +585,7 @@ class Answer:
 
 
 # What a tolerance without a key is for: W, p0, a and c.
-_COMMON = ("dissipation", "largest_pressure", "largest_half_width", "permanent_stick")
+_MAIN_METRICS = ("dissipation", "largest_pressure", "largest_half_width", "permanent_stick")
 
 
 def share_of(text: str) -> float:
@@ -593,16 +597,17 @@ def share_of(text: str) -> float:
 
 
 def requested_tolerances(option_texts: Sequence[str]) -> dict[str, float]:
-    """Metric key -> tolerance, from the texts that the user wrote after `--tolerance`.
+    """Metric key -> relative tolerance (0.05 for 5 %), from the texts after `--tolerance`.
 
-    `5%` sets that of W, p0, a and c together, `KEY=VALUE` that of one metric; the last text for a
-    key counts. `KEY=none` makes it infinite: the metric is not judged.
+    `5%` sets the tolerance of the four main metrics together: dissipation, peak pressure,
+    half-width of the contact, half-width of the permanent stick zone. `KEY=VALUE` sets that of one
+    metric; the last text for a key counts. `KEY=none` makes it infinite: the metric is not judged.
 
     Raises
     ------
     InputError
-        For a key that is none, for what is no share above 0, and for 1 or more without the sign %:
-        5 may be meant as 5 %.
+        For an unknown key, for a value that is not a number above 0, and for a value of 1 or more
+        without the sign %: 5 may be meant as 5 %.
 
     Examples
     --------
@@ -618,7 +623,7 @@ def requested_tolerances(option_texts: Sequence[str]) -> dict[str, float]:
 
     tolerances: dict[str, float] = {}
     for option_text in option_texts:
-        key, equals, share_in_words = option_text.rpartition("=")
+        key, equals, tolerance_text = option_text.rpartition("=")
         if equals and key not in METRICS:
             known_names = list(METRICS)
             raise InputError(
@@ -626,33 +631,34 @@ def requested_tolerances(option_texts: Sequence[str]) -> dict[str, float]:
                 f" {key!r};{did_you_mean(key, known_names)}"
                 f" there are {', '.join(known_names)}"
             )
-        is_unjudged = bool(equals) and share_in_words.strip() == "none"
-        share = math.inf if is_unjudged else share_of(share_in_words)
-        if not is_unjudged and not 0 < share < math.inf:
+        is_unjudged = bool(equals) and tolerance_text.strip() == "none"
+        tolerance = math.inf if is_unjudged else share_of(tolerance_text)
+        if not is_unjudged and not 0 < tolerance < math.inf:
             raise InputError(
                 f"--tolerance {option_text}: write a share above 0, such as 5% or 0.05, or one of a"
                 " metric: dissipation=3%; dissipation=none leaves it unjudged"
             )
-        if not is_unjudged and share >= 1 and not share_in_words.endswith("%"):
-            alternatives = f"{key}{equals}{share:g}%, or {key}{equals}{100 * share:g}%"
+        if not is_unjudged and tolerance >= 1 and not tolerance_text.endswith("%"):
+            alternatives = f"{key}{equals}{tolerance:g}%, or {key}{equals}{100 * tolerance:g}%"
             raise InputError(
                 f"--tolerance {option_text}: a number without % is a share, and this is"
-                f" {100 * share:g} %; write {alternatives}"
+                f" {100 * tolerance:g} %; write {alternatives}"
             )
-        tolerances |= dict.fromkeys([key] if equals else _COMMON, share)
+        keys = [key] if equals else _MAIN_METRICS
+        tolerances |= dict.fromkeys(keys, tolerance)
     return tolerances
 
 
 # --------------------------------------------------------------------- streams, signals, exit codes
-# 0: within tolerance, or nothing to judge; 1: outside or undecided. As shells count: 130 is 128 +
-# SIGINT, 141 128 + SIGPIPE.
+# 0: within tolerance, or nothing to judge; 1: outside or undecided; 70: a fault of the program
+# itself. As shells count: 130 is 128 + SIGINT, 141 (nobody reads the output) 128 + SIGPIPE.
 WITHIN = 0
 OUTSIDE = 1
 _BAD_INPUT = 2
 NOT_CONVERGED = 3
-_INTERNAL = 70
+_PROGRAM_FAULT = 70
 INTERRUPTED = 130
-_UNREAD = 141
+_READER_GONE = 141
 
 
 @contextmanager
@@ -666,11 +672,8 @@ def ended_by_signals() -> Generator[list[int], None, None]:
         signals_received.append(number)
         raise KeyboardInterrupt
 
-    numbers = [
-        number
-        for name in ("SIGINT", "SIGTERM", "SIGHUP")
-        if (number := getattr(signal, name, None)) is not None
-    ]
+    names = ("SIGINT", "SIGTERM", "SIGHUP")  # not every system has SIGHUP
+    numbers = [getattr(signal, name) for name in names if hasattr(signal, name)]
     for number in numbers:
         if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
             signal.signal(number, end_program)
@@ -700,7 +703,7 @@ app = App(
     help="How wrong is the half-plane idealisation? One scene, two engines, one report.",
     help_epilogue=(TEMPLATES / "help.txt").read_text("utf-8"),
     help_format="plaintext",
-    default_parameter=Words(negative_iterable=()),  # no --empty-tag
+    default_parameter=CommandLineParameter(negative_iterable=()),  # no --empty-tag
     version=_version,
     suppress_keyboard_interrupt=False,
     exit_on_error=False,
@@ -713,28 +716,27 @@ app = App(
 
 def _function_of(command_row: _Command) -> Callable[..., int]:
     """The function that the command-line library calls for one command, made from its row in the
-    table of commands. Its signature has the command's operands, then its options as keywords; its
-    help texts are annotations. It calls the command's work, prints the answer and returns the exit
-    code.
+    table of commands. Its signature is what the library reads: operands (positional arguments, such
+    as the scene), then options as keywords, with the help texts as annotations. The function does
+    the command's work, prints the answer and returns the exit code.
     """
     option_by_name = {option.name: option for option in fields(Options)}
     parameters = []
     for operand in command_row.operands:
-        kind = Parameter.POSITIONAL_ONLY if operand.alone else Parameter.POSITIONAL_OR_KEYWORD
+        kind: Any = Parameter.POSITIONAL_OR_KEYWORD
+        if operand.positional_only:
+            kind = Parameter.POSITIONAL_ONLY
         default = Parameter.empty if operand.default is ... else operand.default
-        help_words = Words(help=operand.words)
-        parameters.append(
-            Parameter(
-                operand.name, kind, default=default, annotation=Annotated[operand.kind, help_words]
-            )
-        )
+        annotation: Any = Annotated[operand.type, CommandLineParameter(help=operand.help)]
+        parameters.append(Parameter(operand.name, kind, default=default, annotation=annotation))
     for option_name in command_row.options:
         option = option_by_name[option_name.rstrip("!")]
         default = Parameter.empty if option_name.endswith("!") else option.default
-        annotation: Any = option.type
-        if option.name in command_row.words:
-            help_words = Words(help=command_row.words[option.name], group="Parameters")
-            annotation = Annotated[option.type, help_words]
+        annotation = option.type
+        if option.name in command_row.help_of_option:
+            help_text = command_row.help_of_option[option.name]
+            help_here = CommandLineParameter(help=help_text, group="Parameters")
+            annotation = Annotated[option.type, help_here]
         parameters.append(
             Parameter(option.name, Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
         )
@@ -745,19 +747,21 @@ def _function_of(command_row: _Command) -> Callable[..., int]:
         bound_arguments = signature.bind(*operands, **options)
         bound_arguments.apply_defaults()
         values = dict(bound_arguments.arguments)
-        subjects = [values.pop(operand.name) for operand in command_row.operands]
-        chosen_options = Options(**values)
-        module, _, name = command_row.does.partition(":")
-        do_command = getattr(import_module(f"reports.{module}"), name)
-        return _print_answer(command_row, do_command(*subjects, chosen_options), chosen_options)
+        operand_values = [values.pop(operand.name) for operand in command_row.operands]
+        option_values = Options(**values)
+        module, _, function_name = command_row.function.partition(":")
+        do_command = getattr(import_module(f"reports.{module}"), function_name)
+        answer = do_command(*operand_values, option_values)
+        return _print_answer(command_row, answer, option_values)
 
     command.__signature__ = signature  # type: ignore[attr-defined]
     return command
 
 
 def _print_answer(command_row: _Command, answer: Answer, options: Options) -> int:
-    """Print the answer of a command and return its exit code: lines and tables for the terminal, or
-    with --json one document whose numbers are finite or null. No other function prints answers.
+    """Print the answer of a command and return its exit code. It prints lines and tables, or with
+    --json one JSON object on stdout, in which numbers that are not finite are null. No other
+    function prints answers.
     """
     if options.json and answer.content is not None:
         from reports.comparison.json_values import strict
@@ -770,7 +774,7 @@ def _print_answer(command_row: _Command, answer: Answer, options: Options) -> in
             "result": answer.content(),
         }
         say(json.dumps(strict(content), allow_nan=False, indent=1))
-    elif not (options.quiet and command_row.silent):
+    elif not (options.quiet and command_row.quiet_hides_answer):
         show(answer.parts)
     return answer.code
 
@@ -801,8 +805,8 @@ _NEW_OBJECTS = 200_000
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return its exit code. Without `arguments` they are those of the
-    process, whose streams and signals are then handled too.
+    """Run the command line and return its exit code. `arguments` are the words after `halfplane`.
+    Without them those of the process are taken, and its streams and signals are handled too.
     """
     if arguments is not None:
         return Context().run(_run, list(arguments))
@@ -811,7 +815,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            # of signs that the terminal's encoding lacks
+            # signs that the terminal's encoding lacks are printed as escapes
             stream.reconfigure(errors="backslashreplace")
     with ended_by_signals() as signals_received:
         code = WITHIN
@@ -820,11 +824,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
             sys.stdout.flush()
         except BrokenPipeError:
             _drop_unwritten()
-            return _UNREAD
+            return _READER_GONE
         except OSError as reason:
             _drop_unwritten()
             if code == WITHIN:  # nothing has been reported yet
-                code = _refused(
+                code = _print_refusal(
                     f"the answer could not be written to stdout: {reason.strerror}; see to that and"
                     " ask again"
                 )
@@ -832,7 +836,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             code = INTERRUPTED
         finally:
             gc.freeze()  # the process ends here: looking for garbage once more is left out
-        return 128 + signals_received[0] if code == INTERRUPTED and signals_received else code
+        if code == INTERRUPTED and signals_received:
+            return 128 + signals_received[0]  # the convention of shells
+        return code
 
 
 def _drop_unwritten() -> None:
@@ -843,19 +849,19 @@ def _drop_unwritten() -> None:
 
 
 def _run(tokens: list[str], signals_received: Sequence[int] = ()) -> int:
-    """Exit code of a command line given as `tokens`; whatever is refused or goes wrong is printed
-    as one sentence. `signals_received` holds the signals until now.
+    """Run the command line `tokens` and return its exit code. What is refused or goes wrong is
+    printed as one sentence on stderr. `signals_received` is filled when a signal comes.
     """
     try:
         if any(token == "" or (token.startswith("--") and token.endswith("=")) for token in tokens):
-            return _refused(
+            return _print_refusal(
                 "one of the arguments is empty: is a variable of the shell not set? Give a value,"
                 " or leave it out"
             )
         with _warnings_in_sentences():
             return int(app(tokens) or WITHIN)
     except KeyboardInterrupt as stop:
-        return _interrupted(str(stop))
+        return _print_interruption(str(stop))
     except BrokenPipeError:
         raise
     # The outermost door: nothing may leave it but an exit code.
@@ -871,6 +877,7 @@ def _warnings_in_sentences() -> Generator[None, None, None]:
     sentences_printed: set[str] = set()
 
     def show(message: Warning | str, category: type[Warning], *_place: Any, **_names: Any) -> None:
+        """Print a warning, unless the same sentence was printed before; `warnings` calls it."""
         sentence = f"halfplane: warning: {_one_line(str(message))} ({category.__name__})"
         if sentence not in sentences_printed:
             sentences_printed.add(sentence)
@@ -882,58 +889,63 @@ def _warnings_in_sentences() -> Generator[None, None, None]:
 
 
 def _report_fault(fault: Exception, tokens: list[str], signals_received: Sequence[int]) -> int:
-    """Print what went wrong in a command line (`tokens`), the exception `fault`, as one sentence on
-    stderr, and return the exit code for it. `signals_received` holds the signals until now.
+    """Print the exception `fault` of the command line `tokens` as one sentence on stderr, and
+    return the exit code for it. `signals_received` holds the signals until now.
     """
     # scenes is heavy: it is imported when it must have been imported already, never for --help.
     if isinstance(fault, ValueError | RuntimeError):
         from scenes import ConvergenceError, InputError
 
         if isinstance(fault, InputError):
-            return _refused(f"{_one_line(str(fault))}{_notes_of(fault)}")
+            return _print_refusal(f"{_one_line(str(fault))}{_notes_of(fault)}")
         if isinstance(fault, ConvergenceError):
-            _refused(f"not converged: {_one_line(str(fault))}")
+            _print_refusal(f"not converged: {_one_line(str(fault))}")
             return NOT_CONVERGED
     if isinstance(fault, CycloptsError):
-        return _refused(_misspelt(fault))
+        return _print_refusal(_sentence_on_command_line(fault))
     if isinstance(fault, MemoryError):
         cause = f" ({_one_line(str(fault))})" if str(fault) else ""
         cure = "ask for a coarser mesh, fewer steps or fewer instants"
-        return _refused(f"there is not enough memory for this{cause}; {cure}{_notes_of(fault)}")
+        return _print_refusal(
+            f"there is not enough memory for this{cause}; {cure}{_notes_of(fault)}"
+        )
     if isinstance(fault, OSError):  # that no door has words for
         place = "a file: "
         if isinstance(fault.filename, str | bytes):
             place = f"{_one_line(os.fsdecode(fault.filename))}: "
-        return _refused(
+        return _print_refusal(
             f"cannot read or write {place}{fault.strerror or _one_line(str(fault))}; mend that and"
             f" run the command again{_notes_of(fault)}"
         )
     # Compiled modules and locks make another error of Ctrl-C.
-    return _interrupted("") if signals_received else _internal(fault, tokens)
+    return _print_interruption("") if signals_received else _print_program_fault(fault, tokens)
 
 
-def _interrupted(sentence: str) -> int:
-    _refused(f"interrupted; {sentence or 'nothing was written'}")
+def _print_interruption(sentence: str) -> int:
+    _print_refusal(f"interrupted; {sentence or 'nothing was written'}")
     return INTERRUPTED
 
 
-def _internal(fault: Exception, tokens: Sequence[str]) -> int:
-    """Report an exception that is a fault of the program itself: one sentence, and where its
-    traceback was written. `tokens` are the words of the command line. Returns the exit code.
+def _print_program_fault(fault: Exception, tokens: Sequence[str]) -> int:
+    """Print an exception that is a fault of the program itself: one sentence on stderr, which says
+    where its traceback was written. `tokens` are the words of the command line. Returns the exit
+    code.
     """
+    command_line = shlex.join(["halfplane", *tokens])
     lines = [
-        time.strftime("%Y-%m-%d %H:%M:%S %z  ") + shlex.join(["halfplane", *tokens]),
+        time.strftime("%Y-%m-%d %H:%M:%S %z  ") + command_line,
         *traceback.format_exception(fault),
     ]
     place = _keep_traceback("\n".join(line.rstrip("\n") for line in lines) + "\n")
     message = textwrap.shorten(str(fault), 200, placeholder=" ...").rstrip(".")
-    kind = type(fault).__name__
-    error = f"{kind}: {message}" if message else kind
-    _refused(
+    error = type(fault).__name__
+    if message:
+        error += f": {message}"
+    _print_refusal(
         f"internal error, a fault of halfplane: {error}{_notes_of(fault)}; the traceback is"
         f" {place}: please report it"
     )
-    return _INTERNAL
+    return _PROGRAM_FAULT
 
 
 def _notes_of(fault: Exception) -> str:
@@ -945,8 +957,8 @@ def _notes_of(fault: Exception) -> str:
 
 def _keep_traceback(text: str) -> str:
     """Write a traceback to run.log of the output folder; where that fails, to a file in the
-    temporary folder; else to stderr. Returns a phrase that says where it is, such as "in
-    out/run.log".
+    temporary folder; where that fails too, to stderr. Returns where it is, for a sentence: "in
+    out/run.log", or "above" on stderr.
     """
     with suppress(Exception):  # where the folder can't take it, the next place does
         from reports.folder import add_to_log, output_folder
@@ -965,7 +977,7 @@ def _keep_traceback(text: str) -> str:
         return "above"
 
 
-def _refused(sentence: str) -> int:
+def _print_refusal(sentence: str) -> int:
     complain(f"halfplane: {sentence}")
     return _BAD_INPUT
 
@@ -974,36 +986,31 @@ def _one_line(text: str) -> str:
     return " ".join(text.split()).rstrip(".")
 
 
-def _misspelt(fault: CycloptsError) -> str:
-    """One sentence on what is wrong with a command line that can't be read, for the exception
-    `fault` of the command-line library: the unknown word, the nearest known one, and what to do.
+def _sentence_on_command_line(fault: CycloptsError) -> str:
+    """One sentence on what is wrong with a command line that can't be read: the unknown word, the
+    nearest known word, and which help lists them. `fault` is the exception of the command-line
+    library.
     """
     if isinstance(fault, UnknownCommandError):
-        unused_words = list(fault.unused_tokens or [""])
-        is_option = unused_words[0].startswith("-")
-        suggestion = _nearest_word(
-            unused_words[0],
-            [known_word for known_word in app if known_word.startswith("-") is is_option],
-        )
-        return (
-            f"there is no {'option' if is_option else 'command'} {unused_words[0]!r};"
-            f" {suggestion}`halfplane --help` lists them"
-        )
+        unknown_word = next(iter(fault.unused_tokens or [""]))
+        is_option = unknown_word.startswith("-")
+        kind = "option" if is_option else "command"
+        known_words = [word for word in app if word.startswith("-") is is_option]
+        suggestion = _nearest_word(unknown_word, known_words)
+        return f"there is no {kind} {unknown_word!r}; {suggestion}`halfplane --help` lists them"
     chain = list(fault.command_chain or ())
     command = " ".join(chain) or "halfplane"
     help_of_command = f"`{' '.join(['halfplane', *chain])} --help`"
     if isinstance(fault, UnknownOptionError):
-        word = (fault.token.keyword or fault.token.value).split("=", 1)[0]
-        options = {
-            option
+        unknown_word = (fault.token.keyword or fault.token.value).split("=", 1)[0]
+        known_options = {
+            name
             for argument in fault.argument_collection
-            for option in argument.names
-            if option.startswith("--")
+            for name in argument.names
+            if name.startswith("--")
         }
-        return (
-            f"{command} has no option {word}; {_nearest_word(word, options)}{help_of_command}"
-            " lists them"
-        )
+        suggestion = _nearest_word(unknown_word, known_options)
+        return f"{command} has no option {unknown_word}; {suggestion}{help_of_command} lists them"
     if isinstance(fault, UnusedCliTokensError):
         words_left_over = " ".join(fault.unused_tokens or [])
         suggestion = _suggestion_for_unused(fault, chain)
@@ -1026,8 +1033,8 @@ def _misspelt(fault: CycloptsError) -> str:
 
 
 def _suggestion_for_unused(fault: UnusedCliTokensError, chain: Sequence[str]) -> str:
-    """A suggestion for an error message on words that a command does not take ("did you mean ...?
-    "), ending in a blank; "" where no known word is near.
+    """A suggestion for an error message on words that a command does not take, ending in a blank:
+    "did you mean ...? ", or the command line to write. "" where no known word is near.
 
     `chain` is the command with the names of its subcommands. The command `sweep` takes a misspelt
     subcommand for the name of a study, so that the words behind it are what is left over.

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 from reports.cli.application import WITHIN, Answer, Options
 from reports.cli.solving import (
     Job,
-    at_work,
     load_engines,
     require_drawing,
     require_times,
     solve_finite_elements,
+    solving_command,
 )
 from reports.console import Part, Sheet, Stages
 
@@ -32,13 +32,15 @@ if TYPE_CHECKING:
 _ROWS = 12
 
 
-def named(options: Options) -> tuple[str, ...]:
-    """Words of --at; the events where neither a series nor times are given."""
-    return options.at or (() if _series(options) else ("events",))
+def words_of_at(options: Options) -> tuple[str, ...]:
+    """The words after --at; "events" where neither a series nor times are given."""
+    if options.at or _has_series(options):
+        return options.at
+    return ("events",)
 
 
-def _series(options: Options) -> bool:
-    """Whether files for ParaView are wanted over the whole cycle."""
+def _has_series(options: Options) -> bool:
+    """Whether the options ask for a series of instants over the last cycle."""
     return options.every is not None or options.frames is not None
 
 
@@ -53,16 +55,16 @@ def _criteria(options: Options) -> Criteria | None:
     return criteria if options.fatigue or criteria != Criteria() else None
 
 
-@at_work
+@solving_command
 def fields(job: Job) -> Answer:
     """The command `fields`: solve by finite elements, then write displacement, stress and tractions
-    of both bodies to files, with pictures and fatigue measures on request.
+    of both bodies to files for ParaView, with pictures and fatigue measures.
     """
     from reports.field_output import files
 
     scene = job.scene
     stages = job.stages
-    options = replace(job.options, at=named(job.options))
+    options = replace(job.options, at=words_of_at(job.options))
     job = replace(job, options=options)
     files.require_series(options.every, options.frames)
     criteria = _criteria(options)
@@ -102,7 +104,7 @@ class _Request:
     instants
         those whose fields are written, in the order of time
     times_drawn
-        times of those of which pictures are drawn, named by --at
+        times of those of which pictures are drawn, given as --at
     notes
         sentences on the choice of instants
     criteria
@@ -116,21 +118,22 @@ class _Request:
 
 
 def _request(job: Job, solution: FiniteElementSolution, criteria: Criteria | None) -> _Request:
-    """What the options of `fields` ask for: instants over the last cycle (--every, --frames) and
-    those named by --at, each once.
+    """What the options of `fields` ask for: the instants of a series over the last cycle (--every,
+    --frames) and those of --at, each once, in order of time; those of --at are drawn.
     """
     from reports.field_output import files
 
     options = job.options
-    named_instants = files.instants_of(options.at, solution, "--at")
-    series: Sequence[Instant] = ()
+    instants_of_at = files.instants_of(options.at, solution, "--at")
+    instants_of_series: Sequence[Instant] = ()
     notes: list[str] = []
-    if _series(options):
-        series, notes = files.series_of(solution, options.every, options.frames)
-    # one that is in the series too has the label that --at gives it
-    instant_by_time = {instant.time: instant for instant in (*series, *named_instants)}
-    instants = [instant_by_time[time] for time in sorted(instant_by_time)]
-    times_drawn = frozenset(instant.time for instant in named_instants)
+    if _has_series(options):
+        instants_of_series, notes = files.series_of(solution, options.every, options.frames)
+    # an instant that is in both has the label that --at gives it
+    instant_at_time = {instant.time: instant for instant in instants_of_series}
+    instant_at_time |= {instant.time: instant for instant in instants_of_at}
+    instants = [instant_at_time[time] for time in sorted(instant_at_time)]
+    times_drawn = frozenset(instant.time for instant in instants_of_at)
     return _Request(instants, times_drawn, notes, criteria)
 
 
@@ -145,52 +148,53 @@ def _write_files(
     job: Job, solution: FiniteElementSolution, request: _Request
 ) -> tuple[dict[str, Any], list[tuple[Instant, Snapshot]]]:
     """Write the fields at the requested instants as files for ParaView, a table of fatigue measures
-    if there are any, and fields.json.
+    if the request has criteria, and fields.json.
 
-    Returns the content of fields.json, and each instant that pictures are drawn of, with
-    displacement and stress of both bodies there.
+    Returns the content of fields.json; and a pair for each instant that pictures are drawn of, with
+    its snapshot: displacement and stress of both bodies at that instant.
     """
     from reports.field_output import fatigue, files
     from reports.folder import filled
 
     stages = job.stages
-    stated_values: list[dict[str, Any]] = []
+    values_of_instants: list[dict[str, Any]] = []
     snapshots_drawn: list[tuple[Instant, Snapshot]] = []
 
     def noted_snapshots() -> Generator[Snapshot, None, None]:
-        """Displacement and stress at each instant, one by one, as they are written. Values that
-        are stated of each are collected, and those that are drawn are kept.
+        """The snapshots, one by one, as they are written: few fit into memory at once. The values
+        that fields.json states of each are collected, and the snapshots to draw are kept.
         """
         snapshots = files.snapshots_of(solution, request.instants)
         for instant, snapshot in zip(request.instants, snapshots, strict=True):
-            stated_values.append(files.stated(instant, snapshot))
+            values_of_instants.append(files.stated(instant, snapshot))
             if instant.time in request.times_drawn:
                 snapshots_drawn.append((instant, snapshot))
             yield snapshot
 
     with filled(job.folder, fresh=("fields/", "pictures/")) as staging:
         folder = staging / "fields"
-        with stages.stage("files for ParaView", "instants") as report:
+        with stages.stage("files for ParaView", "instants") as show_progress:
             names = files.write_fields(
-                solution, noted_snapshots(), folder, report, len(request.instants)
+                solution, noted_snapshots(), folder, show_progress, len(request.instants)
             )
-        written_names = [f"fields/{name}" for name in names]
-        measures: dict[str, Any] = {}
+        file_names = [f"fields/{name}" for name in names]
+        fatigue_content: dict[str, Any] = {}
         if request.criteria is not None:
             with stages.stage("measures of fatigue"):
-                places = fatigue.survey(solution, request.criteria)
-            places.to_csv(folder / "fatigue.csv", index=False, float_format="%.9g")
-            written_names.append("fields/fatigue.csv")
-            measures = {"fatigue": fatigue.largest(places)}
+                # fatigue measures at places beside the contact
+                table_of_places = fatigue.survey(solution, request.criteria)
+            table_of_places.to_csv(folder / "fatigue.csv", index=False, float_format="%.9g")
+            file_names.append("fields/fatigue.csv")
+            fatigue_content = {"fatigue": fatigue.largest(table_of_places)}
         content = files.record(
             solution,
             command=job.options.command("fields", job.source, job.folder),
-            instants=stated_values,
+            instants=values_of_instants,
             notes=request.notes,
-            files=written_names,
+            files=file_names,
             pictures=[],
             seconds=dict(stages.seconds),
-            **measures,
+            **fatigue_content,
         )
         (folder / "fields.json").write_text(_json_text(content), encoding="utf-8")
     return content, snapshots_drawn
@@ -202,8 +206,8 @@ def _with_pictures(
     content: dict[str, Any],
     snapshots: Sequence[tuple[Instant, Snapshot]],
 ) -> dict[str, Any]:
-    """Draw pictures of the instants with their `snapshots`, and name them in fields.json; returns
-    its new content.
+    """Draw pictures of the instants with their `snapshots` (displacement and stress of both
+    bodies), and name them in fields.json. `content` is that of fields.json; returns the new one.
     """
     from reports.folder import filled, replace_text
 
@@ -222,17 +226,19 @@ def _parts(
     measures: Sequence[dict[str, Any]],
     pvd_file: str,
 ) -> Iterator[Part]:
-    """What the terminal shows of field output: a row for each instant with its largest nodal stress
-    (of many instants the worst alone), notes, fatigue measures, what was written.
+    """What the terminal shows of field output: a row for each instant with its largest nodal von
+    Mises stress (of many instants the one with the largest), notes, fatigue measures, what was
+    written.
 
     Parameters
     ----------
     instants
-        stated values of each instant, as in fields.json
+        values of each instant, as in fields.json: time, loads, largest nodal stresses, tension
     files
         names of the files that were written
     measures
-        largest value of each fatigue measure in each body; empty without any
+        as in fields.json: an entry for each fatigue measure and body with its largest value by
+        both engines; empty where no fatigue measure was asked for
     pvd_file
         path of the collection that ParaView opens
     """
@@ -243,7 +249,7 @@ def _parts(
     unit_of_load = load_unit(scene)
     instants_listed = instants
     if len(instants) > _ROWS:
-        instants_listed = [max(instants, key=lambda row: row["largest_nodal_von_mises"]["value"])]
+        instants_listed = [max(instants, key=_largest_stress)]
     rows_of_instants = [_row_of_instant(instant) for instant in instants_listed]
     heads_of_instants = (
         "instant",
@@ -258,7 +264,7 @@ def _parts(
         f"places x, y in {unit_of_length}, on the undeformed bodies; tension: the largest stress"
         " along a face at an edge of contact"
     )
-    yield NO_PEAK
+    yield NO_PEAK  # a sentence: stresses are values at nodes
     if len(instants_listed) < len(instants):
         yield (
             f"shown: of {len(instants)} instants the one with the largest stress; all are in"
@@ -291,25 +297,25 @@ def _parts(
 def _largest_measures(
     measures: Sequence[dict[str, Any]], unit_of_stress: str
 ) -> list[tuple[str, ...]]:
-    """Rows of a table of fatigue measures: name, largest value by theory, largest value by finite
-    elements, their difference, and its place. Each measure is that of the body in which it is
-    larger by finite elements.
+    """Rows of a table of fatigue measures: name and unit, largest value by theory, largest value by
+    finite elements (FE), their difference FE/theory - 1, and the place of the value by FE.
 
-    `measures` holds the largest values of each measure in each body.
+    `measures` holds an entry for each measure and body. Of the two bodies the row states that with
+    the larger value by FE.
     """
     from reports.units import minus
 
     rows: list[tuple[str, ...]] = []
-    for name in dict.fromkeys(row["measure"] for row in measures):
-        rows_of_measure = [row for row in measures if row["measure"] == name]
-        largest_row = max(rows_of_measure, key=lambda row: row["finite_elements"]["value"])
-        value_of_theory = largest_row["theory"]["value"]
-        value_of_elements = largest_row["finite_elements"]["value"]
-        unit = "–" if name == "Fatemi-Socie" else unit_of_stress
-        difference = (
-            f"{100 * (value_of_elements / value_of_theory - 1):+.2f} %" if value_of_theory else "–"
-        )
-        place_in_words = f"{_place(largest_row['finite_elements'])}, {largest_row['body']}"
+    for name in dict.fromkeys(entry["measure"] for entry in measures):
+        entries_of_bodies = [entry for entry in measures if entry["measure"] == name]
+        largest_entry = max(entries_of_bodies, key=lambda entry: entry["finite_elements"]["value"])
+        value_of_theory = largest_entry["theory"]["value"]
+        value_of_elements = largest_entry["finite_elements"]["value"]
+        unit = "–" if name == "Fatemi-Socie" else unit_of_stress  # a strain
+        difference = "–"
+        if value_of_theory:
+            difference = f"{100 * (value_of_elements / value_of_theory - 1):+.2f} %"
+        place_in_words = f"{_place(largest_entry['finite_elements'])}, {largest_entry['body']}"
         rows.append(
             (
                 f"{name} [{unit}]",
@@ -327,9 +333,14 @@ def _place(value_at: dict[str, Any]) -> str:
     return f"({_rounded(value_at['x'])}, {_rounded(value_at['y'])})"
 
 
+def _largest_stress(instant: dict[str, Any]) -> float:
+    """Largest nodal von Mises stress at an instant [stress]."""
+    return float(instant["largest_nodal_von_mises"]["value"])
+
+
 def _row_of_instant(instant: dict[str, Any]) -> tuple[str, ...]:
-    """Cells of a written instant: label, time, P, Q, largest nodal stress and tension at the edge
-    of contact, both with their places.
+    """Cells of a row on an instant: label, time, P, Q, largest nodal von Mises stress, and tension
+    at the edge of contact, both with their places. `instant` holds its values as in fields.json.
     """
     from reports.comparison.words import with_uncertainty
     from reports.units import number
@@ -353,33 +364,37 @@ def _rounded(place: float) -> str:
 
 def _draw(
     solution: FiniteElementSolution,
-    stills: Sequence[tuple[Instant, Snapshot]],
+    instants_and_snapshots: Sequence[tuple[Instant, Snapshot]],
     folder: Path,
     stages: Stages,
 ) -> list[str]:
-    """Draw the mesh, and the von Mises stress of each snapshot, as SVG files in the new `folder`;
-    returns the names of the files. `stills` are the instants with their fields.
+    """Draw the mesh, and the von Mises stress at each instant, as SVG files in the new `folder`.
+    Returns the names of the files below the folder of the run. A snapshot is displacement and
+    stress of both bodies at its instant.
     """
-    with stages.stage("pictures", "pictures") as report:
+    with stages.stage("pictures", "pictures") as show_progress:
         import numpy as np
 
         from reports.comparison.dimensionless import scales as reference_scales
-        from reports.field_output.pictures import mesh, scales_of, stress
+        from reports.field_output import pictures
 
         folder.mkdir()
         contact_edge = float(np.nanmax(solution.contact_edges))
         half_width = reference_scales(solution).half_width
-        picture_of_mesh = mesh(solution.bodies, half_width, contact_edge, named=True)
-        names = [_write_picture(picture_of_mesh, folder)]
-        scales = scales_of([snapshot for _, snapshot in stills])
-        for number, (instant, snapshot) in enumerate(stills):
-            report(number + 1, len(stills) + 1, f"time {snapshot.time:.6g}")
-            plate = stress(solution, [snapshot], [instant], scales, f"von_mises_{number:03d}", 1000)
-            names.append(_write_picture(plate, folder))
+        figure = pictures.mesh(solution.bodies, half_width, contact_edge, named=True)
+        names = [_write_picture(figure, folder)]
+        # all figures have the same scales of stress and displacement
+        scales = pictures.scales_of([snapshot for _, snapshot in instants_and_snapshots])
+        n_figures = 1 + len(instants_and_snapshots)
+        for number, (instant, snapshot) in enumerate(instants_and_snapshots):
+            show_progress(number + 1, n_figures, f"time {snapshot.time:.6g}")
+            name = f"von_mises_{number:03d}"
+            figure = pictures.stress(solution, [snapshot], [instant], scales, name, pixels=1000)
+            names.append(_write_picture(figure, folder))
     return names
 
 
-def _write_picture(plate: Plate, folder: Path) -> str:
-    """Write a figure as SVG that stands alone; returns its name below the folder of the run."""
-    (folder / f"{plate.name}.svg").write_text(plate.svg(), encoding="utf-8")
-    return f"pictures/{plate.name}.svg"
+def _write_picture(figure: Plate, folder: Path) -> str:
+    """Write a figure as an SVG file; returns its name below the folder of the run."""
+    (folder / f"{figure.name}.svg").write_text(figure.svg(), encoding="utf-8")
+    return f"pictures/{figure.name}.svg"

@@ -1,4 +1,4 @@
-"""The commands about this machine: can it do the work, and words for its shell."""
+"""The command about this machine: can it do the work?"""
 
 from __future__ import annotations
 
@@ -77,7 +77,10 @@ def examine(out: str | Path = "out") -> tuple[Finding, ...]:
             "Python", sys.version_info >= (3, 11), f"{python_version()} on {system()} {processor()}"
         ),
         Finding("packages", *_packages()),
-        Finding("gmsh", *_run_apart(_GMSH, "it needs the Debian packages that the README lists")),
+        Finding(
+            "gmsh",
+            *_run_in_own_process(_GMSH, "it needs the Debian packages that the README lists"),
+        ),
         Finding("off-screen rendering", *drawing()),
         Finding("output folder", *_folder(out)),
     )
@@ -85,12 +88,12 @@ def examine(out: str | Path = "out") -> tuple[Finding, ...]:
 
 def drawing() -> tuple[bool, str]:
     """Whether pictures can be drawn without a screen, and what was found."""
-    return _run_apart(_SCREEN, "only field pictures need it")
+    return _run_in_own_process(_SCREEN, "only field pictures need it")
 
 
 def _packages() -> tuple[bool, str]:
-    """Whether all packages that the program needs are installed, and in words their versions and
-    which are missing.
+    """Whether all packages that the program needs are installed; and a text that lists their
+    versions, then the names of those that are missing.
     """
     version_of = {}
     for name in _PACKAGES:
@@ -103,11 +106,11 @@ def _packages() -> tuple[bool, str]:
     return not missing_packages, packages_in_words
 
 
-def _run_apart(program: str, hint: str) -> tuple[bool, str]:
-    """Run a Python `program` in a process of its own: whether it ended well, and the last line that
-    it printed, or its last line of error with the `hint`.
+def _run_in_own_process(program: str, hint: str) -> tuple[bool, str]:
+    """Run the source text of a Python program in a process of its own. Returns whether it ended
+    well, and the last line that it printed; after a failure its last line on stderr and the `hint`.
 
-    A library that brings its process down must not take the doctor along.
+    A library that brings its process down must not take this one along.
     """
     command = [sys.executable, "-c", program]
     with tempfile.TemporaryDirectory() as folder:
@@ -120,7 +123,7 @@ def _run_apart(program: str, hint: str) -> tuple[bool, str]:
     printed_lines = process.stdout.strip().splitlines()
     if process.returncode == 0 and printed_lines:
         return True, printed_lines[-1]
-    if process.returncode == 0:  # its last statement prints: it never came so far
+    if process.returncode == 0:  # the last statement prints: the program never came so far
         return False, f"ended before its check was done; {hint}"
     error_lines = process.stderr.strip().splitlines()
     reason = error_lines[-1] if error_lines else f"ended with code {process.returncode}"

@@ -32,9 +32,11 @@ if TYPE_CHECKING:
 
 # ------------------------------------------------------------------------------- an external result
 def score(result: str | None, options: Options) -> Answer:
-    """The command `score`: compare the result of another program, or a measured loop, in a file or
-    each file of a folder, with the reference solution of a scene. Its answer has the verdict,
-    likely causes of the difference, and the page.
+    """The command `score`: compare an external result with the reference solution of a scene. The
+    answer has the verdict, likely causes of the difference, and the page.
+
+    `result` is the path of a file of tractions, of a folder of such files from several meshes, or
+    of a measured loop of Q over U (--as loop). None with --mapping-example alone.
     """
     from scenes import ConvergenceError, InputError
 
@@ -99,8 +101,8 @@ def _check_loop_options(path: Path, options: Options) -> None:
 
 
 def _folder_of(path: Path, is_loop: bool) -> Path:
-    """The default output folder of a score: out/score-NAME for a result file NAME.csv. `is_loop`
-    says that the result is a measured loop.
+    """The default output folder of the command `score`: out/score-NAME for a result file NAME.csv.
+    `is_loop` says that the result is a measured loop.
 
     Raises
     ------
@@ -115,8 +117,9 @@ def _folder_of(path: Path, is_loop: bool) -> Path:
     folder = default_folder(f"score-{path.resolve().stem}")
     for name, holds_loop in (("comparison.json", False), ("loop.json", True)):
         try:
-            score = parsed_json(text_of(folder / name, "the score"))
-            command_words = shlex.split(score["command"])
+            earlier_score = parsed_json(text_of(folder / name, "the score"))
+            command_words = shlex.split(earlier_score["command"])
+            # the operand of `score` is its result file
             earlier_path = Path(command_words[command_words.index("score") + 1])
         except (OSError, InputError, ValueError, KeyError, IndexError, TypeError):
             continue  # not there, or not of a score
@@ -138,9 +141,11 @@ def _score_tractions(
     folder: Path,
     command: str,
 ) -> Answer:
-    """The answer on external results at `path`: score, likely causes of the difference,
-    uncertainties of the inputs, page; files of a folder as a mesh study.
+    """The answer on an external result, the file or folder at `path`: values against the
+    reference, likely causes of the difference, uncertainties of the inputs, page. The files of a
+    folder are results on several meshes, which are compared as a mesh study.
 
+    `mapping` names columns and units of the file, `tolerances` are relative, by metric, and
     `command` is the command line that the page states.
     """
     stages = Stages(options.quiet)
@@ -173,10 +178,10 @@ def _score_tractions(
 
 def _with_inputs(report: Report, mapping: Mapping, stages: Stages) -> Report:
     """The report with the uncertainty that the scene's uncertain inputs give to theory, and with
-    the comparison of a measured result with theory within that uncertainty.
+    the comparison of an external result with theory within that uncertainty.
 
-    The report as it is where the scene states no uncertain input; without the comparison where the
-    result is a solution of this program.
+    The report is returned as it is where the scene states no uncertain input. The comparison is
+    left out where the result is a solution of this program.
     """
     from dataclasses import replace
 
@@ -190,7 +195,8 @@ def _with_inputs(report: Report, mapping: Mapping, stages: Stages) -> Report:
     with stages.stage("uncertainty of the inputs"):
         inputs = input_effects(comparison.scene, comparison.effects)
     report = replace(report, inputs=inputs, is_measured=mapping.measured.is_stated)
-    if not derived(comparison.result):  # an own solution is no measurement
+    # fields worked out from others: an external result has some, an own solution has none
+    if not derived(comparison.result):
         return report
     return replace(report, validation=against_result(comparison, inputs, mapping.measured))
 
@@ -198,18 +204,21 @@ def _with_inputs(report: Report, mapping: Mapping, stages: Stages) -> Report:
 def _score_loop(
     path: Path, mapping: Mapping, scene: Scene, options: Options, folder: Path, command: str
 ) -> Answer:
-    """The answer on a measured loop of Q over U: which friction coefficient fits it, beside the
-    loops of both engines; and its page. `command` is the command line that the page states.
+    """The answer on a measured loop of Q over U, the table at `path`: which friction coefficient
+    fits it, beside computed loops; and its page. Outside where f of the scene does not fit.
+
+    `mapping` names columns and units of the table; `command` is the command line that the page
+    states.
     """
     stages = Stages(options.quiet)
     with stages.stage("loading"):
         from reports.comparison.words import read_in_words
         from reports.scoring import loop_page, loops
     with stages.stage("reading"):
-        measured_rows = loops.read_loop(path, mapping, scene)
+        measured_loop = loops.read_loop(path, mapping, scene)
     with stages.stage("fitting"):
         score = loops.score_loop(
-            measured_rows, scene, rig_compliance=options.rig_compliance, against=options.against
+            measured_loop, scene, rig_compliance=options.rig_compliance, against=options.against
         )
     from reports import validation
     from reports.input_words import content as input_content
@@ -252,8 +261,9 @@ def _score_loop(
 
 
 def _score_shown(report: Report, page: str) -> Iterator[Part]:
-    """What the terminal shows of a score: what was assumed, the verdict, what has no value,
-    evidence and likely causes, the mesh study if there is one. `page` is the path of the page.
+    """What the terminal shows of the report on an external result: assumptions, verdict, metrics
+    without a value, what the rows of the result show, likely causes, and the mesh study if there is
+    one. `page` is the path of the page.
     """
     from reports.comparison.words import read_in_words
 
@@ -270,20 +280,19 @@ def _score_shown(report: Report, page: str) -> Iterator[Part]:
             f"Differences at the points and instants of the result: {'; '.join(labels_on_points)}."
             " There the reference has other values than its own in the table."
         )
-    # headlines without a value, those with one reason in one line
-    reasons: dict[str, list[str]] = {}
+    # main metrics without a value, those with the same reason in one line
+    labels_of_reason: dict[str, list[str]] = {}
     for metric in report.comparison.headlines:
         if metric.value is None and metric.note:
-            reasons.setdefault(metric.note, []).append(metric.label)
-    yield from (
-        f"Not scored: {', '.join(labels)} ({reason})." for reason, labels in reasons.items()
-    )
+            labels_of_reason.setdefault(metric.note, []).append(metric.label)
+    for reason, labels in labels_of_reason.items():
+        yield f"Not scored: {', '.join(labels)} ({reason})."
     if report.study is None:  # a mesh study's own sentences name the files not scored
         yield from (file.sentence for file in report.unscored)
     if report.evidence:
         yield "What the rows show:"
-    for number, step in enumerate(report.evidence, 1):
-        yield f"{number}. {step.sentence}"
+    for number, observation in enumerate(report.evidence, 1):
+        yield f"{number}. {observation.sentence}"
     if report.diagnoses:
         yield "Likely causes:"
     for number, diagnosis in enumerate(report.diagnoses, 1):
@@ -307,8 +316,9 @@ def _inputs_shown(report: Report) -> Iterator[Part]:
 
 # ------------------------------------------------------------------ two runs, or one and a baseline
 def diff(a: str, b: str, options: Options) -> Answer:
-    """The command `diff`: compare the values of two files or folders, A and B. With --accept the
-    values of A are written to B as a baseline.
+    """The command `diff`: compare the values of two runs, A and B, value by value. `a` and `b` are
+    their files or folders. With --accept the values of A are written to B as a baseline, the file
+    that later runs are compared with.
     """
     from reports.comparison.findings import (
         difference,
@@ -320,72 +330,77 @@ def diff(a: str, b: str, options: Options) -> Answer:
     from scenes import InputError
 
     tolerances = patterned_tolerances(options.tolerance)
-    path = Path(b)
-    findings = read_findings(a)
+    path_b = Path(b)
+    values_a = read_findings(a)
     if not options.accept:
-        if not path.exists():
+        if not path_b.exists():
             raise InputError(
                 f"{b}: there is no such file or folder; `halfplane diff {a} {b} --accept` writes it"
                 " as a baseline"
             )
-        return _difference_answer(difference(findings, read_findings(b), tolerances))
-    if path.exists() and not is_baseline(path):
+        return _difference_answer(difference(values_a, read_findings(b), tolerances))
+    if path_b.exists() and not is_baseline(path_b):
         raise InputError(
             f"{b}: this is not a baseline, and --accept writes over nothing else; name another file"
         )
-    findings_before = read_findings(b) if path.exists() else None
-    # Compared with itself where there is nothing yet: that is how an unknown key of --tolerance is
-    # found.
-    difference_to_b = difference(findings, findings_before or findings, tolerances)
-    tolerances_before = findings_before.tolerances if findings_before else {}
-    write_baseline(findings, path, {**tolerances_before, **tolerances})
-    last_sentence = (
-        f"{b}: {len(findings.figures)} values of {findings.scene.name or findings.source} accepted"
-    )
-    parts = [*(_difference_parts(difference_to_b) if findings_before else ()), last_sentence]
+    earlier_baseline = read_findings(b) if path_b.exists() else None
+    # A new baseline is compared with itself: that refuses an unknown key of --tolerance.
+    difference_to_b = difference(values_a, earlier_baseline or values_a, tolerances)
+    earlier_tolerances = earlier_baseline.tolerances if earlier_baseline else {}
+    write_baseline(values_a, path_b, {**earlier_tolerances, **tolerances})
+    parts: list[Part] = []
+    if earlier_baseline:
+        parts += _difference_parts(difference_to_b)
+    scene_name = values_a.scene.name or values_a.source
+    parts.append(f"{b}: {len(values_a.figures)} values of {scene_name} accepted")
     return Answer(WITHIN, parts, difference_to_b.content, difference_to_b.scene)
 
 
-def _difference_answer(change: Difference) -> Answer:
-    code = WITHIN if change.same else OUTSIDE
-    return Answer(code, _difference_parts(change), change.content, change.scene)
+def _difference_answer(difference_of_runs: Difference) -> Answer:
+    code = WITHIN if difference_of_runs.same else OUTSIDE
+    return Answer(
+        code,
+        _difference_parts(difference_of_runs),
+        difference_of_runs.content,
+        difference_of_runs.scene,
+    )
 
 
-def _difference_parts(change: Difference) -> Iterator[Part]:
+def _difference_parts(difference_of_runs: Difference) -> Iterator[Part]:
     """What the terminal shows of the difference of two runs A and B: a table of the values that are
-    not identical, how many are, and how many differ by more than their tolerance.
+    not identical, how many are identical, and which differ by more than their tolerance.
     """
     from reports.comparison.findings import SAME
 
     listed_rows = []
-    for row in change.rows:
+    for row in difference_of_runs.rows:
         is_identical = row.verdict == SAME and (row.difference == 0 or row.a == row.b)
         if not is_identical:
             listed_rows.append(_cells(row))
-    title = f"{change.scene}: A = {change.a}, B = {change.b}"
+    title = f"{difference_of_runs.scene}: A = {difference_of_runs.a}, B = {difference_of_runs.b}"
     heads = ("value", "A", "B", "B − A", "tolerance", "verdict")
     yield Sheet(title, heads, listed_rows, (1, 2, 3, 4)) if listed_rows else title
-    if n_identical := len(change.rows) - len(listed_rows):
+    if n_identical := len(difference_of_runs.rows) - len(listed_rows):
         yield (
             f"{n_identical} values are the same to the last digit and not listed (--json has them)"
         )
-    yield from change.notes
-    different_rows = [row.key for row in change.rows if row.verdict != SAME]
-    if different_rows:
-        names = ", ".join(different_rows)
-        yield f"{len(change.rows)} values, {len(different_rows)} differ: {names}"
+    yield from difference_of_runs.notes
+    different_keys = [row.key for row in difference_of_runs.rows if row.verdict != SAME]
+    if different_keys:
+        names = ", ".join(different_keys)
+        yield f"{len(difference_of_runs.rows)} values, {len(different_keys)} differ: {names}"
     else:
-        yield f"all {len(change.rows)} values are the same within tolerance"
+        yield f"all {len(difference_of_runs.rows)} values are the same within tolerance"
 
 
 def _cells(row: Row) -> tuple[str, ...]:
     """Cells of one value of `diff`: name, A, B, B − A, tolerance, verdict."""
     value_a, value_b = ("none" if value is None else f"{value:.10g}" for value in (row.a, row.b))
     if row.difference is None:
-        step = "–"
+        difference_text = "–"
     elif row.difference == 0:
-        step = "0"
+        difference_text = "0"
     else:
         unit = "" if row.kind == "absolute" else " rel."
-        step = minus(f"{row.difference:+.1e}{unit}")
-    return (row.key, value_a, value_b, step, f"{row.tolerance:g}", row.verdict)
+        difference_text = minus(f"{row.difference:+.1e}{unit}")
+    return (row.key, value_a, value_b, difference_text, f"{row.tolerance:g}", row.verdict)

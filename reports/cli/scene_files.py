@@ -24,17 +24,17 @@ if TYPE_CHECKING:
 # to look at, and hours to solve.
 _MOST_ROWS = 10_000
 # Where the comments of the example stand.
-_COMMENTS = 32
+_COLUMN_OF_COMMENTS = 32
 
 
 # --------------------------------------------------------------------------------------------- init
 def init(file: Path, options: Options) -> Answer:
-    """The command `init`: write a scene file, a copy of a library scene with the files that it
-    names (companions), or the commented example with the values given as options.
+    """The command `init`: write a scene file to edit. It is a copy of a library scene, with its
+    companions (the tables that it reads), or the commented example as the options choose it.
     """
     from scenes import InputError, scene_companions, scene_text
 
-    copied_name = options.start
+    copied_name = options.library_scene
     if copied_name and (options.bodies or options.profile != "hertz"):
         refused_option = "--bodies" if options.bodies else "--profile"
         raise InputError(
@@ -43,16 +43,14 @@ def init(file: Path, options: Options) -> Answer:
         )
     if file.suffix != ".toml":
         raise InputError(f"{file}: a commented scene is written as .toml; name the file so")
-    _refuse_taken(file)
+    _refuse_existing_file(file)
     scene_file_text = (
         scene_text(copied_name) if copied_name else example(options.bodies, options.profile)
     )
     companions: dict[Path, str] = {}
     if copied_name:
-        companions = {
-            file.parent / name: companion_text
-            for name, companion_text in scene_companions(copied_name).items()
-        }
+        for name, companion_text in scene_companions(copied_name).items():
+            companions[file.parent / name] = companion_text
     for companion in companions:
         if companion.exists():
             raise InputError(
@@ -76,26 +74,26 @@ def init(file: Path, options: Options) -> Answer:
 
 
 def _write_new_files(text_of: dict[Path, str]) -> None:
-    """Write text files that are not there yet, all or none. InputError where one is there already,
-    or can't be written.
+    """Write new text files, path -> text, all or none. InputError where a file is there already, or
+    can't be written.
     """
     from scenes import InputError
 
-    with ExitStack() as undo:
+    with ExitStack() as undo:  # removes what was written, unless all was
         for path, text in text_of.items():
             try:
                 with path.open("x", encoding="utf-8") as stream:
                     undo.callback(path.unlink, missing_ok=True)
                     stream.write(text)
             except OSError as reason:
-                _refuse_taken(path, reason)
+                _refuse_existing_file(path, reason)
                 raise InputError(
                     f"{path}: the file can't be written: {reason.strerror}; name another place"
                 ) from reason
         undo.pop_all()
 
 
-def _refuse_taken(path: Path, reason: OSError | None = None) -> None:
+def _refuse_existing_file(path: Path, reason: OSError | None = None) -> None:
     """InputError where a file is at `path` already; after a failed write (`reason`) only if that
     was the reason.
     """
@@ -106,8 +104,9 @@ def _refuse_taken(path: Path, reason: OSError | None = None) -> None:
 
 
 def example(bodies: bool = False, profile: Literal["hertz", "flat_rounded"] = "hertz") -> str:
-    """Text of the commented example of a scene file. With `bodies` its tables of bodies are in
-    force, else they are comments; `profile` says which of its profiles is in force.
+    """Text of the commented example of a scene file. With `bodies` its tables of bodies are valid
+    lines, else they are comments, and the bodies half-planes. Of its two profiles `profile` is the
+    valid one, the other a comment.
     """
     text = (TEMPLATES / "scene.toml").read_text("utf-8")
     if bodies:
@@ -124,14 +123,17 @@ def example(bodies: bool = False, profile: Literal["hertz", "flat_rounded"] = "h
             ('# kind = "flat_rounded"', 'kind = "flat_rounded"'),
             ("# flat_half_length = 0.5", "flat_half_length = 0.5"),
         ):
-            text = re.sub(rf"(?m)^{old_line} *", f"{new_line:<{_COMMENTS}}", text, count=1)
+            text = re.sub(
+                rf"(?m)^{old_line} *", f"{new_line:<{_COLUMN_OF_COMMENTS}}", text, count=1
+            )
     return text
 
 
 # -------------------------------------------------------------------------------------------- check
-def check(scene: str, options: Options) -> Answer:
-    """The command `check`: validate a scene without solving it. It prints half-width and pressure
-    at the largest load, how near the loads come to gross sliding, and remarks on doubtful input.
+def check(source: str, options: Options) -> Answer:
+    """The command `check`: validate the scene that `source` names, without solving it. It prints
+    half-width and pressure at the largest load, how near the loads come to gross sliding, and
+    remarks on doubtful input.
     """
     from reports.checking import (
         bulk_and_tilt,
@@ -148,74 +150,75 @@ def check(scene: str, options: Options) -> Answer:
     from reports.profile_fit import content as fit_content
     from scenes import InputError, TimeSeriesLoad
 
-    scene_read = read(scene, driven=True)
+    scene = read(source, may_prescribe_displacements=True)
     if options.picture is not None:
-        _draw_fit(scene_read, options.picture)
-    if scene_read.load.is_driven:
-        return _check_rig(scene_read, scene, options)
-    loop_read = _loop_read(scene_read, options)
-    rows = 0
-    if isinstance(scene_read.load, TimeSeriesLoad):
-        rows = len(scene_read.load.kept_rows())
+        _draw_fit(scene, options.picture)
+    if scene.load.is_driven:
+        return _check_rig(scene, source, options)
+    columns_of_loop = _columns_of_loop(scene, options)
+    n_rows = 0  # of a measured table of loads
+    if isinstance(scene.load, TimeSeriesLoad):
+        n_rows = len(scene.load.kept_rows())
     load_engines(Stages(quiet=True), ["semi_analytic.solution"])
-    engines = engines_for(scene_read, scene, finite_elements=rows <= _MOST_ROWS)
-    nearest_instant = nearest_to_sliding(scene_read)
-    bulk = bulk_and_tilt(scene_read)
+    engines = engines_for(scene, source, finite_elements=n_rows <= _MOST_ROWS)
+    nearest_instant = nearest_to_sliding(scene)
+    bulk = bulk_and_tilt(scene)
     # by half-plane theory; None where it does not take the scene
     contact = None
     remarks_on_scene: list[str] = []
-    with suppress(InputError):  # of theory, where finite elements alone take the scene
-        contact = largest_contact(scene_read, scene)
-        remarks_on_scene += remarks(scene_read, contact)
-    if refusals_in_words := engines.in_words(scene):
+    with suppress(InputError):  # theory's refusal, where finite elements alone take the scene
+        contact = largest_contact(scene, source)
+        remarks_on_scene += remarks(scene, contact)
+    if refusals_in_words := engines.in_words(source):
         remarks_on_scene.append(f"{refusals_in_words}.")
-    elif rows > _MOST_ROWS:
+    elif n_rows > _MOST_ROWS:
         remarks_on_scene.append(
-            f"The record has {rows} rows, and finite elements take at least two increments a row."
+            f"The record has {n_rows} rows, and finite elements take at least two increments a row."
             " Solve it by half-plane theory alone: `halfplane exact`."
         )
-    tables_read = read_in_pairs(scene_read) | loop_read
-    notes, further_remarks = _notes_and_remarks(
-        scene_read, tables_read, contact.half_width if contact else 0.0
-    )
+    columns_of_table = read_in_pairs(scene) | columns_of_loop
+    half_width = contact.half_width if contact else 0.0
+    notes, further_remarks = _notes_and_remarks(scene, columns_of_table, half_width)
     remarks_on_scene += further_remarks
     verdict = (
-        f"{scene}: the scene is well formed and its load path admissible. |Q|/(f P) is at most"
+        f"{source}: the scene is well formed and its load path admissible. |Q|/(f P) is at most"
         f" {nearest_instant.ratio:.4g}; gross sliding starts at 1."
     )
-    cells = rows_of_contact(scene_read, contact) if contact else []
-    cells += rows_of_sliding(scene_read, nearest_instant)
-    table = Sheet("By half-plane theory", ("", "value"), cells, (1,))
-    sizes = filter(None, [engines.size_in_words, bulk_in_words(bulk) if bulk else ""])
+    rows = rows_of_contact(scene, contact) if contact else []
+    rows += rows_of_sliding(scene, nearest_instant)
+    table = Sheet("By half-plane theory", ("", "value"), rows, (1,))
+    bulk_sentences = bulk_in_words(bulk) if bulk else ""
+    sentences = filter(None, [engines.size_in_words, bulk_sentences])
     content = {
         "passed": True,
         "sentence": verdict,
         "notes": notes,
         "remarks": remarks_on_scene,
-        "read_as": tables_read,
+        "read_as": columns_of_table,
         "engines": engines.reasons,
         "largest_contact": vars(contact) if contact else None,
         "nearest_to_sliding": vars(nearest_instant),
-        "profile_fit": fit_content(scene_read),
-        "uncertainty_of_inputs": stated_content(scene_read),
+        "profile_fit": fit_content(scene),
+        "uncertainty_of_inputs": stated_content(scene),
     }
     if bulk:
         content["bulk_and_tilt"] = vars(bulk)
     marked_remarks = [f"Remark: {remark}" for remark in remarks_on_scene]
-    parts: list[Part] = [verdict, table, *marked_remarks, *sizes, *notes]
-    return Answer(WITHIN, parts, lambda: content, scene_read.name)
+    parts: list[Part] = [verdict, table, *marked_remarks, *sentences, *notes]
+    return Answer(WITHIN, parts, lambda: content, scene.name)
 
 
 def _notes_and_remarks(
-    scene: Scene, tables_read: Mapping[str, tuple[tuple[str, str], ...]], half_width: float
+    scene: Scene, columns_of_table: Mapping[str, tuple[tuple[str, str], ...]], half_width: float
 ) -> tuple[list[str], list[str]]:
-    """Sentences that `check` prints on a scene: notes (its question, tables, record, fitted profile
-    and stated uncertainties), and remarks, which warn.
+    """Sentences that `check` prints on a scene: notes (its question, its tables, its measured
+    loads, its fitted profile, its stated uncertainties), and remarks, which warn.
 
     Parameters
     ----------
-    tables_read
-        how each table of the scene was read: name -> pairs of words
+    columns_of_table
+        how each table of the scene was read: name of the table -> pairs of a quantity and words on
+        the column that it was read from
     half_width
         of the contact at the largest load [length]; 0 where it is not known
     """
@@ -227,9 +230,9 @@ def _notes_and_remarks(
 
     notes = _question_in_words(scene)
     remarks: list[str] = []
-    notes += [read_in_words(name, pairs) for name, pairs in tables_read.items()]
-    if record := check_record(scene):
-        for sentence, is_warning in record_in_words(scene, record):
+    notes += [read_in_words(table, columns) for table, columns in columns_of_table.items()]
+    if measured_loads := check_record(scene):  # None: the loads are not a measured table
+        for sentence, is_warning in record_in_words(scene, measured_loads):
             if is_warning:
                 remarks.append(sentence)
             else:
@@ -237,7 +240,8 @@ def _notes_and_remarks(
     sliding = sliding_in_words(sliding_of_loads(scene))
     remarks += filter(None, [sliding, not_stated(scene)])
     remarks += fit_warnings(scene, half_width)
-    notes += [sentence for sentence in findings(scene)[0] if sentence not in remarks]
+    sentences_on_fit, _ = findings(scene)
+    notes += [sentence for sentence in sentences_on_fit if sentence not in remarks]
     notes += filter(None, [stated_in_words(scene)])
     return notes, remarks
 
@@ -256,7 +260,7 @@ def _question_in_words(scene: Scene) -> list[str]:
 
 
 def _draw_fit(scene: Scene, file: Path) -> None:
-    """Write the picture of a profile's fit to rows as an SVG file.
+    """Write a figure of a profile that is fitted to measured heights, as an SVG file.
 
     Raises
     ------
@@ -269,25 +273,25 @@ def _draw_fit(scene: Scene, file: Path) -> None:
 
     if file.suffix != ".svg":
         raise InputError(f"--picture {file}: it is written as .svg; name the file so")
-    half_width = 0.0
-    with suppress(InputError):  # beyond the rows there may be none; `check` says so below
+    half_width = 0.0  # no contact is drawn
+    with suppress(InputError):  # a contact wider than the measured rows: `check` says so
         half_width = largest_contact(scene, scene.name).half_width
-    plate = fit_residuals(scene, half_width)
-    if plate is None:
+    figure = fit_residuals(scene, half_width)
+    if figure is None:
         raise InputError(
             f"--picture: the profile of {scene.name} is not fitted to rows: leave it out, or state"
             " profile.fit"
         )
-    _refuse_taken(file)
+    _refuse_existing_file(file)
     try:
-        file.write_text(plate.svg(), encoding="utf-8")
+        file.write_text(figure.svg(), encoding="utf-8")
     except OSError as reason:
         raise InputError(f"{file}: the file can't be written: {reason.strerror}") from reason
 
 
 def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
-    """What the command `check` reports on a scene that prescribes displacements: the loads, sliding
-    and dissipation that follow from them by half-plane theory, and remarks.
+    """What the command `check` reports on a scene that prescribes displacements (a rig): the loads,
+    sliding and dissipation that follow from them by half-plane theory, and remarks.
 
     Parameters
     ----------
@@ -307,15 +311,15 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
         )
     load_engines(Stages(quiet=True), ["semi_analytic.solution"])
     engines = engines_for(scene, source)
-    # file of a table -> pairs of a quantity and words on the column it was read from
-    columns_by_table = read_in_pairs(scene)
+    # table -> pairs of a quantity and words on the column that it was read from
+    columns_of_table = read_in_pairs(scene)
     notes = [question(scene), *filter(None, [bodies_in_words(scene), stated_in_words(scene)])]
-    notes += [read_in_words(table, pairs) for table, pairs in columns_by_table.items()]
+    notes += [read_in_words(table, columns) for table, columns in columns_of_table.items()]
     remarks = [f"{engines.in_words(source)}.", *filter(None, [not_stated(scene)])]
     content = {
         "passed": True,
         "remarks": remarks,
-        "read_as": columns_by_table,
+        "read_as": columns_of_table,
         "engines": engines.reasons,
         "largest_contact": None,
         "nearest_to_sliding": None,
@@ -342,7 +346,7 @@ def _loads_in_words(solution: ContactSolution, source: str) -> str:
     from reports.units import number
 
     scene = solution.scene
-    force, length, _ = scene.unit_words
+    unit_of_force, unit_of_length, _ = scene.unit_words
     least_load = number(float(solution.tangential_load.min()))
     largest_load = number(float(solution.tangential_load.max()))
     largest_normal_load = number(float(solution.normal_load.max()))
@@ -351,14 +355,15 @@ def _loads_in_words(solution: ContactSolution, source: str) -> str:
         ratio_in_words = f" |Q|/(f P) is at most {ratio_of_answer(solution):.4g}; all slides at 1."
     return (
         f"{source}: the scene is well formed. Q goes from {least_load} to {largest_load}"
-        f" {force}/{length}, and P up to {largest_normal_load}.{ratio_in_words} `halfplane exact"
-        f" {source}` writes the answer, and a scene with these loads."
+        f" {unit_of_force}/{unit_of_length}, and P up to {largest_normal_load}.{ratio_in_words}"
+        f" `halfplane exact {source}` writes the answer, and a scene with these loads."
     )
 
 
 def _values_of_rig(solution: ContactSolution) -> dict[str, float | None]:
-    """Values that `check` reports of half-plane theory under prescribed displacements: W, and the
-    largest half-width, |Q| and |Q|/(f P).
+    """Values that `check` reports of half-plane theory under prescribed displacements, in the
+    scene's units: the dissipation W of a cycle [force], the largest half-width [length], |Q|
+    [force/length] and |Q|/(f P), which is NaN without friction.
     """
     import numpy as np
 
@@ -373,8 +378,9 @@ def _values_of_rig(solution: ContactSolution) -> dict[str, float | None]:
 
 
 def _answer_of_theory(scene: Scene, source: str) -> ContactSolution:
-    """Half-plane theory's dissipation and loads under the displacements that a scene prescribes,
-    with what its bodies add; InputError naming `source`.
+    """Half-plane theory's dissipation and loads under the displacements that a scene prescribes.
+    Where the bodies are no half-planes, theory is corrected by their finite size and tilt.
+    InputError naming `source` where theory refuses the scene.
     """
     import semi_analytic
     from scenes import InputError
@@ -385,14 +391,16 @@ def _answer_of_theory(scene: Scene, source: str) -> ContactSolution:
 
         effects = halfplane_fe.body_effects(scene)
     try:
+        # no field along the surface is reported: one point x is enough
         return semi_analytic.solve(scene, x=[0.0], fields=("dissipation",), effects=effects)
     except InputError as fault:
         raise InputError(f"{source}: {fault}") from fault
 
 
-def _loop_read(scene: Scene, options: Options) -> dict[str, tuple[tuple[str, str], ...]]:
-    """How the table of the measured loop named by --loop was read: path -> pairs of a quantity and
-    words on its column. Empty without --loop.
+def _columns_of_loop(scene: Scene, options: Options) -> dict[str, tuple[tuple[str, str], ...]]:
+    """How the table of the measured loop that --loop names was read: path -> pairs of a quantity
+    and words on the column that it was read from. Empty without --loop. A file given as --mapping
+    names the columns and their units.
 
     Raises
     ------
@@ -410,8 +418,8 @@ def _loop_read(scene: Scene, options: Options) -> dict[str, tuple[tuple[str, str
     from reports.scoring.mapping import load_mapping
 
     loops.require_loop(scene)
-    rows = loops.read_loop(options.loop, load_mapping(options.mapping), scene)
-    return {str(options.loop): rows.read_as}
+    measured_loop = loops.read_loop(options.loop, load_mapping(options.mapping), scene)
+    return {str(options.loop): measured_loop.read_as}
 
 
 # -------------------------------------------------------------------------- the library, the schema
@@ -427,11 +435,13 @@ def show(name: str, options: Options) -> Answer:
             " the two out"
         )
     if name:
-        scene = read(name, driven=True)
-        return Answer(WITHIN, _details(scene), lambda: {"scenes": [_record(scene)]}, scene.name)
+        scene = read(name, may_prescribe_displacements=True)
+        return Answer(
+            WITHIN, _details(scene), lambda: {"scenes": [_scene_content(scene)]}, scene.name
+        )
     scenes = tagged(options.tag)
     return Answer(
-        WITHIN, _listing(scenes), lambda: {"scenes": [_record(scene) for scene in scenes]}
+        WITHIN, _listing(scenes), lambda: {"scenes": [_scene_content(scene) for scene in scenes]}
     )
 
 
@@ -464,14 +474,14 @@ def _listing(scenes: Sequence[Scene]) -> Iterator[str]:
 
 
 def _details(scene: Scene) -> Iterator[str]:
-    """Lines that state all about one scene: question, bodies, tolerances, files, expected
-    numbers.
+    """Lines that state all about one scene: question, bodies, tolerances, files, and the numbers
+    that it expects.
     """
     from reports.comparison.metrics import tolerances_of
     from reports.comparison.pairs import are_half_planes
     from reports.comparison.words import bodies_in_words, idealisation, question, unlike_materials
 
-    tolerance_of_metric = tolerances_of(scene, are_half_planes(scene)).items()
+    tolerances = tolerances_of(scene, are_half_planes(scene))
     expected_lines = [
         f"{number.quantity.replace('_', ' ')} = {number.value:.9g} to {number.tolerance:g},"
         f" {number.engine}: {number.source}"
@@ -481,11 +491,8 @@ def _details(scene: Scene) -> Iterator[str]:
     sections += [("tags", ", ".join(scene.tags)), ("question", question(scene))]
     sentences = (bodies_in_words(scene), unlike_materials(scene), idealisation(scene))
     sections.append(("bodies", " ".join(filter(None, sentences))))
-    limits_in_words = (
-        ", ".join(f"{key.replace('_', ' ')} {value:g}" for key, value in tolerance_of_metric)
-        or "none: nothing is judged"
-    )
-    sections.append(("tolerances", limits_in_words))
+    tolerance_texts = [f"{key.replace('_', ' ')} {value:g}" for key, value in tolerances.items()]
+    sections.append(("tolerances", ", ".join(tolerance_texts) or "none: nothing is judged"))
     if companions := _companions(scene):
         sections.append(("files", ", ".join(companions)))
     sections += [("expected", text) for text in expected_lines or ["no number"]]
@@ -502,7 +509,7 @@ def _companions(scene: Scene) -> list[str]:
     return list(scene_companions(scene.name))
 
 
-def _record(scene: Scene) -> dict[str, Any]:
+def _scene_content(scene: Scene) -> dict[str, Any]:
     """All about one scene as a JSON object: name, title, purpose, source, tags, expected numbers
     and tolerances first, then the question in words, its files, and what the scene states besides.
     """

@@ -38,16 +38,18 @@ _STYLES = {"within": "bold green", "outside": "bold red", "undecided": "bold yel
 
 
 # -------------------------------------------------------------- what every command that solves does
-def read(source: str, *, driven: bool = False) -> Scene:
-    """The scene that `source` names (in the library, or a file), its load path checked. InputError
-    in a sentence otherwise, and for prescribed displacements unless `driven`.
+def read(source: str, *, may_prescribe_displacements: bool = False) -> Scene:
+    """The scene that `source` names, in the library or as a file.
+
+    InputError where it can't be read, where P does not stay positive or |Q| not below f P, and for
+    prescribed displacements unless `may_prescribe_displacements`.
     """
     from reports.checking import require_admissible
     from scenes import InputError, load_scene
     from scenes.loads import DRIVEN
 
     scene = load_scene(source)
-    if scene.load.is_driven and not driven:
+    if scene.load.is_driven and not may_prescribe_displacements:
         raise InputError(f"{source}: {DRIVEN}")
     require_admissible(scene, source)
     return scene
@@ -55,54 +57,53 @@ def read(source: str, *, driven: bool = False) -> Scene:
 
 @dataclass(frozen=True)
 class Job:
-    """What a command that solves is about: its scene, as the user named it and as it was read,
-    options, folder and stages.
-    """
+    """What a command that solves is about."""
 
-    source: str
+    source: str  # the scene as the user named it
     scene: Scene
     options: Options
-    folder: Path
-    stages: Stages
+    folder: Path  # of the output
+    stages: Stages  # progress on stderr, and seconds of each stage
 
     def command(self, name: str) -> str:
-        """The command line that repeats this."""
+        """The command line that repeats this job by the command `name`."""
         return self.options.command(name, self.source, self.folder)
 
 
-def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
-    """Make a command out of `work`, which solves a job: the command reads the scene, claims the
-    output folder, calls `work`, and turns failures into answers with their exit codes.
+def solving_command(solve_job: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
+    """Make a command out of `solve_job`: the command reads the scene, claims the output folder,
+    calls `solve_job`, and turns failures into answers with their exit codes.
 
     What was solved before a failure or an interruption is kept in the folder. Where the folder
     holds a file of somebody else that the command would write over, it is refused before anything
     is solved.
     """
 
-    @wraps(work)
-    def command(scene: str, options: Options) -> Answer:
-        """Solve the scene that is named and write the answer; keep what was solved if it fails."""
+    @wraps(solve_job)
+    def command(source: str, options: Options) -> Answer:
+        """Solve the scene that `source` names; keep what was solved if it fails."""
         from reports.comparison.words import summary_rows
         from reports.folder import claim, default_folder
         from scenes import ConvergenceError, InputError, Interrupted
 
-        scene_read = read(scene, driven=work.__name__ in ("exact", "fe", "run"))
-        names_of_files = _written_by(work.__name__, scene_read)
-        folder = claim(options.out or default_folder(scene_read.name), names_of_files)
+        name = solve_job.__name__
+        scene = read(source, may_prescribe_displacements=name in ("exact", "fe", "run"))
+        folder = claim(options.out or default_folder(scene.name), _file_names_of(name, scene))
         try:
-            return work(Job(scene, scene_read, options, folder, Stages(options.quiet)))
+            return solve_job(Job(source, scene, options, folder, Stages(options.quiet)))
         except InputError as fault:
-            # One about an option or the file names that already, one of an engine does not.
-            if str(fault).startswith((scene, "--")):
+            # An error about an option or the file names it already, an error of an engine does not.
+            if str(fault).startswith((source, "--")):
                 raise
-            error_with_source = InputError(f"{scene}: {fault}")
-            for note in getattr(fault, "__notes__", ()):  # of what was saved
+            error_with_source = InputError(f"{source}: {fault}")
+            for note in getattr(fault, "__notes__", ()):  # which file was saved
                 error_with_source.add_note(note)
             raise error_with_source from fault
         except Interrupted as stop:
             partial_solution = stop.partial
             if partial_solution is None or len(partial_solution.time) < 2:
                 raise KeyboardInterrupt from stop
+            # "": the name of the engine
             stem = "" if partial_solution.record.converged else "partial"
             path = write_solution(partial_solution, folder, name=stem)
             complain(
@@ -111,7 +112,7 @@ def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
             )
             return Answer(INTERRUPTED)
         except ConvergenceError as failure:
-            complain(f"halfplane: {scene_read.name}: not converged: {failure}")
+            complain(f"halfplane: {scene.name}: not converged: {failure}")
             json_content = {"passed": False, "error": str(failure), "file": None}
             parts: list[Part] = []
             if failure.partial is not None:
@@ -124,17 +125,18 @@ def at_work(work: Callable[[Job], Answer]) -> Callable[[str, Options], Answer]:
                 ]
             elif not options.json:
                 complain("halfplane: no step was solved, so nothing was written")
-            return Answer(NOT_CONVERGED, parts, lambda: json_content, scene_read.name)
+            return Answer(NOT_CONVERGED, parts, lambda: json_content, scene.name)
 
     return command
 
 
-def _written_by(command: str, scene: Scene) -> tuple[str, ...]:
-    """Names of all files that a command may write to its folder: those of its answer, and those
-    named "partial" that a failure or an interruption leaves.
+def _file_names_of(command: str, scene: Scene) -> tuple[str, ...]:
+    """Names of all files that the command named `command` may write to its folder: those of its
+    answer, and those named "partial" that a failure or an interruption leaves.
     """
     from reports.folder import RESULTS, files_of_a_solution
 
+    # RESULTS: the files of a comparison, its page among them
     partial_files = files_of_a_solution("partial")
     if command == "exact":
         return (*files_of_a_solution("semi_analytic"), *partial_files)
@@ -163,8 +165,8 @@ _ENGINES = ("halfplane_fe.solution", "semi_analytic.solution")
 
 
 def load_engines(stages: Stages, engines: Sequence[str] = _ENGINES) -> None:
-    """Import the packages of the engines, timed as a stage of its own. InputError where a library
-    can't be loaded.
+    """Import the modules `engines`, timed as the stage "loading". InputError where a library that
+    they need can't be loaded.
     """
     from scenes import InputError
 
@@ -263,12 +265,13 @@ def _reason_for_no_budget(scene: Scene) -> str:
 
 
 # ------------------------------------------------------------------------------------- both engines
-@at_work
+@solving_command
 def run(job: Job) -> Answer:
-    """The command `run`: solve a scene with both engines, compare, write the page; the exit code is
-    that of the verdict.
+    """The command `run`: solve a scene by half-plane theory and finite elements, compare the two,
+    write the page. The exit code is that of the verdict.
 
-    A scene that one engine alone takes gets that one's answer, as of `exact` or `fe`.
+    A scene that one of the two alone takes gets the answer of the command `exact` or `fe`. One
+    that prescribes displacements gets the answers of both, without a comparison.
     """
     from reports.checking import engines_for
 
@@ -281,19 +284,19 @@ def run(job: Job) -> Answer:
     load_engines(job.stages)
     # What theory refuses is known before the finite elements are solved.
     engines = engines_for(job.scene, job.source)
-    options.settings()
-    if reason_for_none := engines.in_words(job.source):
-        _require_no_option_of_both(job, reason_for_none)
-        complain(f"halfplane: {job.scene.name}: no comparison. {reason_for_none}")
+    options.settings()  # values out of range are refused before anything is solved
+    if no_comparison := engines.in_words(job.source):  # the reason, in a sentence
+        _require_no_option_of_both(job, no_comparison)
+        complain(f"halfplane: {job.scene.name}: no comparison. {no_comparison}")
         if job.scene.load.is_driven:
-            return _answer_of_rig(job, engines, reason_for_none)
+            return _answer_of_rig(job, engines, no_comparison)
         if engines.refusal_of_theory:
             solution = solve_finite_elements(job)
             command = "fe"
         else:
             solution = _solve_half_plane(job)
             command = "exact"
-        return replace(_answer_alone(job, solution, reason_for_none), command=command)
+        return replace(_answer_of_one_engine(job, solution, no_comparison), command=command)
     if options.third:
         _third_solver(options.third).require()
     return _answer_of_both(job, _compare_engines(job, tolerances))
@@ -323,15 +326,16 @@ def _third_solver(name: str) -> Any:
 
 
 def _compare_engines(job: Job, tolerances: dict[str, float]) -> Report:
-    """Solve a scene by both engines, compare them, and write the page. On request the uncertainties
-    are measured and a third solver is asked; for real bodies the uncertainties are measured in any
-    case, unless the record of loads is long.
+    """Solve a scene by both engines, compare them, and write the page.
 
-    The finite elements' solution is saved if anything after it fails.
+    The budget of the errors (those of mesh, load steps and far field) is measured on request. For
+    real bodies it is measured by default too, unless the record of loads is long. A third solver
+    runs on request. The finite elements' solution is saved if anything after it fails.
     """
     from reports.comparison.pairs import are_half_planes
+    from reports.report import Report
 
-    # Of real bodies theory is wrong by some amount, which is worth its uncertainty.
+    # By how much theory is wrong for real bodies means little without an uncertainty.
     measures_budget = bool(job.options.budget)
     reason_for_no_budget = ""
     if job.options.budget is None and not are_half_planes(job.scene):
@@ -341,14 +345,15 @@ def _compare_engines(job: Job, tolerances: dict[str, float]) -> Report:
         job.stages.remark(reason_for_no_budget)
     seconds_before = time.process_time()
     fe = solve_finite_elements(job)
-    with _kept_if_interrupted(fe):
-        with _saved_if_it_fails(fe, job.folder):
+    with _solution_kept_on_interrupt(fe):
+        with _solution_saved_on_failure(fe, job.folder):
             comparison = _comparison_with_theory(job, fe, tolerances, measures_budget)
             if reason_for_no_budget:
                 note = f"{reason_for_no_budget[:1].upper()}{reason_for_no_budget[1:]}."
                 comparison = replace(comparison, notes=(*comparison.notes, note))
-            start_of_run = seconds_before if measures_budget else None
-            report = _report_with_budget(job, comparison, start_of_run)
+            report = Report(comparison)
+            if measures_budget:
+                report = _report_with_budget(job, comparison, seconds_before)
             inputs = _effects_of_inputs(job, comparison.effects)
             report = replace(report, inputs=inputs)
             if job.options.third:
@@ -361,14 +366,18 @@ def _compare_engines(job: Job, tolerances: dict[str, float]) -> Report:
 def _comparison_with_theory(
     job: Job, fe: ContactSolution, tolerances: dict[str, float], measures_budget: bool
 ) -> Comparison:
-    """Compare the finite elements' solution `fe` with half-plane theory, solved at its points and
-    instants. Theory on the straight lines between these instants is solved too, which shows the
-    error of the load steps: all fields of it where a budget of the errors will be measured.
+    """Compare the finite elements' solution `fe` with half-plane theory, solved at its surface
+    points and instants, to the relative `tolerances` by metric.
+
+    Theory is also solved on the load path's polygon, whose vertices are the loads at these
+    instants: that shows the error of the load steps. It has all fields if `measures_budget`, else
+    those that the page shows.
     """
     from reports.comparison.budget import SHOWN_ON_STEPS, theory_on_steps
 
     reference = _solve_half_plane(job, x=fe.x, time=fe.time)
-    # Of a thinned answer the steps are those of the path itself.
+    # A thinned solution stores some of its instants only. The path is then a polygon itself, and
+    # the reference follows it.
     theory_on_polygon: ContactSolution | None = reference
     if not fe.thinned:
         with job.stages.stage("half-plane theory, on the polygon of the steps"):
@@ -387,25 +396,23 @@ def _comparison_with_theory(
         )
 
 
-def _report_with_budget(job: Job, comparison: Comparison, seconds_before: float | None) -> Report:
-    """The report on a comparison, with the budget of its errors if that is to be measured, and for
+def _report_with_budget(job: Job, comparison: Comparison, seconds_before: float) -> Report:
+    """The report on a comparison, with the budget of its errors, which is measured here, and for
     real bodies the causes of the difference.
 
-    `seconds_before` is the processor time before the finite elements were solved, from which the
-    cost of the budget follows; None without a budget.
+    `seconds_before` is the processor time before the finite elements were solved. From it follows
+    what the budget costs over the run itself.
     """
     from reports.comparison.budget import climb, error_budget
     from reports.comparison.pairs import are_half_planes
-    from reports.report import Report, with_budget
+    from reports.report import with_budget
 
-    if seconds_before is None:
-        return Report(comparison)
     seconds_of_run = time.process_time() - seconds_before
-    # Two coarser meshes show an order; three where the budget was asked for.
-    coarsenings = 3 if job.options.budget else 2
+    # Two coarser meshes are the least that shows an order of convergence; three on request.
+    n_coarser_meshes = 3 if job.options.budget else 2
     mesh, settings = job.options.settings()
-    # Every run is a stage of its own.
-    refinements = climb(comparison, mesh, settings, job.stages.stage, coarsenings)
+    # Every run on another mesh is a stage of its own.
+    refinements = climb(comparison, mesh, settings, job.stages.stage, n_coarser_meshes)
     report = with_budget(comparison, error_budget(comparison, refinements, seconds_of_run))
     if are_half_planes(job.scene):
         return report
@@ -431,8 +438,8 @@ def _effects_of_inputs(job: Job, effects: BodyEffects | None = None) -> InputEff
 def _inputs_shown(
     inputs: InputEffects | None, scene: Scene, comparison: Comparison | None = None
 ) -> Iterator[Part]:
-    """What the uncertainties of the scene's inputs do to the answer, for the terminal: sentences,
-    then tables. Nothing where the scene states none.
+    """What the terminal shows of `inputs`, what the uncertainties of the scene's inputs do to the
+    answer: sentences, then tables. Nothing where it is None: the scene states no uncertainty.
     """
     from reports import input_words
 
@@ -451,7 +458,7 @@ def _inputs_shown(
 
 
 def _write_page(job: Job, report: Report) -> None:
-    """Write the page of a run and its files to the job's folder, timed as the last stage."""
+    """Write the page of a run and its files to the job's folder, timed as the stage "report"."""
     fe = report.comparison.result
     command = job.command("run")
     with job.stages.stage("report"):
@@ -471,9 +478,9 @@ def _write_page(job: Job, report: Report) -> None:
 
 
 @contextmanager
-def _kept_if_interrupted(solution: ContactSolution) -> Generator[None, None, None]:
-    """Within this context Ctrl-C raises `Interrupted` with `solution` in it, so that it is saved;
-    unless the whole report was written already.
+def _solution_kept_on_interrupt(solution: ContactSolution) -> Generator[None, None, None]:
+    """Within this context Ctrl-C raises `Interrupted` with `solution` in it, so that the command
+    saves it; unless the page was complete in its folder already (`FilledBefore`).
     """
     from reports.folder import FilledBefore
     from scenes import Interrupted
@@ -487,9 +494,11 @@ def _kept_if_interrupted(solution: ContactSolution) -> Generator[None, None, Non
 
 
 @contextmanager
-def _saved_if_it_fails(solution: ContactSolution, folder: Path) -> Generator[None, None, None]:
-    """After a fault between the finite elements and the report their solution is saved, and a note
-    of the fault names its file.
+def _solution_saved_on_failure(
+    solution: ContactSolution, folder: Path
+) -> Generator[None, None, None]:
+    """Within this context a fault saves `solution`, that of the finite elements, in `folder`; a
+    note on the fault names its file.
     """
     try:
         yield
@@ -500,12 +509,13 @@ def _saved_if_it_fails(solution: ContactSolution, folder: Path) -> Generator[Non
         raise
 
 
-_OF_A_METRIC = ("value", "uncertainty", "unit", "tolerance", "accurate", "verdict", "honest")
+_METRIC_KEYS = ("value", "uncertainty", "unit", "tolerance", "accurate", "verdict", "honest")
 
 
 def _answer_of_both(job: Job, report: Report) -> Answer:
     """The answer of `run` from its report: exit code, what the terminal shows, and the content for
-    --json. What the exit code is for stands in the last line on stderr.
+    --json. Where the code is not 0 for a third solver, an undecided metric or one without a value,
+    a line on stderr says so.
     """
     from reports.comparison import laws
     from reports.comparison.words import lead
@@ -517,6 +527,7 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
     stages = job.stages
     verbose = job.options.verbose
     page = job.folder / "report.html"
+    # numbers that the scene expects, each with whether it is met
     findings = list(laws.expected_numbers(scene, (comparison.reference, comparison.result)))
     if third_answer is not None and third_answer.failure:
         complain(f"halfplane: {scene.name}: {third_answer.failure}")
@@ -552,10 +563,10 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
         the page.
         """
         report_content = whole_content(report, "", stages.seconds)
-        content_of_elements = report_content["result"]
+        solution_of_elements = report_content["result"]
         metrics: dict[str, Any] = {}
         for key, metric in report_content["metrics"].items():
-            metrics[key] = {name: metric[name] for name in _OF_A_METRIC}
+            metrics[key] = {name: metric[name] for name in _METRIC_KEYS}
         work_keys = ("dissipation", "dissipation_uncertainty", "dissipation_drift")
         last_keys = ("expected", "profile_fit", "notes", "seconds")
         return {
@@ -566,7 +577,7 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
             "metrics": metrics,
             "why": report_content["why"],
             "inputs": report_content["inputs"],
-            **{name: content_of_elements[name] for name in work_keys},
+            **{name: solution_of_elements[name] for name in work_keys},
             **{name: report_content[name] for name in last_keys},
             "page": str(page),
         }
@@ -576,7 +587,8 @@ def _answer_of_both(job: Job, report: Report) -> Answer:
 
 def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
     """What the terminal shows first of a comparison: headline, table of the values of both
-    solutions, causes of the difference and verdict; in short forms unless `verbose`.
+    solutions, causes of the difference and verdict; in short forms unless `verbose`. A pair is a
+    text and its style on a terminal.
     """
     from reports.comparison.words import (
         first_cells,
@@ -591,31 +603,36 @@ def verdict_shown(report: Report, verbose: bool = True) -> Iterator[Part]:
 
     comparison = report.comparison
     scene = comparison.scene
+    # rows without a value in both solutions are left out
     heads, rows = first_cells(comparison, "label" if verbose else "short", with_empty=False)
     yield report.opening, "bold"
     yield Sheet(scene.title or scene.name, heads, rows, (1, 2, 3))
-    yield from filter(None, [without_value(comparison)])
+    if metrics_without_value := without_value(comparison):
+        yield metrics_without_value
     if comparison.why is not None:
         yield comparison.why.sentence
     style = _STYLES.get(standing(comparison) or "", "")
     long_verdict = f"{lead(comparison)} {verdict(comparison)}".strip()
     yield long_verdict if verbose else verdict_in_short(comparison), style
-    # In short, how it was judged is said only where the size alone decides.
+    # Without --verbose the rule of judging is stated only where the size of a difference decides
+    # alone, without its uncertainty.
     if verbose or judged_by_size(comparison):
         rule_of_judging = how_judged(comparison, has_budget=report.budget is not None)
-        yield from filter(None, [rule_of_judging])
+        if rule_of_judging:
+            yield rule_of_judging
 
 
 def _topics_left_out(report: Report, findings: Sequence[Finding]) -> Iterator[Part]:
-    """What a terminal without --verbose shows last: warnings about the record of loads, and a line
-    that lists what is only on the page: notes by their first words, expected numbers met or missed.
+    """What a terminal without --verbose shows last: warnings about the table of measured loads, and
+    a line that lists what is only on the page: the notes of the finite elements by their first
+    words, and how many of the expected numbers (`findings`) are met.
     """
     from reports.measured import check_record, record_in_words
 
     scene = report.comparison.scene
     topics = [f"“{_beginning(note)} …”" for note in report.comparison.result.record.notes]
-    if record := check_record(scene):
-        for sentence, is_warning in record_in_words(scene, record):
+    if measured_loads := check_record(scene):  # None: the loads are not a measured table
+        for sentence, is_warning in record_in_words(scene, measured_loads):
             if is_warning:
                 yield f"Warning: {sentence}"
         topics.append("what was read of the record")
@@ -638,8 +655,8 @@ def _beginning(note: str) -> str:
 
 
 def _notes_shown(report: Report) -> Iterator[Part]:
-    """For a terminal with --verbose: the uncertainty of the dissipation, the notes of the finite
-    elements, what was read of the record of loads.
+    """What a terminal with --verbose shows: the uncertainty of the dissipation, the notes of the
+    finite elements, and what was read of the table of measured loads.
     """
     from reports.comparison.words import uncertain_work
     from reports.measured import check_record, record_in_words
@@ -649,21 +666,22 @@ def _notes_shown(report: Report) -> Iterator[Part]:
         yield work_in_words
     for note in report.comparison.result.record.notes:
         yield f"Note: {note}."
-    if record := check_record(scene):
-        for sentence, is_warning in record_in_words(scene, record):
+    if measured_loads := check_record(scene):  # None: the loads are not a measured table
+        for sentence, is_warning in record_in_words(scene, measured_loads):
             yield f"{'Warning' if is_warning else 'Note'}: {sentence}"
 
 
 def _budget_shown(report: Report, budget: ErrorBudget) -> Iterator[Part]:
-    """The budget of errors for the terminal: a table of what mesh, load steps and other sources
-    contribute to each difference of the result from theory, and sentences on it. The difference
-    itself stands in the table above.
+    """What the terminal shows of the budget of errors: a table, and sentences on it.
+
+    The table has a row for each metric and a column for each source of error (mesh, load steps,
+    far field): what it contributes to the difference E of the result from theory. Then come the
+    rest of E that no source explains, and its uncertainty u. E stands in the table above.
     """
     from reports.comparison.budget_words import budget_table, cost, negligible_terms
 
-    terms_left_out = negligible_terms(budget)
-    heads, rows, _ = budget_table(budget, (*terms_left_out, "E"))
-    # the column before the uncertainty: what the sources leave of the difference
+    negligible_sources = negligible_terms(budget)
+    heads, rows, _ = budget_table(budget, (*negligible_sources, "E"))
     column_of_rest = heads.index("± u") - 1
     heads = (*heads[:column_of_rest], "left", *heads[column_of_rest + 1 :])
     title = "Where the difference comes from"
@@ -675,8 +693,9 @@ def _budget_shown(report: Report, budget: ErrorBudget) -> Iterator[Part]:
         yield "Left: half-planes have no idealisation error, so u must cover it."
     else:
         yield "Left: the idealisation error."
-    if terms_left_out:
-        yield f"Below a thousandth of every difference, and not shown: {', '.join(terms_left_out)}."
+    if negligible_sources:
+        names = ", ".join(negligible_sources)
+        yield f"Below a thousandth of every difference, and not shown: {names}."
     yield f"Covered by the stated uncertainty: {report.honest}"
     yield cost(budget)
 
@@ -701,8 +720,10 @@ def _expected_shown(findings: Sequence[Finding]) -> Iterator[Part]:
 
 
 def exit_code(comparison: Comparison) -> int:
-    """Exit code of a comparison: 0 if it passed, else 1. Where metrics are undecided or could not
-    be scored, the last lines on stderr name them.
+    """Exit code of a comparison: 0 if it passed, else 1.
+
+    Two kinds of metrics are named on stderr: those that have a tolerance but no value, and those
+    that are undecided, because their uncertainty reaches over the tolerance.
     """
     if comparison.unscored:
         keys = ", ".join(metric.key for metric in comparison.unscored)
@@ -722,29 +743,29 @@ def exit_code(comparison: Comparison) -> int:
 
 
 # --------------------------------------------------------------------------------- one engine alone
-@at_work
+@solving_command
 def exact(job: Job) -> Answer:
     """Half-plane theory alone, or corrected by what the bodies add: summary and files; outside
     where a law of contact or an expected number is violated.
     """
     load_engines(job.stages)
     if job.scene.load.is_driven:
-        return _answer_alone(job, _solve_rig(job))
+        return _answer_of_one_engine(job, _solve_rig(job))
     if not job.options.corrected:
-        return _answer_alone(job, _solve_half_plane(job))
-    return _answer_alone(job, _solve_half_plane(job, effects=_effects_of_bodies(job)))
+        return _answer_of_one_engine(job, _solve_half_plane(job))
+    return _answer_of_one_engine(job, _solve_half_plane(job, effects=_effects_of_bodies(job)))
 
 
-@at_work
+@solving_command
 def fe(job: Job) -> Answer:
     """Finite elements alone: summary and files; outside where a law of contact or an expected
     number is violated.
     """
     load_engines(job.stages)
-    return _answer_alone(job, solve_finite_elements(job))
+    return _answer_of_one_engine(job, solve_finite_elements(job))
 
 
-_OF_ONE_ENGINE = (
+_SOLUTION_KEYS = (
     "engine",
     "converged",
     "message",
@@ -766,13 +787,13 @@ _OF_ONE_ENGINE = (
 )
 
 
-def _answer_alone(
+def _answer_of_one_engine(
     job: Job, solution: ContactSolution, note: str = "", inputs: InputEffects | None = None
 ) -> Answer:
     """Save the solution of one engine and make the answer of its command: summary, JSON, exit code.
 
-    `note` is added to the solution's notes; `inputs`, what uncertain inputs do to it, is found here
-    where it is not given.
+    `note` is added to the solution's notes. `inputs` is what the uncertainties of the scene's
+    inputs do to theory; None: it is computed here.
     """
     from reports import profile_fit
     from reports.comparison.json_values import solution_content
@@ -801,6 +822,7 @@ def _answer_alone(
         values_of_rig["largest_sliding_ratio"] = ratio_of_answer(solution)
 
     def parts() -> Iterator[Part]:
+        """What the terminal shows, from the summary to the path of the solution's file."""
         rows = summary_rows(solution, loads_are_found=job.scene.load.is_driven)
         yield Sheet(scene.title or scene.name, ("quantity", "value"), rows)
         yield from _inputs_shown(inputs, job.scene)
@@ -818,7 +840,7 @@ def _answer_alone(
             "admissible": admissible,
             **{
                 name: content_of_solution[name]
-                for name in _OF_ONE_ENGINE
+                for name in _SOLUTION_KEYS
                 if name in content_of_solution
             },
             "expected": expected_content(findings),
@@ -833,9 +855,10 @@ def _answer_alone(
 
 
 def _answer_of_rig(job: Job, engines: Engines, no_comparison: str) -> Answer:
-    """The answer of `run` to prescribed displacements. Theory is solved and saved first, or finite
-    elements where theory refuses the bodies; then finite elements are solved beside theory, and the
-    page of both is written.
+    """The answer of `run` to a scene that prescribes displacements (a rig), whose loads are found.
+
+    Theory is solved and saved first, or finite elements where theory refuses the bodies. Then
+    finite elements are solved beside theory, and the page of both is written.
 
     Parameters
     ----------
@@ -853,7 +876,7 @@ def _answer_of_rig(job: Job, engines: Engines, no_comparison: str) -> Answer:
         solution = _solve_rig(job)
         command = "exact"
     inputs = _effects_of_inputs(job)
-    answer = _answer_alone(job, solution, no_comparison, inputs)
+    answer = _answer_of_one_engine(job, solution, no_comparison, inputs)
     solution_of_elements = None
     content_of_elements: dict[str, Any] = {}
     if not engines.refusal_of_theory:
@@ -884,8 +907,8 @@ def _answer_of_rig(job: Job, engines: Engines, no_comparison: str) -> Answer:
 
 
 def _elements_of_rig(job: Job) -> tuple[ContactSolution | None, dict[str, Any]]:
-    """The finite elements' solution under a prescribed displacement, saved, and its content for
-    JSON. Where they refuse the scene: None and the refusal.
+    """The finite elements' solution under prescribed displacements, which is saved, and what JSON
+    states of it. Where they refuse the scene: None, and the refusal under the key "refused".
     """
     from reports.comparison.json_values import solution_content
     from reports.comparison.laws import certificates
@@ -902,12 +925,13 @@ def _elements_of_rig(job: Job) -> tuple[ContactSolution | None, dict[str, Any]]:
     content = solution_content(solution, law_checks)
     return solution, {
         "admissible": solution.record.converged and all(check.holds for check in law_checks),
-        **{name: content[name] for name in _OF_ONE_ENGINE if name in content},
+        **{name: content[name] for name in _SOLUTION_KEYS if name in content},
         "file": str(path),
     }
 
 
-_INSTANTS = (
+# Fields of a solution with one value at each instant.
+_COLUMNS_OF_INSTANTS = (
     "time",
     "normal_load",
     "tangential_load",
@@ -921,10 +945,10 @@ _INSTANTS = (
 def write_solution(
     solution: ContactSolution, out: Path, name: str = "", *, states_loads: bool = True
 ) -> Path:
-    """Save a solution in the folder `out`: NetCDF, the summary as JSON, a CSV of the instants and,
-    with `states_loads`, the scene.
+    """Save a solution in the folder `out`, and return the path of its NetCDF file.
 
-    `name` is their stem, by default the engine. Returns the path of the NetCDF file.
+    Beside the NetCDF file come the summary as JSON and a table of the instants as CSV, all three
+    named `name`, by default after the engine. With `states_loads` scene.json is written too.
     """
     from reports.charts.templating import table_text
     from reports.comparison.cycles import OF_BULK
@@ -934,7 +958,7 @@ def write_solution(
     from reports.folder import filled
 
     stem = name or solution.engine
-    with filled(out, fresh=()) as folder:
+    with filled(out, fresh=()) as folder:  # other files of the folder stay
         solution.save(folder / f"{stem}.nc")
         content = {
             "format": SOLUTION,
@@ -943,14 +967,12 @@ def write_solution(
         }
         summary = json.dumps(strict(content), allow_nan=False, indent=1) + "\n"
         (folder / f"{stem}.json").write_text(summary, encoding="utf-8")
-        columns = {name: getattr(solution, name) for name in _INSTANTS}
+        columns = {key: getattr(solution, key) for key in _COLUMNS_OF_INSTANTS}
         columns["iterations"] = solution.record.iterations
-        if solution.tilt is not None:
-            columns |= {name: getattr(solution, name) for name in OF_BULK}
-            for zone, edges in (
-                ("contact", solution.contact_edges),
-                ("stick", solution.stick_edges),
-            ):
+        if solution.tilt is not None:  # bulk stress or tilt: the two edges of a zone differ
+            columns |= {key: getattr(solution, key) for key in OF_BULK}
+            edges_of_zone = {"contact": solution.contact_edges, "stick": solution.stick_edges}
+            for zone, edges in edges_of_zone.items():
                 columns |= {f"{zone}_left": edges[:, 0], f"{zone}_right": edges[:, 1]}
         (folder / f"{stem}.csv").write_text(table_text(columns), encoding="utf-8")
         if states_loads:

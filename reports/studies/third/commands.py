@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from reports.cli.application import WITHIN, Answer
-from reports.cli.solving import Job, at_work, deck_file
+from reports.cli.solving import Job, deck_file, solving_command
 from reports.console import Sheet
 from reports.studies.third.calculix import ThirdSolver, find_calculix, solve_with_calculix
 from reports.studies.third.deck import DeckSettings
@@ -21,14 +21,14 @@ def answer(job: Job, result: ContactSolution) -> ThirdSolver:
     """CalculiX' answer to the scene of a job; its deck has the scales of our finite elements."""
     return solve_with_calculix(
         job.scene,
-        DeckSettings(**job.options.stated(("steps_per_cycle",))),
+        DeckSettings(**job.options.values_given(("steps_per_cycle",))),
         stages=job.stages,
         scales=getattr(result, "scales", None),
         command=job.command("run"),
     )
 
 
-@at_work
+@solving_command
 def export(job: Job) -> Answer:
     """The command `export`: write the bodies and the load history of a scene as an input deck for
     CalculiX.
@@ -43,7 +43,9 @@ def export(job: Job) -> Answer:
         from reports.studies.third.deck import DeckSettings, build_deck, deck_text
         from reports.units import units
     with stages.stage("deck"):
-        deck = build_deck(scene, DeckSettings(**options.stated(("steps_per_cycle", "cycles"))))
+        deck = build_deck(
+            scene, DeckSettings(**options.values_given(("steps_per_cycle", "cycles")))
+        )
     # The deck's first comment: where it lies is nobody's business.
     text = deck_text(deck, job.command("export").rpartition(" --out ")[0], versions())
     file = deck_file(scene)
