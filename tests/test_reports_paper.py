@@ -348,7 +348,7 @@ def test_figure(page: str, plates: dict[str, Plate], name: str) -> None:
     }
     # A click on the legend finds a curve by its look: two labels of one figure must not share it.
     assert len({key.css for key in plate.keys}) == len(plate.keys)
-    assert all(panel.bare or (panel.x.words and panel.y.words) for panel in panels)
+    assert all(panel.without_axes or (panel.x.words and panel.y.words) for panel in panels)
     if name == "figure_02":
         assert set("".join(mark.text for mark in marks if isinstance(mark, Note))) >= set(
             LETTERS

@@ -1,8 +1,8 @@
 """A figure as a value: axes and marks in their units, panels, the key to its lines, its words and
 numbers; and its form as SVG.
 
-On a page the style sheet colours a panel, so that it follows dark mode and print; alone it carries
-its colours. Words are escaped in `_element` and `_Pen.words` and nowhere else.
+On a page the style sheet colours a panel, so that it follows dark mode and print; an SVG file
+carries its own colours. Words are escaped in `_element` and `_Pen.words` and nowhere else.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from reports.charts.templating import (
     STATE_NAMES,
     Table,
-    pieces,
+    parts_with_subscripts,
     shades,
     style_of,
     table_text,
@@ -46,8 +46,8 @@ class Scale:
     log: bool = False
 
     def place(self, values: ArrayLike) -> Array:
-        """Places of `values` along the axis, in units of the drawing (pixels). NaN where a value
-        has none: on a logarithmic axis what is not positive.
+        """Places of `values` along the axis [pixels]. NaN for NaN, and on a logarithmic axis for
+        values that are not positive.
 
         >>> (
         ...     Scale(0.0, 2.0, 0.0, 100.0).place([0.5]),
@@ -62,8 +62,8 @@ class Scale:
             numbers = np.log10(np.where(numbers > 0, numbers, np.nan))
             low_end = float(np.log10(low_end))
             high_end = float(np.log10(high_end))
-        share = (numbers - low_end) / (high_end - low_end)
-        return np.asarray(self.start + share * (self.end - self.start))
+        fraction_of_axis = (numbers - low_end) / (high_end - low_end)
+        return np.asarray(self.start + fraction_of_axis * (self.end - self.start))
 
     @property
     def words(self) -> str:
@@ -144,34 +144,34 @@ def _label(number: float) -> str:
 
 
 def limits(
-    *values: ArrayLike, margin: float = 0.06, least: float = 0.0, zero: bool = False
+    *values: ArrayLike, margin: float = 0.06, least_range: float = 0.0, with_zero: bool = False
 ) -> tuple[float, float]:
-    """Lower and upper end of an axis for these values: their finite range with a margin on both
-    sides; never empty.
+    """Lower and upper end of an axis for these values: the range of those that are finite, with a
+    margin on both sides. The range is never empty.
 
     Parameters
     ----------
     margin
-        share of the range
-    least
-        smallest range
-    zero
-        whether 0 must be in it
+        of each side, as a fraction of the range
+    least_range
+        smallest range, in the unit of the values
+    with_zero
+        whether the range must hold 0
     """
     numbers = np.concatenate([np.ravel(np.asarray(array, dtype=float)) for array in values])
     finite_numbers = numbers[np.isfinite(numbers)]
-    least_value = float(finite_numbers.min()) if finite_numbers.size else 0.0
-    largest_value = float(finite_numbers.max()) if finite_numbers.size else 1.0
-    if zero:
-        least_value = min(least_value, 0.0)
-        largest_value = max(largest_value, 0.0)
-    largest_size = max(abs(least_value), abs(largest_value))
-    range_shown = max(largest_value - least_value, least, 1e-9 * largest_size, 1e-300)
-    if largest_value - least_value < range_shown:
-        middle_value = (least_value + largest_value) / 2
-        least_value = middle_value - range_shown / 2
-        largest_value = middle_value + range_shown / 2
-    return least_value - margin * range_shown, largest_value + margin * range_shown
+    lower_end = float(finite_numbers.min()) if finite_numbers.size else 0.0
+    upper_end = float(finite_numbers.max()) if finite_numbers.size else 1.0
+    if with_zero:
+        lower_end = min(lower_end, 0.0)
+        upper_end = max(upper_end, 0.0)
+    largest_size = max(abs(lower_end), abs(upper_end))
+    range_shown = max(upper_end - lower_end, least_range, 1e-9 * largest_size, 1e-300)
+    if upper_end - lower_end < range_shown:
+        middle = (lower_end + upper_end) / 2
+        lower_end = middle - range_shown / 2
+        upper_end = middle + range_shown / 2
+    return lower_end - margin * range_shown, upper_end + margin * range_shown
 
 
 @dataclass(frozen=True)
@@ -220,11 +220,10 @@ _GRAIN = 2e-4
 
 @dataclass(frozen=True, eq=False)
 class Segments:
-    """Straight lines (n, 2, 2) between places. A page holds them once, where panels show the same
-    ones under one `name`.
+    """Straight lines: `ends` (n, 2, 2) holds for each line its two ends, each as x and y.
 
-    There they are whole numbers of `GRAIN`; a panel that uses those of another has "again" after
-    the name.
+    On a page several panels can show the same lines, which it then holds once, rounded to whole
+    multiples of `_GRAIN`: the first panel has their `name`, each other one has "NAME again".
     """
 
     ends: NDArray[np.float64]
@@ -249,7 +248,7 @@ class Dot:
 
 @dataclass(frozen=True)
 class Rule:
-    """A line across the whole area: at one x if upright, else at one y."""
+    """A line across the whole area: at x = `at` if upright, else at y = `at`."""
 
     at: float
     css: str
@@ -369,14 +368,15 @@ class Panel:
     css: str = ""
     # one scale for both axes, the one with room to spare showing more on both sides
     equal: bool = False
-    bare: bool = False  # no axes at all
+    without_axes: bool = False  # no axes at all
     # left, top, right, bottom of it beside the area, automatic if None
     room: tuple[float, float, float, float] | None = None
 
     @property
     def frame(self) -> Frame:
         """The part of the panel in which curves and dots are drawn, with the scales of both axes.
-        On a panel with `equal` a unit of x is as long as a unit of y.
+        On a panel with `equal` a unit of x is as long as a unit of y: one axis then shows more than
+        it was given, on both sides.
         """
         room_left, room_above, room_right, room_below = self.room or self._automatic_room()
         low_x = self.x.low
@@ -460,13 +460,13 @@ class Plate:
         """The whole figure as the text of an SVG document that needs no style sheet: its legend,
         and beneath it its panels in columns.
 
-        Panels that belong together form a stack, one under the other; stacks fill the columns row
-        by row.
+        Panels that belong together form a stack, one under the other. Stacks fill the columns row
+        by row; a row is as high as its highest stack.
         """
         panel_stacks = stacks(self)
         n_columns = min(self.columns, len(panel_stacks))
         stacks_by_column = [panel_stacks[column::n_columns] for column in range(n_columns)]
-        widths = [_width_of(stacks_of_column) for stacks_of_column in stacks_by_column]
+        widths = [_width_of_stacks(stacks_of_column) for stacks_of_column in stacks_by_column]
         width = sum(widths)
         elements, top_of_row = self._legend(width)
         for first_index in range(0, len(panel_stacks), n_columns):
@@ -481,7 +481,7 @@ class Plate:
                         "width": panel.width,
                         "height": panel.height,
                     }
-                    elements.append(_panel_svg(panel, alone=True, **box))
+                    elements.append(_panel_svg(panel, is_standalone=True, **box))
                     top_of_panel += panel.height
                 bottom_of_row = max(bottom_of_row, top_of_panel)
             top_of_row = bottom_of_row
@@ -498,10 +498,11 @@ class Plate:
         )
 
     def _legend(self, width: float) -> tuple[list[str], float]:
-        """SVG elements of the legend, in rows no wider than `width`, and the height that they take,
-        0 without a legend. An entry is a short line or a patch of its colour, and its text.
+        """SVG elements of the legend, in rows no wider than `width` [pixels], and the height that
+        they take, 0 without a legend. An entry is a short line or a patch of its colour, and its
+        text.
         """
-        pen = _Pen(Frame(_UNIT, _UNIT, 0, 0), alone=True)
+        pen = _Pen(Frame(_UNIT, _UNIT, 0, 0), is_standalone=True)
         x_of_entry = 10.0
         y_of_entry = 6.0
         elements = []
@@ -533,7 +534,7 @@ class Plate:
         return str(template("figure.html").module.drawn(self))  # type: ignore[attr-defined]
 
 
-def worded(
+def figure_with_texts(
     name: str,
     panels: Sequence[Panel | Cell],
     table: Table,
@@ -543,7 +544,8 @@ def worded(
     words: str = "",
     **numbers: object,
 ) -> Plate:
-    """A figure of a page, with title, caption and description taken from templates/figures.txt.
+    """A figure of a page, with title, caption and description (for readers who can't see it) taken
+    from templates/figures.txt.
 
     Parameters
     ----------
@@ -560,12 +562,12 @@ def worded(
     numbers
         what is filled into the texts
     """
-    text = getattr(template("figures.txt").module, words or name)(**numbers)
-    title, caption, alt = str(text).strip().split("\n")
-    return Plate(name, title, caption, alt, tuple(panels), table, tuple(keys), columns)
+    texts = getattr(template("figures.txt").module, words or name)(**numbers)
+    title, caption, description = str(texts).strip().split("\n")
+    return Plate(name, title, caption, description, tuple(panels), table, tuple(keys), columns)
 
 
-def _width_of(column: Sequence[tuple[Panel, ...]]) -> float:
+def _width_of_stacks(column: Sequence[tuple[Panel, ...]]) -> float:
     """The width that stacks of panels need, one under the other."""
     return max(stack[0].width for stack in column)
 
@@ -594,11 +596,11 @@ def colour_scale(
     words
         the quantity, with its unit, for the axis
     colours
-        name of the range of colours
+        name of the colour map
     log
-        whether equal lengths are equal ratios
+        whether the axis is logarithmic
     tick_values
-        numbers shown; round numbers by default
+        numbers beside the axis, of which those between the ends are shown; round numbers by default
     width
         of the panel [pixels]
     """
@@ -608,8 +610,9 @@ def colour_scale(
     tick_numbers = [value for value in tick_values if low_end <= value <= high_end]
     if not tick_values:
         tick_numbers = _ticks(low_end, high_end, 4, log=log)
-    shares_of_scale = (np.arange(64) + 0.5) / 64
-    strip = Bitmap(np.arange(64, dtype=np.uint8)[None, :], shades(shares_of_scale, colours))
+    # one row of 64 pixels, each of its own colour
+    fractions_of_axis = (np.arange(64) + 0.5) / 64
+    strip = Bitmap(np.arange(64, dtype=np.uint8)[None, :], shades(fractions_of_axis, colours))
     ticks = tuple(zip(tick_numbers, labels(tick_numbers), strict=True))
     return Panel(
         name,
@@ -652,11 +655,11 @@ def _path_of(
     horizontal: ArrayLike, vertical: ArrayLike, tolerance: float = 0.0, passes: int = 0
 ) -> str:
     """The "d" attribute of an SVG path: a line through points given by their coordinates
-    `horizontal` and `vertical` [pixels]. A NaN breaks the line.
+    `horizontal` and `vertical` [pixels]. A NaN breaks the line into several.
 
     Points that repeat the one before to a hundredth are left out; of a very long line so are those
-    that can't be seen. Then every other point is left out that lies within `tolerance` of the
-    straight line between its neighbours; this is done `passes` times.
+    that can't be seen. Then points are left out that lie within `tolerance` [pixels] of the
+    straight line between their neighbours. One pass looks at every other point; there are `passes`.
 
     >>> (
     ...     _path_of([0, 1, np.nan, 2, 3], [0, 1, 1, 1, 1]),
@@ -664,8 +667,8 @@ def _path_of(
     ... )
     ('M0 0L1 1M2 1L3 1', 'M0 0L3 0L4 5')
 
-    A point that stands alone is a line to itself, which round ends make a dot. So is one that is
-    only repeated.
+    A point without neighbours becomes a line to itself, which is drawn as a dot. So does a point
+    that is only repeated.
 
     >>> _path_of([0, np.nan, 2, 2], [0, 1, 1, 1])
     'M0 0L0 0M2 1L2 1'
@@ -674,78 +677,95 @@ def _path_of(
     y = np.round(np.asarray(vertical, dtype=float), 2)
     is_known = np.isfinite(x) & np.isfinite(y)
     if len(x) > _LONG_LINE:
-        visible_indices = _places_that_show(x, y, is_known)
+        visible_indices = _visible_indices(x, y, is_known)
         x = x[visible_indices]
         y = y[visible_indices]
         is_known = is_known[visible_indices]
     has_moved = np.ones(len(x), dtype=bool)
     has_moved[1:] = (x[1:] != x[:-1]) | (y[1:] != y[:-1]) | ~is_known[:-1]
-    starts = is_known & ~np.concatenate([[False], is_known[:-1]])
-    kept_indices = np.flatnonzero(is_known & has_moved)
+    is_first = is_known & ~np.concatenate([[False], is_known[:-1]])  # of a line
+    kept = is_known & has_moved
+    x = x[kept]
+    y = y[kept]
+    is_first = is_first[kept]
     for _ in range(passes):
-        index_before = kept_indices[: len(kept_indices) - 2 : 2]
-        middle_index = kept_indices[1 : len(kept_indices) - 1 : 2]
-        index_after = kept_indices[2::2]
-        chord_x = x[index_after] - x[index_before]
-        chord_y = y[index_after] - y[index_before]
-        x_of_middle = x[middle_index] - x[index_before]
-        y_of_middle = y[middle_index] - y[index_before]
-        # twice the area of the triangle is its height times its base, the chord
-        twice_the_area = np.abs(chord_x * y_of_middle - chord_y * x_of_middle)
-        is_on_chord = twice_the_area <= tolerance * np.hypot(chord_x, chord_y)
-        dropped_indices = middle_index[is_on_chord & ~starts[middle_index] & ~starts[index_after]]
-        kept_indices = kept_indices[~np.isin(kept_indices, dropped_indices)]
-    starts_line = starts[kept_indices]
-    ends_line = np.append(starts_line[1:], True)
+        kept = ~_is_on_chord(x, y, is_first, tolerance)
+        x = x[kept]
+        y = y[kept]
+        is_first = is_first[kept]
+    is_last = np.append(is_first[1:], True)
     # as Python's numbers, which are formatted in half the time of numpy's
-    columns = zip(
-        x[kept_indices].tolist(),
-        y[kept_indices].tolist(),
-        starts_line.tolist(),
-        (starts_line & ends_line).tolist(),
-        strict=True,
+    points = zip(
+        x.tolist(), y.tolist(), is_first.tolist(), (is_first & is_last).tolist(), strict=True
     )
-    steps = []
-    for point_x, point_y, is_first, is_alone in columns:
+    path = []
+    for point_x, point_y, begins_line, has_no_neighbour in points:
         coordinates = f"{point_x:g} {point_y:g}"
-        steps.append(f"M{coordinates}" if is_first else f"L{coordinates}")
-        if is_alone:
-            steps.append(f"L{coordinates}")
-    return "".join(steps)
+        path.append(f"M{coordinates}" if begins_line else f"L{coordinates}")
+        if has_no_neighbour:
+            path.append(f"L{coordinates}")
+    return "".join(path)
 
 
-def _places_that_show(x: Array, y: Array, is_known: NDArray[np.bool_]) -> NDArray[np.int_]:
-    """Indices of those places of a long line through (x, y) that can be seen when it is drawn.
-
-    The drawing is cut into upright strips less than a pixel wide. A visit is a run of places that
-    follow each other within one strip. Of each visit the first, the last, the highest and the
-    lowest place are kept.
+def _is_on_chord(
+    x: Array, y: Array, is_first: NDArray[np.bool_], tolerance: float
+) -> NDArray[np.bool_]:
+    """Whether a point of a line can be left out: of every other point, whether it lies within
+    `tolerance` [pixels] of the chord between its neighbours. False for all other points.
 
     Parameters
     ----------
     x, y
-        (n,) each, in units of the drawing
+        (n,) each, points in the order of the line [pixels]
+    is_first
+        (n,) True where another line begins: neither this point nor the one before is left out
+    """
+    before = slice(0, len(x) - 2, 2)
+    middle = slice(1, len(x) - 1, 2)
+    after = slice(2, None, 2)
+    chord_x = x[after] - x[before]
+    chord_y = y[after] - y[before]
+    x_of_middle = x[middle] - x[before]
+    y_of_middle = y[middle] - y[before]
+    # twice the area of the triangle is its height times its base, the chord
+    twice_the_area = np.abs(chord_x * y_of_middle - chord_y * x_of_middle)
+    is_near = twice_the_area <= tolerance * np.hypot(chord_x, chord_y)
+    is_on_chord = np.zeros(len(x), dtype=bool)
+    is_on_chord[middle] = is_near & ~is_first[middle] & ~is_first[after]
+    return is_on_chord
+
+
+def _visible_indices(x: Array, y: Array, is_known: NDArray[np.bool_]) -> NDArray[np.int_]:
+    """Indices of those points of a long line through (x, y) that can be seen when it is drawn.
+
+    The drawing is cut into upright strips one pixel wide. A visit is a run of points that follow
+    each other within one strip. Of each visit the first, the last, the highest and the lowest point
+    are kept.
+
+    Parameters
+    ----------
+    x, y
+        (n,) each [pixels]
     is_known
         (n,) False where the line is broken
     """
-    # NaN is unequal to itself: each place where the line is broken is a visit of its own
+    # NaN is unequal to itself: each point where the line is broken is a visit of its own
     strip = np.where(is_known, np.floor(x / _STRIP), np.nan)
     visit = np.concatenate([[0], np.cumsum(strip[1:] != strip[:-1])])
-    places_by_height = np.lexsort((np.where(is_known, y, 0.0), visit))
-    first_place = np.flatnonzero(np.diff(visit, prepend=-1))
-    last_place = np.append(first_place[1:], len(visit)) - 1
+    # visit by visit, the points of each in the order of y
+    sorted_by_y = np.lexsort((np.where(is_known, y, 0.0), visit))
+    first_index = np.flatnonzero(np.diff(visit, prepend=-1))
+    last_index = np.append(first_index[1:], len(visit)) - 1
     return np.unique(
-        np.concatenate(
-            [first_place, last_place, places_by_height[first_place], places_by_height[last_place]]
-        )
+        np.concatenate([first_index, last_index, sorted_by_y[first_index], sorted_by_y[last_index]])
     )
 
 
 def _png(
     pixels: NDArray[np.uint8], colours: Sequence[str] = (), *, all_colours: bool = False
 ) -> bytes:
-    """A picture as the bytes of a PNG file. `pixels` are numbers of the given `colours`, (n, m), or
-    colours themselves, (n, m, 3), which median cut reduces to 255 unless `all_colours`.
+    """A picture as the bytes of a PNG file. `pixels` are indices into `colours` (#rrggbb each), (n,
+    m), or colours themselves, (n, m, 3), which median cut reduces to 255 unless `all_colours`.
 
     >>> _png(np.zeros((1, 1), np.uint8), ["#ffffff"])[:8]
     b'\\x89PNG\\r\\n\\x1a\\n'
@@ -758,21 +778,23 @@ def _png(
         picture.putpalette(b"".join(bytes.fromhex(colour.removeprefix("#")) for colour in colours))
     elif not all_colours:
         picture = picture.quantize(255)
-    # A few colours are as good as compressed by themselves; more take the time of a closer look.
+    # An indexed picture of few colours is small as it is; one of 255 is worth a longer compression.
     picture.save(stream, "PNG", optimize=not colours and not all_colours)
     return stream.getvalue()
 
 
 @dataclass(frozen=True)
 class _Pen:
-    """Draws marks in a frame; `alone` in a document without a style sheet."""
+    """Draws marks in the frame of a panel as SVG."""
 
     frame: Frame
-    alone: bool
+    is_standalone: bool  # True: in an SVG file without style sheet; False: on a page
 
     def look(self, css: str, *, text: bool = False) -> dict[str, object]:
-        """Classes on a page, declarations in a document of its own."""
-        if not self.alone:
+        """The attributes that give an element the look of the classes `css`: on a page the class
+        names, in an SVG file the declarations themselves.
+        """
+        if not self.is_standalone:
             return {"class_": css}
         declared = [
             f"{name}:{value}"
@@ -785,11 +807,10 @@ class _Pen:
         """The SVG element of a text that begins at (x, y) of the drawing; "p_ref" gets a subscript.
         `css` names its classes in the style sheet.
         """
-        text_parts = pieces(text)
         content_of_element = ""
         was_subscript = False
-        for part, is_subscript in text_parts if len(text_parts) > 1 else []:
-            shift: dict[str, object] = {}
+        for part, is_subscript in parts_with_subscripts(text):
+            shift: dict[str, object] = {}  # down to a subscript, and up again behind it
             if is_subscript is not was_subscript:
                 shift = {"dy": DOWN if is_subscript else f"-{DOWN}"}
             look_of_subscript = self.look("sub") if is_subscript else {}
@@ -800,13 +821,15 @@ class _Pen:
                 content_of_element += escaped_part
             was_subscript = is_subscript
         look = self.look(css, text=True)
-        return _element(
-            "text", content_of_element or escape(text), x=float(x), y=float(y), **look, **attributes
-        )
+        return _element("text", content_of_element, x=float(x), y=float(y), **look, **attributes)
 
     def data_attributes(self, attributes: Mapping[str, object]) -> dict[str, object]:
-        """Attributes for the page's script; none in a document of its own."""
-        return {} if self.alone else {f"data_{name}": value for name, value in attributes.items()}
+        """Attributes for the page's script; none in an SVG file."""
+        return (
+            {}
+            if self.is_standalone
+            else {f"data_{name}": value for name, value in attributes.items()}
+        )
 
     def draw(self, mark: Mark) -> str:
         """The SVG element of one thing that is drawn in a panel: a curve, band, dot, rule, block,
@@ -840,7 +863,9 @@ class _Pen:
             case Block():
                 return self.block(mark)
             case Bitmap():
-                picture = base64.b64encode(_png(mark.pixels, mark.colours, all_colours=self.alone))
+                picture = base64.b64encode(
+                    _png(mark.pixels, mark.colours, all_colours=self.is_standalone)
+                )
                 data_address = "data:image/png;base64," + picture.decode()
                 box = {
                     "x": left_x,
@@ -867,11 +892,10 @@ class _Pen:
 
     def curve(self, mark: Curve) -> str:
         """The SVG element of a curve. On a page it keeps nearly all its points, which the pointer
-        picks; in an SVG file that stands alone those on a straight line are left out.
+        picks; in an SVG file those on a straight line are left out.
         """
-        # a point may lie this far [pixels] from the line that replaces it; how often points are
-        # sought
-        tolerance, passes = (0.1, 8) if self.alone else (0.02, 1)
+        tolerance = 0.1 if self.is_standalone else 0.02  # [pixels]
+        passes = 8 if self.is_standalone else 1
         x = self.frame.x.place(mark.x)
         y = self.frame.y.place(mark.y)
         path = _path_of(x, y, tolerance, passes) or "M0 0"
@@ -915,20 +939,20 @@ class _Pen:
     def segments(self, mark: Segments) -> str:
         """The SVG element of many straight lines as one path, such as the lines of a mesh.
 
-        On a page a named path is written once, in whole multiples of a small length, and other
-        panels use it again at their own scale. `mark.name` with the word "again" does so.
+        On a page a path with a name is written once, in whole multiples of a small length
+        (`_GRAIN`). Other panels use it again at their own scale: their `mark.name` is "NAME again".
         """
-        if self.alone or not mark.name:
+        if self.is_standalone or not mark.name:
             return _element("path", d=self.visible(mark) or "M0 0", **self.look(mark.css))
         x_scale = self.frame.x
-        # _GRAIN is the small length that ends of the lines are rounded to
+        # pixels of a grain
         zoom = (x_scale.end - x_scale.start) / (x_scale.high - x_scale.low) * _GRAIN
         x_of_origin = float(x_scale.place(0.0))
         y_of_origin = float(self.frame.y.place(0.0))
         transform = f"translate({x_of_origin:.3f} {y_of_origin:.3f}) scale({zoom:.7g} {-zoom:.7g})"
-        name, *words_behind_name = mark.name.split()
+        path_name, *words_behind_name = mark.name.split()
         if "again" in words_behind_name:
-            return _element("g", _element("use", href=f"#{name}"), transform=transform)
+            return _element("g", _element("use", href=f"#{path_name}"), transform=transform)
         grains = np.rint(mark.ends / _GRAIN).astype(int)
         starts = grains[:, 0].tolist()
         moves = (grains[:, 1] - grains[:, 0]).tolist()
@@ -940,8 +964,8 @@ class _Pen:
         return _element("g", path, transform=transform)
 
     def visible(self, mark: Segments) -> str:
-        """The "d" attribute of an SVG path of those straight lines that reach into the panel's
-        area.
+        """The "d" attribute of an SVG path of those straight lines that may reach into the panel's
+        area: their bounding boxes do.
         """
         x = self.frame.x.place(mark.ends[..., 0])
         y = self.frame.y.place(mark.ends[..., 1])
@@ -997,6 +1021,7 @@ class _Pen:
         vector_from_start = tip - np.array([start_x, start_y])
         direction = vector_from_start / np.hypot(*vector_from_start)
         normal_direction = np.array([-direction[1], direction[0]])
+        # 11 pixels long and 9 wide; the line ends within it
         head = np.array(
             [
                 tip,
@@ -1062,21 +1087,20 @@ def _tick_pairs(axis: Axis, scale: Scale) -> tuple[tuple[float, str], ...]:
     return tuple(zip(numbers, labels(numbers), strict=True))
 
 
-def _panel_svg(panel: Panel, *, alone: bool = False, **place: object) -> str:
-    """The SVG element of a panel: its area, its axes, all that is drawn in it, and the lines of
-    text above it.
+def _panel_svg(panel: Panel, *, is_standalone: bool = False, **place: object) -> str:
+    """The SVG element of a panel: its area, its axes, its marks, and the lines of text above it.
 
-    With `alone` it is for an SVG file without style sheet, at `place` (x, y, width, height) in it;
-    else for a page, with what the page's script reads.
+    With `is_standalone` it is for an SVG file without style sheet, at `place` (x, y, width, height)
+    in it; else for a page, with the attributes that the page's script reads.
     """
     frame = panel.frame
-    pen = _Pen(frame, alone)
+    pen = _Pen(frame, is_standalone)
     left_x, top_y, right_x, bottom_y = frame.box
     area = {"x": left_x, "y": top_y, "width": right_x - left_x, "height": bottom_y - top_y}
     content = "".join(map(pen.draw, panel.marks)) or " "
-    drawn_marks = _element("g", content, **({} if alone else {"class_": "marks"}))
+    drawn_marks = _element("g", content, **({} if is_standalone else {"class_": "marks"}))
     elements = [drawn_marks]
-    if not panel.bare:
+    if not panel.without_axes:
         corner = f"M{left_x:g} {top_y:g}L{left_x:g} {bottom_y:g}L{right_x:g} {bottom_y:g}"
         elements = [
             _element("clipPath", _element("rect", **area), id=f"clip-{panel.name}"),
@@ -1085,13 +1109,14 @@ def _panel_svg(panel: Panel, *, alone: bool = False, **place: object) -> str:
             _element("g", drawn_marks, clip_path=f"url(#clip-{panel.name})"),
             _element("path", d=corner, **pen.look("axis")),
         ]
+    # lines of text above the area, each with its x and its class in the style sheet
     lines_above = [(left_x, panel.title, "title")] if panel.title else []
     lines_above += [(24.0, note, "measure") for note in panel.notes]
-    height_of_first = top_y - 9.0 - _LINE * (len(lines_above) - 1)
+    y_of_first = top_y - 9.0 - _LINE * (len(lines_above) - 1)
     for line_number, (x_of_line, text, css) in enumerate(lines_above):
-        elements.append(pen.words(x_of_line, height_of_first + _LINE * line_number, text, css))
+        elements.append(pen.words(x_of_line, y_of_first + _LINE * line_number, text, css))
     box = {"viewBox": f"0 0 {frame.width:g} {frame.height:g}"}
-    if alone:
+    if is_standalone:
         return _element("svg", "".join(elements), **box, **place)
     return _element(
         "svg",
@@ -1101,13 +1126,13 @@ def _panel_svg(panel: Panel, *, alone: bool = False, **place: object) -> str:
         aria_label=panel.alt,
         class_=_kind_of(panel),
         id=f"panel-{panel.name}",
-        **_for_the_script(panel, frame),
+        **_script_attributes(panel, frame),
     )
 
 
 def _is_sketch(panel: Panel) -> bool:
     """Whether a panel stands still: the page's script leaves it as it is."""
-    return panel.bare and not panel.css
+    return panel.without_axes and not panel.css
 
 
 def _kind_of(panel: Panel) -> str:
@@ -1120,7 +1145,7 @@ def _kind_of(panel: Panel) -> str:
     return " ".join(kinds)
 
 
-def _for_the_script(panel: Panel, frame: Frame) -> dict[str, object]:
+def _script_attributes(panel: Panel, frame: Frame) -> dict[str, object]:
     """Attributes of a panel's SVG element that the page's script reads: scales of both axes, their
     titles and ticks. `frame` is the panel's area with its scales.
     """

@@ -15,7 +15,7 @@ from functools import cache
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import CodeType
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import jinja2
 import numpy as np
@@ -64,21 +64,22 @@ def shades(values: ArrayLike, name: str = "viridis") -> list[str]:
     return ["#" + bytes(colour.tolist()).hex() for colour in colours]
 
 
-def pieces(text: str) -> list[tuple[str, bool]]:
-    """Cut a text into parts, each with whether it is a subscript: what follows "_" after a symbol
-    of one letter, such as ref in p_ref.
+def parts_with_subscripts(text: str) -> list[tuple[str, bool]]:
+    """The parts of a text, in order, each with whether it is a subscript: the letters and digits
+    behind "_" after a symbol of one letter, such as ref in p_ref.
 
-    >>> pieces("p/p_ref, q/(f p_ref)")
+    >>> parts_with_subscripts("p/p_ref, q/(f p_ref)")
     [('p/p', False), ('ref', True), (', q/(f p', False), ('ref', True), (')', False)]
     """
-    parts = re.split(r"(?<![^\W_])([^\W\d_])_([A-Za-z0-9]+)", text)
-    text_parts: list[tuple[str, bool]] = []
-    for index in range(0, len(parts) - 2, 3):
-        text_before, symbol, subscript = parts[index : index + 3]
-        text_parts += [(text_before + symbol, False), (subscript, True)]
-    if parts[-1]:
-        text_parts.append((parts[-1], False))
-    return text_parts
+    # text, symbol, subscript, text, symbol, subscript, ..., text
+    pieces = re.split(r"(?<![^\W_])([^\W\d_])_([A-Za-z0-9]+)", text)
+    parts: list[tuple[str, bool]] = []
+    for index in range(0, len(pieces) - 2, 3):
+        text_before, symbol, subscript = pieces[index : index + 3]
+        parts += [(text_before + symbol, False), (subscript, True)]
+    if pieces[-1]:
+        parts.append((pieces[-1], False))
+    return parts
 
 
 def marked(text: object) -> Markup:
@@ -88,38 +89,47 @@ def marked(text: object) -> Markup:
     p<sub>max</sub>; <code>--budget</code> gives it
     """
     markup = Markup("")
-    for index, piece_of_text in enumerate(re.split("`([^`]+)`", str(text))):
-        if index % 2:
-            markup += Markup("<code>{}</code>").format(piece_of_text)
+    for index, piece in enumerate(re.split("`([^`]+)`", str(text))):
+        is_code = index % 2 == 1
+        if is_code:
+            markup += Markup("<code>{}</code>").format(piece)
             continue
-        for part, is_subscript in pieces(piece_of_text):
+        for part, is_subscript in parts_with_subscripts(piece):
             markup += Markup("<sub>{}</sub>").format(part) if is_subscript else part
     return markup
 
 
+class _Rule(NamedTuple):
+    """A rule of a style sheet."""
+
+    classes: frozenset[str]  # all of them must be among those of an element
+    for_texts: bool  # whether it is for text elements alone
+    declarations: Mapping[str, str]  # name -> value
+
+
 @cache
-def _rules() -> list[tuple[frozenset[str], bool, Mapping[str, str]]]:
-    """The rules of the style sheet charts.css, those with the fewest classes first: the classes
-    that an element must have, whether the rule is for texts, and its declarations (name -> value).
-    Colours are those of light pages.
+def _style_rules() -> list[_Rule]:
+    """The rules of the style sheet charts.css, those with the fewest classes first. Colours are
+    those of light pages, lengths are in pixels.
     """
     sheet = (_TEMPLATES / "charts.css").read_text("utf-8")
     sheet = re.sub(r"/\*.*?\*/", "", sheet, flags=re.DOTALL)
     sheet = re.sub(r"@media[^{]*\{(?:[^{}]*\{[^{}]*\})*[^{}]*\}", "", sheet)
     colours = dict(re.findall(r"--([\w-]+): (#\w+)", sheet))
     rules = []
-    for selectors, body in re.findall(r"([^{}]+)\{([^{}]*)\}", sheet):
-        body_in_colours = re.sub(r"var\(--([\w-]+)\)", lambda use: colours[use[1]], body)
+    for selectors, block in re.findall(r"([^{}]+)\{([^{}]*)\}", sheet):
+        # each var(--NAME) replaced by its colour
+        block_in_colours = re.sub(r"var\(--([\w-]+)\)", lambda use: colours[use[1]], block)
         declarations = {
             name: value.removesuffix("px")
-            for name, value in re.findall(r"([\w-]+): ([^;]+);", body_in_colours)
+            for name, value in re.findall(r"([\w-]+): ([^;]+);", block_in_colours)
         }
         for selector in selectors.split(","):
             match = re.fullmatch(r"(?:svg )?(text)?((?:\.[\w-]+)*)", selector.strip())
             if match:
                 classes = frozenset(match[2].split(".")[1:])
-                rules.append((classes, bool(match[1]), declarations))
-    return sorted(rules, key=lambda rule: len(rule[0]))
+                rules.append(_Rule(classes, bool(match[1]), declarations))
+    return sorted(rules, key=lambda rule: len(rule.classes))
 
 
 @cache
@@ -132,10 +142,10 @@ def style_of(css: str, *, text: bool = False) -> Mapping[str, str]:
     """
     classes = frozenset(css.split())
     style: dict[str, str] = {}
-    for rule_classes, for_texts, declarations in _rules():
-        fits_classes = rule_classes <= classes and (rule_classes or for_texts)
-        if fits_classes and (text or not for_texts):
-            style |= declarations
+    for rule in _style_rules():
+        fits_classes = rule.classes <= classes and (rule.classes or rule.for_texts)
+        if fits_classes and (text or not rule.for_texts):
+            style |= rule.declarations  # a rule of more classes overrides those before
     return style
 
 
@@ -192,7 +202,7 @@ class CompiledTemplates(ChoiceLoader):
 def _pages() -> Environment:
     """The environment of the page templates: where they lie, and the filters that they use."""
     pages = Environment(
-        loader=CompiledTemplates([PackageLoader("reports"), FunctionLoader(_words_source)]),
+        loader=CompiledTemplates([PackageLoader("reports"), FunctionLoader(_source_of_macro)]),
         autoescape=select_autoescape(("html",)),
         undefined=StrictUndefined,
         trim_blocks=_BLANKS["trim_blocks"],
@@ -224,23 +234,25 @@ def words_of(macro: str) -> Any:
     return getattr(template(_WORDS.format(macro)).module, macro)
 
 
-def _words_source(name: str) -> str | None:
-    """The source of a macro of templates/words.txt with those that it calls, by the name of its
-    template. To compile all of them together takes ten times as long.
+def _source_of_macro(name: str) -> str | None:
+    """The source of the template `name`, which has one macro (a text with gaps) of
+    templates/words.txt, and those that it calls. None where there is no macro for that name.
+
+    To compile all macros together takes ten times as long.
     """
     sources = _macro_sources()
-    macro = next((macro for macro in sources if _WORDS.format(macro) == name), None)
-    if macro is None:
+    first_macro = next((macro for macro in sources if _WORDS.format(macro) == name), None)
+    if first_macro is None:
         return None
-    needed_names = [macro]
-    for needed_name in needed_names:  # grows
-        called_names = re.findall(r"\b(\w+)\(", sources[needed_name].partition(")")[2])
-        needed_names += [
+    macros_needed = [first_macro]
+    for macro in macros_needed:  # it grows
+        text_of_macro = sources[macro].partition(")")[2]  # behind its parameters
+        macros_needed += [
             called_name
-            for called_name in called_names
-            if called_name in sources and called_name not in needed_names
+            for called_name in re.findall(r"\b(\w+)\(", text_of_macro)
+            if called_name in sources and called_name not in macros_needed
         ]
-    return "".join(sources[needed_name] for needed_name in needed_names)
+    return "".join(sources[macro] for macro in macros_needed)
 
 
 @cache
@@ -281,11 +293,16 @@ Table: TypeAlias = Mapping[str, Sequence[Any] | NDArray[Any]]
 _FORMULA = ("=", "+", "-", "@", "\t")
 
 
-def harmless(cell: str) -> str:
+def without_formula(cell: str) -> str:
     """The text of a CSV cell, with an apostrophe before it where a spreadsheet would compute it as
     a formula. Numbers stay as they are.
 
-    >>> harmless("=HYPERLINK(A1)"), harmless("-1e-3"), harmless("pad"), harmless(" @SUM(A1)")
+    >>> (
+    ...     without_formula("=HYPERLINK(A1)"),
+    ...     without_formula("-1e-3"),
+    ...     without_formula("pad"),
+    ...     without_formula(" @SUM(A1)"),
+    ... )
     ("'=HYPERLINK(A1)", '-1e-3', 'pad', "' @SUM(A1)")
     """
     cell = cell.replace("\r", " ")  # no writer of CSV quotes it, and some readers end the row there
@@ -305,7 +322,7 @@ def table_text(table: Table) -> str:
     >>> table_text({"x": [0.5, float("nan")], "state": ["stick", "open"]})
     'x,state\\n0.5,stick\\n,open\\n'
     """
-    head = ",".join(_quoted(harmless(name)) for name in table)
+    head = ",".join(_quoted(without_formula(name)) for name in table)
     rows = map(",".join, zip(*map(_cells, table.values()), strict=True))
     return "\n".join([head, *rows, ""])
 
@@ -322,7 +339,7 @@ def _cells(column: Sequence[Any] | NDArray[Any]) -> list[str]:
 def _cell(value: Any) -> str:
     """A value as text that no spreadsheet runs."""
     if isinstance(value, str):
-        return harmless(value)
+        return without_formula(value)
     return _number_cell(value.item() if hasattr(value, "item") else value)
 
 

@@ -525,7 +525,7 @@ def _at_the_contact(
         "Open, stick and slip along the contact",
         440.0,
         20.0,
-        bare=True,
+        without_axes=True,
         room=(72.0, 2.0, 20.0, 2.0),
     )
     colour_words = f"von Mises stress  [{stress_unit}]"

@@ -22,8 +22,8 @@ from reports.charts.plate import (
     Rule,
     Scale,
     Segments,
+    figure_with_texts,
     limits,
-    worded,
 )
 from reports.charts.templating import Table
 from reports.comparison.words import bodies_in_words, bulk_and_tilt
@@ -92,7 +92,7 @@ def sketch(scene: Scene, half_width: float) -> Plate:
         alt,
         frame.width,
         frame.height,
-        bare=True,
+        without_axes=True,
         room=(0.0, 0.0, 0.0, 0.0),
     )
     columns: Table = {
@@ -101,7 +101,7 @@ def sketch(scene: Scene, half_width: float) -> Plate:
         f"y [{unit_of_length}]": np.concatenate([corners[:, 1] for corners in outlines.values()]),
     }
     bodies = (scene.bodies.lower, scene.bodies.upper)
-    return worded(
+    return figure_with_texts(
         "bodies",
         [panel],
         columns,
@@ -143,7 +143,7 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
         f"row - fit [{unit_of_length}]": trace.residuals,
         "fitted": trace.is_fitted.astype(float),
     }
-    return worded(
+    return figure_with_texts(
         "profile_fit",
         panels,
         table,

@@ -8,7 +8,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from reports.charts.plate import Axis, Block, Curve, Dot, Key, Mark, Note, Plate, Segments, worded
+from reports.charts.plate import (
+    Axis,
+    Block,
+    Curve,
+    Dot,
+    Key,
+    Mark,
+    Note,
+    Plate,
+    Segments,
+    figure_with_texts,
+)
 from reports.charts.templating import Table
 from reports.comparison.budget import ROUNDING, Budget, ErrorBudget, Refinement, extrapolate
 from reports.comparison.why import Why, percent_of
@@ -73,7 +84,7 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
         if is_drawn[index]
     ]
     table = _budget_table(budgets, term_names, rest_name)
-    return worded("budget", [panel], table, keys, columns=1, judged=is_judged)
+    return figure_with_texts("budget", [panel], table, keys, columns=1, judged=is_judged)
 
 
 def _axis_of_bars(is_judged: bool) -> str:
@@ -126,7 +137,7 @@ def waterfall(why: Why) -> Plate | None:
         "change of W": [step.change.value for step in steps],
         "u": [step.change.uncertainty for step in steps],
     }
-    return worded("waterfall", [panel], table, columns=1)
+    return figure_with_texts("waterfall", [panel], table, columns=1)
 
 
 def _bar_of_cause(
@@ -399,4 +410,4 @@ def _convergence(
         "size": [size for size, _ in all_points],
         "distance": [distance for _, distance in all_points],
     }
-    return worded(name, [panel], table, [*keys, *keys_of_orders], columns=1)
+    return figure_with_texts(name, [panel], table, [*keys, *keys_of_orders], columns=1)

@@ -22,8 +22,8 @@ from reports.charts.plate import (
     Panel,
     Plate,
     Rule,
+    figure_with_texts,
     limits,
-    worded,
 )
 from reports.charts.templating import STATE_NAMES
 from reports.comparison.words import value_of
@@ -84,7 +84,7 @@ def tractions(view: CycleView) -> Plate:
         for role, cycle in (("reference", view.reference_cycle), ("result", view.result_cycle)):
             column_name = f"{letter}_{role}/{units_of[letter]}"
             table[column_name] = (getattr(cycle, field)[instants] / size).ravel()
-    return worded("tractions", cells, table, traction_keys(view), columns=3)
+    return figure_with_texts("tractions", cells, table, traction_keys(view), columns=3)
 
 
 def _traction_fields(view: CycleView) -> dict[str, tuple[str, float]]:
@@ -144,7 +144,7 @@ def traction_panels(
     upper_panel = Panel(
         name,
         view.over_x(""),
-        Axis(*limits(*all_values, zero=True), "p/p_ref,  q/(f p_ref)"),
+        Axis(*limits(*all_values, with_zero=True), "p/p_ref,  q/(f p_ref)"),
         traction_marks,
         f"Pressure and shear over x. {title}".strip(),
         width,
@@ -166,7 +166,11 @@ def traction_panels(
     lower_panel = Panel(
         f"{name}-difference",
         view.over_x(),
-        Axis(*limits(*differences.values(), zero=True, least=1e-9), "difference, %", count=3),
+        Axis(
+            *limits(*differences.values(), with_zero=True, least_range=1e-9),
+            "difference, %",
+            count=3,
+        ),
         difference_marks,
         f"Result less reference over x. {title}".strip(),
         width,
@@ -216,7 +220,7 @@ def moving_instant(view: CycleView) -> Plate:
         width,
         84.0,
         css="zones",
-        bare=True,
+        without_axes=True,
         room=(72.0, 0.0, 20.0, 0.0),
     )
     states_differ = view.reference_cycle.state != view.result_cycle.state
@@ -230,7 +234,7 @@ def moving_instant(view: CycleView) -> Plate:
         "points_where_states_differ": states_differ.sum(axis=1).astype(np.int64),
     }
     panels = (traction_panel, strips, difference)
-    return worded("cycle", panels, table, traction_keys(view), columns=1)
+    return figure_with_texts("cycle", panels, table, traction_keys(view), columns=1)
 
 
 def _strip_of_states(view: CycleView, engine: EngineView, strip_number: int) -> Iterator[Mark]:
@@ -310,7 +314,7 @@ def state_map(view: CycleView) -> Plate:
         f"state_reference ({codes})": states_of_reference[grid].ravel(),
         f"state_result ({codes})": states_of_result[grid].ravel(),
     }
-    return worded(
+    return figure_with_texts(
         "state_map",
         panels,
         table,
@@ -358,7 +362,8 @@ def dissipation_density(view: CycleView) -> Plate | None:
         "work",
         view.over_x(),
         Axis(
-            *limits(density_of_reference, density_of_result, zero=True), "w / (A f² P_ref²/a_ref)"
+            *limits(density_of_reference, density_of_result, with_zero=True),
+            "w / (A f² P_ref²/a_ref)",
         ),
         density_marks,
         "Dissipation density over x",
@@ -374,7 +379,7 @@ def dissipation_density(view: CycleView) -> Plate | None:
     difference_panel = Panel(
         "work-difference",
         view.over_x(),
-        Axis(*limits(difference, zero=True, least=1e-9), "difference, % of the largest"),
+        Axis(*limits(difference, with_zero=True, least_range=1e-9), "difference, % of the largest"),
         [ZERO, Curve(x, difference, "d p", "difference")],
         "Difference of the dissipation density",
         notes=[note],
@@ -386,7 +391,7 @@ def dissipation_density(view: CycleView) -> Plate | None:
         f"w_reference/{unit_in_table}": density_of_reference,
         f"w_result/{unit_in_table}": density_of_result,
     }
-    return worded(
+    return figure_with_texts(
         "dissipation_density",
         (density_panel, difference_panel),
         table,

@@ -18,8 +18,8 @@ from reports.charts.plate import (
     Panel,
     Plate,
     Rule,
+    figure_with_texts,
     limits,
-    worded,
 )
 from reports.charts.templating import Table
 from reports.comparison.cycles import Cycle, Event
@@ -89,7 +89,7 @@ def half_widths(view: CycleView) -> Plate:
         for kind, difference in differences.items()
     ]
     difference_axis = Axis(
-        *limits(*differences.values(), zero=True, least=1e-10),
+        *limits(*differences.values(), with_zero=True, least_range=1e-10),
         "difference, % of a_ref",
     )
     lower_panel = Panel(
@@ -107,7 +107,7 @@ def half_widths(view: CycleView) -> Plate:
     )
     spacing = _spacing_at_the_edge(view.result_cycle) / half_width
     legend = (*keys, Key("d p", "difference, contact"), Key("d q", "difference, stick"))
-    return worded(
+    return figure_with_texts(
         "half_widths",
         (upper_panel, lower_panel),
         table,
@@ -179,7 +179,7 @@ def discrepancies(view: CycleView) -> Plate:
     )
     table = {"time": view.result_cycle.time}
     table |= {metric.key: np.asarray(metric.series) for metric in drawn_metrics}
-    return worded(
+    return figure_with_texts(
         "errors",
         [panel],
         table,
@@ -224,7 +224,7 @@ def slip_histories(view: CycleView) -> Plate:
         "slip",
         view.over_time(8),
         Axis(
-            *limits(*slips, zero=True, least=least_slip),
+            *limits(*slips, with_zero=True, least_range=least_slip),
             f"slip since the start  [{unit_of_length}]",
         ),
         curves,
@@ -234,7 +234,7 @@ def slip_histories(view: CycleView) -> Plate:
         time="x",
     )
     keys = [Key(f"point-{number}", name) for number, name in enumerate(names)]
-    return worded("slip_history", [panel], table, keys, columns=1, stretch=view.stretch)
+    return figure_with_texts("slip_history", [panel], table, keys, columns=1, stretch=view.stretch)
 
 
 def cumulative_work(view: CycleView) -> Plate | None:
@@ -258,12 +258,12 @@ def cumulative_work(view: CycleView) -> Plate | None:
     panel = broad_panel(
         "cumulative-work",
         Axis(*limits(every_time, margin=0.02), "time"),
-        Axis(*limits(*(work for *_, work in series), zero=True), f"W so far  [{unit}]"),
+        Axis(*limits(*(work for *_, work in series), with_zero=True), f"W so far  [{unit}]"),
         curves,
         "Dissipation so far over time",
         260.0,
     )
-    return worded(
+    return figure_with_texts(
         "cumulative_work",
         [panel],
         table,
@@ -326,7 +326,7 @@ def load_path(view: CycleView) -> Plate:
         "Q": tangential_load,
     }
     has_bulk_or_tilt = len(panels) > 1
-    return worded(
+    return figure_with_texts(
         "load_path", panels, table, keys, columns=1, beside=has_bulk_or_tilt, stretch=view.stretch
     )
 
@@ -341,7 +341,7 @@ def _panel_beneath_path(view: CycleView, name: str, title: str, lines: Sequence[
     return Panel(
         name,
         view.over_time(),
-        Axis(*limits(*series, zero=True, margin=0.12), title, count=3),
+        Axis(*limits(*series, with_zero=True, margin=0.12), title, count=3),
         curves,
         f"{title} over time",
         height=190.0,
@@ -549,7 +549,7 @@ def hysteresis(view: CycleView) -> Plate | None:
     }
     # P works too where it varies and the approach hangs on Q as well.
     constant_load = np.ptp(view.result_cycle.normal_load) == 0 and view.result_cycle.tilt is None
-    return worded(
+    return figure_with_texts(
         "hysteresis",
         panels,
         table,

@@ -27,8 +27,8 @@ from reports.charts.plate import (
     Panel,
     Plate,
     Rule,
+    figure_with_texts,
     limits,
-    worded,
     write_tables,
 )
 from reports.charts.templating import Table, script, template
@@ -213,7 +213,7 @@ def _loop(rig: RigMotion) -> Plate:
     if rig.elements is not None:
         keys = (*keys, _KEY_OF_ELEMENTS)
     panel = _loop_panel(rig, "rig-loop", _WIDTH, 380.0)
-    return worded(
+    return figure_with_texts(
         "rig_loop", [panel], columns, keys, columns=1, noun=rig.noun, has_spring=has_spring
     )
 
@@ -271,7 +271,7 @@ def loops(rigs: Sequence[RigMotion]) -> Plate:
         columns["scene"] += [rig.scene.name] * len(rig.time)
         columns["U of the contact"] += rig.contact.tolist()
         columns["Q"] += rig.tangential_load.tolist()
-    return worded("rig_loops", panels, columns, _KEYS_OF_LOOP)
+    return figure_with_texts("rig_loops", panels, columns, _KEYS_OF_LOOP)
 
 
 def _over_time(rig: RigMotion) -> Plate:
@@ -328,7 +328,7 @@ def _over_time(rig: RigMotion) -> Plate:
         f"way that the bodies slide [{unit_of_length}]": rig.way,
         "motion in the step before": [_MOTIONS[Motion(code)][1] for code in rig.motions.tolist()],
     }
-    return worded("rig_over_time", panels, columns, keys, columns=1, noun=rig.noun)
+    return figure_with_texts("rig_over_time", panels, columns, keys, columns=1, noun=rig.noun)
 
 
 # ------------------------------------------------------------------------------------------ numbers

@@ -21,8 +21,8 @@ from reports.charts.plate import (
     Panel,
     Plate,
     Rule,
+    figure_with_texts,
     limits,
-    worded,
     write_tables,
 )
 from reports.charts.templating import script, template
@@ -162,7 +162,7 @@ def _figure_of_loop(score: LoopScore, means: _Means, row_counts: dict[str, Any])
         f"U [{unit_of_length}]": score.shift,
     }
     keys = [Key(curve.css, curve.label) for curve in curves]
-    return worded("loop", [panel], columns, keys, slope=f"{slope:.4g}", **row_counts)
+    return figure_with_texts("loop", [panel], columns, keys, slope=f"{slope:.4g}", **row_counts)
 
 
 def _figure_of_residuals(
@@ -191,7 +191,7 @@ def _figure_of_residuals(
         260.0,
         css="broad",
     )
-    return worded(
+    return figure_with_texts(
         "loop_residuals",
         [panel],
         {"tau": score.tau, f"U - fit [{unit_of_length}]": residuals},

@@ -232,7 +232,7 @@ def _figure_1(case: Case) -> Plate:
         "A motor on its foot",
         620.0,
         440.0,
-        bare=True,
+        without_axes=True,
         room=(0.0, 0.0, 0.0, 0.0),
     )
     return _plate(
