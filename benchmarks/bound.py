@@ -239,7 +239,7 @@ def judged(case: Case) -> dict[str, Any]:
         "mesh": mesh,
         "advised": advice.work.value,
         "bound": advice.work.uncertainty,
-        "declined": advice.declined,
+        "declined": advice.reason_for_size_alone,
         "left": left,
         "covered": bool(abs(left) <= advice.work.uncertainty + mesh),
     }

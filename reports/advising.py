@@ -29,16 +29,17 @@ def advise(
     Theory corrected by elastic responses of the bodies answers where its uncertainty was checked
     against finite elements: flat faces, like materials, small tilt and bulk strain. Else
     half-planes with the compliance of the bodies added (kernels) are solved, in some seconds more.
-    Where that is not possible, the size of the change by corrected theory is left.
+    Where that is not possible, the answer is the size of the change by corrected theory, without a
+    checked uncertainty.
 
     Parameters
     ----------
     scene
-        or a name of the library, or a file
+        a scene, the name of one in the library, or a file
     limit
-        share of the dissipation up to which theory may be used
+        of |change of the dissipation|, relative, up to which theory may be used
     effects
-        elastic responses of the bodies, where they are known already
+        elastic responses of the bodies, where they are known already; None: they are computed
 
     Returns
     -------
@@ -51,7 +52,7 @@ def advise(
     InputError
         Where the scene has no friction, or theory dissipates nothing.
     NoAdvice
-        Where neither takes the scene.
+        Where neither corrected theory nor kernels take the scene.
 
     Examples
     --------
@@ -66,20 +67,21 @@ def advise(
             f"{problem.name}: friction.coefficient = 0: nothing is dissipated, so no error is"
             " relative to it"
         )
-    by_numbers = None
+    advice = None
     try:
-        by_numbers = advise_by_numbers(problem, limit, effects)
-        reason = by_numbers.declined
-    except InputError as declined:
-        reason = str(declined)
-    if by_numbers is not None and not reason:
-        return by_numbers
+        advice = advise_by_numbers(problem, limit, effects)
+        reason_for_kernels = advice.reason_for_size_alone
+    except InputError as refusal:
+        reason_for_kernels = str(refusal)
+    if advice is not None and not reason_for_kernels:
+        return advice
     try:
-        return advise_by_kernels(problem, limit, reason)
-    except (InputError, ConvergenceError) as refused:
-        if by_numbers is not None:
-            return replace(by_numbers, declined_by_kernels=str(refused))
+        return advise_by_kernels(problem, limit, reason_for_kernels)
+    except (InputError, ConvergenceError) as refusal:
+        if advice is not None:
+            return replace(advice, refusal_of_kernels=str(refusal))
         raise NoAdvice(
-            f"Not known: neither the numbers of the bodies ({reason.rstrip('.')}) nor their kernel"
-            f" solve ({str(refused).rstrip('.')}) take this scene. Solve it (`halfplane run`)."
-        ) from refused
+            f"Not known: neither the numbers of the bodies ({reason_for_kernels.rstrip('.')}) nor"
+            f" their kernel solve ({str(refusal).rstrip('.')}) take this scene. Solve it"
+            " (`halfplane run`)."
+        ) from refusal

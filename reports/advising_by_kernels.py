@@ -1,5 +1,6 @@
-"""How wrong half-plane theory is where the numbers of the bodies do not say it: by the kernel solve
-of the bodies (`halfplane_fe.solve(scene, bodies="kernel")`), in some seconds.
+"""How wrong half-plane theory is where theory corrected by elastic responses of the bodies has no
+answer: by finite elements of half-planes with the compliance of the bodies added as kernels
+(`halfplane_fe.solve(scene, bodies="kernel")`), in some seconds.
 
 That is for pads and cylinders, whose faces are curved; for unlike materials, half-planes among
 them; and where tilt and bulk strain are large. Contact solver, increments and elements are those of
@@ -22,10 +23,10 @@ from reports.comparison.verdicts import Verdict, verdict_on
 from reports.comparison.why import in_percent
 from scenes import ContactSolution, Estimate, FlatRounded, InputError, Scene
 
-# What the kernels leave of values of finite elements, relative to them. Of flat pads the largest
-# pressure stands next to the end of the flat, where no polynomial follows it.
-_LEFT = 3e-4
-_LEFT_OF_FLAT_PAD = 1e-3
+# Relative error of values by kernels, against finite elements of the bodies. The largest pressure
+# of flat pads has more: it lies next to the end of the flat, where no polynomial follows it.
+_ERROR_OF_KERNELS = 3e-4
+_ERROR_AT_FLANK = 1e-3
 
 
 @dataclass(frozen=True)
@@ -35,17 +36,17 @@ class KernelAdvice:
     Attributes
     ----------
     changes
-        by the name of the quantity; "dissipation" is the first. The edge tension of flat faces
-        alone is among them
-    instead_of
-        why not by the numbers of the bodies
+        quantity -> its change; "dissipation" is the first. The edge tension is among them for flat
+        faces alone
+    reason_for_kernels
+        why theory corrected by responses of the bodies does not answer
     limit
         of |change of the dissipation| up to which theory may be used
     """
 
     scene: Scene
     changes: dict[str, Change]
-    instead_of: str
+    reason_for_kernels: str
     limit: float
 
     def __repr__(self) -> str:
@@ -63,7 +64,7 @@ class KernelAdvice:
         return verdict_on(self.work.value, self.limit, self.work.uncertainty)
 
 
-def advise_by_kernels(scene: Scene, limit: float, instead_of: str) -> KernelAdvice:
+def advise_by_kernels(scene: Scene, limit: float, reason_for_kernels: str) -> KernelAdvice:
     """How far half-plane theory is wrong for the finite bodies of a scene, by finite elements of
     half-planes to which the compliance of the bodies is added as kernels.
 
@@ -71,7 +72,7 @@ def advise_by_kernels(scene: Scene, limit: float, instead_of: str) -> KernelAdvi
     ----------
     limit
         |change of the dissipation| up to which theory may be used
-    instead_of
+    reason_for_kernels
         why theory corrected by responses of the bodies does not answer; for the sentence
 
     Raises
@@ -87,21 +88,20 @@ def advise_by_kernels(scene: Scene, limit: float, instead_of: str) -> KernelAdvi
 
     theory = _dissipating_theory(scene)  # before anything is solved
     changes = changes_of(halfplane_fe.solve(scene, bodies="kernel"), theory)
-    for quantity, change_of_quantity in changes.items():
-        estimated_change = change_of_quantity.change
-        # The largest pressure of a pad with a flat lies at its rounded flank, where kernels err
-        # more.
-        error_of_kernels = _LEFT_OF_FLAT_PAD if _is_at_flank(scene, quantity) else _LEFT
-        # It is a share of the value with bodies, which is 1 + change of theory's.
-        uncertainty = estimated_change.uncertainty + error_of_kernels * (1 + estimated_change.value)
-        changes[quantity] = change_of_quantity._replace(
-            change=Estimate(estimated_change.value, uncertainty)
-        )
-    return KernelAdvice(scene, changes, instead_of, limit)
+    for quantity, change in changes.items():
+        estimate = change.change  # solution/theory - 1
+        error_of_kernels = _ERROR_AT_FLANK if _is_at_flank(scene, quantity) else _ERROR_OF_KERNELS
+        # The error is relative to the value of the solution, the uncertainty to that of theory.
+        ratio_to_theory = 1 + estimate.value
+        uncertainty = estimate.uncertainty + error_of_kernels * ratio_to_theory
+        changes[quantity] = change._replace(change=Estimate(estimate.value, uncertainty))
+    return KernelAdvice(scene, changes, reason_for_kernels, limit)
 
 
 def _is_at_flank(scene: Scene, quantity: str) -> bool:
-    """Whether a quantity is the largest pressure of a pad with a flat."""
+    """Whether a quantity is the largest pressure of a pad with a flat, which lies at its rounded
+    flank.
+    """
     has_flat = scene.bodies.faces_are_true and isinstance(scene.profile, FlatRounded)
     return quantity == "peak_pressure" and has_flat
 
@@ -180,19 +180,21 @@ def _dissipating_theory(scene: Scene) -> ContactSolution:
 
 
 def _change(words: str, theory: float, value: float, uncertainty: float) -> Change:
-    """A value over theory's, minus 1; NaN where theory has none."""
+    """The change value/theory - 1 of the quantity called `words`, with its uncertainty; NaN where
+    theory has no value. `uncertainty` is that of `value`.
+    """
     if not theory or not math.isfinite(theory):
         return Change(words, theory, Estimate(math.nan, math.nan))
     return Change(words, theory, Estimate(float(value / theory - 1), float(uncertainty / theory)))
 
 
 def _why(advice: KernelAdvice) -> str:
-    """Why the numbers of the bodies do not say it, in a few words."""
+    """Why theory corrected by responses of the bodies does not answer, in a few words."""
     if advice.scene.bodies.faces_are_true:
         return "their faces are curved"
     if coupled(advice.scene):
         return "their materials are unlike"
-    return advice.instead_of
+    return advice.reason_for_kernels
 
 
 def sentence(advice: KernelAdvice) -> str:

@@ -56,28 +56,30 @@ if TYPE_CHECKING:
     from reports.comparison.budget import ErrorBudget
     from reports.comparison.judged import JudgedPair
 
-# Of the second order of what is not symmetric, by f: bulk strain / f^2, both, tilt x f^2. These are
-# the largest of six load cycles, and give a size alone: below the least one no grid is solved.
+# Change of the dissipation in the second order of tilt and bulk strain: factors of (strain/f)^2,
+# strain x tilt, (tilt f)^2. They are the largest of six load cycles, and give a size alone. Below
+# the least size no grid is solved.
 _STRAIN_SQUARED = 1.4
 _STRAIN_BY_TILT = 4.4
 _TILT_SQUARED = 3.5
 _LEAST_ODD_PART = 1e-4
-# Of unlike materials, by Dundurs' beta: of half-planes beta^2/f^2, of bodies beta x strain/f^2 and
-# beta x tilt. They give a size alone: at least 1.1 times what 38 random pairs leave, and 4 times at
-# the median (benchmarks/unlike.py, seed 301).
+# Change of the dissipation by coupling of unlike materials: factors of (beta/f)^2 for half-planes,
+# of beta strain/f^2 and beta tilt for bodies, with Dundurs' beta. They give a size alone: at least
+# 1.1 times what 38 random pairs leave, and 4 times at the median (benchmarks/unlike.py, seed 301).
 _COUPLING_SQUARED = 1.6
 _STRAIN_BY_COUPLING = 7.0
 _TILT_BY_COUPLING = 5.0
-# Of the half-width that always sticks, what edges of the first order leave: 0.4 % on grids.
-_LEFT_OF_STICK = 5e-3
-# Above these the uncertainty is not held to finite elements: its own size, and what tilt and bulk
-# strain make.
-_MOST_UNCERTAIN = 0.01
-_MOST_ODD = 0.05
-# Elements of what explains the difference, over those of the finite elements.
-_COARSER = 2.0
+# Relative error of the permanent stick half-width with tilt and bulk strain in the first order:
+# 0.4 % against grids.
+_ERROR_OF_STICK = 5e-3
+# The uncertainty of corrected theory was checked against finite elements up to these values: of the
+# uncertainty itself, and of the change of the dissipation by tilt and bulk strain.
+_LARGEST_CHECKED_UNCERTAINTY = 0.01
+_LARGEST_CHECKED_ODD_PART = 0.05
+# Size of the elements that explain the difference, over that of the finite elements.
+_COARSENING = 2.0
 WORK = "dissipation"
-ODD = "tilt and bulk strain"
+ODD_PART = "tilt and bulk strain"
 HIGHER_ORDERS = "higher orders"
 COUPLING = "coupling"
 FINITE_BODIES = "finite bodies"
@@ -108,31 +110,32 @@ class Advice:
     Attributes
     ----------
     effects
-        the numbers of the bodies
+        elastic responses that the bodies add to half-planes
     changes
-        by the name of the quantity, all that is uncertain counted; "dissipation" is the first. NaN
-        where there is no estimate: of what always sticks where tilt and bulk strain, which move it
-        in the first order, are not known in that; of all but the dissipation where the materials
-        are unlike, or the size of tilt and bulk strain is more than 5 % of it
+        quantity -> its change with its whole uncertainty; "dissipation" is the first. NaN where
+        there is no estimate: of the permanent stick half-width, where tilt and bulk strain move it
+        by an amount that is not known; of all but the dissipation where the materials are unlike,
+        or tilt and bulk strain change it by more than 5 %
     parts
-        of the change of the dissipation, by what makes them: they add up to it
-    left_out
-        size of what tilt and bulk strain make of the dissipation where no grid was solved: where it
-        is below 1e-4, or the profile is none that grids take; counted as uncertain. Of unlike
-        materials the size of what coupling makes is in it
+        cause -> its part of the change of the dissipation; they add up to it
+    neglected_part
+        size of the change of the dissipation by tilt and bulk strain where they were not followed:
+        the size is below 1e-4, or no method takes the profile. For unlike materials it holds the
+        size of the change by coupling too. It is counted as uncertainty
     limit
         of |change of the dissipation| up to which theory may be used
-    declined_by_kernels
-        why no kernel solve takes the place of a size alone; empty where none was tried
+    refusal_of_kernels
+        why the kernel solve does not take the scene, where corrected theory gives a size alone; ""
+        where it was not tried
     """
 
     scene: Scene
     effects: BodyEffects
     changes: dict[str, Change]
     parts: dict[str, Estimate]
-    left_out: float
+    neglected_part: float
     limit: float
-    declined_by_kernels: str = ""
+    refusal_of_kernels: str = ""
 
     def __repr__(self) -> str:
         """The sentence that `halfplane advise` begins with, and the other changes in per cent."""
@@ -150,24 +153,28 @@ class Advice:
         return self.changes[WORK].change
 
     @property
-    def declined(self) -> str:
-        """Why corrected theory gives only the size of the change by finite bodies, and no
-        uncertainty that was checked against finite elements. "" where it gives one.
+    def reason_for_size_alone(self) -> str:
+        """The reason why corrected theory gives only the size of the change by finite bodies, and
+        no uncertainty that was checked against finite elements. "" where it gives one.
         """
         if coupled(self.scene):
             return "the materials are unlike (Dundurs' beta is not 0)"
-        odd_part = max(abs(self.parts.get(ODD, Estimate(0.0)).value), self.left_out)
-        if odd_part > _MOST_ODD:
-            return f"tilt and bulk strain make more than {100 * _MOST_ODD:g} % of it"
-        if self.work.uncertainty > _MOST_UNCERTAIN:
-            return f"the uncertainty is above {100 * _MOST_UNCERTAIN:g} %"
+        odd_part = max(abs(self.parts.get(ODD_PART, Estimate(0.0)).value), self.neglected_part)
+        if odd_part > _LARGEST_CHECKED_ODD_PART:
+            return (
+                f"tilt and bulk strain make more than {100 * _LARGEST_CHECKED_ODD_PART:g} % of it"
+            )
+        if self.work.uncertainty > _LARGEST_CHECKED_UNCERTAINTY:
+            return f"the uncertainty is above {100 * _LARGEST_CHECKED_UNCERTAINTY:g} %"
         return ""
 
     @property
     def verdict(self) -> Verdict:
-        """Of the change of the dissipation on the limit; never within where `declined`."""
+        """Whether the change of the dissipation is within the limit; undecided in place of within
+        where only its size is known.
+        """
         verdict = verdict_on(self.work.value, self.limit, self.work.uncertainty)
-        if self.declined and verdict is Verdict.WITHIN:
+        if self.reason_for_size_alone and verdict is Verdict.WITHIN:
             return Verdict.UNDECIDED
         return verdict
 
@@ -176,20 +183,20 @@ def advise_by_numbers(
     scene: Scene | str | Path, limit: float = 0.05, effects: BodyEffects | None = None
 ) -> Advice:
     """How far finite bodies are from half-plane theory, by theory that is corrected with the
-    elastic responses that bodies add to half-planes: curvatures of the faces per load, tilt, bulk
-    strain.
+    elastic responses that bodies add to half-planes (`effects`): curvatures of the faces per load,
+    tilt, bulk strain.
 
-    Tilt and bulk strain are the odd part: at -x they do the opposite of what they do at x. The
-    curvatures are the even part.
+    The displacements by curvature are even in x (a parabola), those by tilt and bulk strain odd (a
+    straight line): hence the even and the odd part of a change.
 
     Parameters
     ----------
     scene
         a scene, the name of one in the library, or a file
     limit
-        share of the dissipation up to which theory may be used
+        of |change of the dissipation|, relative, up to which theory may be used
     effects
-        the responses, where they are known already
+        the responses, where they are known already; None: they are computed
 
     Raises
     ------
@@ -225,55 +232,56 @@ def advise_by_numbers(
     )
     largest_values = semi_analytic.extremes(theory)
     half_width = largest_values.half_width
-    own_values = {"peak_pressure": largest_values.pressure, "half_width": half_width}
     uncertainties = uncertain_fraction_of_curvatures(effects, half_width)
-    ratio = ratio_of_next_order(effects, half_width)
+    next_order_ratio = ratio_of_next_order(effects, half_width)
     parts = _parts(effects, theory, corrected_solution, uncertainties)
-    odd_share = _size_of_odd_part(effects, scene, half_width)
-    left_out = odd_share  # until the odd part is followed itself
+    size_of_odd_part = _size_of_odd_part(effects, scene, half_width)
+    neglected_part = size_of_odd_part  # unless the odd part is followed below
     if is_coupled:
-        left_out += _size_of_coupling(effects, scene, half_width)
-    elif left_out > _LEAST_ODD_PART:
+        neglected_part += _size_of_coupling(effects, scene, half_width)
+    elif neglected_part > _LEAST_ODD_PART:
         even_part = sum(part.value for part in parts.values())
-        odd_change = _odd_part_of_work(effects, scene, even_part, ratio)
-        if odd_change is not None:
-            parts[ODD] = odd_change
-            left_out = 0.0
+        odd_part = _odd_part_of_work(effects, scene, even_part, next_order_ratio)
+        if odd_part is not None:
+            parts[ODD_PART] = odd_part
+            neglected_part = 0.0
+    # largest values of theory over all x and time, not only on the points of the solution
+    exact_values = {"peak_pressure": largest_values.pressure, "half_width": half_width}
     changes = {}
-    for key, (name, words) in _VALUES.items():
+    for key, (name, words) in _QUANTITIES.items():
         theory_value = QUANTITIES[name].of(theory)
         change = QUANTITIES[name].of(corrected_solution) / theory_value - 1
         uncertainty = abs(change) * max(uncertainties.values())
         if key == WORK:
             change = sum(part.value for part in parts.values())
-            uncertainty = sum(part.uncertainty for part in parts.values()) + left_out
+            uncertainty = sum(part.uncertainty for part in parts.values()) + neglected_part
             estimate = Estimate(change, uncertainty + LEAST_UNCERTAIN_FRACTION)
-        elif is_coupled or odd_share > _MOST_ODD:
+        elif is_coupled or size_of_odd_part > _LARGEST_CHECKED_ODD_PART:
             # coupling, or a large tilt, moves it by an amount that is not known
             estimate = Estimate(math.nan, math.nan)
-        elif odd_share > 0 and key == "permanent_stick":
+        elif size_of_odd_part > 0 and key == "permanent_stick":
             estimate = _change_of_stick(scene, effects, theory_value, uncertainty)
         else:
             estimate = Estimate(change, uncertainty + LEAST_UNCERTAIN_FRACTION)
-        changes[key] = Change(words, own_values.get(key, theory_value), estimate)
-    return Advice(scene, effects, changes, parts, left_out, limit)
+        changes[key] = Change(words, exact_values.get(key, theory_value), estimate)
+    return Advice(scene, effects, changes, parts, neglected_part, limit)
 
 
 def _odd_part_of_work(
     effects: BodyEffects, scene: Scene, even_part: float, ratio: float
 ) -> Estimate | None:
     """The change of the dissipation W by the tilt and the bulk strain of finite bodies under the
-    loads, relative to W of half-plane theory, with its uncertainty. None where no method of theory
-    follows them in this scene.
+    loads, relative to W of half-plane theory, with its uncertainty. None where theory can't follow
+    them in this scene, such as for its profile.
 
     Parameters
     ----------
     effects
         elastic responses that the bodies add to half-planes
     even_part
-        relative change of W by what bends the faces symmetrically
+        relative change of W by the curvatures of the faces
     ratio
-        size of the neglected next term in the series of the bodies' responses, over the first term
+        fourth order over curvature in the bodies' responses (`ratio_of_next_order`)
     """
     import semi_analytic
     from semi_analytic.next_order import uncertain_fraction_of_tilt_and_strain
@@ -282,17 +290,16 @@ def _odd_part_of_work(
         odd_change = semi_analytic.change_by_tilt_and_strain(scene, effects)
     except InputError:
         return None
-    uncertainty_left = uncertain_fraction_of_tilt_and_strain(even_part, ratio) * abs(
-        odd_change.value
-    )
-    return Estimate(odd_change.value, odd_change.uncertainty + uncertainty_left)
+    uncertain_fraction = uncertain_fraction_of_tilt_and_strain(even_part, ratio)
+    uncertainty_of_order = uncertain_fraction * abs(odd_change.value)
+    return Estimate(odd_change.value, odd_change.uncertainty + uncertainty_of_order)
 
 
 def _change_of_stick(
     scene: Scene, effects: BodyEffects, theory_value: float, uncertainty: float
 ) -> Estimate:
     """Relative change of the permanent stick half-width by finite bodies, with tilt and bulk strain
-    to first order; NaN where that does not hold.
+    in the first order; NaN where theory in that order does not take the scene.
 
     Parameters
     ----------
@@ -310,25 +317,27 @@ def _change_of_stick(
         odd_answer(scene, effects)
     except Declined:
         return Estimate(math.nan, math.nan)
-    # edges alone: no work is followed again
+    # the edges alone are needed, not the dissipation
     corrected_half_width = semi_analytic.solve(
         scene, x=0.0, cycles="steady", effects=effects, fields="pressure"
     ).permanent_stick_half_width
-    return Estimate(corrected_half_width / theory_value - 1, uncertainty + _LEFT_OF_STICK)
+    return Estimate(corrected_half_width / theory_value - 1, uncertainty + _ERROR_OF_STICK)
 
 
 def split(comparison: JudgedPair, budget: ErrorBudget | None) -> Why:
     """Split the difference of the dissipation W between finite elements of real bodies and
-    half-plane theory into its causes. Not split, with the reason, where W was not compared, no
-    method for these bodies finds the causes, or a part does not converge or has no error.
+    half-plane theory into its causes.
+
+    The answer has a reason in place of the parts where W was not compared, where no method finds
+    the causes for these bodies, and where a part does not converge or has no error estimate.
 
     Parameters
     ----------
     comparison
         of finite elements with half-plane theory, W with its uncertainty
     budget
-        error budget that states the parts by mesh and load steps; without it they are in what is
-        left
+        error budget that states the parts by mesh and load steps; None: these parts stay in the
+        rest that no cause explains
     """
     metric = comparison.metric(WORK)
     if metric.value is None or metric.absolute or not math.isfinite(metric.value):
@@ -342,38 +351,39 @@ def split(comparison: JudgedPair, budget: ErrorBudget | None) -> Why:
     try:
         # unlike materials: pressure and shear depend on each other
         if coupled(comparison.scene):
-            parts = _parts_of_unlike(comparison)
-        elif comparison.scene.bodies.faces_are_true:
-            parts = _parts_of_curved(comparison)
+            parts = _parts_of_unlike_materials(comparison)
+        elif comparison.scene.bodies.faces_are_true:  # with their curvature, as of a cylinder
+            parts = _parts_of_curved_faces(comparison)
         else:
             advice = advise_by_numbers(comparison.scene, effects=comparison.effects)
-            parts = _parts_of_alike(advice, comparison)
+            parts = _parts_of_flat_faces(advice, comparison)
     except (InputError, ConvergenceError) as reason:
         return Why(total_change, not_split=str(reason))
-    parts_without_estimate = [
-        words for words, part in parts.items() if math.isnan(part.uncertainty)
+    causes_without_estimate = [
+        cause for cause, part in parts.items() if math.isnan(part.uncertainty)
     ]
-    if parts_without_estimate:
+    if causes_without_estimate:
         return Why(
             total_change,
-            not_split=f"on this mesh the error of {' and of '.join(parts_without_estimate)} has no"
+            not_split=f"on this mesh the error of {' and of '.join(causes_without_estimate)} has no"
             " estimate; a finer mesh splits it",
         )
     return Why(total_change, parts, Estimate(numerical_part))
 
 
-def _parts_of_alike(advice: Advice, comparison: JudgedPair) -> dict[str, Estimate]:
+def _parts_of_flat_faces(advice: Advice, comparison: JudgedPair) -> dict[str, Estimate]:
     """The causes of the change of the dissipation for bodies of like materials with flat faces:
     cause -> relative change with its uncertainty.
 
     They are those of theory corrected by the bodies' elastic responses (`advice`). Where that gives
-    no more than their size, finite elements of half-planes with the whole compliance of the bodies
-    are solved: what they find beyond the sum is a further cause.
+    sizes without a checked uncertainty, half-planes with the whole compliance of the bodies
+    (kernels) are solved by finite elements: their change beyond the sum of the causes is a further
+    cause.
     """
     parts = dict(advice.parts)
-    if not advice.declined:
-        if advice.left_out:
-            parts[ODD] = Estimate(0.0, advice.left_out)
+    if not advice.reason_for_size_alone:
+        if advice.neglected_part:
+            parts[ODD_PART] = Estimate(0.0, advice.neglected_part)
         return parts
     theory_work = advice.changes[WORK].theory
     work_by_kernels = _work_by_kernels(comparison)
@@ -384,7 +394,7 @@ def _parts_of_alike(advice: Advice, comparison: JudgedPair) -> dict[str, Estimat
     return parts
 
 
-def _parts_of_curved(comparison: JudgedPair) -> dict[str, Estimate]:
+def _parts_of_curved_faces(comparison: JudgedPair) -> dict[str, Estimate]:
     """The one cause of the change of the dissipation for bodies with curved faces, their finite
     size: cause -> relative change with its uncertainty. It is found by finite elements of
     half-planes with the compliance of the bodies added (kernels).
@@ -402,13 +412,13 @@ def _parts_of_curved(comparison: JudgedPair) -> dict[str, Estimate]:
     return {FINITE_BODIES: Estimate(change, work_by_kernels.uncertainty / theory_work)}
 
 
-def _parts_of_unlike(comparison: JudgedPair) -> dict[str, Estimate]:
+def _parts_of_unlike_materials(comparison: JudgedPair) -> dict[str, Estimate]:
     """The causes of the change of the dissipation for bodies of unlike materials: cause -> relative
     change with its uncertainty.
 
-    Coupling of pressure and shear: half-planes of these materials, by finite elements, against
-    theory. Finite size: what half-planes with the compliance of the bodies added (kernels) have
-    beyond that.
+    Coupling of pressure and shear is the change from theory to half-planes of these materials, by
+    finite elements. Finite size is the further change to half-planes with the compliance of the
+    bodies added (kernels).
 
     Raises
     ------
@@ -426,16 +436,15 @@ def _parts_of_unlike(comparison: JudgedPair) -> dict[str, Estimate]:
     change_by_coupling = solution_of_half_planes.dissipation / theory_work - 1
     uncertainty_of_coupling = solution_of_half_planes.dissipation_uncertainty / theory_work
     change_by_bodies = (work_by_kernels.value - solution_of_half_planes.dissipation) / theory_work
+    uncertainty_of_kernels = work_by_kernels.uncertainty / theory_work
     return {
         COUPLING: Estimate(change_by_coupling, uncertainty_of_coupling),
-        FINITE_BODIES: Estimate(
-            change_by_bodies, work_by_kernels.uncertainty / theory_work + uncertainty_of_coupling
-        ),
+        FINITE_BODIES: Estimate(change_by_bodies, uncertainty_of_kernels + uncertainty_of_coupling),
     }
 
 
 def _work_by_kernels(comparison: JudgedPair) -> Estimate:
-    """W by the kernel solve of the bodies."""
+    """W of half-planes with the compliance of the bodies added (kernels), by finite elements."""
     import halfplane_fe
 
     mesh, settings = _coarser_than(comparison)
@@ -444,19 +453,19 @@ def _work_by_kernels(comparison: JudgedPair) -> Estimate:
 
 
 def _coarser_than(comparison: JudgedPair) -> tuple[MeshSettings, SolverSettings]:
-    """Elements twice as large as those of the finite elements that are compared, and their steps: a
-    third of the time, and parts that are uncertain by some 1e-3.
+    """Settings of a mesh with elements twice as large as in the comparison, and of its load steps:
+    it takes a third of the time, and the parts are uncertain by some 1e-3.
     """
     from halfplane_fe import SolverSettings
     from reports.comparison.budget import coarser
 
     mesh = MeshSettings(**comparison.result.settings["mesh"])
-    return coarser(mesh, SolverSettings(), _COARSER)
+    return coarser(mesh, SolverSettings(), _COARSENING)
 
 
-# Key of an answer -> the quantity of a solution, whose change is taken on common points, and its
-# words.
-_VALUES = {
+# Key of an answer -> key of the quantity in `laws.QUANTITIES`, which has it on the points that
+# both solutions have; and its name in words.
+_QUANTITIES = {
     WORK: ("dissipation", "dissipation"),
     "peak_pressure": ("largest_pressure", "largest pressure"),
     "half_width": ("largest_half_width", "largest contact half-width"),
@@ -470,9 +479,9 @@ def _parts(
     corrected_solution: ContactSolution,
     uncertainties: Mapping[str, float],
 ) -> dict[str, Estimate]:
-    """Relative change of the dissipation by each curvature that finite bodies add to half-planes,
-    alone: of the gap under P, and of the faces under Q. Beside them what both together make beyond
-    their sum.
+    """Relative change of the dissipation by each of two curvatures that finite bodies add to
+    half-planes, with the other one absent: that of the gap under P, and that of the tangential
+    displacement under Q. The part "both together" is the change by both minus these two.
 
     Parameters
     ----------
@@ -487,16 +496,16 @@ def _parts(
     from semi_analytic.next_order import CURVATURES, with_these_alone
 
     parts = {}
-    change_left = corrected_solution.dissipation / theory.dissipation - 1
+    rest = corrected_solution.dissipation / theory.dissipation - 1
     for curvature in CURVATURES:
-        effects_alone = with_these_alone(effects, curvature)
+        effects_of_curvature = with_these_alone(effects, curvature)
         solution = semi_analytic.solve(
-            theory.scene, x=0.0, time=theory.time, effects=effects_alone, fields=WORK
+            theory.scene, x=0.0, time=theory.time, effects=effects_of_curvature, fields=WORK
         )
         change = solution.dissipation / theory.dissipation - 1
         parts[curvature] = Estimate(change, abs(change) * uncertainties[curvature])
-        change_left -= change
-    parts["both together"] = Estimate(change_left, abs(change_left) * sum(uncertainties.values()))
+        rest -= change
+    parts["both together"] = Estimate(rest, abs(rest) * sum(uncertainties.values()))
     return parts
 
 
@@ -509,7 +518,9 @@ def _even(effects: BodyEffects) -> BodyEffects:
 
 
 def _size_of_odd_part(effects: BodyEffects, scene: Scene, half_width: float) -> float:
-    """About what tilt and bulk strain make of the dissipation; they count by their squares."""
+    """About the relative change of the dissipation by tilt and bulk strain, in their second order;
+    `half_width` is the largest of the contact [length].
+    """
     tilt, strain = _tilt_and_strain(effects, scene, half_width)
     friction = scene.friction.coefficient
     return (
@@ -520,14 +531,18 @@ def _size_of_odd_part(effects: BodyEffects, scene: Scene, half_width: float) -> 
 
 
 def _size_of_coupling(effects: BodyEffects, scene: Scene, half_width: float) -> float:
-    """About how much the coupling of pressure and shear of unlike materials changes the
-    dissipation, relative to it: by the square of Dundurs' beta over f for half-planes, and by its
-    product with the bodies' bulk strain and tilt.
+    """About the relative change of the dissipation by the coupling of pressure and shear in unlike
+    materials,
+
+        c_1 (beta/f)^2 + c_2 beta strain/f^2 + c_3 beta tilt
+
+    with Dundurs' beta: the first term for half-planes, the others with the bulk strain and the tilt
+    of finite bodies.
 
     Parameters
     ----------
     effects
-        what the bodies add to half-planes
+        elastic responses that the bodies add to half-planes
     half_width
         largest half-width of the contact [length]
     """
@@ -544,13 +559,15 @@ def _size_of_coupling(effects: BodyEffects, scene: Scene, half_width: float) -> 
 
 
 def _tilt_and_strain(effects: BodyEffects, scene: Scene, half_width: float) -> tuple[float, float]:
-    """|alpha_P| + |alpha_Q| and |e_P| + |e_Q|, of no dimension."""
+    """Sizes of the tilt and of the bulk strain of the bodies, |alpha_P| + |alpha_Q| and |e_P| +
+    |e_Q|: dimensionless, each the sum of that under P and that under Q.
+    """
     from semi_analytic.corrected import odd_part
     from semi_analytic.elasticity import composite_modulus
     from semi_analytic.odd_memory import ODD_NUMBERS
 
-    odd_estimate = odd_part(effects, half_width, composite_modulus(scene.material))
-    sizes = {name: abs(size) for name, size in zip(ODD_NUMBERS, odd_estimate, strict=True)}
+    odd_numbers = odd_part(effects, half_width, composite_modulus(scene.material))
+    sizes = {name: abs(number) for name, number in zip(ODD_NUMBERS, odd_numbers, strict=True)}
     tilt = sizes["tilt_under_pressure"] + sizes["tilt_under_shear"]
     strain = sizes["strain_under_pressure"] + sizes["strain_under_shear"]
     return tilt, strain
@@ -561,34 +578,31 @@ def sentence(advice: Advice) -> str:
     what makes the error, whether that is within the limit, and what to do.
     """
     change = advice.work
-    causes_in_words = [
-        f"{first_words} {in_percent(change_by_cause.value)}"
-        for first_words, change_by_cause in advice.parts.items()
-    ]
-    first_words = (
+    causes_in_words = [f"{cause} {in_percent(part.value)}" for cause, part in advice.parts.items()]
+    first_sentence = (
         f"Half-plane theory is expected to err by {in_percent(change.value)}"
         f" ± {in_percent(change.uncertainty).lstrip('+')} % in the dissipation"
         f" (finite elements/theory − 1): {', '.join(causes_in_words)}"
     )
-    if advice.left_out:
-        size_left_out = in_percent(advice.left_out).lstrip("+")
-        causes_left_out = "tilt and bulk strain"
+    if advice.neglected_part:
+        size = in_percent(advice.neglected_part).lstrip("+")
+        neglected_causes = "tilt and bulk strain"
         if coupled(advice.scene):
-            causes_left_out = "coupling of pressure and shear, tilt and bulk strain"
-        first_words += f"; {causes_left_out} are left out, and counted as ± {size_left_out} %"
-    if advice.declined:
-        first_words += f". That is no more than its size: {advice.declined}"
-    return f"{first_words}. {_what_to_do(advice)}"
+            neglected_causes = "coupling of pressure and shear, tilt and bulk strain"
+        first_sentence += f"; {neglected_causes} are left out, and counted as ± {size} %"
+    if advice.reason_for_size_alone:
+        first_sentence += f". That is no more than its size: {advice.reason_for_size_alone}"
+    return f"{first_sentence}. {_sentence_on_limit(advice)}"
 
 
-def _what_to_do(advice: Advice) -> str:
+def _sentence_on_limit(advice: Advice) -> str:
     """A sentence on whether the expected error of half-plane theory is within the limit, and what
     to do: use theory, correct it, or solve the scene.
     """
     limit_in_words = f"the limit of {100 * advice.limit:g} %"
     advice_to_solve = "solve the scene (`halfplane run`)"
-    if advice.declined and not advice.declined_by_kernels:
-        # flat faces, or the numbers would not be there: their kernels have every order
+    if advice.reason_for_size_alone and not advice.refusal_of_kernels:
+        # The faces are flat, for corrected theory took the scene: kernels take flat faces too.
         advice_to_solve += (
             ', or its kernels in 1 to 5 s (Python: `halfplane_fe.solve(scene, bodies="kernel")`)'
         )
@@ -596,8 +610,9 @@ def _what_to_do(advice: Advice) -> str:
         return f"That is within {limit_in_words}: theory may be used."
     if advice.verdict is Verdict.UNDECIDED:
         return f"Whether it is within {limit_in_words} is undecided: {advice_to_solve}."
-    odd_estimate = advice.parts.get(ODD, Estimate(0.0))
-    if advice.declined or max(advice.left_out, abs(odd_estimate.value)) > advice.limit / 2:
+    odd_part = advice.parts.get(ODD_PART, Estimate(0.0))
+    size_of_odd_part = max(advice.neglected_part, abs(odd_part.value))
+    if advice.reason_for_size_alone or size_of_odd_part > advice.limit / 2:
         return f"It is outside {limit_in_words}: {advice_to_solve}."
     return (
         f"That is outside {limit_in_words}: correct theory (`halfplane exact --corrected`), or"

@@ -71,8 +71,7 @@ class _NearestToSliding:
     # largest |Q|/(f P), 1 being gross sliding; 0 for a frictionless path without Q; infinite where
     # it separates
     ratio: float
-    # part, time, normal_load, tangential_load: where that is, `part` being "initial loading",
-    # "cycle", or "path" if none repeats
+    # where that is, `part` being "initial loading", "cycle", or "path" if nothing repeats
     part: str
     time: float
     normal_load: float
@@ -81,8 +80,8 @@ class _NearestToSliding:
 
 def nearest_to_sliding(scene: Scene) -> _NearestToSliding:
     """How near the loads come to gross sliding: the largest |Q|/(f P) of the initial loading and
-    one cycle, with its time and loads. Each load segment is sampled, and the samples around the
-    largest once more.
+    one cycle, with its time and loads. It is searched on samples of each load segment, then twice
+    on closer samples around the largest.
 
     >>> from scenes import load_scene
     >>> round(nearest_to_sliding(load_scene("cattaneo-mindlin")).ratio, 12)
@@ -92,12 +91,12 @@ def nearest_to_sliding(scene: Scene) -> _NearestToSliding:
     friction = scene.friction.coefficient
 
     def highest_ratio_and_time(segment: LoadSegment) -> tuple[float, float]:
-        return _highest(segment, lambda time: _ratio(*segment.loads(time), friction))
+        return _highest_value_and_time(segment, lambda time: _ratio(*segment.loads(time), friction))
 
-    worst_instants = [highest_ratio_and_time(segment) for segment, _ in named_segments]
-    number_of_worst = int(np.argmax([ratio for ratio, _ in worst_instants]))
-    ratio, time = worst_instants[number_of_worst]
-    segment, part_of_path = named_segments[number_of_worst]
+    ratios_and_times = [highest_ratio_and_time(segment) for segment, _ in named_segments]
+    segment_number = int(np.argmax([ratio for ratio, _ in ratios_and_times]))
+    ratio, time = ratios_and_times[segment_number]
+    segment, part_of_path = named_segments[segment_number]
     normal_load, tangential_load = segment.loads(time)
     return _NearestToSliding(ratio, part_of_path, time, float(normal_load), float(tangential_load))
 
@@ -106,48 +105,49 @@ def _deciding_segments(scene: Scene) -> list[tuple[LoadSegment, str]]:
     """The load segments among which |Q|/(f P) can be largest, each with the part of the path that
     it belongs to: "initial loading", "cycle" or "path".
 
-    Of a load path all segments. Of a record of loads, which may have millions of rows, two steps
-    between rows in each block of rows: that with the largest ratio and that with the largest P.
+    Of a load path these are all segments. A record of loads may have millions of rows: of each
+    block of rows two steps between rows are taken, that with the largest ratio and that with the
+    largest P.
     """
     load = scene.load
     if not isinstance(load, TimeSeriesLoad):
         path = load.path()
-        name_of_first = "initial loading" if path.cycle else "path"
-        parts = [(segment, name_of_first) for segment in path.initial_loading]
-        return parts + [(segment, "cycle") for segment in path.cycle]
-    name_of_first = "initial loading" if load.repeats else "path"
-    name_of_later = "cycle" if load.repeats else "path"
-    rows = load.series()
+        first_part = "initial loading" if path.cycle else "path"
+        segments_before_cycle = [(segment, first_part) for segment in path.initial_loading]
+        return segments_before_cycle + [(segment, "cycle") for segment in path.cycle]
+    first_part = "initial loading" if load.repeats else "path"
+    second_part = "cycle" if load.repeats else "path"
+    rows = load.series()  # (n, 3) time, P, Q
     segments: list[tuple[LoadSegment, str]] = []
     for first_of_block in range(0, len(rows) - 1, _BLOCK):
         block = rows[first_of_block : first_of_block + _BLOCK + 1]
+        # loads at the start and at the end of each step, (n, 2)
         normal_load = np.stack([block[:-1, 1], block[1:, 1]], axis=1)
         tangential_load = np.stack([block[:-1, 2], block[1:, 2]], axis=1)
         ratio = np.max(_ratio(normal_load, tangential_load, scene.friction.coefficient), axis=1)
-        row_of_highest_ratio = np.argmax(ratio)
-        row_of_highest_load = np.argmax(np.max(normal_load, axis=1))
-        for row in np.unique([row_of_highest_ratio, row_of_highest_load]).tolist():
-            start, *loads_before = block[row].tolist()
-            end, *loads_after = block[row + 1].tolist()
-            segment = StraightSegment(
-                start, end, (loads_before[0], loads_before[1]), (loads_after[0], loads_after[1])
-            )
-            segments.append((segment, name_of_later if first_of_block + row > 0 else name_of_first))
+        step_of_highest_ratio = np.argmax(ratio)
+        step_of_highest_load = np.argmax(np.max(normal_load, axis=1))
+        for step in np.unique([step_of_highest_ratio, step_of_highest_load]).tolist():
+            start_time, start_p, start_q = block[step].tolist()
+            end_time, end_p, end_q = block[step + 1].tolist()
+            segment = StraightSegment(start_time, end_time, (start_p, start_q), (end_p, end_q))
+            is_first_step = first_of_block + step == 0
+            segments.append((segment, first_part if is_first_step else second_part))
     return segments
 
 
 def require_admissible(scene: Scene, source: str) -> None:
     """Check that P stays positive and |Q| below f P throughout the path of a scene.
 
-    InputError naming `source`, the instant, the loads and the rule if not. Loads that follow from
-    prescribed displacements are always admissible.
+    Otherwise InputError naming `source`, the instant, the loads and the rule, and where it is known
+    what to write instead. Loads that follow from prescribed displacements are always admissible.
     """
     if scene.load.is_driven:
         return
     try:
-        _check(scene)
+        _follow_loads(scene)
     except InadmissibleLoadError as fault:
-        # a record that counts compression as negative
+        # the loads may count compression as negative
         if _is_tension(scene):
             sign_in_words = (
                 "never positive" if largest_normal_load(scene) <= 0 else "negative but for noise"
@@ -160,7 +160,7 @@ def require_admissible(scene: Scene, source: str) -> None:
         hint = ""
         if isinstance(scene.load, EllipseLoad) and scene.load.initial_loading == "parabola":
             with suppress(InadmissibleLoadError):  # the parabola alone is at fault
-                _check(scene.vary(load={"initial_loading": "straight"}))
+                _follow_loads(scene.vary(load={"initial_loading": "straight"}))
                 hint = '; or write load.initial_loading = "straight", which is admissible'
         if isinstance(scene.load, TimeSeriesLoad):
             hint = _cure_of_record(scene.load, scene.friction.coefficient, fault.worst_time)
@@ -179,13 +179,13 @@ def _is_tension(scene: Scene) -> bool:
 
 
 def _cure_of_record(load: TimeSeriesLoad, friction: float, time: float) -> str:
-    """For a record of loads that slides or lifts off at `time`: the number of that row, and the
-    keys of the scene that take such rows out.
+    """The end of an error message on a record of loads that slides or lifts off at `time`: the
+    number of that row, and the keys of the scene that leave such rows out.
 
-    These are a least normal load below which there is only noise, rows that slide, or another start
-    or end.
+    Where only rows with little P slide, that key is a least normal load, below which sensors give
+    noise. Else it is one for rows that slide, or another start or end.
     """
-    rows = load.rows.values
+    rows = load.rows.values  # time, P, Q in its columns
     first_row, row_beyond = load.bounds()
     row = first_row + int(np.argmax(np.append(rows[first_row:row_beyond, 0] >= time, True)))
     row = min(row, row_beyond - 1)
@@ -200,10 +200,10 @@ def _cure_of_record(load: TimeSeriesLoad, friction: float, time: float) -> str:
         and not load.has_bulk_or_tilt
         and largest_load_of_noise < _NOISE * largest_load
     ):
-        # Twice the largest P of the bad rows, to two digits: noise does not end there.
-        largest_load_of_noise = max(2 * largest_load_of_noise, _NOISE / 50 * largest_load)
-        last_digit = 10.0 ** (np.floor(np.log10(largest_load_of_noise)) - 1)
-        least_load = float(np.floor(largest_load_of_noise / last_digit) + 1) * last_digit
+        # Twice the largest P of these rows, rounded up to two digits: noise does not end there.
+        exact_least_load = max(2 * largest_load_of_noise, _NOISE / 50 * largest_load)
+        second_digit = 10.0 ** (np.floor(np.log10(exact_least_load)) - 1)
+        least_load = float(np.floor(exact_least_load / second_digit) + 1) * second_digit
         return (
             f"{row_in_words}. Rows of so little load are noise where it is: write"
             f" load.least_normal_load = {least_load:.6g}"
@@ -216,7 +216,7 @@ def _cure_of_record(load: TimeSeriesLoad, friction: float, time: float) -> str:
     )
 
 
-def _check(scene: Scene) -> None:
+def _follow_loads(scene: Scene) -> None:
     """Follow the loads of a scene from its start; InadmissibleLoadError where P is negative or |Q|
     reaches f P.
     """
@@ -231,24 +231,24 @@ def _check(scene: Scene) -> None:
 
 def largest_normal_load(scene: Scene) -> float:
     """Largest P of the path [force per thickness]."""
-    return _when_largest(scene)[0]
+    return _largest_load_and_time(scene)[0]
 
 
-def _when_largest(scene: Scene) -> tuple[float, float]:
+def _largest_load_and_time(scene: Scene) -> tuple[float, float]:
     """Largest P of the path and when that is."""
 
     def largest_of(segment: LoadSegment) -> tuple[float, float]:
-        return _highest(segment, lambda time: segment.loads(time)[0])
+        return _highest_value_and_time(segment, lambda time: segment.loads(time)[0])
 
     return max(largest_of(segment) for segment, _ in _deciding_segments(scene))
 
 
 def _ratio(normal_load: Array, tangential_load: Array, friction: float) -> Array:
-    """|Q|/(f P) at the samples of load segments, all (..., n). 0 at P = Q = 0; infinite at P < 0,
-    and at Q where f P = 0.
+    """|Q|/(f P) at the samples of load segments, all (..., n). Infinite at P < 0, and where f P is
+    0 but Q is not; 0 elsewhere at Q = 0.
     """
     size_of_q = np.abs(tangential_load)
-    # A load that is zero but for the rounding of its own segment is zero.
+    # Q that is zero but for the round-off error of its own segment is zero.
     size_of_q = np.where(
         size_of_q <= _ROUNDING * friction * np.max(np.abs(normal_load), axis=-1, keepdims=True),
         0.0,
@@ -259,10 +259,12 @@ def _ratio(normal_load: Array, tangential_load: Array, friction: float) -> Array
     return np.asarray(np.where(normal_load < 0, np.inf, np.where(size_of_q == 0, 0.0, ratio)))
 
 
-def _highest(segment: LoadSegment, value_at: Callable[[Array], Array]) -> tuple[float, float]:
-    """The largest value of a function of time on one load segment, and its time: the best of some
-    samples, then twice the best of closer samples around it. `value_at` gives the values at times
-    (n,).
+def _highest_value_and_time(
+    segment: LoadSegment, value_at: Callable[[Array], Array]
+) -> tuple[float, float]:
+    """The largest value of a function of time on one load segment, and its time: the largest of
+    some samples, then twice the largest of closer samples around it. `value_at` gives the values at
+    times (n,).
     """
     time = sampled(segment, _SAMPLES)
     for _ in range(3):
@@ -329,12 +331,11 @@ class Engines:
 
 
 def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> Engines:
-    """Which of theory and finite elements can solve a scene whose load path is admissible.
+    """Which of theory and finite elements can solve a scene whose load path is admissible: for each
+    the reason why it refuses, "" where it accepts.
 
-    In the answer the reason why an engine refuses is "" where it accepts. With `finite_elements`
-    False these are looked at only where theory refuses; else their reason is "" unexamined.
-    `size_in_words`, how the width of the contact was estimated, is "" where it was not.
-    `source` names the scene in messages.
+    With `finite_elements` False these are asked only where theory refuses; their reason is "" then
+    too. `source` names the scene in messages.
 
     Raises
     ------
@@ -360,7 +361,7 @@ def engines_for(scene: Scene, source: str, *, finite_elements: bool = True) -> E
 
 def _refusal_of_theory(scene: Scene, source: str) -> str:
     """Why half-plane theory does not solve a scene; "" where it does. InputError naming `source`
-    for rows of a profile that no engine can use.
+    for rows of a profile that neither theory nor finite elements can use.
     """
     from semi_analytic.profiles import contact_of
 
@@ -379,8 +380,8 @@ def _refusal_of_theory(scene: Scene, source: str) -> str:
 
 
 def _refusal_of_elements(scene: Scene, source: str, reason_of_theory: str) -> tuple[str, str]:
-    """Why finite elements do not solve a scene ("" where they do), and how the size of its contact
-    was estimated ("" where it was not).
+    """Why finite elements do not solve a scene ("" where they do); and a sentence on how the size
+    of its contact was estimated ("" where it was not).
 
     InputError naming `source` where no engine is left: theory refuses too, as `reason_of_theory`
     states, or knows no bodies of a finite size.
@@ -405,10 +406,10 @@ def _refusal_of_elements(scene: Scene, source: str, reason_of_theory: str) -> tu
 
 def _require_face_wider_than_contact(scene: Scene, source: str) -> None:
     """InputError where the contact at the largest load, by half-plane theory, is wider than the
-    narrower face; nothing is meshed.
+    narrower face of the two bodies; nothing is meshed.
 
-    A layer thinner than the face is wide makes the contact narrower than theory's: there the limit
-    is wider, and finite elements look at what is below it.
+    On a layer, a body thinner than its face is wide, the contact is narrower than theory's. The
+    limit is higher there, and finite elements look at contacts below it.
     """
     from halfplane_fe.supports import face_room
 
@@ -416,9 +417,10 @@ def _require_face_wider_than_contact(scene: Scene, source: str) -> None:
     heights = [
         float(getattr(body, "height", np.inf)) for body in (scene.bodies.lower, scene.bodies.upper)
     ]
-    largest_share = _ROOM if min(heights) >= 1.5 * half_width_of_face else _ROOM_OF_LAYERS
+    is_layer = min(heights) < 1.5 * half_width_of_face
+    largest_ratio = _ROOM_OF_LAYERS if is_layer else _ROOM
     contact = largest_contact(scene, source)
-    if contact.half_width <= largest_share * half_width_of_face:
+    if contact.half_width <= largest_ratio * half_width_of_face:
         return
     unit_of_force, unit_of_length, unit_of_stress = units(scene)
     remarks_before = "".join(f"{remark} " for remark in remarks(scene, contact))
@@ -458,10 +460,10 @@ def largest_contact(scene: Scene, source: str) -> _LargestContact:
     """
     from semi_analytic.elasticity import composite_modulus
 
-    largest_load, time = _when_largest(scene)
-    contact = _pressed_convex(scene, largest_load, time)
+    largest_load, time = _largest_load_and_time(scene)
+    contact = _contact_of_convex_profile(scene, largest_load, time)
     if contact is None:
-        contact = _pressed_by_the_engine(scene, largest_load, time, source)
+        contact = _contact_by_theory(scene, largest_load, time, source)
     half_width = (contact.right - contact.left) / 2
     peak_pressure = _peak_pressure(contact, scene)
     typical_pressure = peak_pressure
@@ -480,10 +482,10 @@ def largest_contact(scene: Scene, source: str) -> _LargestContact:
     )
 
 
-def _peak_pressure(contact: _Pressed, scene: Scene) -> float:
-    """Largest pressure of a contact [stress], of many points; infinite at the tip of a wedge."""
-    # Close points at the edges, where a flat with rounded corners has its peak; then closer ones
-    # around the best.
+def _peak_pressure(contact: _Contact, scene: Scene) -> float:
+    """Largest pressure of a contact [stress], by search; infinite at the tip of a wedge."""
+    # The points are dense at the edges, where a flat with rounded corners has its peak. Then the
+    # two intervals around the largest value are searched again.
     half_width = (contact.right - contact.left) / 2
     middle_x = (contact.left + contact.right) / 2
     x = middle_x + half_width * np.sin(np.linspace(-np.pi / 2, np.pi / 2, 257))
@@ -496,19 +498,19 @@ def _peak_pressure(contact: _Pressed, scene: Scene) -> float:
 
 
 @dataclass(frozen=True)
-class _Pressed:
-    """The profile under one load: ends of the contact, and p [stress] at points (n,)."""
+class _Contact:
+    """The contact of a profile under one load."""
 
-    left: float
-    right: float
-    pressure: Callable[[Array], Array]
+    left: float  # edge [length]
+    right: float  # edge [length]
+    pressure: Callable[[Array], Array]  # x (n,) -> p [stress] (n,)
 
 
-def _pressed_convex(scene: Scene, load: float, time: float) -> _Pressed | None:
-    """Ends and pressure of the contact of a convex profile under one load, in a thousandth of the
-    engine's time.
+def _contact_of_convex_profile(scene: Scene, load: float, time: float) -> _Contact | None:
+    """Edges and pressure of the contact of a convex profile under one load P, with the tilt that
+    the load path has at `time`. It takes a thousandth of the time of a solution by theory.
 
-    None for another profile, under a moment, and where the profile can't carry the load.
+    None for a profile that is not convex, under a moment, and where the profile can't carry P.
     """
     from semi_analytic.elasticity import composite_modulus
     from semi_analytic.profiles import convex_profile
@@ -516,40 +518,40 @@ def _pressed_convex(scene: Scene, load: float, time: float) -> _Pressed | None:
     tilt_or_moment = _tilt_or_moment_at(scene, time)
     if "moment" in tilt_or_moment:
         return None
-    pressure_by_slope = composite_modulus(scene.material) / (2 * np.pi)
+    # 1/(pi A) with A = 2/E*: `shape` takes A P and gives pi A p
+    pressure_scale = composite_modulus(scene.material) / (2 * np.pi)
     tilt = np.array([tilt_or_moment.get("tilt", 0.0)])
     try:
         shape = convex_profile(scene.profile)
-        middle_x, half_width = shape.contact(load / (np.pi * pressure_by_slope), tilt)
+        middle_x, half_width = shape.contact(load / (np.pi * pressure_scale), tilt)
     except InputError:
         return None
 
     def pressure(x: Array) -> Array:
-        return pressure_by_slope * np.maximum(shape.pressure(x, middle_x, half_width), 0.0)
+        return pressure_scale * np.maximum(shape.pressure(x, middle_x, half_width), 0.0)
 
-    return _Pressed(float((middle_x - half_width)[0]), float((middle_x + half_width)[0]), pressure)
+    return _Contact(float((middle_x - half_width)[0]), float((middle_x + half_width)[0]), pressure)
 
 
-def _pressed_by_the_engine(scene: Scene, load: float, time: float, source: str) -> _Pressed:
-    """Ends and pressure of the contact under one normal load P, by solving the scene with this load
-    alone.
+def _contact_by_theory(scene: Scene, load: float, time: float, source: str) -> _Contact:
+    """Edges and pressure of the contact under one normal load P, by half-plane theory of the scene
+    with this load alone, and with the tilt or moment that the load path has at `time`.
 
-    It takes any profile that theory takes, and the tilt or moment that the load path has at `time`.
-    InputError, naming `source`, for what theory does not take.
+    InputError, naming `source`, where theory refuses profile or load.
     """
     import semi_analytic
 
-    pressed_load = PolygonLoad(initial_loading=((load, 0.0),), **_tilt_or_moment_at(scene, time))
-    pressed_scene = scene.model_copy(update={"load": pressed_load})
+    load_to_p = PolygonLoad(initial_loading=((load, 0.0),), **_tilt_or_moment_at(scene, time))
+    scene_at_p = scene.model_copy(update={"load": load_to_p})
 
     def solution_at(x: Array, *fields: str) -> ContactSolution:
-        return semi_analytic.solve(pressed_scene, x=x, time=[1.0], fields=fields)
+        return semi_analytic.solve(scene_at_p, x=x, time=[1.0], fields=fields)
 
     try:
         left_edge, right_edge = solution_at(np.zeros(1)).contact_edges[0].tolist()
     except InputError as fault:
         raise InputError(f"{source}: half-plane theory refuses it: {fault}") from fault
-    return _Pressed(left_edge, right_edge, lambda x: solution_at(x, "pressure").pressure[0])
+    return _Contact(left_edge, right_edge, lambda x: solution_at(x, "pressure").pressure[0])
 
 
 def _tilt_or_moment_at(scene: Scene, time: float) -> dict[str, float]:
@@ -562,6 +564,7 @@ def _tilt_or_moment_at(scene: Scene, time: float) -> dict[str, float]:
     key = "moment" if path.moment_given else "tilt"
     value_by_key: dict[str, float] = {}
     for segment in (*path.initial_loading, *path.cycle):
+        # `turning`: tilt and moment over time; None where the segment has neither
         if segment.turning is not None and segment.start <= time <= segment.end:
             tilt, moment = segment.turning.loads(time)
             value_by_key = {key: float(moment if path.moment_given else tilt)}
@@ -572,24 +575,25 @@ def _tilt_or_moment_at(scene: Scene, time: float) -> dict[str, float]:
 class _BulkAndTilt:
     """What bulk stress and tilt do to a contact, from the loads alone."""
 
-    # largest |eps| of the path, eps = sigma/E' of the lower body less that of the upper, E' = E/(1
-    # - nu^2)
+    # largest |eps| of the path: eps = sigma/E' of the lower body minus that of the upper body, with
+    # E' = E/(1 - nu^2)
     strain: float
-    # e = eps R/(f a) by the amplitude of eps in the cycle; None of other profiles than Hertz and
+    # e = eps R/(f a) by the amplitude of eps in the cycle; None for other profiles than Hertz and
     # without friction
     eccentricity: float | None
-    # that amplitude over A/(pi a) times that of Q, see `semi_analytic.eccentricity`; up to 1 bulk
-    # is moderate. Infinite where Q stands still, None where eps does
+    # amplitude of eps over the largest moderate one, A/(pi a) times the amplitude of Q: up to 1
+    # both ends of the contact slip one way, in phase and at constant P (see
+    # `semi_analytic.eccentricity`). Infinite where Q is constant, None where eps is
     share_of_moderate: float | None
-    # middle of a Hertz contact over its half-width, where that is largest: -tilt R, or M/P; None of
-    # other profiles
+    # x of the middle of a Hertz contact over its half-width, the largest of the path with its sign:
+    # -tilt R, or M/P; None for other profiles
     centre: float | None
 
 
 def bulk_and_tilt(scene: Scene) -> _BulkAndTilt | None:
     """What bulk stress and tilt do to a contact, from the loads alone: the largest bulk strain, the
-    shift of the stick zone by it, and the shift of the contact by tilt or moment over its
-    half-width. None for a scene without both.
+    shift of the stick zone by it, and the shift of the contact by tilt or moment, both over the
+    half-width of the contact. None for a scene that has neither.
     """
     import semi_analytic
 
@@ -597,39 +601,43 @@ def bulk_and_tilt(scene: Scene) -> _BulkAndTilt | None:
         return None
     strain, largest_shift = _strain_and_shift(scene)
     largest_strain = float(np.max(np.abs(strain)))
-    eccentricity = semi_analytic.eccentricity(scene)
-    if eccentricity is None:
+    stick_shift = semi_analytic.eccentricity(scene)
+    if stick_shift is None:  # no bulk stress
         return _BulkAndTilt(largest_strain, None, None, largest_shift)
-    # None where no strain varies; infinite where Q stands still, so that any strain is large
+    # amplitude of the strain over the largest moderate one: None where the strain is constant,
+    # infinite where Q is, for then no strain is moderate
     share_of_limit = None
-    if eccentricity.strain:
+    if stick_shift.strain:
         share_of_limit = np.inf
-        if eccentricity.limit:
-            share_of_limit = eccentricity.strain / eccentricity.limit
-    value = eccentricity.value if np.isfinite(eccentricity.value) else None
-    return _BulkAndTilt(largest_strain, value, share_of_limit, largest_shift)
+        if stick_shift.limit:
+            share_of_limit = stick_shift.strain / stick_shift.limit
+    eccentricity = stick_shift.value if np.isfinite(stick_shift.value) else None
+    return _BulkAndTilt(largest_strain, eccentricity, share_of_limit, largest_shift)
 
 
 def _strain_and_shift(scene: Scene) -> tuple[Array, float | None]:
     """Bulk strain of the lower body minus that of the upper at samples of the load path, (n,); and
-    the largest distance of the contact's middle from x = 0, over the half-width, for a parabola.
+    for a parabola x of the contact's middle over the half-width, where that is largest, with its
+    sign.
 
-    The middle lies at M/P under a moment M, at -tilt R under a tilt. None for other profiles.
+    The middle lies at M/P under a moment M, at -tilt R under a tilt. It is None for other profiles.
     """
     from semi_analytic.elasticity import composite_modulus
 
     path = scene.load.path()
+    # of the lower body positive, of the upper body negative
     strain_per_stress = bulk_strains(scene.material)
     samples = []
     for segment in (*path.initial_loading, *path.cycle):
         time = sampled(segment, 129)
         zeros = np.zeros((2, len(time)))
-        bulk = segment.bulk.loads(time) if segment.bulk is not None else zeros
+        bulk_stress = segment.bulk.loads(time) if segment.bulk is not None else zeros
         tilt_and_moment = segment.turning.loads(time) if segment.turning is not None else zeros
-        strain_of_lower = strain_per_stress[0] * np.asarray(bulk[0])
-        strain_of_upper = strain_per_stress[1] * np.asarray(bulk[1])
+        strain_of_lower = strain_per_stress[0] * np.asarray(bulk_stress[0])
+        minus_strain_of_upper = strain_per_stress[1] * np.asarray(bulk_stress[1])
+        strain = strain_of_lower + minus_strain_of_upper
         normal_load = segment.loads(time)[0]
-        samples.append(np.array([normal_load, strain_of_lower + strain_of_upper, *tilt_and_moment]))
+        samples.append(np.array([normal_load, strain, *tilt_and_moment]))
     normal_load, strain, tilt, moment = np.concatenate(samples, axis=1)
     if not isinstance(scene.profile, Hertz):
         return strain, None
@@ -651,8 +659,9 @@ def bulk_in_words(effect: _BulkAndTilt) -> str:
 
 
 def _ratios(scene: Scene, half_width: float) -> dict[str, float]:
-    """Ratios of the sizes of profile and bodies to the half-width a of the contact (`half_width`
-    [length]), by name, such as "a/R" and "lower width/a".
+    """The half-width a of the contact (`half_width` [length]) over radii of the profile, and the
+    half-length b of its flat and sizes of the bodies over a; by name, such as "a/R", "b/a" and
+    "lower width/a".
     """
     sizes = scene.profile.model_dump(include={*_RADII, *_HALF_LENGTHS})
     ratios = {
@@ -706,24 +715,30 @@ def remarks(scene: Scene, contact: _LargestContact) -> list[str]:
     """
     sentences = []
     unit_of_force, unit_of_length, unit_of_stress = units(scene)
-    pascal = UNITS["stress"].get(unit_of_stress, 0.0)
     material_by_key = {"material": scene.material.upper}
-    if not scene.material.alike:
+    if not scene.material.alike:  # the two bodies have different materials
         material_by_key = {
             "material.upper": scene.material.upper,
             "material.lower": scene.material.lower,
         }
-    for key, material in material_by_key.items() if pascal else ():
-        modulus = material.young_modulus * pascal
-        too_stiff = modulus > _DIAMOND
-        too_soft = modulus < _SOFT and material.poisson_ratio < _RUBBER
-        if too_stiff or too_soft:
-            steel = _STEEL / pascal
-            sentences.append(
-                in_template(
-                    "odd_modulus", key, material.young_modulus, unit_of_stress, too_stiff, steel
+    pascals_per_unit = UNITS["stress"].get(unit_of_stress)
+    if pascals_per_unit is not None:  # None: a unit without a name
+        modulus_of_steel = _STEEL / pascals_per_unit
+        for key, material in material_by_key.items():
+            modulus = material.young_modulus * pascals_per_unit
+            too_stiff = modulus > _DIAMOND
+            too_soft = modulus < _SOFT and material.poisson_ratio < _RUBBER
+            if too_stiff or too_soft:
+                sentences.append(
+                    in_template(
+                        "odd_modulus",
+                        key,
+                        material.young_modulus,
+                        unit_of_stress,
+                        too_stiff,
+                        modulus_of_steel,
+                    )
                 )
-            )
     if scene.friction.coefficient > _FRICTION:
         sentences.append(
             f"friction.coefficient = {scene.friction.coefficient:g} is more than any pair of solids"

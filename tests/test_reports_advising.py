@@ -57,7 +57,7 @@ def test_two_blocks_change_theory_as_finite_elements_do_and_the_parts_add_up() -
     assert list(advice.parts) == [*PARTS_OF_BLOCKS, "both together"]
     assert advice.parts["curvature under P"].value == pytest.approx(-0.0077, abs=2e-4)
     assert advice.parts["curvature under Q"].value == pytest.approx(-0.0200, abs=2e-4)
-    assert advice.left_out == 0
+    assert advice.neglected_part == 0
     assert advice.verdict is Verdict.WITHIN
     assert "−2.73 ± 0.01 %" in sentence(advice)
     first_line, other_changes = repr(advice).splitlines()
@@ -225,7 +225,7 @@ def test_what_kernels_find_explains_finite_elements(scene: Scene, cause: str) ->
 
 def test_of_unlike_bodies_a_size_is_stated_and_the_kernel_solve_is_named() -> None:
     advice = advise_by_numbers(unlike_blocks())
-    assert advice.declined.startswith("the materials are unlike")
+    assert advice.reason_for_size_alone.startswith("the materials are unlike")
     assert advice.work.value == pytest.approx(-0.0534, abs=1e-4)  # by the curvatures alone
     assert 0.02 < advice.work.uncertainty < 0.1
     assert advice.verdict is Verdict.UNDECIDED
@@ -257,7 +257,7 @@ def test_bulk_strain_and_tilt_of_one_block_are_a_part_of_the_change() -> None:
     # In closed form to second order: 0.0819 (a/h)^2.
     assert part.value == pytest.approx(8.19e-4, abs=part.uncertainty)
     assert part.uncertainty < 4e-4
-    assert advice.left_out == 0
+    assert advice.neglected_part == 0
     total = sum(of_cause.value for of_cause in advice.parts.values())
     assert advice.work.value == pytest.approx(total, rel=1e-12)
     assert advice.changes["dissipation"].change == advice.work
@@ -291,7 +291,7 @@ def test_where_grids_take_no_profile_tilt_and_bulk_strain_are_left_out_and_said(
 
     monkeypatch.setattr(semi_analytic, "change_by_tilt_and_strain", refused)
     advice = advise_by_numbers(one_block())
-    assert advice.work.uncertainty >= advice.left_out > 0
+    assert advice.work.uncertainty >= advice.neglected_part > 0
     assert "tilt and bulk strain" not in advice.parts
     assert "tilt and bulk strain are left out" in sentence(advice)
 
@@ -477,7 +477,9 @@ def test_where_tilt_makes_much_of_the_change_its_size_alone_is_given() -> None:
     effects = replace(effects_of_blocks(), tilt_under_shear=Estimate(8e-6))
     advice = advise_by_numbers(load_scene("blocks"), effects=effects)
     assert abs(advice.parts["tilt and bulk strain"].value) > 0.05
-    assert advice.declined.startswith("tilt and bulk strain make more than 5 %")
+    assert advice.reason_for_size_alone.startswith("tilt and bulk strain make more than 5 %")
     assert advice.verdict is not Verdict.WITHIN
     assert "no more than its size" in sentence(advice)
-    assert not advise_by_numbers(load_scene("blocks"), effects=effects_of_blocks()).declined
+    assert not advise_by_numbers(
+        load_scene("blocks"), effects=effects_of_blocks()
+    ).reason_for_size_alone

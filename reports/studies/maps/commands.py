@@ -128,23 +128,25 @@ def _answer_by_numbers(advice: Advice) -> Answer:
     def parts() -> Iterator[Part]:
         """What the terminal shows."""
         yield sentence(advice)
-        if advice.declined_by_kernels:
-            yield f"The kernel solve does not take this scene: {advice.declined_by_kernels}"
+        if advice.refusal_of_kernels:
+            yield f"The kernel solve does not take this scene: {advice.refusal_of_kernels}"
         yield _sheet_of_changes(advice.scene, advice.changes, "corrected theory, no contact solved")
         causes = [(cause, _percent(share)) for cause, share in advice.parts.items()]
-        if advice.left_out:
+        if advice.neglected_part:
             name_of_rest = "tilt and bulk strain, a size"
             if coupled(advice.scene):
                 name_of_rest = "coupling, tilt and bulk strain, a size"
-            causes.append((name_of_rest, f"± {100 * advice.left_out:.2g} %"))
+            causes.append((name_of_rest, f"± {100 * advice.neglected_part:.2g} %"))
         yield Sheet("What makes the change of the dissipation", ("cause", "share of it"), causes)
 
     def content() -> dict[str, Any]:
         return {
             **_content(advice, "corrected theory", sentence(advice)),
             "parts": {cause: _pair(share) for cause, share in advice.parts.items()},
-            "left_out": advice.left_out,
-            "declined": "; ".join(filter(None, (advice.declined, advice.declined_by_kernels))),
+            "left_out": advice.neglected_part,
+            "declined": "; ".join(
+                filter(None, (advice.reason_for_size_alone, advice.refusal_of_kernels))
+            ),
             "effects": asdict(advice.effects),
         }
 
@@ -166,7 +168,7 @@ def _answer_by_kernels(advice: KernelAdvice) -> Answer:
     def content() -> dict[str, Any]:
         return {
             **_content(advice, "kernel solve", sentence(advice)),
-            "declined": advice.instead_of,
+            "declined": advice.reason_for_kernels,
         }
 
     code = WITHIN if advice.verdict is Verdict.WITHIN else OUTSIDE

@@ -82,7 +82,7 @@ def row_of(kind: Kind, place: Place, way: Way) -> Row:
     scene = kind.scene(place)
     if way == "numbers":
         advice = advise_by_numbers(scene)
-        return Row(way, place, _errors({} if advice.declined else advice.changes))
+        return Row(way, place, _errors({} if advice.reason_for_size_alone else advice.changes))
     if way == "kernels":
         return Row(way, place, _errors(_changes_by_kernels(scene)))
     return Row(way, place, _errors(changes_of(halfplane_fe.solve(scene))))
