@@ -197,7 +197,7 @@ def calculix(scene: Scene, edge: int) -> Answer:
     deck.
     """
     from reports.console import Stages
-    from reports.studies.third.calculix import find_calculix, judged, run_calculix
+    from reports.studies.third.calculix import find_calculix, run_calculix, score_deck
 
     deck, text, meshed = deck_of(scene, edge)
     with tempfile.TemporaryDirectory() as name, Stages(quiet=True).stage("CalculiX") as report:
@@ -205,7 +205,7 @@ def calculix(scene: Scene, edge: int) -> Answer:
         (folder / "third.inp").write_text(text, encoding="utf-8")
         run = (find_calculix(), folder, "third", float(deck.deck_time[-1]), 600.0, report)
         spent, _ = with_children(lambda: run_calculix(*run))
-        answer = judged(folder / "third.frd", deck, "CalculiX").comparison.result
+        answer = score_deck(folder / "third.frd", deck, "CalculiX").comparison.result
     return Answer(answer.x, answer.pressure[-1], answer.shear[-1], spent + meshed)
 
 

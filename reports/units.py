@@ -55,8 +55,8 @@ def number(value: float) -> str:
 
 
 def significant(value: float, count: int) -> str:
-    """A number as text with `count` significant digits, zeros at the end among them; a dash for NaN
-    and infinity.
+    """A number as text, rounded to `count` significant digits, among them zeros behind the point; a
+    dash for NaN and infinity.
 
     >>> significant(4.0, 2), significant(184.2, 2), significant(2.5e-6, 2)
     ('4.0', '180', '2.5e−06')

@@ -16,7 +16,7 @@ no matter of this module.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -33,11 +33,11 @@ RESOLVED = "resolved"
 HIDDEN = "hidden"
 # Standard uncertainties that an error must exceed: 95 % of a normal distribution.
 _COVERAGE = 2.0
-_OF_95 = 1.96
-# Error of the area of a loop of theory by its instants, of itself.
-_OF_THEORY = 1e-5
-# Metric of a scored result -> value whose uncertainty by the inputs is known, and its words.
-_SCORED = {
+_SIGMAS_OF_95_PERCENT = 1.96
+# Relative error of the area of a loop of theory by its number of instants.
+_ERROR_OF_THEORY = 1e-5
+# Metric of an external result -> value whose uncertainty by the inputs is known, and its name.
+_QUANTITIES = {
     "dissipation": (WORK, "W"),
     "largest_pressure": (PEAK, "the largest pressure"),
     "largest_half_width": ("half_width", "the largest half-width"),
@@ -140,96 +140,94 @@ def against_result(
     comparison: JudgedPair, effects: InputEffects | None, measured: Measured
 ) -> tuple[AgainstMeasurement, ...]:
     """Compare the values of an external result, taken as a measurement, with those of half-plane
-    theory, whose uncertainty is that by the scene's inputs (`effects`). Empty where the scene
-    states no uncertainty of its inputs.
+    theory: W, peak pressure and half-width, where both have them.
 
     Parameters
     ----------
+    comparison
+        of the result with theory
+    effects
+        what the uncertainties of the scene's inputs do to theory. Nothing is compared where it is
+        None, for none are stated, or where it is not known
     measured
-        standard uncertainties of the result
-    """
-    return tuple(_against_result(comparison, effects, measured))
-
-
-def _against_result(
-    comparison: JudgedPair, effects: InputEffects | None, measured: Measured
-) -> Iterator[AgainstMeasurement]:
-    """Each scored value of an external result, taken as a measurement, beside that of half-plane
-    theory, with the uncertainties of both. Nothing where the scene states no uncertainty of its
-    inputs (`effects`). `measured` holds the standard uncertainties of the result.
+        relative standard uncertainties of the result, as the mapping file states them; those that
+        it does not state count as 0
     """
     if effects is None or effects.unknown:
-        return
-    for key, (name, words) in _SCORED.items():
+        return ()
+    entries = []
+    for key, (name, words) in _QUANTITIES.items():
         metric = comparison.metric(key)
         theory_value = effects.values.get(name)
         is_known = metric.value is not None and not metric.absolute and math.isfinite(metric.value)
         if not is_known or theory_value is None or not theory_value.value:
             continue
-        relative_uncertainty = effects.work_uncertainty if name == WORK else theory_value.relative
+        u_by_inputs = effects.work_uncertainty if name == WORK else theory_value.relative
         measured_value = theory_value.value * (1 + float(metric.value or 0.0))
-        stated_share = measured.share(key)
-        yield AgainstMeasurement(
-            words=words,
-            model="theory",
-            computed=theory_value.value,
-            measured=measured_value,
-            numerical=0.0,
-            inputs=relative_uncertainty * theory_value.value,
-            measurement=(stated_share or 0.0) * measured_value,
-            not_stated=("u_D of the result",) if stated_share is None else (),
+        u_of_result = measured.share(key)
+        entries.append(
+            AgainstMeasurement(
+                words=words,
+                model="theory",
+                computed=theory_value.value,
+                measured=measured_value,
+                numerical=0.0,
+                inputs=u_by_inputs * theory_value.value,
+                measurement=(u_of_result or 0.0) * measured_value,
+                not_stated=("u_D of the result",) if u_of_result is None else (),
+            )
         )
+    return tuple(entries)
 
 
 def against_loop(
     score: LoopScore, effects: InputEffects | None, measured: Measured
 ) -> tuple[AgainstMeasurement, ...]:
-    """Compare the area of a measured loop with the areas that theory and finite elements compute
-    with the scene's friction, each with its uncertainties. Empty where the scene states no
-    uncertainty of its inputs.
-
-    What lies between rows is a bound, taken as a uniform distribution; the scatter is stated in 95
-    %.
+    """Compare the area W of a measured loop of Q over U with the areas that theory and finite
+    elements compute with the scene's friction coefficient.
 
     Parameters
     ----------
     score
         the measured loop and the loops computed beside it
     effects
-        what the uncertainties of the scene's inputs do; None where none are stated
+        what the uncertainties of the scene's inputs do to theory. Nothing is compared where it is
+        None, for none are stated, or where it is not known for W
     measured
-        stated standard uncertainties of the measurement
+        relative standard uncertainties of the measurement, as the mapping file states them
     """
     from reports.scoring.loops import OF_SCENE
 
     if effects is None or not math.isfinite(effects.work_uncertainty):
         return ()
-    measured_row = score.rows[0]
-    uncertainty_of_rows = math.hypot(
-        measured_row.by_distance / math.sqrt(3), measured_row.by_noise / _OF_95
-    )
-    stated_share = measured.share("dissipation")
-    measurement = math.hypot(uncertainty_of_rows, (stated_share or 0.0) * measured_row.area)
+    measured_loop = score.rows[0]
+    # Standard uncertainties of the area by the distance of its points, whose bound is taken as a
+    # uniform distribution, and by their scatter, which is stated for 95 %.
+    u_by_distance = measured_loop.by_distance / math.sqrt(3)
+    u_by_scatter = measured_loop.by_noise / _SIGMAS_OF_95_PERCENT
+    u_of_rows = math.hypot(u_by_distance, u_by_scatter)
+    u_of_rig = measured.share("dissipation")
+    u_of_measurement = math.hypot(u_of_rows, (u_of_rig or 0.0) * measured_loop.area)
     entries = []
     # loops with the scene's friction; the others have the fitted one, and agree by design
-    for row in score.rows[1:]:
-        model, _, engine = row.name.partition(", ")
-        if engine != OF_SCENE:
+    for computed_loop in score.rows[1:]:
+        model, _, friction_in_words = computed_loop.name.partition(", ")
+        if friction_in_words != OF_SCENE:
             continue
-        not_stated = [] if stated_share is not None else ["u_D of all but the rows' scatter"]
-        numerical_error = _OF_THEORY * row.area
+        not_stated = [] if u_of_rig is not None else ["u_D of all but the rows' scatter"]
+        u_of_numerics = _ERROR_OF_THEORY * computed_loop.area
         if model != "theory":
-            numerical_error = 0.0
+            u_of_numerics = 0.0
             not_stated.append(f"u_num of the {model}")
         entries.append(
             AgainstMeasurement(
                 words="W",
                 model=model,
-                computed=row.area,
-                measured=measured_row.area,
-                numerical=numerical_error,
-                inputs=effects.work_uncertainty * row.area,
-                measurement=measurement,
+                computed=computed_loop.area,
+                measured=measured_loop.area,
+                numerical=u_of_numerics,
+                inputs=effects.work_uncertainty * computed_loop.area,
+                measurement=u_of_measurement,
                 not_stated=tuple(not_stated),
             )
         )

@@ -70,7 +70,7 @@ class Axis(Frozen):
     pairs: tuple[tuple[Value, ...], ...] = Field((), description="rows of values that go together")
 
     @model_validator(mode="after")
-    def _one_way(self) -> Self:
+    def _has_values_in_one_way(self) -> Self:
         """Check that an axis states its values in exactly one of the four ways (a list, an even
         range, a logarithmic range, pairs), with the names and keys that this way needs. ValueError
         if not.
@@ -251,7 +251,7 @@ class Study(Frozen):
     preset: Literal["default", "coarse", "fine"] = "default"
 
     @model_validator(mode="after")
-    def _fits_together(self) -> Self:
+    def _is_consistent(self) -> Self:
         """Check that no column or key of the study is given twice, that every axis changes
         something, and that the quantities asked for can be computed. ValueError if not.
         """
@@ -371,9 +371,9 @@ def described(coordinates: Mapping[str, Any]) -> str:
 def _point(
     study: Study, scene_content: dict[str, Any], number: int, coordinates: Coordinates
 ) -> Point:
-    """The point `number` of a study at these coordinates on its axes: the scene with all changes of
-    the study and its axes put in, the settings, and so the question to be solved. `scene_content`
-    is the study's scene as nested tables, which are changed here.
+    """The point `number` of a study at these coordinates on its axes: the question to be solved,
+    which is the study's scene with the values of the study and its axes, and settings of mesh and
+    solver. `scene_content` is that scene as nested tables, which are changed here.
     """
     value_by_key: dict[str, Value] = dict(study.set)
     value_by_name: dict[str, Value] = dict(coordinates)
@@ -395,7 +395,7 @@ def _point(
         if first_part in settings:
             settings[first_part][setting_name] = value
         else:
-            _place(scene_content, key, value)
+            _set_value(scene_content, key, value)
     scene = checked(Scene, scene_content, of_file=True)
     mesh, solver = _settings(study.preset, settings)
     question = Question(
@@ -410,18 +410,17 @@ def _point(
     return Point(number, question.address, coordinates, question)
 
 
-def _place(content: dict[str, Any], key: str, value: Value) -> None:
-    """Set the value of a dotted key such as "load.mean_normal_load" in the nested tables of a
-    scene.
+def _set_value(content: dict[str, Any], key: str, value: Value) -> None:
+    """Set the value of a dotted key such as "load.mean_normal_load" in `content`, the nested tables
+    of a scene. A key such as material.young_modulus is set for both bodies, as in a scene file.
 
-    InputError where the tables that it names before its last part are not there; whether the scene
-    takes the last part is checked later. A key of one material is set for both bodies, as in a
-    scene file.
+    InputError where the tables that it names before its last part are not there. Whether the scene
+    takes the last part is checked later.
     """
     *outer_keys, last_key = key.split(".")
     if outer_keys == ["material"] and last_key not in content["material"]:
         for body in content["material"]:
-            _place(content, f"material.{body}.{last_key}", value)
+            _set_value(content, f"material.{body}.{last_key}", value)
         return
     table: Any = content
     for depth, outer_key in enumerate(outer_keys):
@@ -441,9 +440,9 @@ def _place(content: dict[str, Any], key: str, value: Value) -> None:
         table[int(last_key)] = value
     elif isinstance(table, dict):
         table[last_key] = value
-        if last_key == "file":  # the rows that are there are those of another file
-            for rows in ("rows", "points"):
-                table.pop(rows, None)
+        if last_key == "file":  # rows in the table are those of another file
+            for key_of_rows in ("rows", "points"):
+                table.pop(key_of_rows, None)
     else:
         raise InputError(f"{key}: {'.'.join(outer_keys)} is no table of keys")
 
@@ -463,7 +462,7 @@ def _settings(
     for name, default_settings in defaults_by_name:
         types = {key: type(value) for key, value in asdict(default_settings).items()}
         if name == "solver":
-            # without a value they have the method's own
+            # None by default: then the method of the solver has a value of its own
             types |= {"normal_stiffness": float, "tangential_stiffness": float}
         for key, value in changes[name].items():
             if key not in types:

@@ -39,17 +39,17 @@ from reports.units import energy_unit, number, units
 from scenes import ContactSolution, ConvergenceError, InputError, Scene, freeze
 
 # Seconds between two looks at the status file.
-_EVERY = 0.25
+_SECONDS_BETWEEN_LOOKS = 0.25
 # Last lines of the log that a failure shows.
-_TAIL = 6
+_LINES_OF_LOG = 6
 # CalculiX prints times to six digits.
-_PRINTED = 1e-5
+_PRINTED_PRECISION = 1e-5
 
 
 @dataclass(frozen=True)
-class Done:
-    """A run that reached its end: wall time [s], accepted increments, iterations of every
-    attempt.
+class RunRecord:
+    """How a run of CalculiX that reached its end went: wall time [s], number of accepted
+    increments, iterations of all increments, those not accepted among them.
     """
 
     seconds: float
@@ -81,7 +81,7 @@ class ThirdSolver:
     deck: Deck
     text: str
     comparison: Comparison | None = None
-    run_record: Done | None = None
+    run_record: RunRecord | None = None
     failure: str = ""
     guesses: tuple[str, ...] = ()
 
@@ -99,8 +99,8 @@ class ThirdSolver:
         if third_comparison:
             solutions.append(third_comparison.result)
         table_rows: list[tuple[str, ...]] = []
-        for name, unit, value_in in _values(comparison.scene):
-            values = [value_in(solution) for solution in solutions]
+        for name, unit, value_of_solution in _values(comparison.scene):
+            values = [value_of_solution(solution) for solution in solutions]
             values += [math.nan] * (3 - len(values))
             cells = [number(value) if math.isfinite(value) else "–" for value in values]
             table_rows.append((f"{name} [{unit}]", *cells))
@@ -134,8 +134,9 @@ class ThirdSolver:
         """Sentences beside the numbers of CalculiX: its failure or how the run went, then known
         limits.
         """
-        # The last node is the one that the upper rigid plane moves with.
-        size = f"{self.deck.reference} nodes, {len(self.deck.time) - 1} instants"
+        # nodes are numbered from 1, and the reference node of the rigid plane is the last
+        n_nodes = self.deck.reference
+        size = f"{n_nodes} nodes, {len(self.deck.time) - 1} instants"
         if self.run_record is None:
             first_sentence = f"{self.code} gave no answer ({size}): {self.failure}."
         else:
@@ -262,18 +263,18 @@ def solve_with_calculix(
         folder = Path(name)
         (folder / "third.inp").write_text(answer.text, encoding="utf-8")
         try:
-            with stages.stage(code, "per cent of the load path") as report:
+            with stages.stage(code, "per cent of the load path") as show_progress:
                 run_record = run_calculix(
-                    program, folder, "third", float(deck.deck_time[-1]), TIME_LIMIT, report
+                    program, folder, "third", float(deck.deck_time[-1]), TIME_LIMIT, show_progress
                 )
         except ConvergenceError as failure:
             return replace(answer, failure=str(failure))
         with stages.stage("reading CalculiX"):
-            judged_answer = judged(folder / "third.frd", deck, code)
+            report_on_answer = score_deck(folder / "third.frd", deck, code)
     return replace(
         answer,
-        comparison=judged_answer.comparison,
-        guesses=judged_answer.guesses,
+        comparison=report_on_answer.comparison,
+        guesses=report_on_answer.guesses,
         run_record=run_record,
     )
 
@@ -284,24 +285,24 @@ def run_calculix(
     name: str,
     end_time: float,
     time_limit: float,
-    report: Callable[[int, int | None, str], None] | None = None,
-) -> Done:
+    show_progress: Callable[[int, int | None, str], None] | None = None,
+) -> RunRecord:
     """Run CalculiX on the deck `name`.inp of a folder, with one thread, until it ends.
 
     Parameters
     ----------
     end_time
-        total time of the deck's last instant
+        total time of the deck's last instant, in the scene's unit of time
     time_limit
         wall time [s]
-    report
-        called with (done, total, text) in per cent of the deck's time
+    show_progress
+        called again and again with the time reached in per cent of `end_time`, 100, and a text
 
     Raises
     ------
     ConvergenceError
         With the last lines of its log where it stopped early, by itself or by the limit. The
-        process is gone in any case.
+        process has ended in any case.
     """
     start_time = time.monotonic()
     is_late = False
@@ -319,18 +320,20 @@ def run_calculix(
         try:
             while process.poll() is None and not is_late:
                 is_late = time.monotonic() > start_time + time_limit
-                if report is not None:
-                    increment_rows = status(status_file)
-                    share = increment_rows[-1].total / end_time if increment_rows else 0.0
-                    report(round(100 * min(share, 1.0)), 100, f"increment {len(increment_rows)}")
-                time.sleep(0.0 if is_late else _EVERY)
+                if show_progress is not None:
+                    attempts = status(status_file)
+                    time_fraction = attempts[-1].total / end_time if attempts else 0.0
+                    percent = round(100 * min(time_fraction, 1.0))
+                    show_progress(percent, 100, f"increment {len(attempts)}")
+                time.sleep(0.0 if is_late else _SECONDS_BETWEEN_LOOKS)
         finally:
             if process.poll() is None:
                 process.kill()
             process.wait()
-    increment_rows = status(status_file)
-    time_reached = max((row.total for row in increment_rows if row.accepted), default=0.0)
-    if is_late or process.returncode != 0 or time_reached < end_time * (1 - _PRINTED):
+    attempts = status(status_file)
+    accepted_attempts = [attempt for attempt in attempts if attempt.accepted]
+    time_reached = max((attempt.total for attempt in accepted_attempts), default=0.0)
+    if is_late or process.returncode != 0 or time_reached < end_time * (1 - _PRINTED_PRECISION):
         cause = f"ended with exit code {process.returncode}"
         if is_late:
             cause = f"was stopped at the time limit of {time_limit:g} s"
@@ -339,28 +342,26 @@ def run_calculix(
             for line in log_file.read_text(encoding="utf-8", errors="replace").splitlines()
         ]
         lines_with_words = [line for line in log_lines if not set(line) <= set("_-* ")]
-        last_lines = " | ".join(lines_with_words[-_TAIL:]) or "nothing"
+        last_lines = " | ".join(lines_with_words[-_LINES_OF_LOG:]) or "nothing"
         raise ConvergenceError(
             f"CalculiX {cause} at time {time_reached:.6g} of {end_time:.6g}, in increment"
-            f" {len(increment_rows)};"
+            f" {len(attempts)};"
             f" the last lines of its log: {last_lines}"
         )
-    return Done(
+    return RunRecord(
         time.monotonic() - start_time,
-        sum(row.accepted for row in increment_rows),
-        sum(row.iterations for row in increment_rows),
+        len(accepted_attempts),
+        sum(attempt.iterations for attempt in attempts),
     )
 
 
 @dataclass(frozen=True)
 class Attempt:
-    """A line of the status file: whether the increment was accepted, its iterations, total time
-    reached (its start if not).
-    """
+    """A line of the status file: an attempt to solve an increment."""
 
     accepted: bool
     iterations: int
-    total: float
+    total: float  # time reached, or that of its start where it was not accepted
 
 
 def status(sta: Path) -> list[Attempt]:
@@ -373,11 +374,11 @@ def status(sta: Path) -> list[Attempt]:
     return [Attempt(not match[1], int(match[2]), float(match[3])) for match in row_match if match]
 
 
-def judged(path: Path, deck: Deck, code: str) -> Report:
-    """Score the result of a deck in a .frd file against half-plane theory at its own points and
-    instants.
+def score_deck(path: Path, deck: Deck, code: str) -> Report:
+    """The report on the result of a deck, the .frd file at `path`, against half-plane theory at the
+    points and instants of the result. `code` is CalculiX with its version.
 
-    The unloaded instant, which CalculiX does not write, is put before it: nothing touches there.
+    CalculiX does not write the unloaded instant: it is put before the others, with all fields 0.
     """
     mapping = Mapping(
         code=code, times=tuple(deck.time[1:].tolist()), element_size=deck.element_size
@@ -406,6 +407,7 @@ def _limits(deck: Deck) -> list[str]:
         friction and path.period is not None and np.ptp(load_of_cycle) > 1e-9 * load_of_cycle.max()
     )
     kinds = (deck.scene.bodies.lower.kind, deck.scene.bodies.upper.kind)
+    # radius of the half-discs that stand for half-planes, over a; False without half-planes
     far_radius = "half_plane" in kinds and deck.settings.far_radius
     creep = friction * mean_pressure / deck.stick_slope
     limits_in_words = words_of("limits_of_calculix")(

@@ -31,15 +31,22 @@ from scenes.frozen import validated
 Indices = NDArray[np.int64]
 
 # The longest line that CalculiX reads.
-_LINE = 132
+_LONGEST_LINE = 132
 
-# The touch: this share of the first increment of initial loading is spent on a prescribed approach:
-# friction and load control find the faces in contact.
-_TOUCH = 0.25
+# The touch: the deck's first step brings the faces together by a prescribed approach, since load
+# control needs contact. It takes this fraction of the first increment of initial loading.
+_TOUCH_FRACTION = 0.25
 # Increments of the initial loading, over those of a revolution.
-_INITIAL_LOADING = 0.25
-# Directions in which a boundary of that support can't move against the rigid plane behind it.
-_HELD = {"fixed": (1, 2), "half_plane": (1, 2), "rollers": (2,), "guided": (1,), "pulled": ()}
+_INITIAL_INCREMENTS = 0.25
+# Kind of support -> directions (1 along x, 2 along y) in which nodes of its boundary do not move
+# against the rigid plane behind it.
+_HELD_DIRECTIONS = {
+    "fixed": (1, 2),
+    "half_plane": (1, 2),
+    "rollers": (2,),
+    "guided": (1,),
+    "pulled": (),
+}
 
 
 @dataclass(frozen=True)
@@ -114,8 +121,8 @@ class DeckBody:
     held
         direction 1 or 2 -> node numbers that move as the rigid plane does
     ends
-        (element number, face) of the left and of the right end of a block that bulk stress
-        pulls; none of other bodies
+        of the left and of the right end of a block that bulk stress pulls, (k, 2) element number
+        and face 1-4; empty for other bodies
     """
 
     name: str
@@ -198,10 +205,11 @@ class Deck:
         return np.asarray(stress * (1 - material.poisson_ratio**2) / material.young_modulus)
 
     def end_stresses(self, body: int) -> tuple[Array, Array] | None:
-        """Stress along x over time, (n + 1,) each, at the left and the right end of a block that
-        bulk stress pulls; on rollers each end carries Q/2 too.
+        """Stress along x over time, (n + 1,) each, on the left and on the right end of the lower
+        (0) or upper (1) body, where it is a block that bulk stress pulls.
 
-        None of other bodies, and where it is 0 throughout.
+        The base of a lower block on rollers carries no Q: each end then carries Q/2 too. None for
+        other bodies, and where the stress is 0 throughout.
         """
         meshed_body = (self.lower, self.upper)[body]
         shape = (self.scene.bodies.lower, self.scene.bodies.upper)[body]
@@ -294,34 +302,33 @@ def build_deck(
         order=1,
         cells="quadrilaterals",
     )
-    meshes = meshed_pair(
+    lower_mesh, upper_mesh = meshed_pair(
         scene, mesh_settings, partial(surface_grading, mesh_settings, scales, scene.profile)
     )
-    lower_body = _body("LOWER", meshes[0], meshes[0].mesh.p, 1, 1)
+    lower_body = _body("LOWER", lower_mesh, lower_mesh.mesh.p, 1, 1)
+    # a curved face is meshed as it is; between flat faces the profile is the gap
     profile = None if scene.bodies.faces_are_true else scene.profile
     upper_body = _body(
         "UPPER",
-        meshes[1],
-        _upper_places(meshes[1], profile),
+        upper_mesh,
+        _places_of_upper_body(upper_mesh, profile),
         len(lower_body.nodes) + 1,
         len(lower_body.elements) + 1,
     )
     time = _instants(scene, settings)
     normal_load, tangential_load = path.at(time)
-    # a first step by displacement brings the faces together: load control needs contact
-    approach_at_touch = _approach(scene, settings, scales, _TOUCH * float(normal_load[1]))
-    time_of_touch = float(_TOUCH * (time[1] - time[0]))
+    load_of_touch = _TOUCH_FRACTION * float(normal_load[1])
     return Deck(
-        scene,
-        settings,
-        scales,
-        lower_body,
-        upper_body,
-        freeze(time),
-        freeze(normal_load),
-        freeze(tangential_load),
-        time_of_touch,
-        approach_at_touch,
+        scene=scene,
+        settings=settings,
+        scales=scales,
+        lower=lower_body,
+        upper=upper_body,
+        time=freeze(time),
+        normal_load=freeze(normal_load),
+        tangential_load=freeze(tangential_load),
+        touch_time=float(_TOUCH_FRACTION * (time[1] - time[0])),
+        touch_approach=_approach(scene, settings, scales, load_of_touch),
         **_bulk_and_tilt(path, time),
     )
 
@@ -344,33 +351,33 @@ def _bulk_and_tilt(path: LoadPath, time: Array) -> dict[str, Any]:
 
 def _instants(scene: Scene, settings: DeckSettings) -> Array:
     """Times of an input deck, (n + 1,): the unloaded instant, then the end of every load increment.
-    Increments end at the turning points of the path, and are even between them.
+    Increments end at the turning points of the path. Between two of them all are of equal duration.
     """
     path = scene.load.path()
     steps_per_cycle = settings.steps_per_cycle
     n_cycles = min(settings.cycles, scene.cycles) if path.period is not None else 0
-    segments_and_counts = [(path.initial_loading, max(_INITIAL_LOADING * steps_per_cycle, 4.0))]
-    segments_and_counts += [
+    # the load segments of the initial loading and of each cycle, with their number of increments
+    initial_increments = max(_INITIAL_INCREMENTS * steps_per_cycle, 4.0)
+    parts_of_path = [(path.initial_loading, initial_increments)]
+    parts_of_path += [
         (path.cycle_legs(cycle_number), float(steps_per_cycle)) for cycle_number in range(n_cycles)
     ]
     instants = [path.start]
-    for segments, increments_of_part in segments_and_counts:
+    for segments, increments_of_part in parts_of_path:
         duration = segments[-1].end - segments[0].start
         for segment in segments:
             increments_of_segment = increments_of_part * (segment.end - segment.start) / duration
-            for monotone_part in stretches(
-                segment, scene.friction.coefficient, increments_of_segment
-            ):
-                instants.extend(monotone_part.ends)
+            for stretch in stretches(segment, scene.friction.coefficient, increments_of_segment):
+                instants.extend(stretch.ends)  # between turning points
     return np.array(instants)
 
 
 def _approach(scene: Scene, settings: DeckSettings, scales: Scales, load: float) -> float:
-    """Approach [length] of the deck's first step, which carries about `load` P: that of a line load
-    on half-planes, 2 P ln(1 + 4 L/a)/(pi E*), with the depth L of the shallower body.
+    """Approach [length] of the bodies under about the load P (`load`): that of a line load on
+    half-planes, 2 P ln(1 + 4 L/a)/(pi E*), with the depth L of the shallower body.
 
-    It need not be right: no instant of the answer belongs to this step, and all that counts is that
-    the faces meet.
+    A rough value is enough. It is the displacement of the deck's first step, which makes the faces
+    meet, and no instant of the answer belongs to that step.
     """
 
     def depth(body: Shape) -> float:
@@ -393,7 +400,7 @@ def _areas(places: Array, cells: Indices) -> Array:
 def _body(
     name: str, mesh: BodyMesh, places: Array, first_node: int, first_element: int
 ) -> DeckBody:
-    """One body of a deck: its nodes, its elements (anticlockwise), the element faces that may
+    """One body of a deck: its nodes, its elements (nodes anticlockwise), the element sides that may
     touch, the nodes that are held in each direction, and the ends that bulk stress pulls.
 
     Parameters
@@ -412,14 +419,16 @@ def _body(
         boundary: mesh.mesh.facets[:, facets] for boundary, facets in mesh.mesh.boundaries.items()
     }
     # A side of an element is on a boundary where its two nodes, in either order, are those of a
-    # facet there.
+    # facet there. For this each pair of nodes becomes one number, its key.
+    key_factors = [places.shape[1], 1]
     nodes_of_sides = np.sort(np.stack([cells, np.roll(cells, -1, axis=0)], axis=-1), axis=-1)
-    key_of_nodes = [places.shape[1], 1]  # makes one number of two node numbers
-    keys_of_sides = nodes_of_sides @ key_of_nodes
+    keys_of_sides = nodes_of_sides @ key_factors
 
-    def faces(facets: Indices) -> Indices:
-        """Number of the element and of its face, (k, 2), for each facet of the mesh (2, k)."""
-        keys_of_facets = np.sort(facets.T) @ key_of_nodes
+    def sides_on(facets: Indices) -> Indices:
+        """Number of the element and of its side 1 to 4, (k, 2), for each facet of the mesh, whose
+        nodes are `facets` (2, k).
+        """
+        keys_of_facets = np.sort(facets.T) @ key_factors
         element_numbers, side_numbers = np.nonzero(np.isin(keys_of_sides, keys_of_facets).T)
         return freeze(
             np.stack([element_numbers + first_element, side_numbers + 1], axis=1), np.int64
@@ -427,84 +436,92 @@ def _body(
 
     pulled_ends: tuple[Indices, ...] = ()
     if mesh.supports.get("sides") == "pulled":
-        is_right = places[0, nodes_of["sides"]].mean(axis=0) > 0
-        pulled_ends = faces(nodes_of["sides"][:, ~is_right]), faces(nodes_of["sides"][:, is_right])
+        facets_of_ends = nodes_of["sides"]
+        is_right = places[0, facets_of_ends].mean(axis=0) > 0
+        left_end = sides_on(facets_of_ends[:, ~is_right])
+        right_end = sides_on(facets_of_ends[:, is_right])
+        pulled_ends = (left_end, right_end)
     contact_nodes = np.unique(nodes_of["contact"])
     held_nodes = _held_nodes(mesh, nodes_of)
+    nodes_from_left = contact_nodes[np.argsort(places[0, contact_nodes])]
     return DeckBody(
-        name,
-        first_node,
-        first_element,
-        freeze(places.T),
-        freeze(cells.T + first_node, np.int64),
-        faces(nodes_of["contact"]),
-        freeze(contact_nodes[np.argsort(places[0, contact_nodes])] + first_node, np.int64),
-        {
+        name=name,
+        first_node=first_node,
+        first_element=first_element,
+        nodes=freeze(places.T),
+        elements=freeze(cells.T + first_node, np.int64),
+        contact_faces=sides_on(nodes_of["contact"]),
+        contact_nodes=freeze(nodes_from_left + first_node, np.int64),
+        held={
             direction: freeze(np.unique(np.concatenate(nodes)) + first_node, np.int64)
             for direction, nodes in held_nodes.items()
             if nodes
         },
-        pulled_ends,
+        ends=pulled_ends,
     )
 
 
 def _held_nodes(mesh: BodyMesh, nodes_of: Mapping[str, Indices]) -> dict[int, list[Indices]]:
-    """Nodes whose displacement along x (1) or y (2) is prescribed by the supports of a body, one
-    array for each support. `nodes_of` are the nodes of each boundary, (2, k).
+    """Nodes whose displacement along x (1) or y (2) is prescribed by the supports of a body:
+    direction -> one array of nodes for each support. `nodes_of` holds the two nodes of each facet
+    on a boundary, (2, k), by its name.
     """
     held_nodes: dict[int, list[Indices]] = {1: [], 2: []}
     for boundary, support in mesh.supports.items():
         nodes = np.unique(nodes_of[boundary])
-        for direction in _HELD[support]:
+        for direction in _HELD_DIRECTIONS[support]:
             held_nodes[direction].append(nodes)
         if support == "rollers" and "guided" not in mesh.supports.values():
-            # Nothing else keeps the body from drifting along x; without a tangential load this
-            # support carries nothing.
-            held_nodes[1].append(nodes[[np.argmin(np.abs(mesh.mesh.p[0, nodes]))]])
+            # Nothing else keeps the body from moving along x; without a tangential load this node
+            # carries no force.
+            node_in_middle = nodes[[np.argmin(np.abs(mesh.mesh.p[0, nodes]))]]
+            held_nodes[1].append(node_in_middle)
     return held_nodes
 
 
-def _upper_places(mesh: BodyMesh, profile: Profile | None) -> Array:
-    """Places (2, n) of the nodes of an upper body, which its mesh has upside down, in the common
-    frame.
+def _places_of_upper_body(mesh: BodyMesh, profile: Profile | None) -> Array:
+    """Places (2, n) [length] of the nodes of an upper body in the frame of the deck; the mesh has
+    the body upside down.
 
-    Where the face is flat, the gap h(x) is cut into it and dies out towards the far end of the
-    body. Beyond the side that may touch, which ends at c, h(x) goes on as h + h' c tanh((|x| -
-    c)/c): smooth, and bounded on a body of any width.
+    Between flat faces the gap h(x) of `profile` is cut into the upper body: each node is raised by
+    h (1 - y/y_max), so that the far side stays plane. Surface elements that may touch end at |x| =
+    c; beyond it h goes on as h(c) + h'(c) c tanh((|x| - c)/c), bounded on a body of any width.
+    `profile` is None where the mesh has the curved face itself.
     """
     x = mesh.mesh.p[0]
     y = -mesh.mesh.p[1]
     if profile is None:
         return np.stack([x, y])
-    touching_end = mesh.grading.outer
-    small_distance = 1e-4 * touching_end
+    c = mesh.grading.outer
+    small_step = 1e-4 * c
     sign_of_x = np.where(x < 0, -1.0, 1.0)
     distance = np.abs(x)
-    height_before_end = np.asarray(profile.height(sign_of_x * (touching_end - small_distance)))
-    height_at_end = np.asarray(profile.height(sign_of_x * touching_end))
-    slope_at_end = (height_at_end - height_before_end) / small_distance
-    gap = np.asarray(profile.height(sign_of_x * np.minimum(distance, touching_end)))
-    gap = gap + slope_at_end * touching_end * np.tanh(
-        np.maximum(distance - touching_end, 0.0) / touching_end
-    )
+    gap_before_c = np.asarray(profile.height(sign_of_x * (c - small_step)))
+    gap_at_c = np.asarray(profile.height(sign_of_x * c))
+    slope_at_c = (gap_at_c - gap_before_c) / small_step
+    gap = np.asarray(profile.height(sign_of_x * np.minimum(distance, c)))
+    gap = gap + slope_at_c * c * np.tanh(np.maximum(distance - c, 0.0) / c)
     return np.stack([x, y + gap * (1 - y / y.max())])
 
 
 # --------------------------------------------------------------------------------- the deck as text
 def deck_text(deck: Deck, command: str = "", versions: Mapping[str, str] | None = None) -> str:
-    """The text of the input file for CalculiX, with comments wrapped to its longest line. The
-    command line that wrote it and the versions of packages go into its first comment.
+    """The text of the input file for CalculiX, with comments wrapped to the longest line that it
+    reads. The first comment has the `command` line that wrote the file and the `versions` of
+    packages.
     """
     packages = ", ".join(f"{name} {version}" for name, version in (versions or {}).items())
-    tools = (amplitudes, equations_of, held_of, number, one_line, rows)
-    tools_by_name = {tool.__name__: tool for tool in tools}
-    text_of_template = template("deck.inp").render(
-        deck=deck, command=command, versions=packages, **tools_by_name
+    functions = (amplitudes, equations_of, held_of, number, one_line, rows)
+    function_by_name = {function.__name__: function for function in functions}
+    unwrapped_text = template("deck.inp").render(
+        deck=deck, command=command, versions=packages, **function_by_name
     )
     lines: list[str] = []
-    for line in text_of_template.split("\n"):
+    for line in unwrapped_text.split("\n"):
         if line.startswith("**"):
-            comment_lines = textwrap.wrap(line[2:].strip(), _LINE - 7, break_on_hyphens=False)
+            comment_lines = textwrap.wrap(
+                line[2:].strip(), _LONGEST_LINE - 7, break_on_hyphens=False
+            )
             lines += [f"** {comment_line}" for comment_line in comment_lines]
         elif line:
             lines.append(line)
@@ -535,8 +552,11 @@ def rows(values: ArrayLike, per_line: int) -> str:
 
 
 def amplitudes(deck: Deck) -> dict[str, Array]:
-    """Histories of a deck by name, (n + 1, 2): total time and a load, bulk stress, tilt or moment.
-    Strains and tilt are times a, so that they move a node.
+    """Histories of a deck, (n + 1, 2) total time and value: name -> history of a load, an end
+    stress, a strain, the tilt or the moment.
+
+    Strains and tilt are displacements of extra nodes in the deck: they are multiplied by a, and the
+    moment, the force on such a node, is divided by a.
     """
     half_width = deck.scales.half_width
     histories = {"NORMAL_LOAD": deck.normal_load, "TANGENTIAL_LOAD": deck.tangential_load}
@@ -562,33 +582,35 @@ def _constraints(deck: Deck, body: DeckBody) -> Iterator[list[tuple[int, int, fl
     """The linear constraints on the held nodes of a body, one for each node and direction: terms
     (node, direction, factor) whose displacements times factors add up to 0.
 
-    A node of the upper body moves with the rigid plane that carries P and Q, and turns with it. A
-    node on the arc of a half-plane moves by the bulk strain. A constraint with one term means that
-    the node stands still.
+    A node of the upper body moves with the rigid plane that carries P and Q (node
+    `deck.reference`), and turns with it (node `deck.turning`, whose displacement is tilt times a).
+    A node on the arc of a half-plane moves by the bulk strain (node `deck.strained`, strain times
+    a). A constraint with one term means that the node does not move.
     """
     half_width = deck.scales.half_width
     is_upper = body is deck.upper
     material = deck.scene.material.upper if is_upper else deck.scene.material.lower
     poisson_ratio = material.poisson_ratio
-    strain = deck.strain(int(is_upper))
-    turns = is_upper and (deck.tilt is not None or deck.moment is not None)
+    has_strain = deck.strain(int(is_upper)) is not None
+    can_tilt = is_upper and (deck.tilt is not None or deck.moment is not None)
     for direction, nodes in sorted(body.held.items()):
         for node in nodes.tolist():
             x, y = body.nodes[node - body.first_node].tolist()
             terms = [(node, direction, 1.0)]
             if is_upper:
                 terms.append((deck.reference, direction, -1.0))
-            if strain is not None:
+            if has_strain:
                 # A uniform stress along x in plane strain: u_x = eps x, u_y = -nu/(1 - nu) eps y.
-                displacement_per_strain = -x
+                minus_displacement_per_strain = -x
                 if direction == 2:
-                    displacement_per_strain = poisson_ratio / (1 - poisson_ratio) * y
-                factor = displacement_per_strain / half_width
+                    minus_displacement_per_strain = poisson_ratio / (1 - poisson_ratio) * y
+                factor = minus_displacement_per_strain / half_width
                 terms.append((deck.strained, int(is_upper) + 1, factor))
-            if turns:
-                # A turn that opens the gap at x > 0: u_x = -alpha y, u_y = alpha x.
-                terms.append((deck.turning, 1, (y if direction == 1 else -x) / half_width))
-            yield [term for term in terms if term[2]]
+            if can_tilt:
+                # A tilt that opens the gap at x > 0: u_x = -alpha y, u_y = alpha x.
+                minus_displacement_per_tilt = y if direction == 1 else -x
+                terms.append((deck.turning, 1, minus_displacement_per_tilt / half_width))
+            yield [term for term in terms if term[2]]  # those with a factor
 
 
 def equations_of(deck: Deck, body: DeckBody) -> Iterator[str]:
@@ -607,17 +629,19 @@ def _data_lines(terms: Sequence[tuple[int, int, float]]) -> str:
 
 
 def held_of(deck: Deck) -> list[str]:
-    """Lines "node, direction" of a deck for what stands still: held nodes of the lower body, and
-    those directions of the extra nodes (which stand for bulk strain and tilt) that have no meaning.
+    """Lines "node, direction" of a deck for displacements that are 0: those of held nodes of the
+    lower body, and those directions of the extra nodes for bulk strain and tilt that stand for
+    nothing.
     """
-    held_nodes = []
+    lines = []
     for terms in _constraints(deck, deck.lower):
         if len(terms) == 1:
             node, direction, _ = terms[0]
-            held_nodes.append(f"{node}, {direction}")
-    unstrained = [body for body in (0, 1) if deck.strain(body) is None]
-    if len(unstrained) == 1:
-        held_nodes.append(f"{deck.strained}, {unstrained[0] + 1}")
+            lines.append(f"{node}, {direction}")
+    # the node for strain has direction 1 for the lower body, 2 for the upper body
+    bodies_without_strain = [body for body in (0, 1) if deck.strain(body) is None]
+    if len(bodies_without_strain) == 1:
+        lines.append(f"{deck.strained}, {bodies_without_strain[0] + 1}")
     if deck.tilt is not None or deck.moment is not None:
-        held_nodes.append(f"{deck.turning}, 2")
-    return held_nodes
+        lines.append(f"{deck.turning}, 2")
+    return lines
