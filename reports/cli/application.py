@@ -832,7 +832,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                     f"the answer could not be written to stdout: {reason.strerror}; see to that and"
                     " ask again"
                 )
-        except KeyboardInterrupt:  # a second one, while the first was reported
+        except KeyboardInterrupt:  # a second Ctrl-C, while the first was reported
             code = INTERRUPTED
         finally:
             gc.freeze()  # the process ends here: looking for garbage once more is left out
@@ -1013,7 +1013,7 @@ def _sentence_on_command_line(fault: CycloptsError) -> str:
         return f"{command} has no option {unknown_word}; {suggestion}{help_of_command} lists them"
     if isinstance(fault, UnusedCliTokensError):
         words_left_over = " ".join(fault.unused_tokens or [])
-        suggestion = _suggestion_for_unused(fault, chain)
+        suggestion = _suggestion_for_unused_words(fault, chain)
         return (
             f"{command}: unexpected argument {words_left_over!r}; {suggestion}{help_of_command}"
             " shows what it takes"
@@ -1032,7 +1032,7 @@ def _sentence_on_command_line(fault: CycloptsError) -> str:
     return f"{' '.join(str(fault).split()).rstrip('.')}; {help_of_command} shows what it takes"
 
 
-def _suggestion_for_unused(fault: UnusedCliTokensError, chain: Sequence[str]) -> str:
+def _suggestion_for_unused_words(fault: UnusedCliTokensError, chain: Sequence[str]) -> str:
     """A suggestion for an error message on words that a command does not take, ending in a blank:
     "did you mean ...? ", or the command line to write. "" where no known word is near.
 

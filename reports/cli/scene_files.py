@@ -379,7 +379,7 @@ def _values_of_rig(solution: ContactSolution) -> dict[str, float | None]:
 
 def _answer_of_theory(scene: Scene, source: str) -> ContactSolution:
     """Half-plane theory's dissipation and loads under the displacements that a scene prescribes.
-    Where the bodies are no half-planes, theory is corrected by their finite size and tilt.
+    Where the bodies are no half-planes, theory is corrected by the elastic responses that they add.
     InputError naming `source` where theory refuses the scene.
     """
     import semi_analytic
