@@ -8,7 +8,7 @@ Offered to the rest of reports:
 
     plate.py       `Plate` `Panel` `Cell` `Key` `Axis` `Frame` `Scale` `labels` `limits`; `Arrow`
                    `Band` `Bitmap` `Block` `Curve` `Dot` `Group` `Mark` `Note` `Rule` `Segments`;
-                   `STATE_KEYS` `colour_scale` `worded` `write_tables`
+                   `STATE_KEYS` `colour_scale` `figure_with_texts` `write_tables`
     templating.py  `STATE_NAMES` `Table` `in_template` `markdown_table` `script` `shades`
                    `table_text` `template` `words_of`
 """
