@@ -45,8 +45,8 @@ def of_blocks() -> Iterator[Row]:
     yield Row("blocks: difference of W, inputs", points, None, WORDS, "points")
     worst = 0.0
     for entry in scene.inputs:
-        above = difference_by_elements(scene.moved({entry.key: entry.standard}))
-        below = difference_by_elements(scene.moved({entry.key: -entry.standard}))
+        above = difference_by_elements(scene.moved({entry.key: entry.standard_uncertainty}))
+        below = difference_by_elements(scene.moved({entry.key: -entry.standard_uncertainty}))
         worst = max(worst, abs((above - below) / 2 - difference.changes[entry.key].value))
     yield Row(
         "blocks: what an input moves the difference by, off finite elements",

@@ -21,7 +21,7 @@ from reports.inputs import (
     Draws,
     InputEffects,
     NearSliding,
-    Propagated,
+    UncertainValue,
 )
 from reports.report import Report
 from reports.units import energy_unit, load_unit, minus, significant, units
@@ -71,7 +71,7 @@ def stated_content(scene: Scene) -> list[dict[str, Any]] | None:
             "key": uncertain_input.key,
             "value": uncertain_input.value,
             "stated": uncertain_input.stated,
-            "standard_uncertainty": uncertain_input.standard,
+            "standard_uncertainty": uncertain_input.standard_uncertainty,
             "of": "degrees" if uncertain_input.key == "phase_degrees" else "share",
         }
         for uncertain_input in scene.inputs
@@ -182,7 +182,7 @@ def _of_difference(effects: InputEffects, comparison: JudgedPair | None) -> Iter
     yield f"With these inputs the difference of W{source} is {amount} %."
 
 
-def _difference_of_work(term: Propagated, comparison: JudgedPair | None) -> tuple[float, str]:
+def _difference_of_work(term: UncertainValue, comparison: JudgedPair | None) -> tuple[float, str]:
     """E of W, and what it is by where that is not the finite elements."""
     if comparison is not None:
         metric = comparison.metric(WORK)
@@ -366,7 +366,7 @@ def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[
     return (*heads, "moves the difference by points"), rows
 
 
-def _unit(value: Propagated, scene: Scene) -> str:
+def _unit(value: UncertainValue, scene: Scene) -> str:
     """The unit of a value of theory, in the units of the scene."""
     _, unit_of_length, unit_of_stress = units(scene)
     return {
@@ -445,7 +445,7 @@ def sliding_content(sliding: NearSliding | None) -> dict[str, Any] | None:
     }
 
 
-def _content(value: Propagated) -> dict[str, Any]:
+def _content(value: UncertainValue) -> dict[str, Any]:
     """The JSON content of one value with its standard uncertainty by the inputs: how much one
     standard uncertainty of each input changes it, and the keys of the inputs, those that change it
     most first.

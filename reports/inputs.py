@@ -99,10 +99,10 @@ class Quantity(NamedTuple):
 
     words: str
     unit: str
-    of_stress: int
-    of_shear: int
-    of_heights: int
-    of_lengths: int
+    stress_exponent: int
+    shear_exponent: int
+    height_exponent: int
+    length_exponent: int
 
 
 QUANTITIES_OF_THEORY = {
@@ -114,7 +114,7 @@ QUANTITIES_OF_THEORY = {
     "edge_tension": Quantity("largest edge tension", "stress", 1, 1, 1, -1),
 }
 """Of the last cycle, or of the whole path where nothing repeats."""
-OF_DRIVEN = {
+QUANTITIES_UNDER_DISPLACEMENT = {
     WORK: QUANTITIES_OF_THEORY[WORK],
     PEAK: QUANTITIES_OF_THEORY[PEAK],
     "half_width": QUANTITIES_OF_THEORY["half_width"],
@@ -126,19 +126,19 @@ OF_DRIVEN = {
 
 
 @dataclass(frozen=True)
-class Propagated:
-    """A value, and what the inputs make of it.
+class UncertainValue:
+    """A value of theory or a difference, and the uncertainty that the inputs give it.
 
     Attributes
     ----------
     words, unit
         what it is, and the kind of its unit; "share" of a difference
     value
-        at the inputs as stated; NaN where there is none
+        at the inputs as stated; NaN where it has none
     changes
         key of an input -> change of the value for one standard uncertainty, with its error
     second_order
-        root of the summed squares of the second order
+        root of the summed squares of the second-order changes by each input
     uncertainty
         standard uncertainty, correlations counted
     """
@@ -193,7 +193,7 @@ class NearSliding(NamedTuple):
         return self.ratio < 1 - _AT_LIMIT and self.distance <= _IN_REACH
 
 
-class Drawn(NamedTuple):
+class DrawStatistics(NamedTuple):
     """A value over the draws that have one: its mean, standard deviation, and between which 95 % of
     them lie.
     """
@@ -230,13 +230,13 @@ class Draws:
     count: int
     sliding: float
     impossible: float
-    values: Mapping[str, Drawn]
+    values: Mapping[str, DrawStatistics]
     reason: str
 
 
 @dataclass(frozen=True)
 class InputEffects:
-    """What the stated uncertainties of the inputs make of a scene's answer.
+    """The uncertainties that the stated uncertainties of the inputs give to a scene's answer.
 
     Attributes
     ----------
@@ -263,8 +263,8 @@ class InputEffects:
 
     inputs: tuple[Input, ...]
     correlations: tuple[tuple[str, str, float], ...]
-    values: Mapping[str, Propagated] = field(default_factory=dict)
-    difference: Mapping[str, Propagated] = field(default_factory=dict)
+    values: Mapping[str, UncertainValue] = field(default_factory=dict)
+    difference: Mapping[str, UncertainValue] = field(default_factory=dict)
     no_difference: str = ""
     draws: Draws | None = None
     sliding: NearSliding | None = None
@@ -284,46 +284,48 @@ class InputEffects:
         return work.relative
 
 
-def propagated(
+def uncertain_value(
     quantity: Quantity,
     value: float,
     changes_by_inputs: Sequence[_ChangeByInput],
     key: str,
     correlation: Array,
-) -> Propagated:
+) -> UncertainValue:
     """A computed value with the standard uncertainty that all n uncertain inputs together give it:
     u^2 = c^T R c, c its changes by one standard uncertainty of each input, R their correlations.
 
     Parameters
     ----------
     quantity, value
-        its name with unit, and its size
+        its name with the kind of its unit, and its size; that unit holds for what is returned
     changes_by_inputs
         for each input, how much one standard uncertainty of it changes every value
     key
-        key of this value in these changes
+        key of this value in `changes_by_inputs`
     correlation
         (n, n) correlation matrix of the inputs
     """
-    changes = {change.key: change.changes[key] for change in changes_by_inputs}
-    change_by_input = np.array([change.value for change in changes.values()])
-    second_order = math.hypot(*(change.uncertainty for change in changes.values()))
+    estimates = {by_input.key: by_input.changes[key] for by_input in changes_by_inputs}
+    changes = np.array([estimate.value for estimate in estimates.values()])
+    second_order = math.hypot(*(estimate.uncertainty for estimate in estimates.values()))
     # a correlation of -1 may leave a negative sum of squares by round-off
-    variance = max(float(change_by_input @ correlation @ change_by_input), 0.0)
-    if not np.all(np.isfinite(change_by_input)):
+    variance = max(float(changes @ correlation @ changes), 0.0)
+    if not np.all(np.isfinite(changes)):
         variance = math.nan
-    return Propagated(
-        quantity.words, quantity.unit, value, changes, second_order, math.sqrt(variance)
+    return UncertainValue(
+        quantity.words, quantity.unit, value, estimates, second_order, math.sqrt(variance)
     )
 
 
 # ------------------------------------------------------------------------------- one scene's values
 def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Values:
-    """Half-plane theory's values of the last cycle by name: dissipation, largest pressure,
-    half-widths, largest slip and edge tension; fewer for long records.
+    """Half-plane theory's values of the last cycle by name, in the scene's units: dissipation,
+    largest pressure, half-widths, largest slip and edge tension.
 
-    Under a prescribed displacement the largest Q and the largest |Q|/(f P) are among them, and
-    `effects` are the elastic responses that finite bodies add to half-planes.
+    Pressure, slip and edge tension are left out for long records, and where theory needs grids.
+    Under a prescribed displacement the largest Q and the largest |Q|/(f P) take the place of slip
+    and edge tension. There alone `effects` count: the elastic responses that finite bodies add to
+    half-planes.
 
     Raises
     ------
@@ -334,19 +336,19 @@ def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Value
 
     if scene.load.is_driven:
         solution = semi_analytic.solve(scene, x=0.0, effects=effects, fields=(WORK, "pressure"))
-        steps = solution.last_cycle
+        instants = solution.last_cycle
         values = {
             WORK: solution.dissipation,
-            PEAK: float(solution.pressure[steps].max()),
-            "half_width": float(np.max(solution.contact_half_width[steps])),
+            PEAK: float(solution.pressure[instants].max()),
+            "half_width": float(np.max(solution.contact_half_width[instants])),
             "permanent_stick": solution.permanent_stick_half_width,
-            "largest_tangential_load": float(np.max(np.abs(solution.tangential_load[steps]))),
+            "largest_tangential_load": float(np.max(np.abs(solution.tangential_load[instants]))),
         }
         if scene.friction.coefficient:
             values[RATIO] = ratio_of_answer(solution)
         return values
     solution = semi_analytic.solve(scene, x=0.0, fields=(WORK,))
-    # largest values are searched for, which takes too long there
+    # pressure, slip and edge tension are found by a search, which takes too long for these scenes
     if _is_long(scene) or _needs_grids(scene):
         return {
             WORK: solution.dissipation,
@@ -395,7 +397,8 @@ def central_differences(
     differences: the values are computed with the input moved up and down by its standard
     uncertainty.
 
-    Where the loads would then slide a smaller step is taken, down to a sixteenth.
+    Where the moved loads make the bodies slide, a smaller step is tried: a quarter, then a
+    sixteenth. The change is scaled to one standard uncertainty.
 
     Parameters
     ----------
@@ -408,42 +411,48 @@ def central_differences(
 
     Raises
     ------
-    InputError
-        Where the smallest step slides.
+    InadmissibleLoadError
+        Where even the smallest step makes the bodies slide.
     """
-    for share_of_uncertainty in _STEPS:
-        step = share_of_uncertainty * uncertain_input.standard
+    for step in _STEPS:
+        input_change = step * uncertain_input.standard_uncertainty
         try:
-            values_above = values_at(scene.moved({uncertain_input.key: step}))
-            values_below = values_at(scene.moved({uncertain_input.key: -step}))
+            values_above = values_at(scene.moved({uncertain_input.key: input_change}))
+            values_below = values_at(scene.moved({uncertain_input.key: -input_change}))
         except InadmissibleLoadError:
-            if share_of_uncertainty == _STEPS[-1]:
+            if step == _STEPS[-1]:
                 raise
             continue
-        return _ChangeByInput(
-            uncertain_input.key,
-            _differences(values_at_inputs, values_above, values_below, share_of_uncertainty),
-        )
+        changes = _differences(values_at_inputs, values_above, values_below, step)
+        return _ChangeByInput(uncertain_input.key, changes)
     raise AssertionError  # the last step returns or raises
 
 
 def _differences(
-    values_at_inputs: _Values, values_above: _Values, values_below: _Values, share: float
+    values_at_inputs: _Values, values_above: _Values, values_below: _Values, step: float
 ) -> dict[str, Estimate]:
-    """For each value of theory its change by one standard uncertainty of an input, by the central
-    difference, and as error of that the second-order change.
+    """The change V' of each value V by one standard uncertainty of an input. It is the central
+    difference; its error estimate is the second-order change, |V''|/2.
 
     Parameters
     ----------
     values_at_inputs, values_above, values_below
         values by name with the input as it is, moved up, and moved down
-    share
-        by how many standard uncertainties it was moved
+    step
+        by how much the input was moved [standard uncertainties]
+
+    Examples
+    --------
+    V = x^2 at x = 3, moved by 0.1: V' = 6 and V''/2 = 1.
+
+    >>> change = _differences({"V": 9.0}, {"V": 3.1**2}, {"V": 2.9**2}, step=0.1)["V"]
+    >>> round(change.value, 9), round(change.uncertainty, 9)
+    (6.0, 1.0)
     """
     changes = {}
     for key, value in values_at_inputs.items():
-        change = (values_above[key] - values_below[key]) / (2 * share)
-        second_order = abs(values_above[key] + values_below[key] - 2 * value) / (2 * share**2)
+        change = (values_above[key] - values_below[key]) / (2 * step)
+        second_order = abs(values_above[key] + values_below[key] - 2 * value) / (2 * step**2)
         changes[key] = Estimate(change, second_order)
     return changes
 
@@ -453,10 +462,10 @@ def _change_of_modulus(scene: Scene, uncertain_input: Input) -> float:
     from semi_analytic.elasticity import composite_modulus
 
     modulus_above = composite_modulus(
-        scene.moved({uncertain_input.key: uncertain_input.standard}).material
+        scene.moved({uncertain_input.key: uncertain_input.standard_uncertainty}).material
     )
     modulus_below = composite_modulus(
-        scene.moved({uncertain_input.key: -uncertain_input.standard}).material
+        scene.moved({uncertain_input.key: -uncertain_input.standard_uncertainty}).material
     )
     return (modulus_above - modulus_below) / (2 * composite_modulus(scene.material))
 
@@ -466,9 +475,11 @@ def changes_of_theory(
     scene: Scene, values_at_inputs: _Values, effects_of: Callable[[Scene], BodyEffects | None]
 ) -> list[_ChangeByInput]:
     """For each uncertain input of a scene, how much one standard uncertainty of it changes theory's
-    values `values_at_inputs`: by scaling laws where they hold, else by central differences.
+    values `values_at_inputs` (dissipation, largest pressure, ...).
 
-    `effects_of` gives the elastic responses of the bodies of a scene with a changed input.
+    Where P and Q are given, without bulk stress and tilt on a symmetric profile, exact scaling laws
+    give most of the changes. Central differences give all others. `effects_of` takes a scene with a
+    changed input. It returns the elastic responses of its bodies, or None where none count.
     """
 
     def values_at(changed_scene: Scene) -> _Values:
@@ -482,12 +493,12 @@ def changes_of_theory(
         ]
     laws = _ScalingLaws(scene, values_at_inputs, values_at)
     return [
-        _by_laws(laws, scene, uncertain_input, values_at_inputs, values_at)
+        _change_by_laws(laws, scene, uncertain_input, values_at_inputs, values_at)
         for uncertain_input in scene.inputs
     ]
 
 
-def _by_laws(
+def _change_by_laws(
     laws: _ScalingLaws,
     scene: Scene,
     uncertain_input: Input,
@@ -500,7 +511,7 @@ def _by_laws(
     Parameters
     ----------
     laws
-        the scaling laws of this scene
+        the scaling laws of this scene, which give x dV/dx of a value V for an input x
     uncertain_input
         the input: its key and its standard uncertainty, a share of its value
     values_at_inputs
@@ -509,20 +520,22 @@ def _by_laws(
         computes the values of a scene
     """
     key = uncertain_input.key
+    standard_uncertainty = uncertain_input.standard_uncertainty
     if key.startswith("bodies.") and not key.endswith(".radius"):
-        # half-plane theory has no bodies
+        # a size of a body, which half-plane theory does not know; a radius is part of the profile
         return _ChangeByInput(key, dict.fromkeys(values_at_inputs, Estimate(0.0)))
     if key == "friction":
-        return laws.change(key, uncertain_input.standard, laws.of_friction())
+        return laws.change_by_input(key, standard_uncertainty, laws.derivative_by_friction())
     if key.startswith("material."):
-        return laws.change(key, _change_of_modulus(scene, uncertain_input), laws.of_modulus())
+        modulus_change = _change_of_modulus(scene, uncertain_input)
+        return laws.change_by_input(key, modulus_change, laws.derivative_by_modulus())
     is_parabola = isinstance(scene.profile, Hertz)
     if key == "profile.radius" and is_parabola:
-        return laws.change(key, uncertain_input.standard, laws.of_radius())
+        return laws.change_by_input(key, standard_uncertainty, laws.derivative_by_radius())
     if key == "normal_load" and is_parabola:
-        return laws.change(key, uncertain_input.standard, laws.of_normal_load())
+        return laws.change_by_input(key, standard_uncertainty, laws.derivative_by_normal_load())
     if key in ("normal_load", "tangential_load"):
-        return laws.by_differences(key)
+        return laws.change_by_load(key)
     return central_differences(values_at, scene, uncertain_input, values_at_inputs)
 
 
@@ -540,99 +553,109 @@ class _ScalingLaws:
         self._changes_by_loads: dict[str, _ChangeByInput] = {}
         self._derivatives: dict[str, _Values] = {}
 
-    def change(self, key: str, share: float, derivatives: _Values) -> _ChangeByInput:
-        """The change of each value by one standard uncertainty of an input: `share` of the input x,
-        times x dV/dx (`derivatives`, by name of the value V). `key` names the input.
+    def change_by_input(
+        self, key: str, relative_uncertainty: float, derivatives: _Values
+    ) -> _ChangeByInput:
+        """The change of each value V by one standard uncertainty of the input x called `key`:
+        u x dV/dx, u being the `relative_uncertainty` of x.
 
-        The values are powers of one input: the second order of x^n is about half of the first
-        squared over the value.
+        Its error is the second order u^2 x^2 V''/2 of V = c x^n. With the change u n V this is
+        change (change - u V)/(2 V).
+
+        Parameters
+        ----------
+        derivatives
+            x dV/dx by name of the value
         """
         changes = {}
         for name, derivative in derivatives.items():
             value = self.values_at_inputs[name]
-            change = share * derivative
-            second_order = abs(change * (change - share * value) / (2 * value)) if value else 0.0
+            change = relative_uncertainty * derivative
+            second_order = 0.0
+            if value:
+                second_order = abs(change * (change - relative_uncertainty * value) / (2 * value))
             changes[name] = Estimate(change, second_order)
         return _ChangeByInput(key, changes)
 
-    def of_tangential_load(self) -> _Values:
+    def derivative_by_tangential_load(self) -> _Values:
         """x dV/dx of every value V for the tangential load x, by central differences."""
-        return self.derivative("tangential_load")
+        return self.derivative_by_load("tangential_load")
 
-    def of_normal_load(self) -> _Values:
-        """x dV/dx of every value V for the normal load x: measured, or of a parabola by a scaling
-        law.
+    def derivative_by_normal_load(self) -> _Values:
+        """x dV/dx of every value V for the normal load x: of a parabola by the scaling law of
+        heights, of other profiles by central differences.
         """
         if not isinstance(self.scene.profile, Hertz):
-            return self.derivative("normal_load")
-        heights = self._exponents("of_heights")
-        radius = self.of_radius()
-        of_force = self.of_tangential_load()
-        return {key: heights[key] + radius[key] - of_force[key] for key in self.values_at_inputs}
+            return self.derivative_by_load("normal_load")
+        heights = self._exponents("height_exponent")
+        by_radius = self.derivative_by_radius()
+        by_q = self.derivative_by_tangential_load()
+        return {key: heights[key] + by_radius[key] - by_q[key] for key in self.values_at_inputs}
 
-    def of_radius(self) -> _Values:
-        """x dV/dx of every value V for the radius x of a parabola, by a scaling law."""
-        return {key: law / 2 for key, law in self._exponents("of_lengths").items()}
+    def derivative_by_radius(self) -> _Values:
+        """x dV/dx of every value V for the radius x of a parabola, by the scaling law of lengths:
+        a radius goes as the square of a length.
+        """
+        exponents = self._exponents("length_exponent")
+        return {key: exponent / 2 for key, exponent in exponents.items()}
 
-    def of_friction(self) -> _Values:
+    def derivative_by_friction(self) -> _Values:
         """x dV/dx of every value V for the coefficient of friction x, by a scaling law."""
-        shear = self._exponents("of_shear")
-        of_force = self.of_tangential_load()
-        return {key: shear[key] - of_force[key] for key in self.values_at_inputs}
+        shear = self._exponents("shear_exponent")
+        by_q = self.derivative_by_tangential_load()
+        return {key: shear[key] - by_q[key] for key in self.values_at_inputs}
 
-    def of_modulus(self) -> _Values:
+    def derivative_by_modulus(self) -> _Values:
         """x dV/dx of every value V for the composite modulus x = E*, by a scaling law."""
-        stress = self._exponents("of_stress")
-        of_load = self.of_normal_load()
-        of_force = self.of_tangential_load()
-        return {key: stress[key] - of_load[key] - of_force[key] for key in self.values_at_inputs}
+        stress = self._exponents("stress_exponent")
+        by_p = self.derivative_by_normal_load()
+        by_q = self.derivative_by_tangential_load()
+        return {key: stress[key] - by_p[key] - by_q[key] for key in self.values_at_inputs}
 
-    def _exponents(self, law: str) -> _Values:
+    def _exponents(self, exponent_name: str) -> _Values:
         """Exponent of each value V in a scaling law, times V: x dV/dx where the law's factor is x.
-        `law` is the attribute of a quantity that holds the exponent.
+        `exponent_name` is the attribute of a `Quantity` that holds the exponent.
         """
         return {
-            key: getattr(QUANTITIES_OF_THEORY[key], law) * value
+            key: getattr(QUANTITIES_OF_THEORY[key], exponent_name) * value
             for key, value in self.values_at_inputs.items()
         }
 
-    def by_differences(self, key: str) -> _ChangeByInput:
-        """The change of each value by one standard uncertainty of a load, P or Q as `key` says,
-        found by central differences once and kept. Where the scene states no uncertainty of it a
-        small step is taken for one.
+    def change_by_load(self, key: str) -> _ChangeByInput:
+        """The change of each value by one standard uncertainty of the load P or Q, found by central
+        differences once and kept. `key` is "normal_load" or "tangential_load".
+
+        Where the scene states no uncertainty of this load, the change is by 1 % of the load.
         """
         if key not in self._changes_by_loads:
-            stated_inputs = [
-                uncertain_input
-                for uncertain_input in self.scene.inputs
-                if uncertain_input.key == key
-            ]
-            uncertain_input = (
-                stated_inputs[0] if stated_inputs else Input(key, "", "", None, _STEP_OF_LOAD)
-            )
+            uncertain_load = Input(key, "", "", None, _STEP_OF_LOAD)
+            for stated_input in self.scene.inputs:
+                if stated_input.key == key:
+                    uncertain_load = stated_input
             change_by_load = central_differences(
-                self.values_at, self.scene, uncertain_input, self.values_at_inputs
+                self.values_at, self.scene, uncertain_load, self.values_at_inputs
             )
             self._changes_by_loads[key] = change_by_load
             self._derivatives[key] = {
-                name: change.value / uncertain_input.standard
+                name: change.value / uncertain_load.standard_uncertainty
                 for name, change in change_by_load.changes.items()
             }
         return self._changes_by_loads[key]
 
-    def derivative(self, key: str) -> _Values:
+    def derivative_by_load(self, key: str) -> _Values:
         """x dV/dx of every value V for the load x, P or Q as `key` says, by central differences."""
-        self.by_differences(key)
+        self.change_by_load(key)
         return self._derivatives[key]
 
 
 # --------------------------------------------------------------------------------- the difference
 def with_blocks(scene: Scene) -> Scene:
-    """The scene with a block for each pad where a displacement is prescribed, the profile being the
-    gap between flat faces; else the scene itself.
+    """The scene with each pad replaced by a block of its size, where a displacement is prescribed:
+    the profile then is the gap between flat faces. Else the scene itself.
 
-    What the arcs of the pads add is left out. Changes of W are near: by 5 % of the friction -5.37 %
-    for blocks by theory, -5.38 % for a pad with a/R = 0.014 by finite elements.
+    The extra compliance of the pads' arcs is left out, which hardly matters for changes of W. With
+    5 % more friction W changes by -5.37 % for blocks by theory, by -5.38 % for a pad with a/R =
+    0.014 by finite elements.
     """
     if not scene.load.is_driven:
         return scene
@@ -650,9 +673,12 @@ _BLOCKS_FOR_PADS = (
 )
 
 
-def _no_values(scene: Scene) -> str:
-    """Why nothing can be said of the inputs of a scene, and what to do instead; "" where theory
-    takes the scene.
+def _reason_without_values(scene: Scene) -> str:
+    """Why the effect of uncertain inputs cannot be computed for a scene, and what to do instead; ""
+    where it can.
+
+    It cannot where a displacement is prescribed and a face is modelled as it is, with its curve:
+    theory knows the elastic responses of bodies with flat faces only.
     """
     if not (scene.load.is_driven and scene.bodies.faces_are_true):
         return ""
@@ -671,29 +697,32 @@ def _curved_kind(scene: Scene) -> str:
     return kinds[0].replace("_", " ")
 
 
-def not_stated(scene: Scene) -> str:
-    """A sentence on what a run will not state of the effect of the inputs, and why. Empty where it
-    states all, and for half-planes, for which theory has no error.
+def omissions_in_words(scene: Scene) -> str:
+    """A sentence that warns, before a run, which effects of the uncertain inputs its report will
+    not state, and why. Empty where it will state all, without uncertain inputs, and for
+    half-planes, for which theory has no error.
     """
     if not scene.inputs or scene.bodies.half_planes:
         return ""
     scene_solved = with_blocks(scene)
-    if reason := _no_values(scene_solved):
-        return f"What the inputs make of the answer will not be known: {reason}."
+    if reason_without_values := _reason_without_values(scene_solved):
+        return f"What the inputs make of the answer will not be known: {reason_without_values}."
     if scene_solved is not scene:
         return f"What the inputs make of the answer: {_BLOCKS_FOR_PADS}."
-    reason = "" if scene.load.is_driven else _no_difference(scene)
-    if not reason:
+    if scene.load.is_driven:
+        return ""
+    reason_without_difference = _reason_without_difference(scene)
+    if not reason_without_difference:
         return ""
     return (
         "How far the inputs move the difference of the two models will not be stated, a"
-        f" measurement's uncertainty will: {reason.rstrip('.')}."
+        f" measurement's uncertainty will: {reason_without_difference.rstrip('.')}."
     )
 
 
-def _no_difference(scene: Scene) -> str:
-    """Why the effect of the inputs on the difference of theory and real bodies is not known; ""
-    where it can be found.
+def _reason_without_difference(scene: Scene) -> str:
+    """Why the effect of the inputs on theory's error (finite bodies/half-planes − 1) cannot be
+    computed, in words; "" where it can.
     """
     if scene.load.is_driven:
         return (
@@ -719,17 +748,16 @@ def _no_difference(scene: Scene) -> str:
 def changes_of_difference(
     scene: Scene, effects: BodyEffects
 ) -> tuple[_Values, list[_ChangeByInput]]:
-    """The error of half-plane theory in the work W and the largest pressure, as a share (finite
-    bodies/half-planes − 1); and how much one standard uncertainty of each uncertain input changes
-    that error.
+    """The difference of two models, finite bodies/half-planes − 1, in the work W and in the largest
+    pressure; and how much one standard uncertainty of each uncertain input changes it.
 
-    Both models get the changed input. Finite bodies are half-planes corrected by the elastic
-    responses of these bodies, `effects`.
+    Both models get the changed input. Finite bodies are half-planes corrected by `effects`, the
+    elastic responses that these bodies add.
 
     Raises
     ------
     InputError
-        Where the responses of changed bodies are not known.
+        Where the elastic responses of changed bodies cannot be computed.
     """
     import halfplane_fe
 
@@ -740,72 +768,79 @@ def changes_of_difference(
         return difference_at(changed_scene, changed_effects, by_batch=by_batch)
 
     by_batch = takes_batch(scene, effects)  # W by the quick formula for ellipses of loads
-    errors_at_inputs = difference_at(scene, effects, by_batch=by_batch)
-    laws = _LawOfModulus(scene, errors_at_inputs, values_at)
+    differences = difference_at(scene, effects, by_batch=by_batch)
+    law_of_modulus = _LawOfModulus(scene, differences, values_at)
     changes_by_inputs = []
     for uncertain_input in scene.inputs:
         if uncertain_input.key == "material.young_modulus":
-            changes_by_inputs.append(laws.change(uncertain_input))
+            changes_by_inputs.append(law_of_modulus.change_by_modulus(uncertain_input))
         elif uncertain_input.key in ("normal_load", "tangential_load"):
-            changes_by_inputs.append(laws.by_differences(uncertain_input.key))
+            changes_by_inputs.append(law_of_modulus.change_by_load(uncertain_input.key))
         else:
             changes_by_inputs.append(
-                central_differences(values_at, scene, uncertain_input, errors_at_inputs)
+                central_differences(values_at, scene, uncertain_input, differences)
             )
-    return errors_at_inputs, changes_by_inputs
+    return differences, changes_by_inputs
 
 
 class _LawOfModulus:
-    """D_E + D_P + D_Q = 0 of a difference, a number without a unit: what bodies add to half-planes
-    goes as 1/E, as half-planes do.
+    """The scaling law D_E + D_P + D_Q = 0, with D_x = x dV/dx, of a difference V of finite bodies
+    from half-planes. V has no unit, and all compliances go as 1/E, so V depends on P/E and Q/E.
     """
 
     def __init__(
         self, scene: Scene, values_at_inputs: _Values, values_at: Callable[[Scene], _Values]
     ) -> None:
-        self.loads = _ScalingLaws(scene, values_at_inputs, values_at)
+        self.laws_of_loads = _ScalingLaws(scene, values_at_inputs, values_at)
 
-    def by_differences(self, key: str) -> _ChangeByInput:
-        return self.loads.by_differences(key)
+    def change_by_load(self, key: str) -> _ChangeByInput:
+        """The change of each difference by one standard uncertainty of P or Q, as `key` says."""
+        return self.laws_of_loads.change_by_load(key)
 
-    def change(self, uncertain_input: Input) -> _ChangeByInput:
-        """How much one standard uncertainty of Young's modulus changes the error of theory in each
-        value, where both bodies are of one material: the error depends on loads over E, so the
-        derivatives by the loads give it.
+    def change_by_modulus(self, modulus: Input) -> _ChangeByInput:
+        """The change of each difference by one standard uncertainty of Young's modulus E, the same
+        E for both bodies: D_E = -(D_P + D_Q), with central differences for the loads P and Q.
         """
-        derivative_by_p = self.loads.derivative("normal_load")
-        derivative_by_q = self.loads.derivative("tangential_load")
+        by_p = self.laws_of_loads.derivative_by_load("normal_load")
+        by_q = self.laws_of_loads.derivative_by_load("tangential_load")
+        relative_uncertainty = modulus.standard_uncertainty
         changes = {}
-        for key in derivative_by_p:
-            change = -uncertain_input.standard * (derivative_by_p[key] + derivative_by_q[key])
-            # E is linear in small 1/E: the second order is the first times the share
-            changes[key] = Estimate(change, abs(change) * uncertain_input.standard)
-        return _ChangeByInput(uncertain_input.key, changes)
+        for key in by_p:
+            change = -relative_uncertainty * (by_p[key] + by_q[key])
+            # The difference is nearly linear in 1/E, whose second order is u times its first.
+            changes[key] = Estimate(change, abs(change) * relative_uncertainty)
+        return _ChangeByInput(modulus.key, changes)
 
 
 def takes_batch(scene: Scene, effects: BodyEffects) -> bool:
-    """Whether `semi_analytic.dissipation` has the difference of W at the scene's inputs and where
-    they are moved: of an ellipse between bodies without tilt and strain, which stay alike.
+    """Whether the quick formula for W (`semi_analytic.dissipation`) holds for both models, at the
+    scene's inputs and at changed ones.
+
+    It holds for elliptical load paths without bulk stress and tilt, on a symmetric profile. No size
+    of a body may be uncertain, and by `effects`, the elastic responses, faces neither tilt nor
+    stretch.
     """
     from semi_analytic.odd_memory import ODD_NUMBERS
 
     has_odd_part = any(getattr(effects, name).value for name in ODD_NUMBERS)
-    stay_alike = not any(
+    has_uncertain_body = any(
         uncertain_input.key.startswith("bodies.") for uncertain_input in scene.inputs
     )
     is_ellipse = isinstance(scene.load, EllipseLoad) and not scene.unsymmetric
-    return is_ellipse and stay_alike and not has_odd_part
+    return is_ellipse and not has_uncertain_body and not has_odd_part
 
 
 def difference_at(scene: Scene, effects: BodyEffects, *, by_batch: bool) -> _Values:
-    """Work W and largest pressure of finite bodies over those of half-planes, minus 1, by theory
-    with the elastic responses of the bodies (`effects`).
+    """The difference finite bodies/half-planes − 1 of the work W and of the largest pressure, by
+    name; NaN where it is not known. Both come from theory, that of finite bodies with `effects`,
+    the elastic responses that they add.
 
     Parameters
     ----------
     by_batch
-        whether W is taken from the curvatures of the faces alone, in a fifth of the time; else with
-        the next order of the bodies, tilt and strain
+        True: W by the quick formula for elliptical load paths, in a fifth of the time, from the
+        curvatures that loads give the faces. False: W by a solution, with tilt and strain of the
+        faces too
     """
     return {
         WORK: _difference_of_work(scene, effects, by_batch),
@@ -814,10 +849,12 @@ def difference_at(scene: Scene, effects: BodyEffects, *, by_batch: bool) -> _Val
 
 
 def _difference_of_work(scene: Scene, effects: BodyEffects, by_batch: bool) -> float:
-    """NaN where nothing is dissipated."""
-    works = _works_by_batch if by_batch else _works_by_solving
-    theory, corrected_work = works(scene, effects)
-    return corrected_work / theory - 1 if theory else math.nan
+    """W of finite bodies/W of half-planes − 1; NaN where nothing is dissipated."""
+    works_of = _works_by_batch if by_batch else _works_by_solving
+    work_of_half_planes, work_of_bodies = works_of(scene, effects)
+    if not work_of_half_planes:
+        return math.nan
+    return work_of_bodies / work_of_half_planes - 1
 
 
 def _works_by_batch(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
@@ -830,7 +867,9 @@ def _works_by_batch(scene: Scene, effects: BodyEffects) -> tuple[float, float]:
     assert isinstance(load, EllipseLoad)  # for the type checker: see `takes_batch`
 
     def work_with(body_effects: BodyEffects | None) -> float:
-        """W with what these bodies add to half-planes; of half-planes for None."""
+        """Friction work W of a cycle with the elastic responses that finite bodies add to
+        half-planes; that of half-planes for None.
+        """
         batch = semi_analytic.dissipation(
             profile=scene.profile,
             material=scene.material,
@@ -877,37 +916,37 @@ def _difference_of_peak(scene: Scene, effects: BodyEffects) -> float:
 
 
 def _loads_of_last_cycle(scene: Scene) -> tuple[Array, Array]:
-    """Normal and tangential loads P and Q of the last cycle, or of the whole path where nothing
-    repeats: at the rows of a record, else at the turning points of P and at samples between them.
+    """Normal and tangential loads P and Q, (n,) each, of the last cycle, or of the whole path where
+    nothing repeats: at the rows of a record, else at the turning points of P and at samples between
+    them.
     """
     if isinstance(scene.load, TimeSeriesLoad):
         rows = scene.load.series()
         return rows[:, 1], rows[:, 2]
     path = scene.load.path()
-    loads = []
+    loads_of_segments = []
     for segment in path.cycle or path.initial_loading:
         times = np.union1d(sampled(segment, 129), segment.turning_points(NORMAL_LOAD))
-        loads.append(np.array(segment.loads(times)))
-    normal_load, tangential_load = np.concatenate(loads, axis=1)
+        loads_of_segments.append(np.array(segment.loads(times)))
+    normal_load, tangential_load = np.concatenate(loads_of_segments, axis=1)
     return normal_load, tangential_load
 
 
 # ------------------------------------------------------------------------------------------- draws
 def draws_of_work(scene: Scene, reason: str) -> Draws | None:
-    """Friction work W for random draws of the inputs: normal, with the stated correlations, the
-    same in each run. None for long records, prescribed displacements, bulk stress and tilt, whose
-    draws take too long.
+    """Mean and spread of the friction work W over random draws of the inputs: from normal
+    distributions with the stated correlations, the same draws in each run.
 
-    `reason` says why draws are needed.
+    None where a draw takes too long: long records, prescribed displacements, bulk stress, tilt and
+    unsymmetric profiles. `reason` says why draws are needed.
     """
-    entries = scene.inputs
     if scene.load.is_driven or scene.unsymmetric or _is_long(scene):
         return None
     is_ellipse = isinstance(scene.load, EllipseLoad)
     moves_compound_profile = isinstance(scene.profile, Compound) and any(
-        uncertain_input.key.startswith("profile.") for uncertain_input in entries
+        uncertain_input.key.startswith("profile.") for uncertain_input in scene.inputs
     )
-    # ellipses are solved in one batch; others, and profiles of several parts, one by one
+    # Other loads than ellipses are solved one by one, so are changed profiles of several parts.
     count = DRAWS if is_ellipse and not moves_compound_profile else FEW_DRAWS
     samples = samples_of(scene, count)
     values_of = values_of_ellipses if is_ellipse else values_one_by_one
@@ -922,55 +961,64 @@ def draws_of_work(scene: Scene, reason: str) -> Draws | None:
     )
 
 
-def _statistics_of(values: Array) -> Drawn:
+def _statistics_of(values: Array) -> DrawStatistics:
     """Mean, deviation and 95 % range of the values of random draws (n,); those without a value
     (NaN) are left out.
     """
     known_values = values[np.isfinite(values)]
     if len(known_values) < 2:
-        return Drawn(math.nan, math.nan, math.nan, math.nan)
+        return DrawStatistics(math.nan, math.nan, math.nan, math.nan)
     lower_bound, upper_bound = np.quantile(known_values, (0.025, 0.975)).tolist()
-    return Drawn(
+    return DrawStatistics(
         float(known_values.mean()), float(known_values.std(ddof=1)), lower_bound, upper_bound
     )
 
 
 def samples_of(scene: Scene, count: int) -> dict[str, Array]:
-    """Changes of the inputs, (count,) each, by key."""
+    """Random changes of each uncertain input, (count,) by its key: relative to its value, those of
+    a phase in degrees. They have normal distributions with the stated standard uncertainties and
+    correlations.
+
+    With the correlation matrix R = V D V^T the columns of V sqrt(D) z have this correlation, z
+    being independent normal numbers of variance 1.
+    """
     assert scene.uncertainty is not None  # there are inputs
-    entries = scene.inputs
-    values, vectors = np.linalg.eigh(scene.uncertainty.correlation_matrix())
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
-    independent = np.random.default_rng(_SEED).standard_normal((len(entries), count))
-    samples = root @ independent
+    eigenvalues, eigenvectors = np.linalg.eigh(scene.uncertainty.correlation_matrix())
+    # round-off can make an eigenvalue of 0 negative
+    root_of_correlation = eigenvectors * np.sqrt(np.maximum(eigenvalues, 0.0))
+    shape = (len(scene.inputs), count)
+    independent_normals = np.random.default_rng(_SEED).standard_normal(shape)
+    correlated_normals = root_of_correlation @ independent_normals
     return {
-        uncertain_input.key: uncertain_input.standard * row
-        for uncertain_input, row in zip(entries, samples, strict=True)
+        uncertain_input.key: uncertain_input.standard_uncertainty * normals
+        for uncertain_input, normals in zip(scene.inputs, correlated_normals, strict=True)
     }
 
 
 def values_of_ellipses(
     scene: Scene, samples: Mapping[str, Array]
 ) -> tuple[dict[str, Array], Array]:
-    """The dissipation, and where known the permanent stick half-width, for n random draws of the
-    inputs under an elliptical load path, solved in one batch. Returned: values by name, (n,) each,
-    NaN where a draw has none; and which draws slide as a whole, (n,).
+    """The dissipation W, and where known the permanent stick half-width, for n random draws of the
+    inputs under an elliptical load path, computed all at once. Returned: values by name, (n,) each,
+    NaN where a draw has none; and which draws slide over the whole contact, (n,).
 
-    `samples` holds the relative change of each input, (n,) by its key. The half-width is known
-    where the profile is a parabola or is not changed. W of E*, P and Q is W of E*_0, P E*_0/E* and
-    Q E*_0/E*, times E*/E*_0; half-widths are the same.
+    `samples` holds the change of each input, (n,) by its key: relative, of a phase in degrees. The
+    half-width is known where the profile is a parabola or is not changed.
+
+    One modulus E*_0 serves all draws: W(E*, P, Q) = r W(E*_0, P/r, Q/r) with r = E*/E*_0.
+    Half-widths under these loads are the same.
     """
     import semi_analytic
     from semi_analytic.elasticity import composite_modulus
     from semi_analytic.profiles import contact_of
 
     n_draws = len(next(iter(samples.values())))
-    ones = np.ones(n_draws)
+    unchanged = np.ones(n_draws)
 
     def factor(key: str) -> Array:
-        return 1 + samples[key] if key in samples else ones
+        return 1 + samples[key] if key in samples else unchanged
 
-    modulus_factor = ones
+    modulus_factor = unchanged
     if any(key.startswith("material.") for key in samples):
         modulus_factor = _moduli(scene, samples) / composite_modulus(scene.material)
     load = scene.load
@@ -990,7 +1038,7 @@ def values_of_ellipses(
         tangential_amplitude=load.tangential_amplitude * tangential_factor,
         phase_degrees=load.phase_degrees + samples.get("phase_degrees", 0.0),
     )
-    # W of the scaled loads at the stated E*, back to that of the draw
+    # from W at the stated E*_0 to W at the modulus of the draw
     values = {WORK: batch.value * modulus_factor}
     stick_load = batch.permanent_stick_load
     if profile is scene.profile:
@@ -1007,16 +1055,19 @@ def values_of_ellipses(
 
 
 def _moduli(scene: Scene, samples: Mapping[str, Array]) -> Array:
-    """Composite modulus E* of n random draws, (n,): 1/E* = (1 − nu_l^2)/E_l + (1 − nu_u^2)/E_u. NaN
-    where nu is not below 0.5. `samples` holds the relative change of each input, (n,) by its key.
+    """Composite modulus E* of n random draws, (n,): 1/E* = (1 − nu_l^2)/E_l + (1 − nu_u^2)/E_u, of
+    the lower and the upper body. NaN where |nu| is not below 0.5.
+
+    `samples` holds the relative change of each input, (n,) by its key. A key names a constant of
+    both bodies (material.young_modulus) or of one (material.lower.young_modulus).
     """
     compliance: Array = np.zeros(len(next(iter(samples.values()))))
     for body in ("lower", "upper"):
         material = getattr(scene.material, body)
         constants: dict[str, Array] = {}
         for name in ("young_modulus", "poisson_ratio"):
-            change_of_body = samples.get(f"material.{body}.{name}", np.zeros(()))
-            change = samples.get(f"material.{name}", change_of_body)
+            change_of_one = samples.get(f"material.{body}.{name}", np.zeros(()))
+            change = samples.get(f"material.{name}", change_of_one)
             constants[name] = getattr(material, name) * (1 + change)
         poisson_ratio = np.where(
             np.abs(constants["poisson_ratio"]) < 0.5, constants["poisson_ratio"], np.nan
@@ -1026,15 +1077,16 @@ def _moduli(scene: Scene, samples: Mapping[str, Array]) -> Array:
 
 
 def _profiles(scene: Scene, samples: Mapping[str, Array]) -> dict[str, Any]:
-    """The scene's profile for all random draws at once: its keys, with an array (n,) in place of
-    the number of each key that is uncertain. `samples` holds the relative change of each input by
-    key.
+    """The scene's profile for n random draws at once: its numbers by name, each uncertain one as an
+    array (n,). The relative radius of cylinders is that of the drawn radii: 1/R = 1/R_l + 1/R_u.
+
+    `samples` holds the relative change of each input, (n,) by its key.
     """
-    keys = scene.profile.model_dump()
+    numbers = scene.profile.model_dump()
     for key, change in samples.items():
         if key.startswith("profile."):
             name = key.removeprefix("profile.")
-            keys[name] = keys[name] * (1 + change)
+            numbers[name] = numbers[name] * (1 + change)
     curvature: Any = 0.0
     for body in ("lower", "upper"):
         shape = getattr(scene.bodies, body)
@@ -1042,13 +1094,16 @@ def _profiles(scene: Scene, samples: Mapping[str, Array]) -> dict[str, Any]:
             change = samples.get(f"bodies.{body}.radius", np.zeros(()))
             curvature = curvature + 1 / (shape.radius * (1 + change))
     if scene.bodies.relative_radius() is not None:
-        keys["radius"] = 1 / curvature
-    return {name: value for name, value in keys.items() if value is not None}
+        numbers["radius"] = 1 / curvature
+    return {name: value for name, value in numbers.items() if value is not None}
 
 
 def values_one_by_one(scene: Scene, samples: Mapping[str, Array]) -> tuple[dict[str, Array], Array]:
-    """W and permanent stick half-width of all draws, (n,) each, NaN where a draw has none; and
-    which draws slide, (n,). Each draw is solved; `samples` holds the relative change of each input.
+    """The dissipation W and the permanent stick half-width of n random draws, each solved on its
+    own: values by name, (n,) each, NaN where a draw has none; and which draws slide over the whole
+    contact, (n,).
+
+    `samples` holds the change of each input, (n,) by its key: relative, of a phase in degrees.
     """
     import semi_analytic
 
@@ -1073,32 +1128,33 @@ def values_one_by_one(scene: Scene, samples: Mapping[str, Array]) -> tuple[dict[
 
 # ---------------------------------------------------------------------------------- the whole of it
 def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffects | None:
-    """What the stated uncertainties of the inputs do to a scene's answer; None where none is
-    stated. Where theory does not take the scene the answer says why.
+    """The uncertainties that the stated uncertainties of a scene's inputs give to theory's values,
+    and to the difference of finite bodies from half-planes. None where none is stated.
+
+    Where theory cannot solve the scene, `unknown` of what is returned says why.
 
     Parameters
     ----------
     effects
-        what the bodies add to half-planes, where it is known already
+        elastic responses that finite bodies add to half-planes, where they are known already
 
     Examples
     --------
+    2 % more tangential load gives 7.1 % more dissipation:
+
     >>> from scenes import load_scene
-    >>> known = {"friction": "5 %", "tangential_load": "2 %"}
-    >>> found = input_effects(load_scene("cattaneo-mindlin").vary(uncertainty=known))
-    >>> round(
-    ...     100
-    ...     * found.values["dissipation"].changes["tangential_load"].value
-    ...     / found.values["dissipation"].value,
-    ...     1,
-    ... )
-    7.1
+    >>> stated = {"friction": "5 %", "tangential_load": "2 %"}
+    >>> scene = load_scene("cattaneo-mindlin").vary(uncertainty=stated)
+    >>> dissipation = input_effects(scene).values["dissipation"]
+    >>> change = dissipation.changes["tangential_load"].value
+    >>> f"{100 * change / dissipation.value:.1f} %"
+    '7.1 %'
     """
     if not scene.inputs:
         return None
     assert scene.uncertainty is not None
     scene_solved = with_blocks(scene)
-    if reason := _no_values(scene_solved):
+    if reason := _reason_without_values(scene_solved):
         return InputEffects(scene.inputs, scene.uncertainty.correlations, unknown=reason)
     try:
         effects_of_inputs = _input_effects(scene_solved, effects)
@@ -1115,89 +1171,99 @@ def input_effects(scene: Scene, effects: BodyEffects | None = None) -> InputEffe
 
 
 def _input_effects(scene: Scene, effects: BodyEffects | None) -> InputEffects:
-    """What the uncertainties of the inputs do to the values of theory and, where it is known, to
-    the difference that real bodies make. Random draws are added where derivatives are not enough.
+    """The uncertainties that the inputs give to theory's values and, where it can be computed, to
+    the difference of finite bodies from half-planes.
 
-    `effects` are elastic responses of the scene's bodies, None where they are not known yet.
+    Random draws are added where derivatives are not enough: near gross sliding, or where the second
+    order is large. `effects` are the elastic responses that the scene's bodies add to half-planes,
+    None where they are not computed yet.
 
     Raises
     ------
     InputError, ConvergenceError
-        Where theory does not take the scene, or does not converge, at the stated inputs.
+        Where theory cannot solve the scene, or does not converge, at the stated inputs.
     """
     assert scene.uncertainty is not None
     correlation = scene.uncertainty.correlation_matrix()
     notes: list[str] = []
-    quantities = OF_DRIVEN if scene.load.is_driven else QUANTITIES_OF_THEORY
+    quantities = QUANTITIES_UNDER_DISPLACEMENT if scene.load.is_driven else QUANTITIES_OF_THEORY
 
     def effects_of(changed_scene: Scene) -> BodyEffects | None:
         return _effects_of_driven(changed_scene, scene, effects)
 
     values_at_inputs = values_of_theory(scene, effects_of(scene))
-    values = {}
     reason_for_draws = ""
     try:
         changes_by_inputs = changes_of_theory(scene, values_at_inputs, effects_of)
     except InadmissibleLoadError:
         changes_by_inputs = [
-            _unknown(uncertain_input, values_at_inputs) for uncertain_input in scene.inputs
+            _unknown_changes(uncertain_input, values_at_inputs) for uncertain_input in scene.inputs
         ]
         reason_for_draws = "a sixteenth of a standard uncertainty makes the loads slide"
-    for key, value in values_at_inputs.items():
-        values[key] = propagated(quantities[key], value, changes_by_inputs, key, correlation)
+    uncertain_values = {
+        key: uncertain_value(quantities[key], value, changes_by_inputs, key, correlation)
+        for key, value in values_at_inputs.items()
+    }
     notes += _notes_on_values(scene)
     sliding = None if scene.load.is_driven else sliding_of_loads(scene)
-    if RATIO in values:
-        ratio = propagated(
-            quantities[RATIO], values_at_inputs[RATIO], _away(changes_by_inputs), RATIO, correlation
+    if RATIO in uncertain_values:
+        changes_of_ratio = _changes_towards_sliding(changes_by_inputs)
+        ratio = uncertain_value(
+            quantities[RATIO], values_at_inputs[RATIO], changes_of_ratio, RATIO, correlation
         )
-        values[RATIO] = ratio
+        uncertain_values[RATIO] = ratio
         sliding = NearSliding(ratio.value, ratio.uncertainty)
-    reason_for_draws = reason_for_draws or _near_sliding(sliding)
-    second_order = _large_second_order(values)
+    reason_by_sliding = reason_for_draws or _reason_by_sliding(sliding)
+    reason_by_second_order = _reason_by_second_order(uncertain_values)
     draws = None
-    if reason_for_draws or second_order:
-        draws = draws_of_work(scene, reason_for_draws or second_order)
+    if reason_by_sliding or reason_by_second_order:
+        draws = draws_of_work(scene, reason_by_sliding or reason_by_second_order)
         if draws is None:
-            notes.append(_no_draws(reason_for_draws, second_order, sliding))
-    difference, no_difference = _difference_or_reason(scene, effects, correlation)
+            notes.append(_note_on_missing_draws(reason_by_sliding, reason_by_second_order, sliding))
+    difference, reason_without_difference = _difference_or_reason(scene, effects, correlation)
     return InputEffects(
         inputs=scene.inputs,
         correlations=scene.uncertainty.correlations,
-        values=values,
+        values=uncertain_values,
         difference=difference,
-        no_difference=no_difference,
+        no_difference=reason_without_difference,
         draws=draws,
         sliding=sliding,
         notes=tuple(notes),
     )
 
 
-def _no_draws(reason: str, second_order: str, sliding: NearSliding | None) -> str:
-    """The note of draws that are not taken; what other sentences say is left out."""
-    words = "draws of this load take too long"
-    if reason and not (sliding is not None and sliding.is_in_reach):
-        words = f"{reason}; {words}"
-    # A large second order stands in the list of rough values.
-    return words if second_order else f"derivatives may not be enough: {words}"
+def _note_on_missing_draws(
+    reason_by_sliding: str, reason_by_second_order: str, sliding: NearSliding | None
+) -> str:
+    """A note that random draws are needed and not taken; what other sentences say is left out.
 
-
-def _away(changes_by_inputs: Sequence[_ChangeByInput]) -> list[_ChangeByInput]:
-    """The change of |Q|/(f P), the nearness to gross sliding, by one standard uncertainty of each
-    input. The ratio stops at 1, where the bodies slide, so each input counts by the larger of its
-    changes up and down.
+    `reason_by_sliding` and `reason_by_second_order` say why draws are needed, "" where not.
     """
-    one_sided = []
+    note = "draws of this load take too long"
+    if reason_by_sliding and not (sliding is not None and sliding.is_in_reach):
+        note = f"{reason_by_sliding}; {note}"
+    # A large second order stands in the list of rough values.
+    return note if reason_by_second_order else f"derivatives may not be enough: {note}"
+
+
+def _changes_towards_sliding(changes_by_inputs: Sequence[_ChangeByInput]) -> list[_ChangeByInput]:
+    """The change of the largest |Q|/(f P) by one standard uncertainty of each input, the larger of
+    the changes with the input up and down: the central difference plus the second order.
+
+    The ratio cannot pass 1, where the bodies slide, so near 1 its changes up and down differ.
+    """
+    changes_towards_sliding = []
     for change_by_input in changes_by_inputs:
-        size, second_order = change_by_input.changes[RATIO]
-        change = math.copysign(abs(size) + second_order, size)
-        one_sided.append(
-            _ChangeByInput(change_by_input.key, {RATIO: Estimate(change, second_order)})
+        central_change, second_order = change_by_input.changes[RATIO]
+        larger_change = math.copysign(abs(central_change) + second_order, central_change)
+        changes_towards_sliding.append(
+            _ChangeByInput(change_by_input.key, {RATIO: Estimate(larger_change, second_order)})
         )
-    return one_sided
+    return changes_towards_sliding
 
 
-def _unknown(uncertain_input: Input, values_at_inputs: _Values) -> _ChangeByInput:
+def _unknown_changes(uncertain_input: Input, values_at_inputs: _Values) -> _ChangeByInput:
     """Not-a-number in place of the changes of all values by one uncertain input, which could not be
     found.
     """
@@ -1227,18 +1293,18 @@ def _effects_of_driven(
     return halfplane_fe.body_effects(changed_scene)
 
 
-def _difference(
+def _uncertain_differences(
     scene: Scene, effects: BodyEffects | None, correlation: Array
-) -> dict[str, Propagated]:
-    """The difference of real bodies from half-planes (bodies/half-planes - 1) in the dissipation
-    and the largest pressure, by key, each with the standard uncertainty that the inputs give it.
+) -> dict[str, UncertainValue]:
+    """The difference finite bodies/half-planes − 1 in the dissipation and in the largest pressure,
+    by key, each with the standard uncertainty that the inputs give it.
 
     Parameters
     ----------
     effects
         elastic responses of the bodies beyond those of half-planes; solved for here where None
     correlation
-        (n, n) matrix of the inputs
+        (n, n) correlation matrix of the inputs
     """
     import halfplane_fe
 
@@ -1250,23 +1316,25 @@ def _difference(
         if math.isfinite(value):
             difference_in_words = f"difference of the {QUANTITIES_OF_THEORY[key].words}"
             quantity = QUANTITIES_OF_THEORY[key]._replace(words=difference_in_words, unit="share")
-            differences[key] = propagated(quantity, value, changes_by_inputs, key, correlation)
+            differences[key] = uncertain_value(quantity, value, changes_by_inputs, key, correlation)
     return differences
 
 
 def _difference_or_reason(
     scene: Scene, effects: BodyEffects | None, correlation: Array
-) -> tuple[dict[str, Propagated], str]:
-    """The error of half-plane theory for the real bodies by name of the value, each with the
-    uncertainty that the inputs give it, and ""; or an empty dictionary, and the reason why it is
-    not known. `correlation` (n, n) is that of the n inputs. `effects` are the elastic responses
-    that finite bodies add to half-planes, where known.
+) -> tuple[dict[str, UncertainValue], str]:
+    """The difference finite bodies/half-planes − 1 by name of the value, each with the standard
+    uncertainty that the inputs give it, and ""; or an empty dictionary, and in words why it is not
+    known.
+
+    `correlation` (n, n) is that of the n inputs. `effects` are the elastic responses that finite
+    bodies add to half-planes, None where they are not computed yet.
     """
-    reason = _no_difference(scene)
+    reason = _reason_without_difference(scene)
     if reason:
         return {}, reason
     try:
-        return _difference(scene, effects, correlation), ""
+        return _uncertain_differences(scene, effects, correlation), ""
     except InputError as fault:
         return {}, str(fault)
 
@@ -1281,7 +1349,7 @@ def _notes_on_values(scene: Scene) -> list[str]:
     return []
 
 
-def _near_sliding(sliding: NearSliding | None) -> str:
+def _reason_by_sliding(sliding: NearSliding | None) -> str:
     """Why derivatives by the inputs are not enough for the uncertainty of the work W: gross sliding
     is near; "" where it is not.
     """
@@ -1290,20 +1358,20 @@ def _near_sliding(sliding: NearSliding | None) -> str:
     return f"gross sliding is {sliding.distance:.2g} standard uncertainties of |Q|/(f P) away"
 
 
-def _large_second_order(values: Mapping[str, Propagated]) -> str:
+def _reason_by_second_order(values: Mapping[str, UncertainValue]) -> str:
     """Why derivatives by the inputs are not enough for the uncertainty of the work W: the second
-    order is a large share of it; "" where it is not.
+    order is more than a tenth of it; "" where it is not.
     """
     work = values[WORK]
     if work.uncertainty and not work.is_nearly_linear:
-        share = 100 * work.second_order / work.uncertainty
-        return f"the second order is {share:.0f} % of the uncertainty of W"
+        per_cent = 100 * work.second_order / work.uncertainty
+        return f"the second order is {per_cent:.0f} % of the uncertainty of W"
     return ""
 
 
 def sliding_of_loads(scene: Scene) -> NearSliding | None:
-    """The largest |Q|/(f P) of given loads with its standard uncertainty by the inputs. None
-    without friction, and where no input has an uncertainty.
+    """The largest |Q|/(f P) of given loads with its standard uncertainty by the inputs; 1 is gross
+    sliding. None without friction, and where no input has an uncertainty.
     """
     if not (scene.friction.coefficient and scene.inputs):
         return None
@@ -1311,18 +1379,17 @@ def sliding_of_loads(scene: Scene) -> NearSliding | None:
     ratio = nearest_to_sliding(scene).ratio
     changes = []
     for uncertain_input in scene.inputs:
+        key = uncertain_input.key
+        standard_uncertainty = uncertain_input.standard_uncertainty
         change = 0.0
-        if uncertain_input.key in ("friction", "normal_load"):
-            change = -ratio * uncertain_input.standard
-        elif uncertain_input.key == "tangential_load":
-            change = ratio * uncertain_input.standard
-        elif uncertain_input.key == "phase_degrees":
-            ratio_above = nearest_to_sliding(
-                scene.moved({uncertain_input.key: uncertain_input.standard})
-            ).ratio
-            ratio_below = nearest_to_sliding(
-                scene.moved({uncertain_input.key: -uncertain_input.standard})
-            ).ratio
+        # of loads and friction the standard uncertainty is a fraction of the value
+        if key in ("friction", "normal_load"):
+            change = -ratio * standard_uncertainty
+        elif key == "tangential_load":
+            change = ratio * standard_uncertainty
+        elif key == "phase_degrees":
+            ratio_above = nearest_to_sliding(scene.moved({key: standard_uncertainty})).ratio
+            ratio_below = nearest_to_sliding(scene.moved({key: -standard_uncertainty})).ratio
             change = (ratio_above - ratio_below) / 2
         changes.append(change)
     changes_of_ratio = np.array(changes)

@@ -20,26 +20,28 @@ from scenes.array_types import Array
 from scenes.measured import ReadAs, means
 
 # Of W: a change that is worth a warning.
-_WARNED = 0.01
+_CHANGE_WITH_WARNING = 0.01
 # Rows beyond which W of other reductions is not computed: half-plane theory takes a second for
 # 100,000.
 _MOST_ROWS = 200_000
-# Differences of the second and of the fourth order of white noise state one sigma; of anything
-# smooth the latter are far less.
-_LEAST_RATIO = 0.7
-_MOST_RATIO = 1.4
+# Sigma by second differences over sigma by fourth ones. It is 1 for white noise, far more for
+# anything smooth.
+_LEAST_SIGMA_RATIO = 0.7
+_MOST_SIGMA_RATIO = 1.4
+# The error of predicting a row from rows before it, over sigma: noise cannot be predicted.
+_LEAST_PREDICTION_ERROR = 0.7
 # Fewer rows tell noise from loads by chance; so many of the first show what there is, predicted
 # from so many rows before each.
 _LEAST_ROWS = 50
-_PREDICTED = 20_000
-_LAGS = 8
+_MOST_PREDICTED_ROWS = 20_000
+_PREDICTING_ROWS = 8
 # Range of means over that of the rows: W grows as its third power, faster near gross sliding, and
 # changes by some tenths of a per cent.
-_UNBLURRED = 0.999
+_LEAST_RANGE = 0.999
 # Cycles and instants in files, cycles on a page.
-_LISTED = 1000
-_INSTANTS = 400
-_SHOWN = 10
+_MOST_LISTED_CYCLES = 1000
+_MOST_LISTED_INSTANTS = 400
+_MOST_SHOWN_CYCLES = 10
 # Columns of rows: time, P, Q.
 _TIME, _NORMAL, _TANGENTIAL = range(3)
 
@@ -47,60 +49,80 @@ _TIME, _NORMAL, _TANGENTIAL = range(3)
 # ------------------------------------------------------------------------------ reduction and noise
 @dataclass(frozen=True)
 class RecordCheck:
-    """What reduction and noise make of W, by half-plane theory; None for what was not asked or
-    could not be computed.
+    """What averaging, reduction and noise of a measured record change in its dissipation W.
+
+    Attributes
+    ----------
+    n_rows, n_path_rows
+        number of rows of the record, and of those that the load path goes through
+    work_of_path
+        W of the load path by half-plane theory, [energy] like all W; None, like all W, where it
+        was not needed or could not be computed
+    work_without_reduction
+        W of all rows, or of the means of rows that `load.average` asks for
+    work_of_all_rows
+        W of all rows, without averaging and reduction
+    work_at_half_threshold
+        W of the load path with half the threshold for a turning point
+    noise
+        standard deviation of the noise in P and in Q [load]; 0 where none is seen
+    rows_per_mean
+        over how many rows a mean may be taken before it blurs the loads
+    work_of_means
+        W of all rows in means over `rows_per_mean` rows
     """
 
-    # rows, kept: of the record, and those that the path goes through
-    rows: int
-    kept: int
-    # dissipation, unreduced, all_rows, half_threshold: W of the path, of it without reduction, of
-    # all rows, with half the threshold
-    dissipation: float | None
-    unreduced: float | None
-    all_rows: float | None
-    half_threshold: float | None
-    noise: tuple[float, float]  # (sigma of P, sigma of Q), 0 where none is seen
-    # average, averaged: how many rows a mean may stand for before it blurs the loads; W of all rows
-    # in such means
-    average: int
-    averaged: float | None
+    n_rows: int
+    n_path_rows: int
+    work_of_path: float | None
+    work_without_reduction: float | None
+    work_of_all_rows: float | None
+    work_at_half_threshold: float | None
+    noise: tuple[float, float]
+    rows_per_mean: int
+    work_of_means: float | None
 
     @property
-    def by_noise(self) -> float | None:
-        """Share of W that the noise makes at least; None where no noise is seen."""
-        return self.all_rows / self.averaged - 1 if self.all_rows and self.averaged else None
+    def noise_share(self) -> float | None:
+        """What noise adds to W, over W without it, at least; None where no noise is seen."""
+        if not (self.work_of_all_rows and self.work_of_means):
+            return None
+        return self.work_of_all_rows / self.work_of_means - 1
 
 
 def check_record(scene: Scene) -> RecordCheck | None:
-    """What averaging, reduction and noise of a measured record of loads change in its dissipation
-    W, by half-plane theory: W with each of them, and without. None for other loads.
+    """The noise of a measured record of loads, and its dissipation W by half-plane theory with and
+    without averaging, reduction and noise. None for other loads.
 
-    Values of W are None for records that repeat or are very long.
+    Every W is None for records that repeat or are very long.
     """
     load = scene.load
     if not isinstance(load, TimeSeriesLoad):
         return None
     rows = load.used_rows().values
-    n_kept = len(load.kept_rows())
+    n_path_rows = len(load.kept_rows())
     noise_of_loads = (noise_of(rows[:, _NORMAL]), noise_of(rows[:, _TANGENTIAL]))
     if len(rows) > _MOST_ROWS or load.repeats:
         return RecordCheck(
-            rows=len(rows),
-            kept=n_kept,
-            dissipation=None,
-            unreduced=None,
-            all_rows=None,
-            half_threshold=None,
+            n_rows=len(rows),
+            n_path_rows=n_path_rows,
+            work_of_path=None,
+            work_without_reduction=None,
+            work_of_all_rows=None,
+            work_at_half_threshold=None,
             noise=noise_of_loads,
-            average=1,
-            averaged=None,
+            rows_per_mean=1,
+            work_of_means=None,
         )
 
-    all_kept: dict[str, Any] = {"reduce": None, "threshold": None}
-    dissipation = _work(scene)
-    unreduced_work = dissipation if load.reduce is None else _work(scene, **all_kept)
-    work_of_all_rows = unreduced_work if load.average == 1 else _work(scene, average=1, **all_kept)
+    no_reduction: dict[str, Any] = {"reduce": None, "threshold": None}
+    work_of_path = _work(scene)
+    work_without_reduction = work_of_path
+    if load.reduce is not None:
+        work_without_reduction = _work(scene, **no_reduction)
+    work_of_all_rows = work_without_reduction
+    if load.average != 1:
+        work_of_all_rows = _work(scene, average=1, **no_reduction)
     work_at_half_threshold = None
     if load.threshold is not None and max(load.threshold.P, load.threshold.Q) > 0:
         half_of_each = {"P": load.threshold.P / 2, "Q": load.threshold.Q / 2}
@@ -110,43 +132,43 @@ def check_record(scene: Scene) -> RecordCheck | None:
     if any(noise_of_loads):
         rows_per_mean = _longest_means(rows, noise_of_loads)
         if rows_per_mean > 1:
-            work_of_means = _work(scene, average=rows_per_mean, **all_kept)
+            work_of_means = _work(scene, average=rows_per_mean, **no_reduction)
     return RecordCheck(
-        rows=len(rows),
-        kept=n_kept,
-        dissipation=dissipation,
-        unreduced=unreduced_work,
-        all_rows=work_of_all_rows,
-        half_threshold=work_at_half_threshold,
+        n_rows=len(rows),
+        n_path_rows=n_path_rows,
+        work_of_path=work_of_path,
+        work_without_reduction=work_without_reduction,
+        work_of_all_rows=work_of_all_rows,
+        work_at_half_threshold=work_at_half_threshold,
         noise=noise_of_loads,
-        average=rows_per_mean,
-        averaged=work_of_means,
+        rows_per_mean=rows_per_mean,
+        work_of_means=work_of_means,
     )
 
 
 def _work(scene: Scene, **changes: Any) -> float | None:
-    """Dissipation W of a record of loads by half-plane theory, with `changes` in the keys of its
-    load; None where that has no solution.
+    """Dissipation W of a record of loads by half-plane theory, with `changes` of the load's keys
+    (reduce, threshold, average); None where the changed record has no solution.
     """
     import semi_analytic
 
     try:
         changed_scene = scene.vary(load=changes) if changes else scene
-        ends = changed_scene.load.series()[[0, -1], 0]  # type: ignore[union-attr]
+        first_and_last_time = changed_scene.load.series()[[0, -1], 0]  # type: ignore[union-attr]
         return semi_analytic.solve(
-            changed_scene, x=[0.0], time=ends, fields=("dissipation",)
+            changed_scene, x=[0.0], time=first_and_last_time, fields=("dissipation",)
         ).dissipation
     except InputError:
         return None
 
 
 def noise_of(values: Array) -> float:
-    """Standard deviation of white noise in the values of rows, (n,), from the median of their
+    """Standard deviation sigma of white noise in the values of rows, (n,), from the median of their
     fourth differences; 0 where no noise shows.
 
-    White noise has second differences of variance 6 sigma^2, fourth ones of 70 sigma^2, and can't
-    be predicted from the rows before. Of a load that is resolved by its rows the fourth differences
-    are far smaller; one of a few rows a period is predicted.
+    White noise has second differences of variance 6 sigma^2 and fourth ones of 70 sigma^2, so both
+    give one sigma. Of a load with many rows a period the fourth differences are far smaller. A load
+    with few rows a period is told from noise by a linear prediction from the rows before.
 
     >>> t = np.linspace(0, 20, 2000)
     >>> (
@@ -155,19 +177,25 @@ def noise_of(values: Array) -> float:
     ... )
     (0.0, 0.1)
     """
-    values = values[:_PREDICTED]
+    values = values[:_MOST_PREDICTED_ROWS]
     if len(values) < _LEAST_ROWS:
         return 0.0
     sigma_of_second = _sigma_of_differences(values, 2, 6)
     sigma_of_fourth = _sigma_of_differences(values, 4, 70)
-    if not (sigma_of_fourth > 0 and _LEAST_RATIO < sigma_of_second / sigma_of_fourth < _MOST_RATIO):
+    if not (
+        sigma_of_fourth > 0
+        and _LEAST_SIGMA_RATIO < sigma_of_second / sigma_of_fourth < _MOST_SIGMA_RATIO
+    ):
         return 0.0
-    windows = np.lib.stride_tricks.sliding_window_view(values - np.mean(values), _LAGS + 1)
+    windows = np.lib.stride_tricks.sliding_window_view(
+        values - np.mean(values), _PREDICTING_ROWS + 1
+    )
     values_before = windows[:, :-1]
     value_after = windows[:, -1]
     weights = np.linalg.lstsq(values_before, value_after, rcond=None)[0]
     prediction_error = float(np.std(value_after - values_before @ weights))
-    return sigma_of_fourth if prediction_error > _LEAST_RATIO * sigma_of_fourth else 0.0
+    is_noise = prediction_error > _LEAST_PREDICTION_ERROR * sigma_of_fourth
+    return sigma_of_fourth if is_noise else 0.0
 
 
 def _sigma_of_differences(values: Array, order: int, variance: int) -> float:
@@ -178,25 +206,33 @@ def _sigma_of_differences(values: Array, order: int, variance: int) -> float:
     return 1.4826 * median / variance**0.5
 
 
-def _longest_means(rows: Array, sigma: tuple[float, float]) -> int:
+def _longest_means(rows: Array, noise_of_loads: tuple[float, float]) -> int:
     """The largest number of neighbouring rows of a record over which means may be taken to remove
-    its noise. `rows` is (n, 3): time, P, Q; `sigma` the standard deviation of the noise of P and of
-    Q, 0 for a load without noise.
+    its noise without blurring the loads.
 
-    The means of a noisy load must still look like noise, and those of a load without noise keep its
-    range: they blur nothing.
+    The means of a noisy load must still show noise. Those of a load without noise must keep its
+    range to 0.1 %.
+
+    Parameters
+    ----------
+    rows
+        (n, 3) time, P, Q
+    noise_of_loads
+        standard deviation of the noise of P and of Q; 0 for a load without noise
     """
-    loads = (_NORMAL, _TANGENTIAL)
-    noisy_columns = [column for column, size in zip(loads, sigma, strict=True) if size]
-    clean_columns = [column for column in loads if column not in noisy_columns]
+    load_columns = (_NORMAL, _TANGENTIAL)
+    noisy_columns = [
+        column for column, sigma in zip(load_columns, noise_of_loads, strict=True) if sigma
+    ]
+    noiseless_columns = [column for column in load_columns if column not in noisy_columns]
     rows_per_mean = 1
     while len(rows) // (rows_per_mean + 1) >= _LEAST_ROWS:
         longer_means = means(rows, rows_per_mean + 1)
         if not all(noise_of(longer_means[:, column]) for column in noisy_columns):
             break
         if any(
-            np.ptp(longer_means[:, column]) < _UNBLURRED * np.ptp(rows[:, column])
-            for column in clean_columns
+            np.ptp(longer_means[:, column]) < _LEAST_RANGE * np.ptp(rows[:, column])
+            for column in noiseless_columns
         ):
             break
         rows_per_mean += 1
@@ -211,8 +247,10 @@ class Sentence(NamedTuple):
 
 
 def record_in_words(scene: Scene, record: RecordCheck) -> Iterator[Sentence]:
-    """Sentences on a measured record of loads: which rows count, its parts, and what reduction,
-    threshold and noise change in W.
+    """Sentences on a measured record of loads: which rows count, its parts, and how much reduction,
+    threshold and noise change the dissipation W.
+
+    `record` holds the noise of the record, and W with and without them.
     """
     load = scene.load
     assert isinstance(load, TimeSeriesLoad)
@@ -221,10 +259,10 @@ def record_in_words(scene: Scene, record: RecordCheck) -> Iterator[Sentence]:
         yield Sentence(text, warns=False)
     if load.reduce is not None:
         yield _reduction_in_words(scene, load, record)
-    if record.half_threshold is not None and record.dissipation:
-        relative_change = _change(record.half_threshold, record.dissipation)
+    if record.work_at_half_threshold is not None and record.work_of_path:
+        relative_change = _change(record.work_at_half_threshold, record.work_of_path)
         text = f"With half the threshold W changes by {_per_cent(relative_change)}."
-        yield Sentence(text, abs(relative_change) > _WARNED)
+        yield Sentence(text, abs(relative_change) > _CHANGE_WITH_WARNING)
     if any(record.noise):
         yield _noise_in_words(scene, load, record)
 
@@ -234,13 +272,13 @@ def _change(value: float | None, value_before: float | None) -> float:
     return value / value_before - 1 if value is not None and value_before else 0.0
 
 
-def _per_cent(share: float) -> str:
-    return minus(f"{100 * share:+.2g} %")
+def _per_cent(relative_change: float) -> str:
+    return minus(f"{100 * relative_change:+.2g} %")
 
 
 def _rows_in_words(scene: Scene, load: TimeSeriesLoad) -> Iterator[Sentence]:
-    """Sentences on which rows of a record count, where not all do: by start and end, or by a least
-    normal load.
+    """Sentences on which rows of a record are used, where not all are: those between the keys start
+    and end, or those with at least the normal load `load.least_normal_load`.
     """
     first_row, row_beyond = load.bounds()
     if row_beyond - first_row < len(load.rows):
@@ -262,32 +300,31 @@ def _rows_in_words(scene: Scene, load: TimeSeriesLoad) -> Iterator[Sentence]:
 
 
 def _reduction_in_words(scene: Scene, load: TimeSeriesLoad, record: RecordCheck) -> Sentence:
-    """A sentence on how many rows of a record the load path goes through, and what leaving out the
-    others changes in W; a warning where that is much.
+    """A sentence on how many rows of a record the load path goes through, and how much W changes
+    by leaving out the others; a warning where it changes by more than 1 %.
     """
-    rows_in_words = f"The path goes through {record.kept:,} of {record.rows:,} rows"
-    unreduced_in_words = "all of them" if load.average == 1 else f"all means of {load.average}"
-    if record.dissipation is None and record.unreduced is None:
-        return Sentence(f"{rows_in_words}; what that changes in W was not computed.", warns=False)
-    if record.unreduced is None:
+    path_in_words = f"The path goes through {record.n_path_rows:,} of {record.n_rows:,} rows"
+    rows_in_words = "all of them" if load.average == 1 else f"all means of {load.average}"
+    if record.work_of_path is None and record.work_without_reduction is None:
+        return Sentence(f"{path_in_words}; what that changes in W was not computed.", warns=False)
+    if record.work_without_reduction is None:
         text = (
-            f"{rows_in_words}; {unreduced_in_words} have no solution, so the change of W is not"
-            " known."
+            f"{path_in_words}; {rows_in_words} have no solution, so the change of W is not known."
         )
         return Sentence(text, warns=True)
-    relative_change = _change(record.dissipation, record.unreduced)
+    relative_change = _change(record.work_of_path, record.work_without_reduction)
     text = (
-        f"{rows_in_words}: by half-plane theory W = {number(record.dissipation or 0.0)}"
-        f" {energy_unit(scene)}, and {number(record.unreduced)} with {unreduced_in_words}"
+        f"{path_in_words}: by half-plane theory W = {number(record.work_of_path or 0.0)}"
+        f" {energy_unit(scene)}, and {number(record.work_without_reduction)} with {rows_in_words}"
         f" ({_per_cent(relative_change)})."
     )
-    return Sentence(text, abs(relative_change) > _WARNED)
+    return Sentence(text, abs(relative_change) > _CHANGE_WITH_WARNING)
 
 
 def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record: RecordCheck) -> Sentence:
-    """A sentence on how noisy the rows of a record of loads are, and what that noise changes in the
-    dissipation W; a warning where the change is large. `record` holds what was checked of the
-    record.
+    """A sentence on the noise of a record of loads: its standard deviation, and how much means of
+    several rows, which remove it, change W. A warning where they change W by more than 1 % and
+    `load.average` does not ask for them.
     """
     noisy_loads = []
     quiet_load = ""
@@ -300,9 +337,9 @@ def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record: RecordCheck) -> 
         f"The rows look noisy: standard deviation {' and '.join(noisy_loads)}{quiet_load}"
     )
     if load.average > 1:
-        relative_change = _change(record.unreduced, record.all_rows)
+        relative_change = _change(record.work_without_reduction, record.work_of_all_rows)
         cause = ""
-        if abs(relative_change) > _WARNED:
+        if abs(relative_change) > _CHANGE_WITH_WARNING:
             cause = (
                 ": by noise, or because means of so many rows blur the loads; compare with a"
                 " smaller load.average"
@@ -312,17 +349,17 @@ def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record: RecordCheck) -> 
             f" {_per_cent(relative_change)}{cause}."
         )
         return Sentence(text, warns=False)
-    if record.by_noise is None:
+    if record.noise_share is None:
         text = (
             f"{noise_in_words}. How much of W is noise can't be told: there are too few rows a"
             " cycle, or the record repeats."
         )
         return Sentence(text, warns=False)
-    relative_change = _change(record.averaged, record.all_rows)
-    warns = abs(relative_change) > _WARNED
-    cure = f"; load.average = {record.average} takes it out" if warns else ""
+    relative_change = _change(record.work_of_means, record.work_of_all_rows)
+    warns = abs(relative_change) > _CHANGE_WITH_WARNING
+    cure = f"; load.average = {record.rows_per_mean} takes it out" if warns else ""
     text = (
-        f"{noise_in_words}. Means of {record.average} rows change W by"
+        f"{noise_in_words}. Means of {record.rows_per_mean} rows change W by"
         f" {_per_cent(relative_change)}{cure}."
     )
     return Sentence(text, warns)
@@ -348,11 +385,17 @@ class LoadCycle:
 
 @dataclass(frozen=True, eq=False)
 class LoadCycles:
-    """Cycles of Q in the order in which they end, and the dissipation so far, (n,) at the times
-    (n,).
+    """Cycles of Q in a record of loads, with the dissipation of each.
 
-    `last_whole` lies between the last three turning points of Q, with all its work; None of a
-    record that repeats, and where Q turns less often.
+    Attributes
+    ----------
+    cycles
+        in the order in which they end
+    time, cumulative
+        (n,) instants, and the dissipation from the first instant to each [energy]
+    last_whole
+        the load cycle between the last three turning points of Q, with all its work; None for a
+        record that repeats, and where Q turns less often
     """
 
     cycles: tuple[LoadCycle, ...]
@@ -362,7 +405,7 @@ class LoadCycles:
 
     @property
     def counted(self) -> float:
-        """Halves count half."""
+        """Number of cycles; a half cycle counts 0.5."""
         return sum(cycle.count for cycle in self.cycles)
 
     @property
@@ -371,18 +414,19 @@ class LoadCycles:
         return float(self.cumulative[-1]) / self.counted if self.counted else float("nan")
 
     def content(self) -> dict[str, Any]:
-        """The load cycles for JSON. Of many cycles those of most dissipation are listed, of many
-        instants some, evenly.
+        """The load cycles for JSON: their number, W over it, the last whole cycle, a list of the
+        1,000 cycles with most dissipation, and the dissipation so far at up to 400 instants.
         """
-        cycles_listed = sorted(self.cycles, key=lambda cycle: -cycle.dissipation)[:_LISTED]
-        instants = np.unique(np.linspace(0, len(self.time) - 1, _INSTANTS).astype(int))
+        cycles_by_work = sorted(self.cycles, key=lambda cycle: -cycle.dissipation)
+        listed_cycles = cycles_by_work[:_MOST_LISTED_CYCLES]
+        instants = np.unique(np.linspace(0, len(self.time) - 1, _MOST_LISTED_INSTANTS).astype(int))
         return {
             "method": "rainflow count of Q, ASTM E1049",
             "counted": self.counted,
             "dissipation_per_cycle": self.per_cycle,
             "last_whole_cycle": None if self.last_whole is None else asdict(self.last_whole),
-            "not_listed": len(self.cycles) - len(cycles_listed),
-            "cycles": [asdict(cycle) for cycle in cycles_listed],
+            "not_listed": len(self.cycles) - len(listed_cycles),
+            "cycles": [asdict(cycle) for cycle in listed_cycles],
             "cumulative": {
                 "time": self.time[instants],
                 "dissipation": self.cumulative[instants],
@@ -391,62 +435,83 @@ class LoadCycles:
 
 
 def load_cycles(solution: ContactSolution) -> LoadCycles | None:
-    """Cycles of Q in a measured record, by rainflow count, with the dissipation of each.
+    """Cycles of Q in a measured record of loads, by rainflow count, with the dissipation of each.
 
-    None for other loads, and for results of other programs. Of a record that repeats it is the last
-    cycle, counted from where Q is largest, so that all cycles are closed.
+    None for other loads, for results of other programs, and where the solution does not hold the
+    work of each instant. Of a record that repeats it is the last period. Its cycles are counted
+    from where Q is largest, so that all are closed.
     """
-    scene = solution.scene
-    if not isinstance(scene.load, TimeSeriesLoad) or solution.engine not in (
+    load = solution.scene.load
+    if not isinstance(load, TimeSeriesLoad) or solution.engine not in (
         "semi_analytic",
         "halfplane_fe",
     ):
         return None
-    rows = scene.load.series()
-    start_of_last = 0.0  # start of the last cycle of a record that repeats, minus that of the first
+    rows = load.series()
     period = 0.0
-    if scene.load.repeats:
-        rows = rows[1:]  # without the unloaded row before the cycle
+    shift_to_last = 0.0  # of time, from the first to the last period of a record that repeats
+    if load.repeats:
+        rows = rows[1:]  # without the unloaded row before the first period
         period = float(rows[-1, _TIME] - rows[0, _TIME])
-        start_of_last = period * (len(solution.cycle_dissipation) - 1)
+        shift_to_last = period * (len(solution.cycle_dissipation) - 1)
+    work_of_rows = _work_since_first_row(solution, rows, shift_to_last)
+    if work_of_rows is None:
+        return None
+    time, work_so_far = work_of_rows
+    solved_rows = rows[rows[:, _TIME] <= time[-1] + _time_tolerance(rows)]
+    row_cycles = _cycles_of_rows(solved_rows, repeats=load.repeats)
+    if not load.repeats:
+        cycles = with_work(row_cycles, time, work_so_far)
+        last_whole_cycle = _last_whole_cycle(solved_rows, time, work_so_far)
+        return LoadCycles(tuple(cycles), time, work_so_far, last_whole_cycle)
+
+    # A cycle may end in the period after that in which it starts: both have the same work.
+    time_of_two_periods = np.concatenate([time, time[1:] + period])
+    work_of_two_periods = np.concatenate([work_so_far, work_so_far[1:] + work_so_far[-1]])
+    shift_to_last_but_one = max(shift_to_last - period, 0.0)
+    shifted_cycles = [
+        replace(
+            cycle,
+            start=cycle.start + shift_to_last_but_one,
+            end=cycle.end + shift_to_last_but_one,
+        )
+        for cycle in with_work(row_cycles, time_of_two_periods, work_of_two_periods)
+    ]
+    return LoadCycles(tuple(shifted_cycles), time + shift_to_last, work_so_far)
+
+
+def _time_tolerance(rows: Array) -> float:
+    """Difference of two times that counts as round-off, for rows (n, 3: time, P, Q)."""
+    return 1e-9 * float(rows[-1, _TIME] - rows[0, _TIME])
+
+
+def _work_since_first_row(
+    solution: ContactSolution, rows: Array, shift_to_last: float
+) -> tuple[Array, Array] | None:
+    """Times of a solution within those of the rows (n, 3: time, P, Q), (m,), and the dissipation
+    from the first of these times to each, (m,). None where the solution does not hold the work of
+    each instant.
+
+    The work is that of the last period of a record that repeats: `shift_to_last` later than `rows`.
+    """
     if solution.engine == "semi_analytic":
-        time, work = _work_at_rows(scene, rows, start_of_last)
+        time, work = _work_at_rows(solution.scene, rows, shift_to_last)
     else:
-        time = solution.time - start_of_last
+        time = solution.time - shift_to_last
         work = solution.record.energy.get("dissipation", np.empty(0))
-    # a solution that does not hold the work of each instant
     if len(work) != len(time):
         return None
-    time_tolerance = 1e-9 * (rows[-1, _TIME] - rows[0, _TIME])
-    is_in_record = time >= rows[0, _TIME] - time_tolerance
-    if np.count_nonzero(is_in_record) < 2:
+    is_in_rows = time >= rows[0, _TIME] - _time_tolerance(rows)
+    if np.count_nonzero(is_in_rows) < 2:
         return None
-    time = time[is_in_record]
-    work_so_far = np.cumsum(work[is_in_record])
+    work_so_far = np.cumsum(work[is_in_rows])
     work_so_far -= work_so_far[0]
-    solved_rows = rows[rows[:, _TIME] <= time[-1] + time_tolerance]
-    if scene.load.repeats:
-        last_whole_cycle = None
-        # the same work in every revolution
-        times_of_work = np.concatenate([time, time[1:] + period])
-        work_until_times = np.concatenate([work_so_far, work_so_far[1:] + work_so_far[-1]])
-        cycle_shift = max(start_of_last - period, 0.0)
-    else:
-        last_whole_cycle = _last_whole_cycle(solved_rows, time, work_so_far)
-        times_of_work = time
-        work_until_times = work_so_far
-        cycle_shift = 0.0
-    row_cycles = _cycles_of_rows(solved_rows, repeats=scene.load.repeats)
-    cycles = [
-        replace(cycle, start=cycle.start + cycle_shift, end=cycle.end + cycle_shift)
-        for cycle in with_work(row_cycles, times_of_work, work_until_times)
-    ]
-    return LoadCycles(tuple(cycles), time + start_of_last, work_so_far, last_whole_cycle)
+    return time[is_in_rows], work_so_far
 
 
 def _cycles_of_rows(rows: Array, *, repeats: bool) -> list[LoadCycle]:
-    """Cycles of rows (n, 3), without their work; times of those that repeat may lie in the next
-    revolution.
+    """Load cycles of Q by rainflow count, without their work, in rows (n, 3: time, P, Q). Where the
+    rows repeat, a cycle may end in the next period.
     """
     if repeats:
         return _cycles_of_repeating_rows(rows)
@@ -454,16 +519,17 @@ def _cycles_of_rows(rows: Array, *, repeats: bool) -> list[LoadCycle]:
 
 
 def _cycles_of_repeating_rows(rows: Array) -> list[LoadCycle]:
-    """Load cycles of rows (n, 3: time, P, Q) that repeat, counted from the row of the largest Q to
-    the same row one period later: all are closed.
+    """Load cycles of Q by rainflow count, without their work, in rows (n, 3: time, P, Q) that
+    repeat. They are counted from the largest Q to the largest Q of the next period, so that all are
+    closed.
     """
     row_of_largest = int(np.argmax(rows[:, _TANGENTIAL]))
     period = float(rows[-1, _TIME] - rows[0, _TIME])
     shift_by_period = np.array([period, 0.0, 0.0])
-    rows_later = rows[1 : row_of_largest + 1] + shift_by_period
-    rows_in_turn = np.concatenate([rows[row_of_largest:], rows_later])
-    cycles = counted(rows_in_turn[:, _TIME], rows_in_turn[:, _TANGENTIAL])
-    # Between two equal peaks the largest swing is counted as its two halves.
+    rows_of_next_period = rows[1 : row_of_largest + 1] + shift_by_period
+    counted_rows = np.concatenate([rows[row_of_largest:], rows_of_next_period])
+    cycles = counted(counted_rows[:, _TIME], counted_rows[:, _TANGENTIAL])
+    # Rainflow counts the largest cycle, between two equal peaks, as two half cycles.
     half_cycles = [cycle for cycle in cycles if cycle.count < 1]
     if len(half_cycles) != 2:
         return cycles
@@ -474,8 +540,8 @@ def _cycles_of_repeating_rows(rows: Array) -> list[LoadCycle]:
 
 def _last_whole_cycle(rows: Array, time: Array, work_so_far: Array) -> LoadCycle | None:
     """The load cycle between the last three turning points of Q, in rows (n, 3: time, P, Q); None
-    where Q turns less often. Its work is taken from the sum `work_so_far` (m,) at the times `time`
-    (m,).
+    where Q turns less often. Its dissipation is the increase of `work_so_far` (m,), the dissipation
+    since the first of the times `time` (m,).
     """
     turns = turns_of(rows[:, _TANGENTIAL])[-3:]
     if len(turns) < 3:
@@ -496,27 +562,27 @@ def _last_whole_cycle(rows: Array, time: Array, work_so_far: Array) -> LoadCycle
 
 
 def _work_at_rows(scene: Scene, rows: Array, shift_of_time: float) -> tuple[Array, Array]:
-    """Times of the rows (n, 3: time, P, Q) and of the ends of their load cycles, and the
-    dissipation since the time before each, by half-plane theory.
+    """Times of the rows (n, 3: time, P, Q) and of the ends of their load cycles, (m,), and the
+    dissipation in the step that ends at each, (m,), by half-plane theory.
 
-    `shift_of_time` shifts them to the last cycle of a record that repeats. A row more on a straight
-    line changes nothing of the path, so that the work between two rows needs no interpolation.
+    A cycle may end between two rows. A row is added there, on the straight line between them: the
+    load path stays the same, and the work needs no interpolation. The work is that at times later
+    by `shift_of_time`: in the last period of a record that repeats.
     """
     import semi_analytic
 
     row_times = rows[:, _TIME]
+    period = np.ptp(row_times)
     repeats = scene.load.repeats  # type: ignore[union-attr]
     cycle_ends = np.array([cycle.end for cycle in _cycles_of_rows(rows, repeats=repeats)])
-    cycle_ends = np.unique(
-        np.where(cycle_ends > row_times[-1], cycle_ends - np.ptp(row_times), cycle_ends)
-    )
+    is_in_next_period = cycle_ends > row_times[-1]
+    cycle_ends = np.unique(np.where(is_in_next_period, cycle_ends - period, cycle_ends))
     row_after = np.clip(np.searchsorted(row_times, cycle_ends), 1, len(rows) - 1)
-    time_to_next_row = np.abs(row_times[row_after] - cycle_ends)
-    time_from_last_row = np.abs(cycle_ends - row_times[row_after - 1])
+    time_to_row_after = np.abs(row_times[row_after] - cycle_ends)
+    time_from_row_before = np.abs(cycle_ends - row_times[row_after - 1])
     spacing = row_times[row_after] - row_times[row_after - 1]
-    ends_between_rows = cycle_ends[
-        np.minimum(time_to_next_row, time_from_last_row) > 1e-9 * spacing
-    ]
+    time_to_nearest_row = np.minimum(time_to_row_after, time_from_row_before)
+    ends_between_rows = cycle_ends[time_to_nearest_row > 1e-9 * spacing]
     time = np.sort(np.concatenate([row_times, ends_between_rows]))
     normal_load = np.interp(time, row_times, rows[:, _NORMAL])
     tangential_load = np.interp(time, row_times, rows[:, _TANGENTIAL])
@@ -529,42 +595,44 @@ def _work_at_rows(scene: Scene, rows: Array, shift_of_time: float) -> tuple[Arra
 
 
 def counted(time: Array, force: Array) -> list[LoadCycle]:
-    """Load cycles of a force (n,), straight between the times (n,), by rainflow count and without
-    their work, in the order in which they end.
+    """Load cycles of a force (n,), linear between the times (n,), by rainflow count. They are in
+    the order in which they end; their dissipation, not known here, is 0.
 
-    A closed cycle lasts from its first reversal to when the force is back there, so that cycles lie
-    within one another in time; halves follow each other.
+    A closed cycle (count 1) lasts from its first reversal to when the force is back at that value,
+    so that cycles may lie within others. Half cycles (count 0.5) follow each other.
     """
     from rainflow import extract_cycles
 
     cycles = []
-    for size, mean_force, count, first_row, last_row in extract_cycles(force.tolist()):
+    for force_range, mean_force, count, first_row, last_row in extract_cycles(force.tolist()):
         end = float(time[last_row])
         if count == 1:  # a closed cycle
             end = _time_of_return(time, force, first_row, last_row)
-        cycles.append(LoadCycle(count, size, mean_force, float(time[first_row]), end, 0.0))
+        cycles.append(LoadCycle(count, force_range, mean_force, float(time[first_row]), end, 0.0))
     return sorted(cycles, key=lambda cycle: (cycle.end, -cycle.start))
 
 
 def with_work(cycles: Sequence[LoadCycle], time: Array, work_so_far: Array) -> Iterator[LoadCycle]:
-    """The cycles with the dissipation of each, without that of cycles within it. It comes from the
-    sum `work_so_far` (m,) at the times `time` (m,), straight between them.
+    """The cycles, in the order in which they end, with the dissipation of each, without that of
+    cycles within it. It is taken from `work_so_far` (m,), the dissipation since the first of the
+    times `time` (m,), linear between them.
     """
-    open_cycles: list[tuple[float, float]] = []  # start and work; none of them lies in another yet
+    # start and work of cycles so far that lie within no other
+    outer_cycles: list[tuple[float, float]] = []
     for cycle in cycles:
         work_at_start, work_at_end = np.interp([cycle.start, cycle.end], time, work_so_far).tolist()
         work = work_at_end - work_at_start
         work_outside = work
-        while open_cycles and open_cycles[-1][0] >= cycle.start:
-            _, work_within = open_cycles.pop()
+        while outer_cycles and outer_cycles[-1][0] >= cycle.start:
+            _, work_within = outer_cycles.pop()
             work_outside -= work_within
-        open_cycles.append((cycle.start, work))
+        outer_cycles.append((cycle.start, work))
         yield replace(cycle, dissipation=work_outside)
 
 
 def _time_of_return(time: Array, force: Array, first_row: int, last_row: int) -> float:
     """Time at which the force (n,), after the row `last_row`, is again what it was at the row
-    `first_row`; straight between rows. The end of the rows where it is never.
+    `first_row`; linear between the times (n,). The last time where the force never is.
     """
     level = force[first_row]
     direction = np.sign(level - force[last_row])
@@ -575,25 +643,36 @@ def _time_of_return(time: Array, force: Array, first_row: int, last_row: int) ->
         rows_beyond = np.flatnonzero(direction * (searched_force - level) >= 0)
         if len(rows_beyond):
             row = first_searched + int(rows_beyond[0])
-            share = (level - force[row - 1]) / (force[row] - force[row - 1])
-            return float(time[row - 1] + share * (time[row] - time[row - 1]))
+            fraction = (level - force[row - 1]) / (force[row] - force[row - 1])
+            return float(time[row - 1] + fraction * (time[row] - time[row - 1]))
         first_searched += rows_searched
         rows_searched *= 2
     return float(time[-1])
 
 
 def record_content(scene: Scene) -> dict[str, Any] | None:
-    """For JSON: how files of a scene were read, and what reduction and noise of its record change
-    in W. None where nothing was measured.
+    """For JSON: how the files of a scene were read, the check of its record of loads (noise; W with
+    and without reduction and averaging), and sentences on it. None where nothing was measured.
     """
     tables_read = read_in_pairs(scene)
     record = check_record(scene)
     if not tables_read and record is None:
         return None
-    numbers = None
+    numbers: dict[str, Any] | None = None
     sentences: list[str] = []
     if record is not None:
-        numbers = asdict(record) | {"by_noise": record.by_noise}
+        numbers = {
+            "rows": record.n_rows,
+            "kept": record.n_path_rows,
+            "dissipation": record.work_of_path,
+            "unreduced": record.work_without_reduction,
+            "all_rows": record.work_of_all_rows,
+            "half_threshold": record.work_at_half_threshold,
+            "noise": record.noise,
+            "average": record.rows_per_mean,
+            "averaged": record.work_of_means,
+            "by_noise": record.noise_share,
+        }
         sentences = [sentence.text for sentence in record_in_words(scene, record)]
     return {"read_as": tables_read, "loads": numbers, "sentences": sentences}
 
@@ -611,27 +690,31 @@ def read_in_pairs(scene: Scene) -> dict[str, ReadAs]:
 
 
 def section(scene: Scene, solutions: Sequence[ContactSolution]) -> dict[str, Any] | None:
-    """What the page shows of measured data: how files were read, sentences on the record of loads,
-    and its load cycles by each solution; None where there is none.
+    """What the page shows of measured data; None where nothing was measured.
+
+    By the names in the template: "read" how files were read; "said" sentences on the record of
+    loads; "cycles" name and load cycles of each solution; "most" numbers, from 0, of up to ten load
+    cycles with most dissipation.
     """
     tables_read = read_in_pairs(scene)
     record = check_record(scene)
     if not tables_read and record is None:
         return None
-    cycles = []
+    cycles_by_engine = []
     for solution in solutions:
         cycles_of_solution = load_cycles(solution)
         if cycles_of_solution is not None:
-            cycles.append((name_of(solution.engine).capitalize(), cycles_of_solution))
-    rows_of_most_work: list[int] = []
-    if cycles:
-        _, cycles_of_first = cycles[0]
-        dissipations = [cycle.dissipation for cycle in cycles_of_first.cycles]
-        numbers_by_work = sorted(range(len(dissipations)), key=lambda number: -dissipations[number])
-        rows_of_most_work = numbers_by_work[:_SHOWN]
+            engine_name = name_of(solution.engine).capitalize()
+            cycles_by_engine.append((engine_name, cycles_of_solution))
+    indices_of_most_work: list[int] = []
+    if cycles_by_engine:
+        _, cycles_of_first_engine = cycles_by_engine[0]
+        dissipations = [cycle.dissipation for cycle in cycles_of_first_engine.cycles]
+        indices_by_work = sorted(range(len(dissipations)), key=lambda index: -dissipations[index])
+        indices_of_most_work = indices_by_work[:_MOST_SHOWN_CYCLES]
     return {
         "read": tables_read,
         "said": list(record_in_words(scene, record)) if record else [],
-        "cycles": cycles,
-        "most": rows_of_most_work,
+        "cycles": cycles_by_engine,
+        "most": indices_of_most_work,
     }

@@ -389,7 +389,7 @@ class Scene(Frozen):
 
         >>> from scenes import load_scene
         >>> scene = load_scene("hertz-paper").vary(uncertainty={"friction": "5 %"})
-        >>> [(entry.words, entry.standard) for entry in scene.inputs]
+        >>> [(entry.words, entry.standard_uncertainty) for entry in scene.inputs]
         [('friction', 0.05)]
         """
         return inputs_of(self)

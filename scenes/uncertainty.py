@@ -333,15 +333,15 @@ class Input(NamedTuple):
         as it stands in the scene file
     value
         of the scene, in its units; None of the scale of a load
-    standard
-        standard uncertainty: a share of the value, of the phase in degrees
+    standard_uncertainty
+        one standard deviation: a share of the value, of the phase in degrees
     """
 
     key: str
     words: str
     stated: str
     value: float | None
-    standard: float
+    standard_uncertainty: float
 
     @property
     def in_words(self) -> str:
@@ -413,7 +413,7 @@ S = TypeVar("S", bound=HasInputs)
 def inputs_of(scene: HasInputs) -> tuple[Input, ...]:
     """Inputs of a scene for which a standard uncertainty is stated, each with its value.
 
-    `standard` of each is the standard uncertainty as a fraction of the value; for the phase it is
+    `standard_uncertainty` of each is a fraction of the value; for the phase it is
     in degrees.
 
     Raises

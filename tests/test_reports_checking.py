@@ -713,16 +713,18 @@ def test_what_noise_makes_of_the_work_is_found_and_warned_of(size: float, warned
     true = work(noisy(size)) / work(noisy(0.0)) - 1
     if size:
         assert check.noise == (pytest.approx(size, rel=0.1), pytest.approx(size, rel=0.1))
-        assert check.by_noise == pytest.approx(true, rel=0.25, abs=2e-3)
+        assert check.noise_share == pytest.approx(true, rel=0.25, abs=2e-3)
     else:
-        assert (check.noise, check.by_noise) == ((0.0, 0.0), None)
+        assert (check.noise, check.noise_share) == ((0.0, 0.0), None)
     assert any(warning for _, warning in record_in_words(scene, check)) is warned
     if warned:
-        mended = check_record(scene.vary(load={"average": check.average}))
-        assert mended.dissipation == pytest.approx(work(noisy(0.0)), rel=0.02)
+        mended = check_record(scene.vary(load={"average": check.rows_per_mean}))
+        assert mended.work_of_path == pytest.approx(work(noisy(0.0)), rel=0.02)
         assert not any(
             warning
-            for _, warning in record_in_words(scene.vary(load={"average": check.average}), mended)
+            for _, warning in record_in_words(
+                scene.vary(load={"average": check.rows_per_mean}), mended
+            )
         )
 
 
@@ -765,7 +767,7 @@ def test_parts_of_a_record_that_are_no_cycle_are_named_with_their_rows() -> None
     said = " ".join(sentence.text for sentence in record_in_words(scene, check_record(scene)))
     require_facts(said, "run-in", "at rest", "12 cycles that are alike", "load.start = {row = ")
     # means of many rows would take the noise out of P, and Q with it
-    assert check_record(scene).average <= 2
+    assert check_record(scene).rows_per_mean <= 2
     # the part alone has no other parts
     alike = parts["alike"]
     cut = scene.vary(load={"start": {"row": alike.first}, "end": {"row": alike.last}})
@@ -791,7 +793,10 @@ def test_a_threshold_that_changes_the_work_is_warned_of() -> None:
     check = check_record(scene)
     warnings = dict(record_in_words(scene, check))
     first, second = warnings
-    assert f"The path goes through {check.kept:,} of 4,000 rows: by half-plane theory W = " in first
+    assert (
+        f"The path goes through {check.n_path_rows:,} of 4,000 rows: by half-plane theory W = "
+        in first
+    )
     assert second.startswith("With half the threshold W changes by +")
     assert list(warnings.values()) == [True, True]
     fine = of_rows(noisy(0.0), reduce="tolerance", threshold={"P": 0.01, "Q": 0.01})

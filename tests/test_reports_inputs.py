@@ -213,7 +213,8 @@ def factors_of(scene: Scene, count: int) -> Factors:
     independent = np.random.default_rng(7).standard_normal((len(root), count))
     rows = root @ independent
     return {
-        entry.key: 1 + entry.standard * row for entry, row in zip(scene.inputs, rows, strict=True)
+        entry.key: 1 + entry.standard_uncertainty * row
+        for entry, row in zip(scene.inputs, rows, strict=True)
     }
 
 
@@ -234,7 +235,7 @@ def test_derivatives_and_uncertainty_are_those_of_closed_formulas(case: Closed, 
     step = 1e-5
     for entry in scene.inputs:
         closed = case.formula({entry.key: 1 + step}) - case.formula({entry.key: 1 - step})
-        expected = scale * closed / (2 * step) * entry.standard
+        expected = scale * closed / (2 * step) * entry.standard_uncertainty
         change = value.changes[entry.key]
         assert abs(change.value - expected) <= change.uncertainty + 1e-6 * abs(value.value)
     drawn = scale * case.formula(factors_of(scene, count))
@@ -325,7 +326,7 @@ def test_finite_elements_of_moved_scenes_give_the_term_of_the_difference(key: st
     """Measured: 0.0003 to 0.0008 points off, of 0.008 to 0.061."""
     entry = {found.key: found for found in BLOCKS.vary(uncertainty=PAPERS).inputs}[key]
     ends = []
-    for change in (entry.standard, -entry.standard):
+    for change in (entry.standard_uncertainty, -entry.standard_uncertainty):
         moved = BLOCKS.moved({key: change})
         theory = semi_analytic.solve(moved, x=0.0, fields=(WORK,)).dissipation
         ends.append(halfplane_fe.solve(moved).dissipation / theory - 1)
@@ -362,7 +363,7 @@ def test_an_unknown_term_of_the_difference_is_said(scene: Scene, words: str) -> 
     found = effects_of(scene, {"normal_load": "2 %"})
     assert not found.difference
     assert words in found.no_difference
-    before = inputs.not_stated(scene.vary(uncertainty={"normal_load": "2 %"}))
+    before = inputs.omissions_in_words(scene.vary(uncertainty={"normal_load": "2 %"}))
     assert (found.no_difference in before) != scene.bodies.half_planes
     assert "solve(" not in before
 
@@ -528,7 +529,7 @@ def one_cell_scales_both_loads() -> None:
 
 
 def five_per_cent_are_a_twentieth() -> None:
-    assert MINDLIN.vary(uncertainty={"friction": "5 %"}).inputs[0].standard == 0.05
+    assert MINDLIN.vary(uncertainty={"friction": "5 %"}).inputs[0].standard_uncertainty == 0.05
 
 
 CAUGHT_BY = {

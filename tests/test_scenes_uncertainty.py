@@ -50,7 +50,7 @@ def written(folder: Path, keys: str) -> Scene:
 
 def test_shares_and_amounts_are_read_in_the_units_of_the_scene(tmp_path: Path) -> None:
     scene = written(tmp_path, STATED)
-    shares = {entry.key: entry.standard for entry in scene.inputs}
+    shares = {entry.key: entry.standard_uncertainty for entry in scene.inputs}
     assert shares == pytest.approx(
         {
             "friction": 0.05,
@@ -137,7 +137,10 @@ def test_amounts_need_units_that_are_known() -> None:
     scene = load_scene("hertz-paper").vary(units="SI")
     with refused_for("uncertainty.profile.radius", "'SI'", '"1 %"'):
         scene.vary(uncertainty={"profile": {"radius": "1 mm"}})
-    assert scene.vary(uncertainty={"profile": {"radius": "1 %"}}).inputs[0].standard == 0.01
+    assert (
+        scene.vary(uncertainty={"profile": {"radius": "1 %"}}).inputs[0].standard_uncertainty
+        == 0.01
+    )
 
 
 # ------------------------------------------------------------------------------------ moved inputs

@@ -224,7 +224,7 @@ def _notes_and_remarks(
     """
     from reports.comparison.words import read_in_words
     from reports.input_words import sliding_in_words, stated_in_words
-    from reports.inputs import not_stated, sliding_of_loads
+    from reports.inputs import omissions_in_words, sliding_of_loads
     from reports.measured import check_record, record_in_words
     from reports.profile_fit import findings, fit_warnings
 
@@ -238,7 +238,7 @@ def _notes_and_remarks(
             else:
                 notes.append(sentence)
     sliding = sliding_in_words(sliding_of_loads(scene))
-    remarks += filter(None, [sliding, not_stated(scene)])
+    remarks += filter(None, [sliding, omissions_in_words(scene)])
     remarks += fit_warnings(scene, half_width)
     sentences_on_fit, _ = findings(scene)
     notes += [sentence for sentence in sentences_on_fit if sentence not in remarks]
@@ -301,7 +301,7 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
     from reports.checking import engines_for
     from reports.comparison.words import bodies_in_words, question, read_in_words
     from reports.input_words import stated_content, stated_in_words
-    from reports.inputs import not_stated
+    from reports.inputs import omissions_in_words
     from reports.measured import read_in_pairs
     from scenes import InputError
 
@@ -315,7 +315,7 @@ def _check_rig(scene: Scene, source: str, options: Options) -> Answer:
     columns_of_table = read_in_pairs(scene)
     notes = [question(scene), *filter(None, [bodies_in_words(scene), stated_in_words(scene)])]
     notes += [read_in_words(table, columns) for table, columns in columns_of_table.items()]
-    remarks = [f"{engines.in_words(source)}.", *filter(None, [not_stated(scene)])]
+    remarks = [f"{engines.in_words(source)}.", *filter(None, [omissions_in_words(scene)])]
     content = {
         "passed": True,
         "remarks": remarks,

@@ -34,19 +34,19 @@ from scenes.array_types import Array
 from scenes.bodies import face_of
 from scenes.profiles import Fitted
 
-# Half the width of a half-plane as drawn, over a or over the half-width of the body that it faces.
-_SHOWN_OF_CONTACT = 6.0
+# Half the width of a half-plane as drawn: over that of the contact, and of the body that it faces.
+_HALF_WIDTHS_OF_CONTACT_SHOWN = 6.0
 
-_SHOWN_OF_BODY = 1.3
+_HALF_WIDTHS_OF_BODY_SHOWN = 1.3
 
-# Of the drawing: its width, its largest height, room above the bodies and on the other sides.
+# Of the sketch [pixels]: its width, its largest height, room above the bodies and on other sides.
 _WIDTH = 440.0
 
 _LARGEST_HEIGHT = 310.0
 
-_ROOM = 76.0
+_ROOM_ABOVE = 76.0
 
-_SIDE = 30.0
+_ROOM_AT_SIDES = 30.0
 
 _FACE_POINTS = 181  # of an outline
 
@@ -55,12 +55,12 @@ _MOST_DOTS = 400
 
 
 def sketch(scene: Scene, half_width: float) -> Plate:
-    """A figure of both bodies to scale with supports, loads and the place of the contact.
+    """A figure of both bodies to scale, with their supports, their loads and the contact.
 
     Parameters
     ----------
     half_width
-        of the contact, drawn to scale [length]
+        half-width of the contact, drawn to scale [length]
     """
     _, unit_of_length, _ = units(scene)
     outlines = {name: outline(scene, name, half_width) for name in ("lower", "upper")}
@@ -69,21 +69,17 @@ def sketch(scene: Scene, half_width: float) -> Plate:
     for name, corners in outlines.items():
         shape = getattr(scene.bodies, name)
         marks += _body(frame, corners, shape, name)
-        marks += _supports(frame, shape, corners, 1.0 if name == "lower" else -1.0)
-        height_of_label = 16.0 if name == "upper" else frame.height - 6
-        marks.append(Note(6.0, height_of_label, _label(scene, name), "word"))
-    height_of_face = float(frame.y.place(0.0))
-    marks.append(
-        Curve(
-            frame.x.place([-half_width, half_width]),
-            [height_of_face, height_of_face],
-            "contact-line",
-        )
-    )
+        outward_sign = 1.0 if name == "lower" else -1.0
+        marks += _supports(frame, shape, corners, outward_sign)
+        y_of_label = 16.0 if name == "upper" else frame.height - 6
+        marks.append(Note(6.0, y_of_label, _label(scene, name), "word"))
+    x_of_contact = frame.x.place([-half_width, half_width])
+    y_of_contact = float(frame.y.place(0.0))
+    marks.append(Curve(x_of_contact, [y_of_contact, y_of_contact], "contact-line"))
     marks += _loads(frame, scene, outlines)
 
     alt = bodies_in_words(scene)
-    # Places of the marks are those of the drawing: supports and arrows have no size in the scene.
+    # Marks are placed in pixels: supports and arrows have no size in the scene.
     panel = Panel(
         "bodies",
         Axis(0.0, frame.width, ""),
@@ -95,18 +91,18 @@ def sketch(scene: Scene, half_width: float) -> Plate:
         without_axes=True,
         room=(0.0, 0.0, 0.0, 0.0),
     )
-    columns: Table = {
+    table: Table = {
         "body": [name for name in outlines for _ in outlines[name]],
         f"x [{unit_of_length}]": np.concatenate([corners[:, 0] for corners in outlines.values()]),
         f"y [{unit_of_length}]": np.concatenate([corners[:, 1] for corners in outlines.values()]),
     }
-    bodies = (scene.bodies.lower, scene.bodies.upper)
+    shapes = (scene.bodies.lower, scene.bodies.upper)
     return figure_with_texts(
         "bodies",
         [panel],
-        columns,
+        table,
         columns=1,
-        cut=any(isinstance(body, HalfPlane) for body in bodies),
+        cut=any(isinstance(shape, HalfPlane) for shape in shapes),
         width=number(2 * half_width),
         length=unit_of_length,
         normal=_range_in_words(_normal_loads(scene)),
@@ -125,7 +121,7 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
     Parameters
     ----------
     half_width
-        of the largest contact [length]
+        half-width of the largest contact [length]
     """
     fit = fit_of(scene)
     if fit is None:
@@ -158,7 +154,7 @@ def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
 
 
 class _Trace(NamedTuple):
-    """The n rows of a measured profile beside the curve that was fitted to them.
+    """The trace of a measured profile: its n rows, and the curve that was fitted to them.
 
     Attributes
     ----------
@@ -169,9 +165,9 @@ class _Trace(NamedTuple):
     is_fitted
         (n,) whether the row was fitted
     drawn_rows
-        numbers of the fitted rows that are drawn, evenly chosen where there are many
+        indices of the fitted rows that are drawn, evenly chosen where there are many
     spikes
-        numbers of the rows that were left out as spikes
+        indices of the rows that were left out as spikes
     """
 
     x: Array
@@ -193,7 +189,7 @@ class _Trace(NamedTuple):
 
 
 def _trace_of(scene: Scene, fit: Fitted) -> _Trace:
-    """The rows of a measured profile beside the curve of its `fit`."""
+    """The rows of a measured profile and the height of the fitted curve at each."""
     x = fit.rows.values[:, 0] - fit.centre
     is_fitted = np.isin(np.arange(len(x)), fit.used_rows())
     stride = -(-int(is_fitted.sum()) // _MOST_DOTS)
@@ -208,7 +204,9 @@ def _trace_of(scene: Scene, fit: Fitted) -> _Trace:
 
 
 def _panel_of_trace(trace: _Trace, unit_of_length: str) -> Panel:
-    """A panel of the levelled rows of a profile and the curve that was fitted to them."""
+    """A panel of a measured profile: the height of its rows, with tilt and offset taken out, and
+    the curve that was fitted to them.
+    """
     height = trace.levelled_height
     order_of_x = np.argsort(trace.x)
     marks: list[Mark] = [
@@ -237,15 +235,15 @@ def _panel_of_trace(trace: _Trace, unit_of_length: str) -> Panel:
 def _panel_of_residuals(
     trace: _Trace, noise: float, half_width: float, unit_of_length: str
 ) -> Panel:
-    """A panel of the residuals of a fitted profile, row minus curve, with a band of twice the noise
-    and lines at the ends of the largest contact.
+    """A panel of the residuals of a fitted profile, height of the row minus fitted curve, with a
+    band of ± twice the noise and lines at the edges of the largest contact.
 
     Parameters
     ----------
     noise
-        standard deviation of a row [length]
+        standard deviation of the height of a row [length]
     half_width
-        of the largest contact [length]
+        half-width of the largest contact [length]
     """
     fitted_x = trace.x[trace.is_fitted]
     twice_the_noise = np.full(len(fitted_x), 2 * noise)
@@ -259,11 +257,11 @@ def _panel_of_residuals(
         label = f"x = {trace.x[row]:.4g}, {trace.residuals[row]:.3g} {unit_of_length}"
         marks.append(Dot(float(trace.x[row]), float(trace.residuals[row]), "p0", 2.2, label))
     largest_residual = float(np.abs(trace.residuals[trace.is_fitted]).max())
-    largest_shown = 1.1 * max(largest_residual, 2.2 * noise)
+    axis_end = 1.1 * max(largest_residual, 2.2 * noise)
     return Panel(
         "profile-fit",
         trace.x_axis(unit_of_length),
-        Axis(-largest_shown, largest_shown, f"row − fit  [{unit_of_length}]"),
+        Axis(-axis_end, axis_end, f"row − fit  [{unit_of_length}]"),
         marks,
         "Residuals of the fit",
         height=260.0,
@@ -271,56 +269,59 @@ def _panel_of_residuals(
 
 
 def _frame(outlines: dict[str, Array]) -> Frame:
-    """Scales of the sketch of both bodies: the same in both directions, with room above for the
-    arrows of the loads and all round for supports. `outlines` are the outlines of the bodies, (n,
-    2).
+    """Scales of the sketch of both bodies, from lengths to pixels: the same in both directions, with
+    room above for the arrows of the loads and on the other sides for supports.
+
+    `outlines` are the outlines of the bodies, (n, 2) each: x, y [length].
     """
     points = np.concatenate(list(outlines.values()))
     left_x, least_y = points.min(axis=0)
     right_x, largest_y = points.max(axis=0)
-    unit_across = (right_x - left_x) / (_WIDTH - 2 * _SIDE)
-    unit_up = (largest_y - least_y) / (_LARGEST_HEIGHT - _ROOM - _SIDE)
-    unit = max(unit_across, unit_up)
-    height = float((largest_y - least_y) / unit + _ROOM + _SIDE)
+    pixel_by_width = (right_x - left_x) / (_WIDTH - 2 * _ROOM_AT_SIDES)
+    pixel_by_height = (largest_y - least_y) / (_LARGEST_HEIGHT - _ROOM_ABOVE - _ROOM_AT_SIDES)
+    pixel = max(pixel_by_width, pixel_by_height)  # [length]
+    height = float((largest_y - least_y) / pixel + _ROOM_ABOVE + _ROOM_AT_SIDES)
     middle_x = (left_x + right_x) / 2
-    half_width_shown = (_WIDTH / 2 - _SIDE) * unit
+    half_width_shown = (_WIDTH / 2 - _ROOM_AT_SIDES) * pixel
     x_scale = Scale(
         float(middle_x - half_width_shown),
         float(middle_x + half_width_shown),
-        _SIDE,
-        _WIDTH - _SIDE,
+        _ROOM_AT_SIDES,
+        _WIDTH - _ROOM_AT_SIDES,
     )
-    y_scale = Scale(float(least_y), float(largest_y), height - _SIDE, _ROOM)
+    y_scale = Scale(float(least_y), float(largest_y), height - _ROOM_AT_SIDES, _ROOM_ABOVE)
     return Frame(x_scale, y_scale, _WIDTH, height)
 
 
 def outline(scene: Scene, name: str, half_width: float) -> Array:
-    """Outline of a body, (n, 2) x and y in the common frame [length], from the left end of its face
-    to the right one and round its base.
+    """Outline of a body, (n, 2): x, and y upwards from the contact plane [length]. It goes from the
+    left end of the face to the right end, then round the base.
 
-    A half-plane is drawn as a rectangle: of a width that suits the other body, or where both are
-    half-planes the contact, whose half-width is `half_width`. `name` is "lower" or "upper".
+    A half-plane is drawn as a rectangle, 1.3 times as wide as the body that it faces. Where both
+    are half-planes it is 6 times as wide as the contact, whose half-width is `half_width`. `name`
+    is "lower" or "upper".
     """
     shape = getattr(scene.bodies, name)
     facing_shape = getattr(scene.bodies, "upper" if name == "lower" else "lower")
     outward_sign = 1.0 if name == "lower" else -1.0
-    width = shape.face_half_width
+    face_half_width = shape.face_half_width
     height = getattr(shape, "height", 0.0)
     if isinstance(shape, HalfPlane):
-        width = _SHOWN_OF_BODY * facing_shape.face_half_width
+        face_half_width = _HALF_WIDTHS_OF_BODY_SHOWN * facing_shape.face_half_width
         if isinstance(facing_shape, HalfPlane):
-            width = _SHOWN_OF_CONTACT * half_width
-        height = 0.5 * width
+            face_half_width = _HALF_WIDTHS_OF_CONTACT_SHOWN * half_width
+        height = 0.5 * face_half_width
     # Finer towards the ends, where an arc is steep.
-    x = width * np.sin(np.linspace(-np.pi / 2, np.pi / 2, _FACE_POINTS))
+    x = face_half_width * np.sin(np.linspace(-np.pi / 2, np.pi / 2, _FACE_POINTS))
     face = np.column_stack([x, -outward_sign * face_of(shape, scene.profile).depth(x)])
     if isinstance(shape, Cylinder):
         return face
-    right_side = [(width, height)]
+    # x and depth of the corners beside and below the face
+    right_side = [(face_half_width, height)]
     if isinstance(shape, TShape | ShoulderedPad):
         half_width_below = shape.step.half_width
         right_side = [
-            (width, shape.step.depth),
+            (face_half_width, shape.step.depth),
             (half_width_below, shape.step.depth),
             (half_width_below, height),
         ]
@@ -330,14 +331,14 @@ def outline(scene: Scene, name: str, half_width: float) -> Array:
 
 def _body(frame: Frame, points: Array, shape: Shape, name: str) -> Iterator[Mark]:
     """What is drawn for a body: its filled area and its outline. A half-plane has a solid line
-    along its face alone, and a broken one where the drawing cuts it off.
+    along its face alone, and a dotted line where the drawing cuts it off.
 
     Parameters
     ----------
     frame
         the scales of the sketch
     shape
-        the body's shape, which says what is cut off
+        the body's shape: a half-plane or a finite body
     points
         (n, 2) outline, from the left end of the face to the right one and round the base [length]
     name
@@ -349,10 +350,10 @@ def _body(frame: Frame, points: Array, shape: Shape, name: str) -> Iterator[Mark
     if not isinstance(shape, HalfPlane):
         yield Curve(x, y, "body-line", closed=True)
         return
-    # From the right end of the face round the base to the left end.
-    cut_edges = [_FACE_POINTS - 1, _FACE_POINTS, _FACE_POINTS + 1, 0]
+    # from the right end of the face round the base to the left end
+    points_of_cut = [_FACE_POINTS - 1, _FACE_POINTS, _FACE_POINTS + 1, 0]
     yield Curve(x[:_FACE_POINTS], y[:_FACE_POINTS], "body-line")
-    yield Curve(x[cut_edges], y[cut_edges], "cut-line")
+    yield Curve(x[points_of_cut], y[points_of_cut], "cut-line")
 
 
 def _supports(frame: Frame, shape: Shape, points: Array, outward_sign: float) -> Iterator[Mark]:
@@ -373,46 +374,53 @@ def _supports(frame: Frame, shape: Shape, points: Array, outward_sign: float) ->
     if isinstance(shape, HalfPlane):
         return
     y_of_face = float(frame.y.place(points[0, 1]))
-    lowest_point = np.argmax(-outward_sign * points[:, 1])
-    is_at_base = points[:, 1] == points[lowest_point, 1]
-    half_width = float(np.abs(points[is_at_base, 0]).max())
-    left_x, right_x = frame.x.place([-half_width, half_width]).tolist()
-    y_of_base = float(frame.y.place(points[lowest_point, 1]))
+    farthest_point = np.argmax(-outward_sign * points[:, 1])
+    is_at_base = points[:, 1] == points[farthest_point, 1]
+    half_width_of_base = float(np.abs(points[is_at_base, 0]).max())
+    left_x, right_x = frame.x.place([-half_width_of_base, half_width_of_base]).tolist()
+    y_of_base = float(frame.y.place(points[farthest_point, 1]))
     base_rolls = getattr(shape, "base", "") == "rollers"
     yield from _plane((left_x, y_of_base), (right_x, y_of_base), (0.0, outward_sign), base_rolls)
     if getattr(shape, "sides", "") == "guided":
-        yield from _plane((left_x, y_of_base), (left_x, y_of_face), (-1.0, 0.0), rollers=True)
-        yield from _plane((right_x, y_of_base), (right_x, y_of_face), (1.0, 0.0), rollers=True)
+        yield from _plane((left_x, y_of_base), (left_x, y_of_face), (-1.0, 0.0), has_rollers=True)
+        yield from _plane((right_x, y_of_base), (right_x, y_of_face), (1.0, 0.0), has_rollers=True)
 
 
 def _plane(
     start: tuple[float, float],
     end: tuple[float, float],
     outward: tuple[float, float],
-    rollers: bool,
+    has_rollers: bool,
 ) -> Iterator[Mark]:
-    """What is drawn for a rigid plane: a line from `start` to `end`, hatched on the side to which
-    `outward` points, with rollers between it and the body if `rollers`. Places in pixels.
+    """What is drawn for a rigid plane along a side of a body: a line with hatches, and rollers
+    between body and line where `has_rollers`.
+
+    Parameters
+    ----------
+    start, end
+        ends of the side of the body [pixels]
+    outward
+        unit vector from the body towards the plane
     """
-    hatch_length = 10.0  # three times the radius of a roller
+    roller_radius = 10.0 / 3
+    hatch_length = 7.0  # along the line, and across it
     first_point = np.array(start)
     last_point = np.array(end)
     outward_normal = np.array(outward)
-    if rollers:
-        shares_of_length = np.linspace(0.08, 0.92, 7)[:, None]
-        places_on_line = first_point + shares_of_length * (last_point - first_point)
-        centres = places_on_line + outward_normal * hatch_length / 3
+    if has_rollers:
+        fractions_of_side = np.linspace(0.08, 0.92, 7)[:, None]
+        points_on_side = first_point + fractions_of_side * (last_point - first_point)
+        centres = points_on_side + outward_normal * roller_radius
         for x, y in centres:
-            yield Dot(float(x), float(y), "roller", hatch_length / 3)
-        first_point = first_point + outward_normal * 2 * hatch_length / 3
-        last_point = last_point + outward_normal * 2 * hatch_length / 3
+            yield Dot(float(x), float(y), "roller", roller_radius)
+        first_point = first_point + outward_normal * 2 * roller_radius
+        last_point = last_point + outward_normal * 2 * roller_radius
     length = np.hypot(*(last_point - first_point))
     direction = (last_point - first_point) / length
     n_hatches = max(int(length / 8), 4)
-    starts_of_hatches = first_point + np.linspace(0, 1, n_hatches)[:, None] * (
-        last_point - first_point
-    )
-    ends_of_hatches = starts_of_hatches + 0.7 * hatch_length * (outward_normal - direction)
+    fractions_of_line = np.linspace(0, 1, n_hatches)[:, None]
+    starts_of_hatches = first_point + fractions_of_line * (last_point - first_point)
+    ends_of_hatches = starts_of_hatches + hatch_length * (outward_normal - direction)
     yield Curve([first_point[0], last_point[0]], [first_point[1], last_point[1]], "wall")
     yield Segments(np.stack([starts_of_hatches, ends_of_hatches], axis=1), "curve hatch")
 
@@ -431,18 +439,19 @@ def _label(scene: Scene, name: str) -> str:
         sizes_in_words = f" {number(shape.width)} × {number(shape.height)} {unit_of_length}"
     young_modulus = number(material.young_modulus)
     poisson_ratio = number(material.poisson_ratio)
-    elastic = f"E = {young_modulus} {unit_of_stress}, ν = {poisson_ratio}"
-    return f"{name}: {shape.kind.replace('_', '-')}{sizes_in_words}, {elastic}"
+    material_in_words = f"E = {young_modulus} {unit_of_stress}, ν = {poisson_ratio}"
+    return f"{name}: {shape.kind.replace('_', '-')}{sizes_in_words}, {material_in_words}"
 
 
 def _loads(frame: Frame, scene: Scene, outlines: dict[str, Array]) -> Iterator[Mark]:
     """What is drawn for the loads: arrows of P and Q at the top of the upper body, a turning arrow
-    for its tilt or moment, and arrows of bulk stress at both ends of a body that has one.
+    for its tilt or moment, and arrows of bulk stress at both ends of a body that has one. A line
+    shows where P acts, if the scene states it.
 
     Parameters
     ----------
     frame
-        scales of the sketch
+        scales of the sketch, from lengths to pixels
     outlines
         (n, 2) outline of each body, by "lower" and "upper" [length]
     """
@@ -450,12 +459,9 @@ def _loads(frame: Frame, scene: Scene, outlines: dict[str, Array]) -> Iterator[M
     y_of_top = float(frame.y.place(outlines["upper"][:, 1].max())) - 8
     y_of_contact = float(frame.y.place(0.0))
     line_of_action = load.line_of_action
-    # the words below say where it is
-    x_of_arrow = float(
-        np.clip(
-            frame.x.place(line_of_action.x if line_of_action else 0.0), 80.0, frame.width - 80.0
-        )
-    )
+    x_of_action = frame.x.place(line_of_action.x if line_of_action else 0.0)
+    # within the drawing; the caption says where the line of action is
+    x_of_arrow = float(np.clip(x_of_action, 80.0, frame.width - 80.0))
     if line_of_action is not None:
         yield Curve(
             [x_of_arrow, x_of_arrow],
@@ -479,7 +485,9 @@ def _loads(frame: Frame, scene: Scene, outlines: dict[str, Array]) -> Iterator[M
 
 
 def _turning_arrow(middle: tuple[float, float], turn: float, letter: str) -> Iterator[Mark]:
-    """An arrow along an arc about `middle`, with its letter there; turn is 1 or -1."""
+    """An arrow along an arc about `middle` [pixels], with its letter there; `turn` is 1
+    counter-clockwise, -1 clockwise.
+    """
     x, y = middle
     angle = np.linspace(-0.2, 1.2, 29) * np.pi
     arc_x = x + turn * 18 * np.cos(angle)
