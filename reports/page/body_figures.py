@@ -269,8 +269,8 @@ def _panel_of_residuals(
 
 
 def _frame(outlines: dict[str, Array]) -> Frame:
-    """Scales of the sketch of both bodies, from lengths to pixels: the same in both directions, with
-    room above for the arrows of the loads and on the other sides for supports.
+    """Scales of the sketch of both bodies, from lengths to pixels: the same in both directions.
+    Room is left above for the arrows of the loads, and on the other sides for supports.
 
     `outlines` are the outlines of the bodies, (n, 2) each: x, y [length].
     """
