@@ -168,7 +168,7 @@ def noise_of(values: Array) -> float:
 
     White noise has second differences of variance 6 sigma^2 and fourth ones of 70 sigma^2, so both
     give one sigma. Of a load with many rows a period the fourth differences are far smaller. A load
-    with few rows a period is told from noise by a linear prediction from the rows before.
+    with few rows a period can be predicted from the rows before, linearly; noise cannot.
 
     >>> t = np.linspace(0, 20, 2000)
     >>> (
