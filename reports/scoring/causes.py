@@ -85,19 +85,18 @@ class Cause:
 def _moments(discrepancy: Discrepancy) -> tuple[float, float, float]:
     """How the pressure of the result compares with the reference's, over all points and instants:
     the ratio of the sums, the ratio of the widths (standard deviations in x), and the distance
-    between the centroids [length]. 1, 1, 0 where either has no pressure. `discrepancy` holds the
-    tractions of result and reference.
+    between the centroids, result minus reference [length]. 1, 1, 0 where either has no pressure.
     """
     moments = []  # of the result, of the reference
     for tractions in (discrepancy.result_tractions, discrepancy.reference_tractions):
         pressure = tractions[PRESSURE]
-        weight = discrepancy.weight * np.maximum(pressure, 0.0)
-        sum_of_pressure = float(weight.sum())
+        weighted_pressure = discrepancy.weight * np.maximum(pressure, 0.0)
+        sum_of_pressure = float(weighted_pressure.sum())
         if not sum_of_pressure:
             return 1.0, 1.0, 0.0
-        centre = float(np.sum(weight * discrepancy.x)) / sum_of_pressure
-        width = float(np.sqrt(np.sum(weight * (discrepancy.x - centre) ** 2) / sum_of_pressure))
-        moments.append((sum_of_pressure, centre, width))
+        centre = float(np.sum(weighted_pressure * discrepancy.x)) / sum_of_pressure
+        second_moment = np.sum(weighted_pressure * (discrepancy.x - centre) ** 2) / sum_of_pressure
+        moments.append((sum_of_pressure, centre, float(np.sqrt(second_moment))))
     sum_of_result, centre_of_result, width_of_result = moments[0]
     sum_of_reference, centre_of_reference, width_of_reference = moments[1]
     width_ratio = 1.0
@@ -145,21 +144,26 @@ def _of_pressure_alone(discrepancy: Discrepancy) -> Sequence[float]:
         discrepancy.is_within(SHEAR)
         or discrepancy.residual(discrepancy.reference_tractions, SHEAR).is_noise
     )
-    return _of_factor(discrepancy) if right and _slips(discrepancy) else ()
+    return _of_factor(discrepancy) if right and _has_shear(discrepancy) else ()
 
 
 def _of_shear_alone(discrepancy: Discrepancy) -> Sequence[float]:
-    """Size at which to start the search for a factor of the shear: the logarithm of the ratio of
-    the sums of the shear over x. None where these have other signs. `discrepancy` holds the
-    tractions of result and reference.
+    """Size at which to start the search for a factor of the shear, in a tuple: the logarithm of the
+    ratio of the sums of the shear over x, result to reference.
+
+    The ratio is that of least squares over the instants. Empty where it is not positive, and
+    without a shear.
     """
-    if not _slips(discrepancy):
+    if not _has_shear(discrepancy):
         return ()
     weight = discrepancy.weight
-    sums = np.sum(weight * discrepancy.result_tractions[SHEAR], axis=1)
-    sums_of_reference = np.sum(weight * discrepancy.reference_tractions[SHEAR], axis=1)
-    square_of_sums = float(sums_of_reference @ sums_of_reference)
-    ratio = float(sums @ sums_of_reference) / square_of_sums if square_of_sums else 0.0
+    # one for each instant
+    result_sums = np.sum(weight * discrepancy.result_tractions[SHEAR], axis=1)
+    reference_sums = np.sum(weight * discrepancy.reference_tractions[SHEAR], axis=1)
+    square_of_reference = float(reference_sums @ reference_sums)
+    if not square_of_reference:
+        return ()
+    ratio = float(result_sums @ reference_sums) / square_of_reference
     return (_away_from_zero(np.log(ratio)),) if ratio > 0 else ()
 
 
@@ -180,25 +184,25 @@ def _of_offset(discrepancy: Discrepancy) -> Sequence[float]:
     return (float(np.clip(shift, -limit, limit)) / discrepancy.half_width or _START,)
 
 
-def _slips(discrepancy: Discrepancy) -> bool:
+def _has_shear(discrepancy: Discrepancy) -> bool:
     """Whether the file and the scene have a shear."""
     return bool(
-        discrepancy.sheared
+        discrepancy.has_shear
         and discrepancy.scene.friction.coefficient
         and np.any(discrepancy.reference_tractions[SHEAR])
     )
 
 
-def _where_it_slips(*starts: float) -> Callable[[Discrepancy], Sequence[float]]:
-    return lambda discrepancy: starts if _slips(discrepancy) else ()
+def _where_it_has_shear(*starts: float) -> Callable[[Discrepancy], Sequence[float]]:
+    return lambda discrepancy: starts if _has_shear(discrepancy) else ()
 
 
 def _of_delay(discrepancy: Discrepancy) -> Sequence[float]:
-    return _DELAYS if discrepancy.on_cycle and len(discrepancy.rows) >= 4 else ()
+    return _DELAYS if discrepancy.is_on_cycle and len(discrepancy.rows) >= 4 else ()
 
 
 def _of_cycle(discrepancy: Discrepancy) -> Sequence[float]:
-    return (1.0,) if _slips(discrepancy) and discrepancy.on_cycle else ()
+    return (1.0,) if _has_shear(discrepancy) and discrepancy.is_on_cycle else ()
 
 
 def _of_ends(discrepancy: Discrepancy) -> Sequence[float]:
@@ -207,7 +211,7 @@ def _of_ends(discrepancy: Discrepancy) -> Sequence[float]:
 
 
 def _of_mesh(discrepancy: Discrepancy) -> Sequence[float]:
-    return (1.0,) if discrepancy.elements < _FINE_ELEMENTS else ()
+    return (1.0,) if discrepancy.elements_per_half_width < _FINE_ELEMENTS else ()
 
 
 def _of_body(discrepancy: Discrepancy) -> Sequence[float]:
@@ -223,7 +227,7 @@ def _of_layer(discrepancy: Discrepancy) -> Sequence[float]:
 
 
 def _of_coupling(discrepancy: Discrepancy) -> Sequence[float]:
-    shear = discrepancy.sheared and bool(discrepancy.scene.friction.coefficient)
+    shear = discrepancy.has_shear and bool(discrepancy.scene.friction.coefficient)
     may_be_coupled = shear and not discrepancy.unsymmetric and not discrepancy.scene.load.is_driven
     return _BETAS if may_be_coupled and bool(np.any(discrepancy.result_tractions[SHEAR])) else ()
 
@@ -296,7 +300,7 @@ PRESSURE_SIGN = Cause(
 SWAPPED = Cause(
     "swapped",
     lambda variant, _: replace(variant, swapped=True),
-    _where_it_slips(1.0),
+    _where_it_has_shear(1.0),
     has_size=False,
 )
 COARSE_MESH = Cause(
@@ -335,7 +339,7 @@ OTHER_TIMES = Cause(
 SHEAR_SIGN = Cause(
     "shear_sign",
     lambda variant, _: replace(variant, shear_factor=-variant.shear_factor),
-    _where_it_slips(1.0),
+    _where_it_has_shear(1.0),
     channel=SHEAR,
     has_size=False,
 )
@@ -349,7 +353,7 @@ SHEAR_FACTOR = Cause(
 FRICTIONLESS = Cause(
     "frictionless",
     lambda variant, _: replace(variant, shear_factor=0.0),
-    _where_it_slips(1.0),
+    _where_it_has_shear(1.0),
     channel=SHEAR,
     group="history",
     has_size=False,
@@ -357,7 +361,7 @@ FRICTIONLESS = Cause(
 FRICTION = Cause(
     "friction",
     lambda variant, k: replace(variant, friction=variant.friction * float(np.exp(k))),
-    _where_it_slips(*_FRICTIONS),
+    _where_it_has_shear(*_FRICTIONS),
     channel=SHEAR,
     group="friction",
     largest_size=_BONDED,
@@ -365,7 +369,7 @@ FRICTION = Cause(
 FULL_STICK = Cause(
     "full_stick",
     lambda variant, k: replace(variant, friction=float(np.exp(k))),
-    _where_it_slips(*_NO_SLIP),
+    _where_it_has_shear(*_NO_SLIP),
     channel=SHEAR,
     group="friction",
     has_size=False,
@@ -397,7 +401,7 @@ def _of_load(key: str) -> Cause:
 
 
 def _with_memory(discrepancy: Discrepancy) -> Sequence[float]:
-    return (1.0,) if _slips(discrepancy) and not discrepancy.unsymmetric else ()
+    return (1.0,) if _has_shear(discrepancy) and not discrepancy.unsymmetric else ()
 
 
 CAUSES = (

@@ -9,7 +9,7 @@ import numpy as np
 
 from halfplane_fe.dundurs import dundurs
 from reports.scoring.causes import COUPLING, Cause, round_power
-from reports.scoring.discrepancy import Discrepancy
+from reports.scoring.discrepancy import PRESSURE, Discrepancy
 from reports.scoring.fits import Fit
 from reports.scoring.judgement import NO_COUPLING
 from reports.scoring.traces import FAULTS, WORDS
@@ -23,7 +23,10 @@ _ENOUGH_ELEMENTS = 10
 
 
 def key_of_sentence(cause: Cause, size: float) -> str:
-    """The key of the sentence: round factors have their own."""
+    """The key of the sentence on a cause, a known fault of a result, in the templates. Factors of 2
+    or 1/2, and powers of ten, have sentences of their own. `size` is that of the fault; of a factor
+    it is the logarithm.
+    """
     factor = float(np.exp(size))
     if cause.key == "loads" and min(abs(factor / 2 - 1), abs(2 * factor - 1)) < _HALF:
         return "half_model"
@@ -33,15 +36,21 @@ def key_of_sentence(cause: Cause, size: float) -> str:
 
 
 def size_of(cause: Cause, size: float) -> str:
-    """The size in a few words; empty of a cause without one."""
-    label = key_of_sentence(cause, size)
-    if label not in WORDS["sizes"]:
+    """The size of a cause in a few words; empty of a cause without one."""
+    key = key_of_sentence(cause, size)
+    if key not in WORDS["sizes"]:
         return ""
-    return minus(str(WORDS["sizes"][label].format(**_figures(cause, size))))
+    return minus(str(WORDS["sizes"][key].format(**_numbers_of_size(cause, size))))
 
 
-def _figures(cause: Cause, size: float) -> dict[str, float]:
-    """The numbers that the sentence of a cause is filled with, from its fitted size."""
+def _numbers_of_size(cause: Cause, size: float) -> dict[str, float]:
+    """The numbers that a template on the size of a cause is filled with: factor, distance, delay.
+
+    >>> from reports.scoring.causes import CAUSES
+    >>> loads = next(cause for cause in CAUSES if cause.key == "loads")
+    >>> _numbers_of_size(loads, 0.0)["factor"]
+    1.0
+    """
     factor = float(np.exp(size))
     if key_of_sentence(cause, size) == "units":
         factor = round_power(factor) or factor
@@ -55,55 +64,61 @@ def sentence_of(discrepancy: Discrepancy, cause: Cause, size: float, fit: Fit) -
     ----------
     discrepancy
         tractions of result and reference at some instants and all points
+    cause
+        the fault
     size
         fitted size of the fault; of a factor it is the logarithm
     fit
         the fit with this cause and perhaps another one
     """
-    factor = float(np.exp(size))
     numbers_in_sentence = {
-        **_figures(cause, size),
+        **_numbers_of_size(cause, size),
         "steps": float(len(discrepancy.comparison.result_cycle.time) - 1),
-        "height": _height(size),
-        "spacing": 1 / discrepancy.elements,
-        "likely": "",
+        "height": _height_of_blocks(size),
+        "spacing": 1 / discrepancy.elements_per_half_width,
     }
     if cause.key == COUPLING.key:
         return coupling_sentence(discrepancy)
     if cause.key == "coarse_edge":
-        return _of_mesh(discrepancy, alone=len(fit.causes) == 1)
-    label = key_of_sentence(cause, size)
+        return _coarse_mesh_sentence(discrepancy, is_only_cause=len(fit.causes) == 1)
+    words_in_sentence = {"likely": ""}
     if cause.key == "stiffness":
-        return FAULTS[label].format(
-            **numbers_in_sentence | {"likely": _likely_stiffness(discrepancy, factor)}
-        )
-    return FAULTS[label].format(**numbers_in_sentence)
+        words_in_sentence["likely"] = _origin_of_stiffness_factor(discrepancy, float(np.exp(size)))
+    template = FAULTS[key_of_sentence(cause, size)]
+    return template.format(**numbers_in_sentence, **words_in_sentence)
 
 
-def _height(share: float) -> float:
-    """Height [a_ref] of two equal blocks that add this share of what `BLOCK_HEIGHT` adds."""
-    return BLOCK_HEIGHT / max(abs(share), 1e-12) ** 0.5
-
-
-def _of_mesh(discrepancy: Discrepancy, *, alone: bool) -> str:
-    """The sentence for a result whose only visible fault is that it has nodal forces of a coarse
-    mesh; `alone` if no other cause is named. `discrepancy` holds the tractions of result and
-    reference.
+def _height_of_blocks(size: float) -> float:
+    """Height [a_ref] of two equal blocks whose response is `size` times that of blocks of
+    `BLOCK_HEIGHT`: the response goes as the inverse square of the height.
     """
-    pressure = discrepancy.result_tractions[0]
+    return BLOCK_HEIGHT / max(abs(size), 1e-12) ** 0.5
+
+
+def _coarse_mesh_sentence(discrepancy: Discrepancy, *, is_only_cause: bool) -> str:
+    """The sentence for a result that has nodal forces of a coarse mesh in place of tractions, with
+    the number of elements over the contact and the size that they should have.
+
+    `discrepancy` holds the result's pressure; `is_only_cause` is whether no other cause is named.
+    """
+    pressure = discrepancy.result_tractions[PRESSURE]
     carries_load = pressure > 1e-3 * np.max(pressure)
-    most_carrying = int(np.max(np.sum(carries_load, axis=1)))
+    largest_number_of_nodes = int(np.max(np.sum(carries_load, axis=1)))
     sentence = WORDS["others"]["coarse_mesh"].format(
-        elements=discrepancy.elements,
-        carrying=most_carrying,
+        elements=discrepancy.elements_per_half_width,
+        carrying=largest_number_of_nodes,
         wanted=discrepancy.half_width / _ENOUGH_ELEMENTS,
         enough=_ENOUGH_ELEMENTS,
     )
-    return f"{sentence} {WORDS['others']['coarse_mesh_alone']}" if alone else str(sentence)
+    if is_only_cause:
+        return f"{sentence} {WORDS['others']['coarse_mesh_alone']}"
+    return str(sentence)
 
 
-def _likely_stiffness(discrepancy: Discrepancy, factor: float) -> str:
-    """In words, what makes a factor of E*/R likely: plane stress, another modulus, or the like."""
+def _origin_of_stiffness_factor(discrepancy: Discrepancy, factor: float) -> str:
+    """In words, the likely origin of a wrong factor of E*/R in a result: plane stress, another
+    modulus, or the like.
+    """
     material = discrepancy.comparison.scene.material
     nu = material.upper.poisson_ratio
     if material.alike and abs(factor / (1 - nu**2) - 1) < 0.2 * nu**2:

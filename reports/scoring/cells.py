@@ -39,46 +39,68 @@ def cells(reach: float, count: int) -> tuple[Array, float]:
     return (edges[1:] + edges[:-1]) / 2, float(edges[1] - edges[0])
 
 
-def influence(scene: Scene, middle: Array, width: float) -> Array:
-    """(n, n) A_ij [length/stress]."""
-    distance = middle[:, None] - middle[None, :]
-    right = distance + width / 2
-    left = distance - width / 2
-    integral = right * (np.log(np.abs(right)) - 1) - left * (np.log(np.abs(left)) - 1)
-    return np.asarray(-2 / (np.pi * composite_modulus(scene.material)) * integral)
+def influence(scene: Scene, cell_centres: Array, cell_width: float) -> Array:
+    """Influence matrix (n, n): relative displacement at the centre of cell i by a unit traction on
+    cell j, A_ij [length/stress].
+    """
+    distance = cell_centres[:, None] - cell_centres[None, :]
+    to_right_end = distance + cell_width / 2
+    to_left_end = distance - cell_width / 2
+    integral_at_right = to_right_end * (np.log(np.abs(to_right_end)) - 1)
+    integral_at_left = to_left_end * (np.log(np.abs(to_left_end)) - 1)
+    integral_of_log = integral_at_right - integral_at_left
+    return np.asarray(-2 / (np.pi * composite_modulus(scene.material)) * integral_of_log)
 
 
-def pressure_on_layer(scene: Scene, x: Array, normal_load: Array, layer: float) -> Array:
-    """Pressure at points x (n,) under each of the loads P (k,), (k, n), of half-planes covered by a
-    soft layer: the faces sink into each other by `layer` times p [length/stress].
+def pressure_on_layer(
+    scene: Scene, x: Array, normal_loads: Array, layer_compliance: float
+) -> Array:
+    """Pressure (k, n) at points x (n,) under each of k loads P, of half-planes covered by a soft
+    layer [stress]: the faces sink into each other by `layer_compliance` times p.
 
-    On cells A p + layer p = approach - gap where they are closed, A being the influence matrix, and
-    p adds up to P. Cells that pull are opened until none does.
+    On closed cells A p + layer_compliance p = approach - gap, A being the influence matrix, and p
+    adds up to P. Cells that pull are opened until none does.
+
+    Parameters
+    ----------
+    scene
+        profile and material of the half-planes
+    x
+        (n,) points [length]
+    normal_loads
+        (k,) P [force / thickness]
+    layer_compliance
+        indentation of the layer per pressure [length/stress]
     """
     contact = contact_of(scene.profile, scene.material)
-    half_width_of_cells = _REACH_OF_LAYER * float(contact.half_width(normal_load.max()))
+    half_width_of_cells = _REACH_OF_LAYER * float(contact.half_width(normal_loads.max()))
     cell_centres, cell_width = cells(half_width_of_cells, _CELLS)
-    matrix = influence(scene, cell_centres, cell_width) + layer * np.eye(_CELLS)
+    matrix = influence(scene, cell_centres, cell_width) + layer_compliance * np.eye(_CELLS)
     gap = np.asarray(scene.profile.height(cell_centres))
-    pressures = np.zeros((len(normal_load), _CELLS))
-    for instant, load_at_instant in enumerate(normal_load):
-        is_closed = np.full(_CELLS, load_at_instant > 0)
+    pressures = np.zeros((len(normal_loads), _CELLS))
+    for number, normal_load in enumerate(normal_loads):
+        is_closed = np.full(_CELLS, normal_load > 0)
         while is_closed.any():  # each pass opens a cell, or is the last
-            pressure, _ = _bordered(
-                matrix, is_closed, -gap[is_closed], cell_width, float(load_at_instant)
+            closed_pressure, _ = _tractions_and_rigid_motion(
+                matrix, is_closed, -gap[is_closed], cell_width, float(normal_load)
             )
-            if np.all(pressure >= 0):
-                pressures[instant, is_closed] = pressure
+            if np.all(closed_pressure >= 0):
+                pressures[number, is_closed] = closed_pressure
                 break
-            is_closed[is_closed] = pressure > 0
-    return np.array([np.interp(x, cell_centres, row, left=0.0, right=0.0) for row in pressures])
+            is_closed[is_closed] = closed_pressure > 0
+    return _at_points(x, cell_centres, pressures)
+
+
+def _at_points(x: Array, cell_centres: Array, tractions: Array) -> Array:
+    """Tractions (k, n) at points x (n,), interpolated from (k, n_cells) on cells; 0 beyond them."""
+    return np.array([np.interp(x, cell_centres, row, left=0.0, right=0.0) for row in tractions])
 
 
 def shear_by_coupling(
     scene: Scene, x: Array, loads: Array, rows: NDArray[np.intp], beta: float
 ) -> Array:
-    """Shear (k, n) at x of bodies with Dundurs' `beta` minus that of like ones, at the `rows` (k,)
-    of the load steps.
+    """Shear (k, n) of bodies with Dundurs' `beta` minus that of like ones [stress], at points x
+    (n,) and at the ends of k load steps.
 
     The pressure moves the faces along x, with the slope 2 beta p/E*; what the shear adds to the
     pressure is neglected (Goodman's approximation). The Coulomb law is met at the end of each
@@ -86,16 +108,25 @@ def shear_by_coupling(
 
     Parameters
     ----------
+    scene
+        profile, material and friction
+    x
+        (n,) points [length]
     loads
-        (n_steps, 2): P and Q at the ends of the steps [force / thickness]
+        (n_steps, 2): P and Q at the ends of the load steps [force / thickness]
+    rows
+        (k,) numbers of the load steps at whose ends the shear is returned
+    beta
+        Dundurs' constant of the unlike materials
     """
     contact = contact_of(scene.profile, scene.material)
     half_width_of_cells = _REACH_OF_SHEAR * float(contact.half_width(loads[:, 0].max()))
     cell_centres, cell_width = cells(half_width_of_cells, _CELLS_OF_SHEAR)
     matrix = influence(scene, cell_centres, cell_width)
     pressure = contact.pressure(cell_centres, loads[:, :1])
-    slope = 2 * beta / composite_modulus(scene.material)
-    displacement_by_pressure = slope * cell_width * (np.cumsum(pressure, axis=1) - pressure / 2)
+    slope_per_pressure = 2 * beta / composite_modulus(scene.material)
+    pressure_up_to_centre = np.cumsum(pressure, axis=1) - pressure / 2  # summed from the left
+    displacement_by_pressure = slope_per_pressure * cell_width * pressure_up_to_centre
     coulomb_limit = scene.friction.coefficient * pressure
     tangential_load = loads[:, 1]
     shear_with_coupling = _shear_history(
@@ -104,103 +135,126 @@ def shear_by_coupling(
     shear_without_coupling = _shear_history(
         matrix, cell_width, coulomb_limit, tangential_load, 0 * displacement_by_pressure
     )
-    change = np.array(shear_with_coupling) - np.array(shear_without_coupling)
-    return np.array([np.interp(x, cell_centres, row, left=0.0, right=0.0) for row in change[rows]])
+    shear_by_coupling_on_cells = np.array(shear_with_coupling) - np.array(shear_without_coupling)
+    return _at_points(x, cell_centres, shear_by_coupling_on_cells[rows])
 
 
 def _shear_history(
     matrix: Array,
-    width: float,
-    coulomb_limit: Array,
-    tangential_load: Array,
-    displacement_by_pressure: Array,
+    cell_width: float,
+    coulomb_limits: Array,
+    tangential_loads: Array,
+    displacements_by_pressure: Array,
 ) -> list[Array]:
-    """Shear of n cells after each load step, (n,) each; slip is kept from step to step.
-
-    Parameters
-    ----------
-    matrix, width
-        (n, n) displacement of the cells by a unit shear of each; width of a cell [length]
-    coulomb_limit
-        (n_steps, n) Coulomb limit f p
-    tangential_load
-        (n_steps,) Q
-    displacement_by_pressure
-        (n_steps, n) relative displacement that the pressure makes along x [length]
-    """
-    slip = np.zeros(len(matrix))
-    shears = []
-    for step, force in enumerate(tangential_load):
-        shear, shift = _shear_of_state(
-            matrix, width, coulomb_limit[step], slip - displacement_by_pressure[step], float(force)
-        )
-        slip = shift - matrix @ shear + displacement_by_pressure[step]
-        shears.append(shear)
-    return shears
-
-
-def _shear_of_state(
-    matrix: Array, width: float, coulomb_limit: Array, held_shear: Array, force: float
-) -> tuple[Array, float]:
-    """Shear q of cells under Coulomb's law |q| <= limit that adds up to `force`, and the relative
-    tangential displacement U. The set of cells that stick is found by trial.
-
-    Cells that stick have U - A q = held_shear; the others have slipped in the direction of their
-    shear.
+    """Shear of n cells after each of m load steps, (n,) each [stress]; the slip of a step is where
+    the next one starts.
 
     Parameters
     ----------
     matrix
-        (n, n) displacement A of the cells by a unit shear of each
-    width
-        of a cell [length]
+        (n, n) displacement A of the cells by a unit shear of each [length/stress]
+    cell_width
+        [length]
+    coulomb_limits
+        (m, n) Coulomb limit f p after each step [stress]
+    tangential_loads
+        (m,) Q after each step [force / thickness]
+    displacements_by_pressure
+        (m, n) relative displacement along x by the pressure after each step [length]
+    """
+    slip = np.zeros(len(matrix))
+    shear_of_steps = []
+    for coulomb_limit, tangential_load, displacement_by_pressure in zip(
+        coulomb_limits, tangential_loads, displacements_by_pressure, strict=True
+    ):
+        shear, tangential_displacement = _shear_after_step(
+            matrix,
+            cell_width,
+            coulomb_limit,
+            slip - displacement_by_pressure,
+            float(tangential_load),
+        )
+        slip = tangential_displacement - matrix @ shear + displacement_by_pressure
+        shear_of_steps.append(shear)
+    return shear_of_steps
+
+
+def _shear_after_step(
+    matrix: Array,
+    cell_width: float,
+    coulomb_limit: Array,
+    stick_displacement: Array,
+    tangential_load: float,
+) -> tuple[Array, float]:
+    """Shear q (n,) of cells after a load step [stress], and the relative tangential displacement U
+    of the bodies [length].
+
+    q adds up to the load, and meets Coulomb's law |q| <= f p. Cells that stick have U - A q =
+    `stick_displacement`; the others have slipped in the direction of their shear. The set of cells
+    that stick is found by trial: cells that break the law change between stick and slip.
+
+    Parameters
+    ----------
+    matrix
+        (n, n) displacement A of the cells by a unit shear of each [length/stress]
+    cell_width
+        [length]
     coulomb_limit
-        (n,) f p
-    held_shear
-        (n,) what slip so far and the pressure have moved each cell by [length]
+        (n,) f p [stress]
+    stick_displacement
+        (n,) slip of each cell before the step, minus its displacement by the pressure [length]
+    tangential_load
+        Q after the step [force / thickness]
 
     Raises
     ------
     InputError
         Where all cells slip, or no state is found.
     """
+    largest_limit = max(float(coulomb_limit.max(initial=0.0)), 1e-300)
     is_pressed = coulomb_limit > 1e-9 * coulomb_limit.max(initial=0.0)
-    scale = max(float(coulomb_limit.max(initial=0.0)), 1e-300)
-    slip_scale = scale * float(np.abs(np.diag(matrix)).max())
-    slip_direction = np.zeros(len(coulomb_limit))  # of slip: 0 for stick
+    slip_scale = largest_limit * float(np.abs(np.diag(matrix)).max())
+    slip_direction = np.zeros(len(coulomb_limit))  # 1 or -1; 0 of cells that stick
     for attempt in range(_MOST_STATES + 2 * len(coulomb_limit)):
-        sticks = is_pressed & (slip_direction == 0)
-        if not sticks.any():
+        is_stick = is_pressed & (slip_direction == 0)
+        if not is_stick.any():
             break
         shear = np.where(is_pressed, slip_direction * coulomb_limit, 0.0)
-        force_left = force - width * float(shear.sum())
-        right_side = -held_shear[sticks] - matrix[sticks] @ shear
-        shear[sticks], shift = _bordered(matrix, sticks, right_side, width, force_left)
-        slip = shift - matrix @ shear - held_shear
-        excess = np.where(sticks, (np.abs(shear) - coulomb_limit) / scale, 0.0)
+        load_on_stick_cells = tangential_load - cell_width * float(shear.sum())
+        right_side = -stick_displacement[is_stick] - matrix[is_stick] @ shear
+        shear[is_stick], tangential_displacement = _tractions_and_rigid_motion(
+            matrix, is_stick, right_side, cell_width, load_on_stick_cells
+        )
+        slip = tangential_displacement - matrix @ shear - stick_displacement
+        excess_of_shear = np.where(is_stick, (np.abs(shear) - coulomb_limit) / largest_limit, 0.0)
         slip_against_shear = np.where(
             is_pressed & (slip_direction != 0), -slip * slip_direction / slip_scale, 0.0
         )
-        violation = np.maximum(excess, slip_against_shear)
-        has_changed = violation > _ROUND_OFF
-        if not has_changed.any():
-            return shear, shift
+        violation = np.maximum(excess_of_shear, slip_against_shear)
+        breaks_law = violation > _ROUND_OFF
+        if not breaks_law.any():
+            return shear, tangential_displacement
+        changes_state = breaks_law
         if attempt >= _MOST_STATES:  # one cell at a time, which ends where all at once do not
-            has_changed = violation == violation.max()
-        slip_direction = np.where(
-            has_changed, np.where(sticks, np.sign(shear), 0.0), slip_direction
-        )
+            changes_state = violation == violation.max()
+        new_direction = np.where(is_stick, np.sign(shear), 0.0)
+        slip_direction = np.where(changes_state, new_direction, slip_direction)
     raise InputError("no state of stick and slip on cells")
 
 
-def _bordered(
-    matrix: Array, chosen_cells: Array, right: Array, width: float, total: float
+def _tractions_and_rigid_motion(
+    matrix: Array, is_chosen: Array, right_side: Array, cell_width: float, load: float
 ) -> tuple[Array, float]:
-    """Tractions of the chosen cells, A t - shift = right, that add up to `total`, and the shift."""
-    count = int(chosen_cells.sum())
-    system = np.zeros((count + 1, count + 1))
-    system[:-1, :-1] = matrix[np.ix_(chosen_cells, chosen_cells)]
+    """Tractions t (n,) of n chosen cells that add up to `load`, and the rigid motion of the body,
+    from A t - rigid motion = `right_side` [length].
+
+    `matrix` is A of all cells, `is_chosen` marks the chosen ones among them, `cell_width` is the
+    width of a cell.
+    """
+    n_chosen = int(is_chosen.sum())
+    system = np.zeros((n_chosen + 1, n_chosen + 1))
+    system[:-1, :-1] = matrix[np.ix_(is_chosen, is_chosen)]
     system[:-1, -1] = -1.0
-    system[-1, :-1] = width
-    solution = np.linalg.solve(system, np.append(right, total))
+    system[-1, :-1] = cell_width
+    solution = np.linalg.solve(system, np.append(right_side, load))
     return solution[:-1], float(solution[-1])

@@ -51,106 +51,125 @@ def diagnose(comparison: Comparison) -> tuple[Diagnosis, ...]:
     """Findings on why an external result differs from the reference, likely causes first; none for
     a result within tolerance.
 
-    Looked for in turn: single outliers; traces such as creep in stick; known faults that explain
-    the tractions; other problems, such as adhesion; bodies, mesh and scatter.
+    Looked for in turn: single outliers; traces, signs of one fault in a few rows, such as creep in
+    stick; known faults, fitted to all tractions; other problems, such as adhesion; bodies, mesh and
+    scatter.
     """
     discrepancy = discrepancy_of(comparison)
     if discrepancy is None:
         return ()
-    outlying_values = outliers(comparison)
-    traces = [
+    outlier_findings = outliers(comparison)
+    trace_findings = [
         *full_slip(discrepancy),
         *elastic_slip(discrepancy),
         *alternating_nodes(discrepancy),
     ]
-    if discrepancy.within:
-        named_causes = (*outlying_values, *traces) or tuple(long_steps_by_work(comparison))
-        if named_causes or comparison.verdict == "within":
-            return named_causes or tuple(_of_cone(discrepancy))
+    if discrepancy.is_within_tolerances:
+        findings = (*outlier_findings, *trace_findings) or tuple(long_steps_by_work(comparison))
+        if findings or comparison.verdict == "within":
+            return findings or tuple(_finding_beyond_coulomb_limit(discrepancy))
+
     judgement = Judgement(discrepancy, Search(discrepancy, Predictions(discrepancy)))
     verdict = judgement.verdict()
-    causes = list(_findings_of_causes(judgement, verdict, is_traced=bool(traces)))
-    turned_causes = [cause for cause in causes if cause.fault == SHEAR_SIGN.key]
+    has_trace = bool(trace_findings)
+    findings_of_fit = list(_findings_of_fit(judgement, verdict, has_trace=has_trace))
+    sign_findings = [finding for finding in findings_of_fit if finding.fault == SHEAR_SIGN.key]
     # shear of the wrong sign hides creep in stick: look again with the right one
-    if turned_causes and not traces:
-        traces_of_turned = list(elastic_slip(discrepancy, shear_sign=-1.0))
-        if traces_of_turned:
-            causes_of_pressure = _findings_of_causes(judgement, verdict, is_traced=True)
-            causes = [*causes_of_pressure, *turned_causes, *traces_of_turned]
-    if not traces and not (verdict.fit is not None and judgement.is_whole(verdict.fit)):
-        causes = list(other_problems(discrepancy, verdict.fit)) or causes
-    if not causes and not traces:
-        causes = [*_own_bodies(judgement), *_mesh_at_edges(judgement), *scatter(discrepancy)][:1]
-    if not causes and not traces and not outlying_values and not discrepancy.within:
-        causes = [_not_found(judgement, verdict)]
-    return (*outlying_values, *traces, *causes)
+    if sign_findings and not has_trace:
+        hidden_trace_findings = list(elastic_slip(discrepancy, shear_sign=-1.0))
+        if hidden_trace_findings:
+            findings_on_pressure = _findings_of_fit(judgement, verdict, has_trace=True)
+            findings_of_fit = [*findings_on_pressure, *sign_findings, *hidden_trace_findings]
+    is_all_explained = verdict.fit is not None and judgement.explains_all(verdict.fit)
+    if not has_trace and not is_all_explained:
+        findings_of_fit = list(other_problems(discrepancy, verdict.fit)) or findings_of_fit
+    if not has_trace and not findings_of_fit:
+        findings_of_fit = [
+            *_finding_of_scene_bodies(judgement),
+            *_finding_of_mesh_at_edges(judgement),
+            *scatter(discrepancy),
+        ][:1]
+    findings = (*outlier_findings, *trace_findings, *findings_of_fit)
+    if not findings and not discrepancy.is_within_tolerances:
+        return (_finding_of_no_cause(judgement, verdict),)
+    return findings
 
 
-def _of_cone(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
-    """A factor of the shear, of a result within every tolerance whose shear exceeds f p."""
+def _finding_beyond_coulomb_limit(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
+    """The finding of a wrong factor of the shear, for a result within every tolerance whose shear
+    exceeds f p. Nothing otherwise.
+    """
     checks = discrepancy.comparison.result_certificates
-    if not discrepancy.sheared or all(check.holds for check in checks if check.name == "cone"):
+    if not discrepancy.has_shear or all(check.holds for check in checks if check.name == "cone"):
         return
     judgement = Judgement(discrepancy, Search(discrepancy, Predictions(discrepancy)))
     fit = judgement.of_cone()
     if fit is not None:
-        yield from _findings_of_causes(judgement, Verdict(fit), is_traced=False)
+        yield from _findings_of_fit(judgement, Verdict(fit), has_trace=False)
 
 
-def _findings_of_causes(
-    judgement: Judgement, verdict: Verdict, *, is_traced: bool
+def _findings_of_fit(
+    judgement: Judgement, verdict: Verdict, *, has_trace: bool
 ) -> Iterator[Diagnosis]:
-    """The findings (sentence, evidence, strength) on the known faults that explain the difference
-    of a result best. Where the file does not tell several explanations apart, only faults that all
-    of them share are named.
+    """Findings (sentence, evidence, strength) on the causes, known faults of a result, that explain
+    its difference from the reference best.
+
+    Where rivals explain it as well, only causes that all of them share are named. The strength of a
+    finding is the share of the difference that the fit loses without its cause.
 
     Parameters
     ----------
     judgement
-        the difference and the fits of faults to it
+        the difference and the fits of causes to it
     verdict
-        the faults that explain it best, and their rivals
-    is_traced
-        whether a trace in the shear was found, such as creep in stick; faults of the shear alone
-        are then left out
+        the fit that explains the difference best, and its rivals
+    has_trace
+        whether a trace in the shear was found, such as creep in stick; causes that show in the
+        shear alone are then left out
     """
     fit = verdict.fit
     if fit is None:
         return
-    shared_keys = fit.keys.intersection(*(rival.keys for rival in verdict.rivals))
-    for index, cause in enumerate(fit.causes):
-        if cause.key not in shared_keys:
+    keys_shared_with_rivals = fit.keys.intersection(*(rival.keys for rival in verdict.rivals))
+    for cause, size in zip(fit.causes, fit.sizes, strict=True):
+        if cause.key not in keys_shared_with_rivals:
             continue
-        fit_before = _without_cause(judgement, fit, cause)
+        fit_without_cause = _fit_without_cause(judgement, fit, cause)
         # What has a trace of its own in the shear needs no second explanation of it.
-        if is_traced and not explains(fit, fit_before, (PRESSURE,)):
+        if has_trace and not explains(fit, fit_without_cause, (PRESSURE,)):
             continue
         # a layer's effect on the shear is not predicted
         channels = (PRESSURE,) if cause is SOFT_NORMAL else judgement.channels
-        share_left_by_cause = share_left(fit, fit_before, channels)
-        share_left_by_all = share_left(fit, judgement.no_cause, channels)
-        evidence = list(_evidence(judgement, fit, share_left_by_all))
-        if verdict.is_shear_left:
-            evidence.append("it explains the pressure; the shear differs for a reason not found")
+        share_left_by_cause = share_left(fit, fit_without_cause, channels)
+        share_left_by_fit = share_left(fit, judgement.no_cause, channels)
+        evidence_sentences = list(_sentences_of_evidence(judgement, fit, share_left_by_fit))
+        if verdict.is_shear_unexplained:
+            evidence_sentences.append(
+                "it explains the pressure; the shear differs for a reason not found"
+            )
         yield Diagnosis(
-            key_of_sentence(cause, fit.sizes[index]),
-            sentence_of(judgement.discrepancy, cause, fit.sizes[index], fit),
-            tuple(evidence),
+            key_of_sentence(cause, size),
+            sentence_of(judgement.discrepancy, cause, size, fit),
+            tuple(evidence_sentences),
             strength=1 - min(share_left_by_cause, 1.0),
-            size=size_of(cause, fit.sizes[index]),
+            size=size_of(cause, size),
         )
 
 
-def _without_cause(judgement: Judgement, fit: Fit, cause: Cause) -> Fit:
-    """The fit of the other causes alone."""
-    other_causes = tuple(next_cause for next_cause in fit.causes if next_cause is not cause)
+def _fit_without_cause(judgement: Judgement, fit: Fit, cause: Cause) -> Fit:
+    """The fit of all causes of `fit` but this one."""
+    other_causes = tuple(other_cause for other_cause in fit.causes if other_cause is not cause)
     return judgement.search.fit(other_causes, judgement.channels) or judgement.no_cause
 
 
-def _evidence(judgement: Judgement, fit: Fit, share_left: float) -> Iterator[str]:
-    """Sentences with measured values that speak for a cause: sum of the pressures, noise, what the
-    fit leaves, errors before and after. `fit` is the fit of that cause to the difference in
-    `judgement`, `share_left` the share of the difference that it leaves.
+def _sentences_of_evidence(
+    judgement: Judgement, fit: Fit, share_left_by_fit: float
+) -> Iterator[str]:
+    """Measured values, in sentences, that support a finding: sum of the pressures, noise, share of
+    the difference that is left, errors of pressure and shear before and after.
+
+    `judgement` holds the difference of the result from the reference, `fit` the causes fitted to
+    it; `share_left_by_fit` is the share of the difference that this fit leaves.
     """
     discrepancy = judgement.discrepancy
     ratio = discrepancy.resultant_ratio
@@ -161,22 +180,24 @@ def _evidence(judgement: Judgement, fit: Fit, share_left: float) -> Iterator[str
         f"{fit.count((PRESSURE,))} values in contact; noise from point to point {noise:.2g} of the"
         " scales"
     )
-    part_in_words = " of the pressure" if SOFT_NORMAL in fit.causes else ""
+    channel_in_words = " of the pressure" if SOFT_NORMAL in fit.causes else ""
     subject_in_words = "a result with just this fault leaves"
-    faults_in_words = "the fault"
+    causes_in_words = "the fault"
     if len(fit.causes) > 1:
         subject_in_words = "both causes together leave"
-        faults_in_words = "both"
-    yield f"{subject_in_words} {max(share_left, 0.0):.1%} of the difference{part_in_words}"
-    pressure, shear = discrepancy.errors()
-    errors_after = replace(discrepancy, reference_tractions=fit.predicted).errors()
+        causes_in_words = "both"
+    percentage_in_words = f"{max(share_left_by_fit, 0.0):.1%}"
+    yield f"{subject_in_words} {percentage_in_words} of the difference{channel_in_words}"
+    pressure_error, shear_error = discrepancy.errors()
+    discrepancy_after = replace(discrepancy, reference_tractions=fit.predicted_tractions)
+    pressure_error_after, shear_error_after = discrepancy_after.errors()
     yield (
-        f"error of the pressure {pressure:.2g} of its norm, of the shear {shear:.2g} of f times"
-        f" that, at the worst instant; with {faults_in_words} taken out, "
-        f"{errors_after[0]:.2g} and {errors_after[1]:.2g}"
+        f"error of the pressure {pressure_error:.2g} of its norm, of the shear {shear_error:.2g} of"
+        f" f times that, at the worst instant; with {causes_in_words} taken out, "
+        f"{pressure_error_after:.2g} and {shear_error_after:.2g}"
     )
-    if discrepancy.missing:
-        yield f"{discrepancy.missing:.1%} of the tractions are no numbers and were left out"
+    if discrepancy.missing_share:
+        yield f"{discrepancy.missing_share:.1%} of the tractions are no numbers and were left out"
     if discrepancy.unsymmetric:
         yield (
             "with bulk stress, tilt or unequal sides not looked for: no memory, unlike bodies, soft"
@@ -184,31 +205,37 @@ def _evidence(judgement: Judgement, fit: Fit, share_left: float) -> Iterator[str
         )
 
 
-def _own_bodies(judgement: Judgement) -> Iterator[Diagnosis]:
-    """The finding that the difference is the idealisation itself: half-plane theory corrected by
-    what the scene's own bodies add leaves less than a third of the difference that half-plane
-    theory leaves. Nothing otherwise. `judgement` holds the difference and the fits of known faults
-    to it.
+def _finding_of_scene_bodies(judgement: Judgement) -> Iterator[Diagnosis]:
+    """The finding that the difference is the idealisation itself: half-plane theory corrected for
+    the scene's finite bodies leaves less than a third of the difference that half-plane theory
+    leaves. Nothing otherwise. `judgement` holds the difference and the fits of causes to it.
     """
     discrepancy = judgement.discrepancy
     if not discrepancy.has_bodies:
         return
-    reference = discrepancy.comparison.reference_cycle
-    half_planes = np.array(
-        [reference.pressure[discrepancy.rows], reference.shear[discrepancy.rows]]
+    reference_cycle = discrepancy.comparison.reference_cycle
+    theory_tractions = np.array(
+        [reference_cycle.pressure[discrepancy.rows], reference_cycle.shear[discrepancy.rows]]
     )
-    half_planes = np.where(np.isfinite(half_planes), half_planes, discrepancy.reference_tractions)
-    fit_before = Fit((), (), half_planes, discrepancy.residuals(half_planes))
-    share_left_by_bodies = share_left(judgement.no_cause, fit_before, judgement.channels)
+    theory_tractions = np.where(
+        np.isfinite(theory_tractions), theory_tractions, discrepancy.reference_tractions
+    )
+    fit_of_theory = Fit((), (), theory_tractions, discrepancy.residuals(theory_tractions))
+    fit_with_bodies = judgement.no_cause  # its reference has the bodies in it
+    share_left_by_bodies = share_left(fit_with_bodies, fit_of_theory, judgement.channels)
     if share_left_by_bodies < MOST_LEFT:
-        evidence = tuple(_evidence(judgement, judgement.no_cause, share_left_by_bodies))
-        yield Diagnosis(OWN_BODIES, WORDS["others"][OWN_BODIES], evidence, 1 - share_left_by_bodies)
+        yield Diagnosis(
+            OWN_BODIES,
+            WORDS["others"][OWN_BODIES],
+            tuple(_sentences_of_evidence(judgement, fit_with_bodies, share_left_by_bodies)),
+            strength=1 - share_left_by_bodies,
+        )
 
 
-def _mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
-    """The finding that the mesh is too coarse at the edges: where the squared difference within two
-    elements of an edge of contact or stick is far larger than elsewhere. Nothing otherwise.
-    `judgement` holds the difference and the fits of known faults to it.
+def _finding_of_mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
+    """The finding that the mesh is too coarse at the edges: the mean squared difference within two
+    elements of an edge of contact or stick is far larger than elsewhere in contact. Nothing
+    otherwise. `judgement` holds the difference and the fits of causes to it.
     """
     from scipy.stats import f as f_distribution
 
@@ -216,57 +243,59 @@ def _mesh_at_edges(judgement: Judgement) -> Iterator[Diagnosis]:
     prediction = coarse_edge(discrepancy)
     if prediction is None or judgement.is_right(judgement.no_cause, PRESSURE):
         return  # a mesh that errs at stick edges errs at the edges of contact as well
-    predicted_values, is_near = prediction
-    fit = Fit((), (), predicted_values, discrepancy.residuals(predicted_values))
+    predicted_tractions, is_near_edge = prediction
+    fit = Fit((), (), predicted_tractions, discrepancy.residuals(predicted_tractions))
     share_left_by_mesh = share_left(fit, judgement.no_cause, judgement.channels)
-    residuals_of_channels = np.array(
-        [judgement.no_cause.residuals[channel].values for channel in judgement.channels]
-    )
-    is_in_contact = judgement.no_cause.residuals[PRESSURE].is_inside
-    values_near = residuals_of_channels[:, is_in_contact & is_near].ravel()
-    values_far = residuals_of_channels[:, is_in_contact & ~is_near].ravel()
-    ratio_of_squares = np.mean(values_near**2) / max(float(np.mean(values_far**2)), ROUND_OFF)
-    chance = float(f_distribution.sf(ratio_of_squares, len(values_near), len(values_far)))
+    residuals = judgement.no_cause.residuals
+    differences = np.array([residuals[channel].values for channel in judgement.channels])
+    is_in_contact = residuals[PRESSURE].is_inside
+    near_differences = differences[:, is_in_contact & is_near_edge].ravel()
+    far_differences = differences[:, is_in_contact & ~is_near_edge].ravel()
+    far_square = max(float(np.mean(far_differences**2)), ROUND_OFF)
+    ratio_of_squares = np.mean(near_differences**2) / far_square
+    chance = float(f_distribution.sf(ratio_of_squares, len(near_differences), len(far_differences)))
     if share_left_by_mesh > MOST_LEFT or ratio_of_squares < MOST_LEFT**-2 or chance > CHANCE:
         return
-    sentence = FAULTS["coarse_edge"].format(spacing=1 / discrepancy.elements)
     yield Diagnosis(
         "coarse_edge",
-        sentence,
-        tuple(_evidence(judgement, fit, share_left_by_mesh)),
-        1 - share_left_by_mesh,
+        FAULTS["coarse_edge"].format(spacing=1 / discrepancy.elements_per_half_width),
+        tuple(_sentences_of_evidence(judgement, fit, share_left_by_mesh)),
+        strength=1 - share_left_by_mesh,
     )
 
 
-def _not_found(judgement: Judgement, verdict: Verdict) -> Diagnosis:
-    """The finding that no cause was found, with its evidence: errors, causes that the file does not
-    tell apart, and those that are excluded, with the reasons. `judgement` holds the causes that
-    were tried, `verdict` the best explanations.
+def _finding_of_no_cause(judgement: Judgement, verdict: Verdict) -> Diagnosis:
+    """The finding that no cause was found, with its evidence: errors; causes that explain the
+    result equally well; causes that are excluded, with the reasons; and the place of the largest
+    difference.
+
+    `judgement` holds the causes that were tried, `verdict` the best explanation and its rivals.
     """
     discrepancy = judgement.discrepancy
-    pressure, shear = discrepancy.errors()
-    evidence_lines = [
-        f"error of the pressure {pressure:.2g} of its norm, of the shear {shear:.2g} of f times"
-        " that, at the worst instant"
+    pressure_error, shear_error = discrepancy.errors()
+    sentences = [
+        f"error of the pressure {pressure_error:.2g} of its norm, of the shear {shear_error:.2g} of"
+        " f times that, at the worst instant"
     ]
     if verdict.fit is not None and verdict.rivals:
-        choices = [verdict.fit, *verdict.rivals]
-        names_in_words = " or ".join(_names_of(fit) for fit in choices)
-        evidence_lines.insert(0, f"the file does not tell these apart: {names_in_words}")
+        rivals_in_words = " or ".join(
+            _names_of_causes(fit) for fit in (verdict.fit, *verdict.rivals)
+        )
+        sentences.insert(0, f"the file does not tell these apart: {rivals_in_words}")
     if judgement.reason_by_cause:
-        names_in_words = "; ".join(
+        exclusions_in_words = "; ".join(
             f"{WORDS['names'][key]}: {reason}" for key, reason in judgement.reason_by_cause.items()
         )
-        evidence_lines.append(f"excluded: {names_in_words}")
-    evidence_lines += _left_by_each(judgement)
-    evidence_lines += _where_it_lies(discrepancy)
-    return Diagnosis(UNKNOWN, WORDS["others"][UNKNOWN], tuple(evidence_lines), 0.0)
+        sentences.append(f"excluded: {exclusions_in_words}")
+    sentences += _shares_left_by_single_causes(judgement)
+    sentences += _place_of_largest_difference(discrepancy)
+    return Diagnosis(UNKNOWN, WORDS["others"][UNKNOWN], tuple(sentences), strength=0.0)
 
 
-def _where_it_lies(discrepancy: Discrepancy) -> Iterator[str]:
-    """Sentences on the place and the instant of the largest difference in contact, and on how much
-    of its square lies beside edges, where more of it does than of the points. `discrepancy` holds
-    the tractions of result and reference.
+def _place_of_largest_difference(discrepancy: Discrepancy) -> Iterator[str]:
+    """Sentences on where and when the tractions of result and reference differ most in contact, and
+    on the share of the squared difference beside edges, where that is more than the share of the
+    points there. Nothing without a difference.
     """
     is_in_contact = discrepancy.in_contact(discrepancy.reference_tractions)
     difference = discrepancy.result_tractions - discrepancy.reference_tractions
@@ -285,36 +314,36 @@ def _where_it_lies(discrepancy: Discrepancy) -> Iterator[str]:
     )
     is_near_edge = near_edges(discrepancy)
     squares = discrepancy.weight * np.sum(scaled_difference**2, axis=0)
-    share_near = float(squares[is_near_edge].sum() / squares.sum())
+    share_of_square = float(squares[is_near_edge].sum() / squares.sum())
     share_of_points = float(np.mean(is_near_edge[is_in_contact]))
-    if share_near > share_of_points:
+    if share_of_square > share_of_points:
         yield (
-            f"{share_near:.0%} of its square lies within two spacings of an edge of contact or"
+            f"{share_of_square:.0%} of its square lies within two spacings of an edge of contact or"
             f" stick, which {share_of_points:.0%} of the points in contact do"
         )
 
 
-def _names_of(fit: Fit) -> str:
-    """Its causes in a few words."""
+def _names_of_causes(fit: Fit) -> str:
+    """The causes of a fit, named in a few words."""
     return " with ".join(str(WORDS["names"][key]) for key in sorted(fit.keys))
 
 
-def _left_by_each(judgement: Judgement) -> Iterator[str]:
-    """A sentence with each known fault that was fitted alone to the difference (in `judgement`):
-    the share of the difference that it leaves unexplained, smallest first. Faults that explain no
-    more than chance would are left out.
+def _shares_left_by_single_causes(judgement: Judgement) -> Iterator[str]:
+    """A sentence with each cause that was fitted alone to the difference (in `judgement`): the
+    share of the difference that it leaves unexplained, smallest first. Causes that explain no more
+    than chance would are left out. Nothing where all are.
     """
-    least_left: dict[str, float] = {}
-    for fit in judgement.search.fit_by_question.values():
+    least_share_by_key: dict[str, float] = {}
+    for fit in judgement.search.fit_by_key.values():
         if fit is None or len(fit.causes) != 1:
             continue
         (cause,) = fit.causes
         share = share_left(fit, judgement.no_cause, (cause.channel,))
         if share < 1 and by_chance(fit, judgement.no_cause, (cause.channel,)) < CHANCE:
-            least_left[cause.key] = min(share, least_left.get(cause.key, 1.0))
-    causes_by_share = sorted(least_left.items(), key=lambda item: item[1])
+            least_share_by_key[cause.key] = min(share, least_share_by_key.get(cause.key, 1.0))
+    keys_by_share = sorted(least_share_by_key, key=least_share_by_key.__getitem__)
     shares_in_words = ", ".join(
-        f"{WORDS['names'][key]} {share:.0%}" for key, share in causes_by_share
+        f"{WORDS['names'][key]} {least_share_by_key[key]:.0%}" for key in keys_by_share
     )
     if shares_in_words:
         yield (

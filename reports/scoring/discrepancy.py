@@ -1,4 +1,5 @@
-"""The discrepancy of a result: what is to be explained, and how much of it is noise.
+"""The discrepancy of a result, its difference from the reference: what is to be explained, and how
+much of it is noise.
 
 # notation: p pressure, q shear, f friction coefficient, p_ref, a_ref scales of the comparison
 """
@@ -41,24 +42,25 @@ _LOADED = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Discrepancy:
-    """What is to be explained: some instants of the last cycle, all points.
+    """Tractions of a result and of its reference: k instants of the last cycle, all n points of the
+    result.
 
     Attributes
     ----------
     comparison
         the result beside its reference
     rows
-        (k,) the instants taken, of the last cycle's
+        (k,) numbers of the instants among those of the last cycle
     reference_tractions, result_tractions
         tractions of the reference, and of the result; where this has no number, the reference's
     weight
-        (k, n) of the squares, 0 where the result has no number; they add up to 1
-    missing
+        (k, n) of a squared difference in sums, 0 where the result has no number; adds up to 1
+    missing_share
         share of the result's tractions that are no numbers
-    exact
+    is_half_plane_theory
         whether `reference_tractions` are half-plane theory of the scene
-    sheared
-        whether the file has a shear
+    has_shear
+        whether the result states a shear
     has_bodies
         whether `reference_tractions` are half-plane theory with the numbers of the scene's own
         finite bodies, which the reference does not have
@@ -69,33 +71,33 @@ class Discrepancy:
     reference_tractions: Tractions
     result_tractions: Tractions
     weight: Array
-    missing: float
-    exact: bool
-    sheared: bool = True
+    missing_share: float
+    is_half_plane_theory: bool
+    has_shear: bool = True
     has_bodies: bool = False
 
     @property
     def scene(self) -> Scene:
-        """The question that `reference_tractions` answer."""
+        """The scene whose tractions are `reference_tractions`."""
         return self.comparison.scene
 
     @property
     def x(self) -> Array:
-        """(n,) [length]."""
+        """(n,) points of the result [length]."""
         return self.comparison.result_cycle.x
 
     @property
     def time(self) -> Array:
-        """(k,) of the load path."""
+        """(k,) times of the instants on the load path."""
         return self.comparison.result_cycle.time[self.rows]
 
     @property
-    def fraction(self) -> Array:
-        """(k,) of the cycle of the load path, from its start."""
+    def cycle_fraction(self) -> Array:
+        """(k,) share of a period at each instant, from the start of the load path's cycle."""
         return fraction_of_cycle(self.comparison)[self.rows]
 
     @property
-    def on_cycle(self) -> bool:
+    def is_on_cycle(self) -> bool:
         """Whether the path repeats, and every instant lies on its cycle."""
         path = self.scene.load.path()
         return path.period is not None and bool(
@@ -104,12 +106,12 @@ class Discrepancy:
 
     @property
     def normal_load(self) -> Array:
-        """(k,) P of the reference [force / thickness]."""
+        """(k,) P of the reference at the instants [force / thickness]."""
         return self.comparison.reference_cycle.normal_load[self.rows]
 
     @property
-    def loaded(self) -> Mask:
-        """(k,) instants with more than a hundredth of the largest P."""
+    def is_loaded(self) -> Mask:
+        """(k,) whether an instant has more than a hundredth of the largest P."""
         return self.normal_load > 0.01 * self.comparison.scales.normal_load
 
     @property
@@ -127,25 +129,27 @@ class Discrepancy:
         pressures at points to the integral of theory's. Where the points end within the contact of
         the reference, and not within that of the result, only P counts.
         """
-        if not self.loaded.any():
+        if not self.is_loaded.any():
             return float("nan")
-        sums = np.trapezoid(self.result_tractions[PRESSURE], self.x, axis=1)[self.loaded]
-        sums_of_reference = np.trapezoid(self.reference_tractions[PRESSURE], self.x, axis=1)
-        ratio_to_load = float(np.median(sums / self.normal_load[self.loaded]))
+        result_pressure = self.result_tractions[PRESSURE][self.is_loaded]
+        reference_pressure = self.reference_tractions[PRESSURE][self.is_loaded]
+        result_sums = np.trapezoid(result_pressure, self.x, axis=1)
+        reference_sums = np.trapezoid(reference_pressure, self.x, axis=1)
+        ratio_to_load = float(np.median(result_sums / self.normal_load[self.is_loaded]))
         reference_is_cut_off = self._ends_in_contact(self.reference_tractions)
         if reference_is_cut_off and not self._ends_in_contact(self.result_tractions):
             return ratio_to_load
-        ratio_to_reference = float(np.sum(sums) / np.sum(sums_of_reference[self.loaded]))
+        ratio_to_reference = float(np.sum(result_sums) / np.sum(reference_sums))
         return min((ratio_to_load, ratio_to_reference), key=lambda ratio: abs(ratio - 1))
 
     def _ends_in_contact(self, tractions: Tractions) -> bool:
         """Whether the first or the last point carries pressure."""
-        ends = np.abs(tractions[PRESSURE][:, [0, -1]])
-        return bool(np.any(ends > _LOADED * self.comparison.scales.pressure))
+        pressure_at_ends = np.abs(tractions[PRESSURE][:, [0, -1]])
+        return bool(np.any(pressure_at_ends > _LOADED * self.comparison.scales.pressure))
 
     @property
-    def elements(self) -> float:
-        """Spacings of the points over a_ref, the median in and beside the contact."""
+    def elements_per_half_width(self) -> float:
+        """a_ref over the spacing of the points, which is the median in and beside the contact."""
         inner_x = self.x[np.abs(self.x) <= 1.5 * self.half_width]
         spacing = float(np.median(np.diff(inner_x if len(inner_x) > 1 else self.x)))
         return self.half_width / spacing
@@ -157,39 +161,41 @@ class Discrepancy:
 
     @property
     def units(self) -> Array:
-        """(2, 1, 1): p_ref and f p_ref."""
+        """(2, 1, 1): p_ref and f p_ref, what pressure and shear are divided by [stress]."""
         return pair(self.comparison.scales.pressure, self.comparison.scales.shear)
 
     def in_contact(self, predicted: Tractions) -> Mask:
-        """(k, n) points with a pressure in the result or in the prediction, and with numbers."""
-        limit = _LOADED * self.comparison.scales.pressure
-        is_loaded = (np.abs(self.result_tractions[PRESSURE]) > limit) | (
-            np.abs(predicted[PRESSURE]) > limit
-        )
-        return is_loaded & (self.weight > 0)
+        """(k, n) whether a point has a pressure in the result or in the prediction, and numbers in
+        the result.
+        """
+        least_pressure = _LOADED * self.comparison.scales.pressure
+        has_result_pressure = np.abs(self.result_tractions[PRESSURE]) > least_pressure
+        has_predicted_pressure = np.abs(predicted[PRESSURE]) > least_pressure
+        return (has_result_pressure | has_predicted_pressure) & (self.weight > 0)
 
     def residual(self, predicted: Tractions, channel: int) -> Residual:
         """Difference of the result's pressure (channel 0) or shear (1) from a prediction, over its
-        unit.
+        unit, p_ref or f p_ref.
         """
-        scaled_difference = (self.result_tractions[channel] - predicted[channel]) / self.units[
-            channel
-        ]
+        difference = self.result_tractions[channel] - predicted[channel]
+        scaled_difference = difference / self.units[channel]
         return Residual(scaled_difference, self.weight, self.in_contact(predicted))
 
     def residuals(self, predicted: Tractions) -> tuple[Residual, Residual]:
-        """What a prediction leaves of the result's pressure, and of its shear."""
+        """Differences of the result's pressure and of its shear from a prediction."""
         return self.residual(predicted, PRESSURE), self.residual(predicted, SHEAR)
 
     def errors(self) -> tuple[float, float]:
-        """||p - p_ref||/||p_ref|| and ||q - q_ref||/(f ||p_ref||) at the worst of the instants."""
+        """Relative errors of pressure and shear at the worst of the instants,
+        ||p - p_0||/||p_0|| and ||q - q_0||/(f ||p_0||), p_0 and q_0 being the reference's.
+        """
         friction = self.comparison.scales.friction
-        sizes = norm(self.x, self.reference_tractions[0]) * pair(1, friction)[:, :, 0]
-        relative_errors = over(
-            norm(self.x, self.result_tractions - self.reference_tractions), sizes
-        )
-        p, q = np.nanmax(relative_errors, axis=1, initial=0.0).tolist()
-        return p, q
+        pressure_norm = norm(self.x, self.reference_tractions[PRESSURE])
+        norms_of_reference = pressure_norm * pair(1, friction)[:, :, 0]
+        norms_of_difference = norm(self.x, self.result_tractions - self.reference_tractions)
+        relative_errors = over(norms_of_difference, norms_of_reference)
+        pressure_error, shear_error = np.nanmax(relative_errors, axis=1, initial=0.0).tolist()
+        return pressure_error, shear_error
 
     def is_within(self, channel: int) -> bool:
         """Whether the error of the pressure or of the shear is within its tolerance."""
@@ -198,23 +204,24 @@ class Discrepancy:
         return verdict_on(self.errors()[channel], limit) is Verdict.WITHIN
 
     @property
-    def within(self) -> bool:
-        """Whether both errors are within their tolerances."""
+    def is_within_tolerances(self) -> bool:
+        """Whether the errors of pressure and of shear are both within their tolerances."""
         return self.is_within(PRESSURE) and self.is_within(SHEAR)
 
 
 @dataclass(frozen=True, eq=False)
 class Residual:
-    """Found minus predicted of one traction, over its unit.
+    """Pressure or shear of a result minus that of a prediction, over p_ref or f p_ref, at k
+    instants and n points.
 
     Attributes
     ----------
     values
-        (k, n)
+        (k, n) the difference
     weight
-        (k, n) of the squares
+        (k, n) of its square in sums
     is_inside
-        (k, n), the points in contact
+        (k, n) whether a point is in contact
     """
 
     values: Array
@@ -223,62 +230,68 @@ class Residual:
 
     @property
     def count(self) -> int:
-        """Points in contact, over all instants."""
+        """Number of values in contact, over all instants."""
         return int(self.is_inside.sum())
 
     @property
     def square(self) -> float:
-        """Weighted mean of the squares in contact; infinite where the prediction holds a NaN."""
+        """Weighted mean square of the values in contact; infinite where the prediction holds a
+        NaN, 0 without a contact.
+        """
         weight = np.where(self.is_inside, self.weight, 0.0)
-        total = float(weight.sum())
-        if not total:
+        sum_of_weights = float(weight.sum())
+        if not sum_of_weights:
             return 0.0
-        value = float(np.sum(weight * np.where(self.is_inside, self.values, 0.0) ** 2)) / total
-        return value if np.isfinite(value) else float("inf")
+        squares = np.where(self.is_inside, self.values, 0.0) ** 2
+        mean_square = float(np.sum(weight * squares)) / sum_of_weights
+        return mean_square if np.isfinite(mean_square) else float("inf")
 
     @cached_property
     def noise(self) -> float:
-        """Mean square of what neighbours do not share: half the squared difference of both.
+        """Mean square of the noise in the values: half the mean squared difference of neighbours.
 
-        Neighbours in x and, of three instants and more, in time: the smaller of the two. Of white
-        noise it is its variance; of anything smooth over points or instants it is far less.
+        It is taken of neighbours in x and, of three instants and more, in time: the smaller one
+        counts. White noise has its variance; values that are smooth over points or instants have
+        far less.
         """
-        return min(self._differences(axis)[0] for axis in self._axes)
+        return min(self._noise_along(axis)[0] for axis in self._axes)
 
     @property
     def _axes(self) -> tuple[int, ...]:
+        """Axes of the values along which neighbours are compared: 1 in x, 0 in time."""
         return (1, 0) if len(self.values) >= _FEWEST_INSTANTS else (1,)
 
-    def _differences(self, axis: int) -> tuple[float, int]:
-        """How much a residual changes from one value to the next: half the weighted mean square of
-        the difference of neighbours that are both in contact, and the number of such pairs. Without
-        a pair: the mean square of the values, and 0.
+    def _noise_along(self, axis: int) -> tuple[float, int]:
+        """Noise of the values: half the weighted mean square of the difference of neighbours that
+        are both in contact, and the number of such pairs. Without a pair: the mean square of the
+        values, and 0.
 
         `axis` 0 takes neighbours in time, 1 neighbours in x.
         """
         is_inside = np.moveaxis(self.is_inside, axis, -1)
         weight = np.moveaxis(self.weight, axis, -1)
-        both_inside = is_inside[..., 1:] & is_inside[..., :-1]
-        if not both_inside.any():
+        is_pair_inside = is_inside[..., 1:] & is_inside[..., :-1]
+        if not is_pair_inside.any():
             return self.square, 0
-        steps = np.diff(np.moveaxis(self.values, axis, -1))
-        weight = np.where(both_inside, weight[..., 1:] + weight[..., :-1], 0.0)
-        half_squares = np.where(both_inside, steps, 0.0) ** 2 / 2
-        return float(np.sum(weight * half_squares) / weight.sum()), int(both_inside.sum())
+        changes = np.diff(np.moveaxis(self.values, axis, -1))
+        pair_weight = np.where(is_pair_inside, weight[..., 1:] + weight[..., :-1], 0.0)
+        half_squares = np.where(is_pair_inside, changes, 0.0) ** 2 / 2
+        noise = float(np.sum(pair_weight * half_squares) / pair_weight.sum())
+        return noise, int(is_pair_inside.sum())
 
     @property
     def is_noise(self) -> bool:
-        """Whether nothing in a residual (result minus prediction at instants and points) is smooth,
-        by the ratio of von Neumann: half the mean squared difference of neighbours over the mean
-        square, 1 for white noise.
+        """Whether the values are noise alone, with nothing smooth in them, by the ratio of von
+        Neumann: half the mean squared difference of neighbours over the mean square, 1 for white
+        noise. False without a contact.
 
         The ratio scatters by sqrt(1/n) for n pairs; three of these deviations are allowed for.
         """
         if not self.is_inside.any():
             return False
         for axis in self._axes:
-            noise, pairs = self._differences(axis)
-            lowest_ratio = max(1 - 3 / np.sqrt(max(pairs, 1)), _LEAST_RATIO)
+            noise, n_pairs = self._noise_along(axis)
+            lowest_ratio = max(1 - 3 / np.sqrt(max(n_pairs, 1)), _LEAST_RATIO)
             if noise < lowest_ratio * self.square:
                 return False
         return True
@@ -298,7 +311,7 @@ def fraction_of_cycle(comparison: Comparison) -> Array:
 
 
 def pair(of_pressure: float, of_shear: float) -> Array:
-    """(2, 1, 1): a factor for each of the tractions."""
+    """(2, 1, 1): one number for the pressure and one for the shear, to multiply tractions by."""
     return np.array([of_pressure, of_shear], dtype=float)[:, None, None]
 
 
@@ -306,10 +319,10 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
     """The tractions of result and reference that a diagnosis of likely faults compares: at most ten
     instants of the last cycle, evenly chosen, with a weight for each point and instant.
 
-    A value that is missing or stands out alone is replaced by the reference's, with weight 0. Where
-    the reference is half-plane theory and the scene has finite bodies, theory with their elastic
-    responses takes its place. None where the result has no instant with a contact, or not one
-    number.
+    A value that is no number, or an outlier at a single point, is replaced by the reference's, with
+    weight 0. Where the reference is half-plane theory and the scene has finite bodies, theory with
+    their elastic responses takes its place. None where the result has no instant with a contact, or
+    not one number.
     """
     # instants loaded enough to be judged; without any, those at which either has pressure
     is_usable = comparison.is_judged if comparison.is_judged.any() else comparison.is_in_contact
@@ -317,8 +330,8 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
     if not len(usable_instants):
         return None
     n_instants = min(len(usable_instants), _MOST_INSTANTS)
-    places = np.linspace(0, len(usable_instants) - 1, n_instants).round().astype(int)
-    rows = usable_instants[np.unique(places)]
+    even_places = np.linspace(0, len(usable_instants) - 1, n_instants).round().astype(int)
+    rows = usable_instants[np.unique(even_places)]
     reference_cycle = comparison.reference_cycle
     result_cycle = comparison.result_cycle
     reference_tractions = np.array([reference_cycle.pressure[rows], reference_cycle.shear[rows]])
@@ -328,11 +341,12 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
         result_tractions[SHEAR] = np.nan_to_num(reference_tractions[SHEAR])
     is_known = np.isfinite(reference_tractions).all(axis=0)
     is_known &= np.isfinite(result_tractions).all(axis=0)
-    isolated = comparison.isolated
-    is_known &= ~(isolated["pressure"] | isolated["shear"])[rows]
+    is_outlier = (comparison.isolated["pressure"] | comparison.isolated["shear"])[rows]
+    is_known &= ~is_outlier
     if not is_known.any():
         return None
-    tractions_with_bodies = _with_bodies(comparison, rows)
+    tractions_with_bodies = _theory_with_bodies(comparison, rows)
+    has_bodies = tractions_with_bodies is not None
     if tractions_with_bodies is not None:
         reference_tractions = tractions_with_bodies
         result_tractions = np.where(is_known, result_tractions, reference_tractions)
@@ -344,16 +358,19 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
         reference_tractions,
         np.where(is_known, result_tractions, reference_tractions),
         weight / weight.sum(),
-        missing=float(1 - is_known.mean()),
-        exact=comparison.reference.engine == "semi_analytic" and tractions_with_bodies is None,
-        sheared=has_shear,
-        has_bodies=tractions_with_bodies is not None,
+        missing_share=float(1 - is_known.mean()),
+        is_half_plane_theory=comparison.reference.engine == "semi_analytic" and not has_bodies,
+        has_shear=has_shear,
+        has_bodies=has_bodies,
     )
 
 
-def _with_bodies(comparison: Comparison, rows: NDArray[np.intp]) -> Tractions | None:
-    """Tractions of theory with what the scene's finite bodies add, at the points and the instants
-    `rows` of the result. None where the reference has them in it, or where they are not covered.
+def _theory_with_bodies(comparison: Comparison, rows: NDArray[np.intp]) -> Tractions | None:
+    """Tractions (2, k, n) of half-plane theory corrected for the scene's finite bodies, at the
+    result's n points and its k instants of the numbers `rows`.
+
+    None where the bodies are half-planes, where the reference is no half-plane theory, and where
+    theory has no correction for bodies of this shape.
     """
     scene = comparison.scene
     if comparison.reference.engine != "semi_analytic" or are_half_planes(scene):

@@ -32,9 +32,9 @@ class Step:
     Attributes
     ----------
     name
-        of the step
+        title of the step
     words
-        what was measured
+        what was measured, in words
     """
 
     name: str
@@ -42,7 +42,7 @@ class Step:
 
     @property
     def sentence(self) -> str:
-        """Name and measure."""
+        """Title and what was measured."""
         return f"{self.name}: {self.words}"
 
 
@@ -64,7 +64,9 @@ def evidence(comparison: Comparison) -> tuple[Step, ...]:
 
 
 def _reading(comparison: Comparison) -> str:
-    """In words which tractions a result has, at how many points and instants, and their range."""
+    """In words: which fields a result has, at how many points and instants, and from which x to
+    which.
+    """
     result_cycle = comparison.result_cycle
     fields_in_words = "pressure alone"
     if not np.isnan(result_cycle.shear).all():
@@ -80,14 +82,15 @@ def _reading(comparison: Comparison) -> str:
 
 
 def _equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
-    """Phrases on the sums of the tractions over x beside P, Q and the moment, at the loaded
-    instants. `discrepancy` holds the tractions of result and reference.
+    """Phrases on the integrals of the result's tractions over x: that of p beside P, that of q
+    beside Q, and the centre of p. Of instants with a load; nothing without one.
     """
-    is_loaded = discrepancy.loaded
+    is_loaded = discrepancy.is_loaded
     if not is_loaded.any():
         return
     x = discrepancy.x
-    sum_of_pressure = np.trapezoid(discrepancy.result_tractions[PRESSURE], x, axis=1)[is_loaded]
+    pressure, shear = discrepancy.result_tractions[:, is_loaded]
+    sum_of_pressure = np.trapezoid(pressure, x, axis=1)
     normal_load = discrepancy.normal_load[is_loaded]
     ratio = discrepancy.resultant_ratio
     sum_in_words = (
@@ -97,20 +100,17 @@ def _equilibrium(discrepancy: Discrepancy) -> Iterator[str]:
         sum_in_words += ", so that no load, thickness or unit of it is wrong"
     yield sum_in_words
     friction = discrepancy.comparison.scene.friction.coefficient
-    if discrepancy.sheared and friction:
-        sum_of_shear = np.trapezoid(discrepancy.result_tractions[SHEAR], x, axis=1)[is_loaded]
-        tangential_load = discrepancy.comparison.reference_cycle.tangential_load[discrepancy.rows][
-            is_loaded
-        ]
-        largest_difference = float(
-            np.max(np.abs(sum_of_shear - tangential_load) / (friction * normal_load))
-        )
+    if discrepancy.has_shear and friction:
+        sum_of_shear = np.trapezoid(shear, x, axis=1)
+        loaded_rows = discrepancy.rows[is_loaded]
+        tangential_load = discrepancy.comparison.reference_cycle.tangential_load[loaded_rows]
+        differences_from_load = np.abs(sum_of_shear - tangential_load) / (friction * normal_load)
+        largest_difference = float(np.max(differences_from_load))
         yield f"the sum of q differs from Q by {largest_difference:.2g} f P at most"
     if not discrepancy.unsymmetric:
-        moment = np.trapezoid(x * discrepancy.result_tractions[PRESSURE], x, axis=1)[is_loaded]
-        largest_eccentricity = (
-            float(np.max(np.abs(moment / sum_of_pressure))) / discrepancy.half_width
-        )
+        moment = np.trapezoid(x * pressure, x, axis=1)
+        eccentricities = np.abs(moment / sum_of_pressure)
+        largest_eccentricity = float(np.max(eccentricities)) / discrepancy.half_width
         yield f"the centre of p is {_rounded(largest_eccentricity):.2g} a_ref from x = 0 at most"
 
 
@@ -130,41 +130,39 @@ def _rounded(value: float) -> float:
 
 
 def _resolution(discrepancy: Discrepancy) -> Iterator[str]:
-    """Phrases on how finely a result is resolved: points in contact and in slip, spacing, scatter.
-    `discrepancy` holds the tractions of result and reference.
+    """Phrases on how finely a result is resolved: number of points in contact and in slip, spacing
+    of the points, scatter of the tractions. `discrepancy` holds those of result and reference.
     """
     comparison = discrepancy.comparison
     is_in_contact = discrepancy.in_contact(discrepancy.reference_tractions)
-    points_in_contact = is_in_contact[discrepancy.loaded].sum(axis=1)
-    if len(points_in_contact):
-        yield f"{_range(points_in_contact)} points in contact at an instant"
-    yield f"{discrepancy.elements:.3g} spacings over a_ref"
-    if discrepancy.sheared and comparison.scene.friction.coefficient:
-        points_in_slip = np.isin(comparison.result_cycle.state, (SLIP_FORWARD, SLIP_REVERSE)).sum(
-            axis=1
-        )
-        yield f"{_range(points_in_slip)} points in slip"
+    n_points_in_contact = is_in_contact[discrepancy.is_loaded].sum(axis=1)
+    if len(n_points_in_contact):
+        yield f"{_range(n_points_in_contact)} points in contact at an instant"
+    yield f"{discrepancy.elements_per_half_width:.3g} spacings over a_ref"
+    if discrepancy.has_shear and comparison.scene.friction.coefficient:
+        is_in_slip = np.isin(comparison.result_cycle.state, (SLIP_FORWARD, SLIP_REVERSE))
+        n_points_in_slip = is_in_slip.sum(axis=1)
+        yield f"{_range(n_points_in_slip)} points in slip"
     residuals = discrepancy.residuals(discrepancy.reference_tractions)
     scatter = [_rounded(residual.noise**0.5) for residual in residuals]
     scatter_in_words = (
         f"p changes from point to point by {scatter[PRESSURE]:.1g} of p_ref beside theory"
     )
-    if discrepancy.sheared:
+    if discrepancy.has_shear:
         scatter_in_words += f", q by {scatter[SHEAR]:.1g} of f p_ref"
     yield scatter_in_words
 
 
 def _laws(discrepancy: Discrepancy) -> Iterator[str]:
-    """Phrases on the laws of contact: the largest violation of each, its limit, and whether scatter
-    makes as much. `discrepancy` holds the tractions of result and reference.
+    """Phrases on the laws of contact and friction: the largest violation of each in the result, its
+    limit, and whether scatter of the tractions makes as much.
     """
-    names = {"cone": "|q| beyond f p, over f p_max", "tension": "tension over p_max"}
+    words_of_law = {"cone": "|q| beyond f p, over f p_max", "tension": "tension over p_max"}
     residuals = discrepancy.residuals(discrepancy.reference_tractions)
     scatter = float(sum(residual.noise for residual in residuals if residual.is_noise)) ** 0.5
     for check in discrepancy.comparison.result_certificates:
-        law_in_words = (
-            f"{names.get(check.name, check.name)} {check.value:.2g} (limit {check.limit:.1g})"
-        )
+        law_in_words = words_of_law.get(check.name, check.name)
+        law_in_words += f" {check.value:.2g} (limit {check.limit:.1g})"
         if check.holds:
             yield f"{law_in_words}: holds"
         elif check.value <= _BY_SCATTER * scatter:
@@ -174,34 +172,35 @@ def _laws(discrepancy: Discrepancy) -> Iterator[str]:
 
 
 def _shape(discrepancy: Discrepancy) -> Iterator[str]:
-    """Phrases on the shape of the tractions beside the reference's: peak and width of the pressure,
-    size of the shear. `discrepancy` holds the tractions of result and reference.
+    """Phrases on the tractions of the result over the reference's: ratios of peak and width of the
+    pressure, and the factor between the shears.
     """
     result_tractions = discrepancy.result_tractions
-    expected_tractions = discrepancy.reference_tractions
-    ratio_of_peaks = result_tractions[PRESSURE].max() / expected_tractions[PRESSURE].max()
+    reference_tractions = discrepancy.reference_tractions
+    ratio_of_peaks = result_tractions[PRESSURE].max() / reference_tractions[PRESSURE].max()
     yield f"peak of p {ratio_of_peaks:.4g} times the reference's"
-    widths = [
-        _width(discrepancy, tractions[PRESSURE])
-        for tractions in (result_tractions, expected_tractions)
-    ]
-    if min(widths) > 0:
-        yield f"width by second moments {widths[0] / widths[1]:.4g} times"
-    largest_shear = float(np.abs(expected_tractions[SHEAR]).max())
-    if discrepancy.sheared and largest_shear:
+    result_width = _width(discrepancy, result_tractions[PRESSURE])
+    reference_width = _width(discrepancy, reference_tractions[PRESSURE])
+    if result_width > 0 and reference_width > 0:
+        yield f"width by second moments {result_width / reference_width:.4g} times"
+    largest_shear = float(np.abs(reference_tractions[SHEAR]).max())
+    if discrepancy.has_shear and largest_shear:
         weight = discrepancy.weight
-        product = float(np.sum(weight * result_tractions[SHEAR] * expected_tractions[SHEAR]))
-        square_of_reference = float(np.sum(weight * expected_tractions[SHEAR] ** 2))
+        product = float(np.sum(weight * result_tractions[SHEAR] * reference_tractions[SHEAR]))
+        square_of_reference = float(np.sum(weight * reference_tractions[SHEAR] ** 2))
         yield minus(
             f"q {product / square_of_reference:.3g} times that of the reference, by least squares"
         )
 
 
 def _width(discrepancy: Discrepancy, pressure: Array) -> float:
-    """Root of the second moment of the pressure about its centre, over all instants [length]."""
-    weight = discrepancy.weight * np.maximum(pressure, 0.0)
-    total = float(weight.sum())
-    if not total:
+    """Width of a pressure distribution (k, n): root of its second moment about its centre, over all
+    instants [length]; 0 without pressure.
+    """
+    weighted_pressure = discrepancy.weight * np.maximum(pressure, 0.0)
+    sum_of_pressure = float(weighted_pressure.sum())
+    if not sum_of_pressure:
         return 0.0
-    centre = float(np.sum(weight * discrepancy.x)) / total
-    return float(np.sqrt(np.sum(weight * (discrepancy.x - centre) ** 2) / total))
+    centre = float(np.sum(weighted_pressure * discrepancy.x)) / sum_of_pressure
+    second_moment = np.sum(weighted_pressure * (discrepancy.x - centre) ** 2) / sum_of_pressure
+    return float(np.sqrt(second_moment))

@@ -25,7 +25,8 @@ MOST_LEFT = 1 / 3
 # Probability that chance alone gives the gain of a fit: some thirty causes and forty pairs are
 # tried for one file, and one file in a thousand may be named by chance.
 CHANCE = 1e-6
-_WITHOUT_SIZE = 1e-2
+# Of the probability for a cause without a size, see `gain_by_chance`.
+_FACTOR_WITHOUT_SIZE = 1e-2
 # Of the round-off of one traction over its scale, squared: less is no difference.
 ROUND_OFF = 1e-20
 # Difference of the sums of squares, over the variance of the noise, below which two causes are not
@@ -51,25 +52,26 @@ _NO_SOLUTION = 1e20
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Causes, fitted together.
+    """Causes (known faults of a result, such as a wrong friction coefficient), fitted together to
+    its difference from the reference.
 
     Attributes
     ----------
     causes, sizes
-        one size each
-    predicted
+        the faults, and the size of each
+    predicted_tractions
         tractions of a result with just these faults
     residuals
-        what they leave of pressure and shear
-    noisier
-        most that the noise of the shear is of that of the pressure, each over its scale
+        differences of the result's pressure and shear from them
+    largest_noise_ratio
+        largest ratio that the noise of the shear has to that of the pressure, each over its scale
     """
 
     causes: tuple[Cause, ...]
     sizes: tuple[float, ...]
-    predicted: Tractions
+    predicted_tractions: Tractions
     residuals: tuple[Residual, Residual]
-    noisier: float = np.inf
+    largest_noise_ratio: float = np.inf
 
     @property
     def keys(self) -> frozenset[str]:
@@ -77,42 +79,59 @@ class Fit:
         return frozenset(cause.key for cause in self.causes)
 
     @property
-    def parameters(self) -> int:
-        """Sizes that were fitted; an odd part takes half of the values as it finds them."""
-        sizes = sum(cause.has_size for cause in self.causes)
-        return sizes + (self.count((SHEAR,)) // 2 if ODD_PART in self.causes else 0)
+    def n_parameters(self) -> int:
+        """Number of fitted sizes; an odd part takes half of the shear values as they are, so that
+        each of these counts too.
+        """
+        n_sizes = sum(cause.has_size for cause in self.causes)
+        return n_sizes + (self.count((SHEAR,)) // 2 if ODD_PART in self.causes else 0)
 
     def square(self, channels: Sequence[int]) -> float:
-        """R over some channels, the sum of their means."""
+        """Mean square of the residuals, over p_ref or f p_ref; the sum of the `channels` (pressure,
+        shear).
+        """
         return sum(self.residuals[channel].square for channel in channels)
 
     def noise(self, channels: Sequence[int]) -> float:
-        """N over some channels; that of the shear is of the size of that of the pressure, both over
-        the largest pressure.
+        """Mean square of the noise in the residuals, the sum of the `channels` (pressure, shear).
+
+        More than the mean square of the residual is no noise. Noise of the shear is of the size of
+        that of the pressure: it counts up to `largest_noise_ratio` times the pressure's residual.
         """
-        largest_noise = (np.inf, max(self.square((PRESSURE,)), ROUND_OFF) * self.noisier**2)
+        pressure_square = max(self.square((PRESSURE,)), ROUND_OFF)
+        largest_noise = (np.inf, pressure_square * self.largest_noise_ratio**2)
         return sum(
             min(self.residuals[channel].noise, self.square((channel,)), largest_noise[channel])
             for channel in channels
         )
 
     def is_noise(self, channels: Sequence[int]) -> bool:
-        """Whether it leaves nothing smooth."""
-        parts = [self.residuals[channel] for channel in channels]
-        return all(part.is_noise or part.square <= ROUND_OFF for part in parts)
+        """Whether the residuals of these `channels` (pressure, shear) are noise alone."""
+        residuals = [self.residuals[channel] for channel in channels]
+        return all(residual.is_noise or residual.square <= ROUND_OFF for residual in residuals)
 
     def count(self, channels: Sequence[int]) -> int:
-        """Values in contact."""
+        """Number of values in contact, over all instants of these `channels` (pressure, shear)."""
         return sum(self.residuals[channel].count for channel in channels)
 
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """Fits of causes to a discrepancy, each done once."""
+    """Fits of causes to a discrepancy, each done once.
+
+    Attributes
+    ----------
+    discrepancy
+        the difference that is fitted
+    predictions
+        tractions of theory with faults in it
+    fit_by_key
+        the fits done: numbers of the causes, channels and known sizes -> fit, see `fit`
+    """
 
     discrepancy: Discrepancy
     predictions: Predictions
-    fit_by_question: dict[object, Fit | None] = field(default_factory=dict)
+    fit_by_key: dict[object, Fit | None] = field(default_factory=dict)
 
     def fit(
         self,
@@ -120,30 +139,30 @@ class Search:
         channels: tuple[int, ...],
         known_sizes: tuple[float, ...] = (),
     ) -> Fit | None:
-        """Fit the sizes of some causes (known faults) to the difference in these channels
-        (pressure, shear), each fit done once.
+        """The fit of some causes (known faults) to the difference between result and reference;
+        one that was done before is taken again.
 
-        `known_sizes` are sizes of the first causes, found before and kept. None where the file
-        can't have the causes, or theory has no solution for them.
-        """
-        key = tuple(CAUSES.index(cause) for cause in causes), channels, known_sizes
-        if key not in self.fit_by_question:
-            self.fit_by_question[key] = self._fitted(causes, channels, known_sizes)
-        return self.fit_by_question[key]
-
-    def _fitted(
-        self, causes: tuple[Cause, ...], channels: tuple[int, ...], known_sizes: tuple[float, ...]
-    ) -> Fit | None:
-        """Fit the sizes of some causes (known faults of a result, such as a wrong friction
-        coefficient) to its difference from the reference. Each combination of starting sizes is
-        tried, and the best are refined by least squares. None where theory has no solution for any.
+        None where the result can't have one of the causes, or theory has no solution for them.
 
         Parameters
         ----------
+        causes
+            the faults whose sizes are fitted
         channels
             the tractions that are fitted: pressure, shear or both
         known_sizes
             sizes of the first causes, which are kept
+        """
+        key = tuple(CAUSES.index(cause) for cause in causes), channels, known_sizes
+        if key not in self.fit_by_key:
+            self.fit_by_key[key] = self._new_fit(causes, channels, known_sizes)
+        return self.fit_by_key[key]
+
+    def _new_fit(
+        self, causes: tuple[Cause, ...], channels: tuple[int, ...], known_sizes: tuple[float, ...]
+    ) -> Fit | None:
+        """The fit of `fit`, done anew: each combination of starting sizes is tried, and the best
+        ones are refined by least squares. None where theory has no solution for any.
         """
         searched_causes = causes[len(known_sizes) :]
         starts_of_causes: list[tuple[float, ...]] = [(size,) for size in known_sizes]
@@ -152,12 +171,13 @@ class Search:
         ]
         if not all(starts_of_causes):
             return None
-        trial_sizes = list(itertools.product(*starts_of_causes))
-        squares = [self._square(causes, sizes, channels) for sizes in trial_sizes]
-        trials_by_square = np.argsort(squares, kind="stable")
-        if squares[trials_by_square[0]] >= _NO_SOLUTION**2:
+        combinations = list(itertools.product(*starts_of_causes))
+        squares = [self._square(causes, combination, channels) for combination in combinations]
+        order_of_squares = np.argsort(squares, kind="stable")
+        least_square = squares[order_of_squares[0]]
+        if least_square >= _NO_SOLUTION**2:
             return None
-        sizes = trial_sizes[trials_by_square[0]]
+        sizes = combinations[order_of_squares[0]]
         fitted_indices = [
             index
             for index, cause in enumerate(causes)
@@ -165,33 +185,38 @@ class Search:
         ]
         if fitted_indices:
             # Few points know of an edge of slip only when it passes them: a search may stop early.
-            count = _SEARCHES_OF_SHEAR if SHEAR in channels else 1
-            rough_fits = [
-                self._least_squares(causes, trial_sizes[trial], fitted_indices, channels, _ROUGH)
-                for trial in trials_by_square[:count]
-                if squares[trial] < _NO_SOLUTION**2
+            n_searches = _SEARCHES_OF_SHEAR if SHEAR in channels else 1
+            rough_sizes = [
+                self._least_squares(causes, combinations[number], fitted_indices, channels, _ROUGH)
+                for number in order_of_squares[:n_searches]
+                if squares[number] < _NO_SOLUTION**2
             ]
-            sizes = min(rough_fits, key=lambda trial: self._square(causes, trial, channels))
-            square_without = self._square((), (), channels)
-            if self._square(causes, sizes, channels) <= _HOPELESS**2 * square_without:
+            sizes = min(rough_sizes, key=lambda trial: self._square(causes, trial, channels))
+            square_without_causes = self._square((), (), channels)
+            if self._square(causes, sizes, channels) <= _HOPELESS**2 * square_without_causes:
                 sizes = self._least_squares(causes, sizes, fitted_indices, channels, _CLOSE)
         return self._fit_of(causes, sizes, channels)
 
     def refined(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> Fit | None:
-        """All sizes fitted at once, from these on."""
-        fitted_places = [place for place, cause in enumerate(causes) if cause.has_size]
-        if fitted_places:
-            sizes = self._least_squares(causes, sizes, fitted_places, channels, _CLOSE)
+        """The fit with all sizes fitted at once, by a search that starts from `sizes`. None where
+        theory has no solution.
+        """
+        fitted_indices = [index for index, cause in enumerate(causes) if cause.has_size]
+        if fitted_indices:
+            sizes = self._least_squares(causes, sizes, fitted_indices, channels, _CLOSE)
         return self._fit_of(causes, sizes, channels)
 
     def _starts(
         self, cause: Cause, searched_causes: tuple[Cause, ...], channels: tuple[int, ...]
     ) -> tuple[float, ...]:
-        """Sizes of a cause (a known fault) from which a search starts. Where it is searched beside
-        other causes (`searched_causes`), the size that it has when fitted alone is among them.
-        `channels` are the tractions that are fitted. Empty where the result can't have this fault.
+        """Sizes of a cause (a known fault) from which a search starts; empty where the result can't
+        have this fault.
+
+        `searched_causes` are all causes of the search, this one included. Where there are several,
+        the size that this one has when fitted alone is among the starts. `channels` are the
+        tractions that are fitted: pressure, shear or both.
         """
         starts = tuple(cause.starts(self.discrepancy))
         if len(searched_causes) == 1 or not starts or not cause.has_size:
@@ -211,19 +236,22 @@ class Search:
         channels: tuple[int, ...],
         tolerance: float,
     ) -> tuple[float, ...]:
-        """Sizes of the causes that leave the least squares in the tractions `channels`, from
-        `sizes` on; only the sizes at `fitted_indices` change. `tolerance` is that of the search.
+        """Sizes of all causes whose predicted tractions are closest to the result's, by least
+        squares; only those at `fitted_indices` differ from `sizes`, where the search starts.
+
+        `channels` are the tractions that count: pressure, shear or both. The search ends where a
+        step changes sizes or squares by less than the share `tolerance`.
         """
         from scipy.optimize import least_squares
 
-        def all_sizes(values: Array) -> tuple[float, ...]:
-            trial = list(sizes)
-            for index, value in zip(fitted_indices, values, strict=True):
-                trial[index] = float(value)
-            return tuple(trial)
+        def all_sizes(fitted_sizes: Array) -> tuple[float, ...]:
+            sizes_with_fitted = list(sizes)
+            for index, size in zip(fitted_indices, fitted_sizes, strict=True):
+                sizes_with_fitted[index] = float(size)
+            return tuple(sizes_with_fitted)
 
         solution = least_squares(
-            lambda values: self._residuals(causes, all_sizes(values), channels),
+            lambda fitted_sizes: self._residuals(causes, all_sizes(fitted_sizes), channels),
             [sizes[index] for index in fitted_indices],
             method="lm",
             diff_step=1e-5,
@@ -237,35 +265,41 @@ class Search:
     def _square(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> float:
-        """Sum of the squares of the weighted residuals."""
+        """Sum of the squared and weighted differences between the result and the tractions with
+        these faults, see `_residuals`.
+        """
         return float(np.sum(self._residuals(causes, sizes, channels) ** 2))
 
     def _residuals(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> Array:
-        """Differences between the result and what a result with these faults (`causes`) of these
-        sizes would be, in the tractions `channels`, weighted and in one row, (n,). Large numbers
-        where theory has no solution.
-        """
-        size = self.discrepancy.weight.size
-        try:
-            predicted_values = self._predicted(causes, sizes, channels)
-        except InputError:  # gross sliding, separation, a size that means nothing
-            return np.full(size * len(channels), _NO_SOLUTION)
-        weight = np.sqrt(self.discrepancy.weight)
-        parts = [
-            weight
-            * (self.discrepancy.result_tractions[channel] - predicted_values[channel])
-            / self.discrepancy.units[channel]
-            for channel in channels
-        ]
-        return np.nan_to_num(np.concatenate([part.ravel() for part in parts]), nan=_NO_SOLUTION)
+        """Differences of the result from tractions with these faults (`causes`) of these sizes,
+        over p_ref or f p_ref, times the root of their weight; large numbers where theory has no
+        solution.
 
-    def _predicted(
+        All instants and points of each of the `channels` (pressure, shear) in one row.
+        """
+        discrepancy = self.discrepancy
+        try:
+            predicted_tractions = self._predicted_tractions(causes, sizes, channels)
+        except InputError:  # gross sliding, separation, a size that means nothing
+            n_values = discrepancy.weight.size * len(channels)
+            return np.full(n_values, _NO_SOLUTION)
+        root_of_weight = np.sqrt(discrepancy.weight)
+        residuals_of_channels = []
+        for channel in channels:
+            difference = discrepancy.result_tractions[channel] - predicted_tractions[channel]
+            residual = root_of_weight * difference / discrepancy.units[channel]
+            residuals_of_channels.append(residual.ravel())
+        return np.nan_to_num(np.concatenate(residuals_of_channels), nan=_NO_SOLUTION)
+
+    def _predicted_tractions(
         self, causes: tuple[Cause, ...], sizes: tuple[float, ...], channels: tuple[int, ...]
     ) -> Tractions:
-        """Tractions that a result with these faults (`causes`) of these sizes would have; the shear
-        only where it is among `channels`. InputError for a size beyond the range of the search.
+        """Tractions (2, k, n) that a result with these faults (`causes`) of these sizes would have.
+        The shear is that of the reference where it is not among `channels`.
+
+        InputError where theory has no solution, or a size is beyond the range of the search.
         """
         variant = Variant()
         for cause, size in zip(causes, sizes, strict=True):
@@ -282,59 +316,79 @@ class Search:
         predicted only where it is among `channels`.
         """
         try:
-            predicted_values = self._predicted(causes, sizes, channels)
+            predicted_tractions = self._predicted_tractions(causes, sizes, channels)
         except InputError:
             return None
         friction = self.discrepancy.comparison.scales.friction
-        noisier = NOISIER / friction if friction else np.inf
         return Fit(
-            causes, sizes, predicted_values, self.discrepancy.residuals(predicted_values), noisier
+            causes,
+            sizes,
+            predicted_tractions,
+            residuals=self.discrepancy.residuals(predicted_tractions),
+            largest_noise_ratio=NOISIER / friction if friction else np.inf,
         )
 
 
 def share_left(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> float:
-    """Norm of what a fit leaves over that of the difference before it, the noise set aside."""
+    """Share of the difference that a fit leaves: norm of its residuals over that of `fit_before`,
+    the noise taken from both; 1 where there is no difference. `channels` are the tractions that
+    count: pressure, shear or both.
+    """
     return share_of_norm(fit.square(channels), fit_before.square(channels), fit.noise(channels))
 
 
 def share_of_norm(square_left: float, square_before: float, square_of_noise: float) -> float:
-    """Share that is left of a difference, as a ratio of roots: mean squares `square_left` of
-    `square_before`, with the mean square of the noise taken from both; 1 where there is no
-    difference.
+    """Ratio of the norm of a difference after a fit to that before it, from their mean squares
+    `square_left` and `square_before`, the noise taken from both; 1 where there is no difference.
+
+    >>> share_of_norm(2.0, 5.0, 1.0)
+    0.5
     """
-    difference = square_before - square_of_noise
-    if difference <= 0:
+    smooth_square_before = square_before - square_of_noise
+    if smooth_square_before <= 0:
         return 1.0
-    return float(np.sqrt(max(square_left - square_of_noise, 0.0) / difference))
+    smooth_square_left = max(square_left - square_of_noise, 0.0)
+    return float(np.sqrt(smooth_square_left / smooth_square_before))
 
 
 def by_chance(fit: Fit, fit_before: Fit, channels: Sequence[int]) -> float:
-    """Probability that noise alone lets a fit gain so much."""
+    """Probability that noise alone lets a fit leave so much less than `fit_before`, see
+    `gain_by_chance`. `channels` are the tractions that count: pressure, shear or both.
+    """
     return gain_by_chance(
         fit.square(channels),
         fit_before.square(channels),
         fit.count(channels),
-        sizes=fit.parameters,
-        sizes_before=fit_before.parameters,
+        n_parameters=fit.n_parameters,
+        n_parameters_before=fit_before.n_parameters,
     )
 
 
 def gain_by_chance(
-    square_left: float, square_before: float, count: int, *, sizes: int, sizes_before: int = 0
+    square_left: float,
+    square_before: float,
+    n_values: int,
+    *,
+    n_parameters: int,
+    n_parameters_before: int = 0,
 ) -> float:
-    """Probability that noise alone brings the mean square of `count` values from `square_before`
-    down to `square_left` when a cause is fitted to them.
+    """Probability that noise alone brings the mean square of n values from `square_before` down to
+    `square_left` when a cause (a known fault of a result) is fitted to them: the F test.
 
     Parameters
     ----------
-    sizes, sizes_before
+    square_left, square_before
+        mean squares of the difference with the cause, and before it
+    n_values
+        number of values that are fitted
+    n_parameters, n_parameters_before
         number of fitted parameters with the cause, and before it
 
     Notes
     -----
-    The F test. A cause without a parameter leaves the share e of the squares of n values by chance
-    with a probability of about e^(n/2); there are some ten of them, so that it is counted a
-    hundredfold less severely.
+    A cause without a parameter leaves the share e of the squares of n values by chance with a
+    probability of about e^(n/2). There are some ten such causes, so that it counts as a hundredth
+    of that.
     """
     from scipy.stats import f as f_distribution
 
@@ -342,29 +396,26 @@ def gain_by_chance(
     if gain <= 0:
         return 1.0
     square_left = max(square_left, 1e-300)
-    n_fitted = sizes - sizes_before
-    if n_fitted < 1:
-        return float((square_left / square_before) ** (count / 2)) * _WITHOUT_SIZE
-    degrees_of_freedom = count - sizes
+    n_added = n_parameters - n_parameters_before
+    if n_added < 1:
+        return float((square_left / square_before) ** (n_values / 2)) * _FACTOR_WITHOUT_SIZE
+    degrees_of_freedom = n_values - n_parameters
     if degrees_of_freedom < 1:
         return 1.0
-    return float(
-        f_distribution.sf(
-            gain / n_fitted / (square_left / degrees_of_freedom), n_fitted, degrees_of_freedom
-        )
-    )
+    ratio_of_variances = gain / n_added / (square_left / degrees_of_freedom)
+    return float(f_distribution.sf(ratio_of_variances, n_added, degrees_of_freedom))
 
 
-def are_apart(left: float, least: float, count: int, *, is_noise: bool) -> bool:
-    """Whether one fit leaves so much more than another that it is out.
+def are_apart(square_left: float, least_square: float, n_values: int, *, is_noise: bool) -> bool:
+    """Whether a fit with the mean square `square_left` leaves so much more of n values than the
+    best one, with `least_square`, that it is out.
 
-    `is_noise`: whether the other one leaves noise alone, which tells how far both may differ by
-    chance.
+    `is_noise` is whether the best one leaves noise alone: then chance sets how far both may differ.
     """
-    least = max(least, ROUND_OFF)
+    least_square = max(least_square, ROUND_OFF)
     if is_noise:
-        return (left - least) / least * count > _APART
-    return left > _APART_EXACT * least
+        return (square_left - least_square) / least_square * n_values > _APART
+    return square_left > _APART_EXACT * least_square
 
 
 def explains(
@@ -372,7 +423,9 @@ def explains(
     fit_before: Fit,
     channels: Sequence[int],
 ) -> bool:
-    """Whether a fit leaves less than a third of the difference, and not by chance."""
+    """Whether a fit explains the difference that `fit_before` leaves in the tractions `channels`:
+    less than a third of it is left, and not by chance.
+    """
     return (
         fit is not None
         and share_left(fit, fit_before, channels) < MOST_LEFT

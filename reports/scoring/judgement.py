@@ -85,13 +85,13 @@ class Verdict:
         the causes that are named; None if none is
     rivals
         other explanations that the file does not tell apart from it
-    is_shear_left
+    is_shear_unexplained
         whether the causes explain the pressure alone, and the shear differs for another reason
     """
 
     fit: Fit | None
     rivals: tuple[Fit, ...] = ()
-    is_shear_left: bool = False
+    is_shear_unexplained: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +116,7 @@ class Judgement:
     @property
     def channels(self) -> tuple[int, ...]:
         """Numbers of the tractions that count: pressure, and shear where the file has one."""
-        return (PRESSURE, SHEAR) if self.discrepancy.sheared else (PRESSURE,)
+        return (PRESSURE, SHEAR) if self.discrepancy.has_shear else (PRESSURE,)
 
     @property
     def no_cause(self) -> Fit:
@@ -156,16 +156,16 @@ class Judgement:
             for fit in candidates
             if fit.keys != best_fit.keys
             and not self._told_apart(fit, best_fit)
-            and fit.parameters <= best_fit.parameters
+            and fit.n_parameters <= best_fit.n_parameters
         )
-        return Verdict(best_fit, rivals, is_shear_left=not explanations_of_both)
+        return Verdict(best_fit, rivals, is_shear_unexplained=not explanations_of_both)
 
     def _rank(self, fit: Fit, least_fit: Fit) -> tuple[bool, int, int, float]:
         """For sorting: what does as well as the best first, of these the fewest causes, then the
         fewest sizes.
         """
         told_apart = self._told_apart(fit, least_fit)
-        return told_apart, len(fit.causes), fit.parameters, fit.square(self.channels)
+        return told_apart, len(fit.causes), fit.n_parameters, fit.square(self.channels)
 
     def _named_alone(self, pressure_fit: Fit) -> list[Fit]:
         """Causes of the pressure, with what they make of the shear, that are named though the shear
@@ -209,7 +209,7 @@ class Judgement:
         explanations
             fits of causes to pressure and shear
         """
-        if not explanations or len(pressure_fits) < 2 or not self.discrepancy.sheared:
+        if not explanations or len(pressure_fits) < 2 or not self.discrepancy.has_shear:
             return []
         best_explanation = min(explanations, key=lambda fit: fit.square(self.channels))
         if best_explanation.square(self.channels) <= _EXACT * self.no_cause.square(self.channels):
@@ -427,7 +427,9 @@ class Judgement:
         shear_integrals = np.sum(
             weight_of_points * self.discrepancy.result_tractions[SHEAR], axis=1
         )
-        predicted_shear_integrals = np.sum(weight_of_points * fit.predicted[SHEAR], axis=1)
+        predicted_shear_integrals = np.sum(
+            weight_of_points * fit.predicted_tractions[SHEAR], axis=1
+        )
         square_of_predicted = float(predicted_shear_integrals @ predicted_shear_integrals)
         if not square_of_predicted:
             return False
@@ -480,7 +482,7 @@ class Judgement:
         Tried in turn: no further cause, one of the shear, coupling by unlike bodies, and two of the
         shear; the first that leaves noise alone ends it.
         """
-        if not self.discrepancy.sheared:
+        if not self.discrepancy.has_shear:
             return [pressure_fit] if pressure_fit.causes else []
         fit_before = self.search.fit(
             pressure_fit.causes, (PRESSURE, SHEAR), known_sizes=pressure_fit.sizes
@@ -582,20 +584,25 @@ class Judgement:
                 return True
             # A shear that scatters more than the pressure holds more than noise. `noisier` is the
             # most that its noise may be of that of the pressure.
-            if fit.square((SHEAR,)) <= max(fit.square((PRESSURE,)), ROUND_OFF) * fit.noisier**2:
+            if (
+                fit.square((SHEAR,))
+                <= max(fit.square((PRESSURE,)), ROUND_OFF) * fit.largest_noise_ratio**2
+            ):
                 return True
         if not fit.causes:
             return self.discrepancy.is_within(channel)
         # With a factor of units the difference is far larger than the tractions: what is left must
         # be small beside both.
         mean_square_left = fit.square((channel,)) - fit.noise((channel,))
-        mean_square_of_traction = self.discrepancy.residual(0 * fit.predicted, channel).square
+        mean_square_of_traction = self.discrepancy.residual(
+            0 * fit.predicted_tractions, channel
+        ).square
         return (
             share_left(fit, self.no_cause, (channel,)) <= _COMPLETE
             and mean_square_left <= _COMPLETE**2 * mean_square_of_traction
         )
 
-    def is_whole(self, fit: Fit) -> bool:
+    def explains_all(self, fit: Fit) -> bool:
         """Whether a fit leaves nothing of either traction but noise."""
         return all(self.is_right(fit, channel) for channel in self.channels)
 

@@ -393,7 +393,7 @@ def _several_zones(discrepancy: Discrepancy) -> ProblemFit | None:
     load_of_reference = np.trapezoid(reference_pressure, discrepancy.x, axis=1)
     share_over_gaps = load_over_gaps / np.maximum(load_of_reference, 1e-300)
     has_few_gaps = long_gaps < _FEWEST_GAPS * len(result_pressure)
-    if has_few_gaps or float(share_over_gaps[discrepancy.loaded].min()) < _LEAST_OVER_GAPS:
+    if has_few_gaps or float(share_over_gaps[discrepancy.is_loaded].min()) < _LEAST_OVER_GAPS:
         return None
     if abs(discrepancy.resultant_ratio - 1) > _BALANCED:
         return None
@@ -499,8 +499,8 @@ def _most_changed_instants(
             has_same_load = abs(load[first_instant] / load[second_instant] - 1) < _SAME_LOAD
             has_same_sum = abs(sums[first_instant] / sums[second_instant] - 1) < _SAME_LOAD
             if (
-                discrepancy.loaded[first_instant]
-                and discrepancy.loaded[second_instant]
+                discrepancy.is_loaded[first_instant]
+                and discrepancy.is_loaded[second_instant]
                 and has_same_load
                 and has_same_sum
             ):
@@ -523,7 +523,7 @@ def _rolling(discrepancy: Discrepancy) -> ProblemFit | None:
     result and reference.
     """
     friction = discrepancy.scene.friction.coefficient
-    if discrepancy.unsymmetric or not friction or not discrepancy.sheared:
+    if discrepancy.unsymmetric or not friction or not discrepancy.has_shear:
         return None
     loads = discrepancy.scene.load.path().at(discrepancy.time)
     normal_load = np.asarray(loads[0])[:, None]
@@ -566,7 +566,7 @@ def _law_of_friction(discrepancy: Discrepancy) -> ProblemFit | None:
     None where such a law fits no better. `discrepancy` holds the tractions of result and reference.
     """
     friction = discrepancy.scene.friction.coefficient
-    if not friction or not discrepancy.sheared:
+    if not friction or not discrepancy.has_shear:
         return None
     state = discrepancy.comparison.reference_cycle.state[discrepancy.rows]
     slip_direction = (state == SLIP_FORWARD) * 1.0 - (state == SLIP_REVERSE)
@@ -651,12 +651,14 @@ def other_problems(discrepancy: Discrepancy, fit_named: Fit | None) -> Iterator[
             residual_after.square,
             residual_before.square,
             residual_after.count,
-            sizes=problem_fit.parameters,
+            n_parameters=problem_fit.parameters,
         )
         if share_left >= MOST_LEFT or chance >= CHANCE:
             continue
         if fit_named is not None:
-            residual_of_causes = problem.residual(discrepancy, fit_named.predicted, problem_fit)
+            residual_of_causes = problem.residual(
+                discrepancy, fit_named.predicted_tractions, problem_fit
+            )
             is_apart = are_apart(
                 residual_of_causes.square,
                 residual_after.square,

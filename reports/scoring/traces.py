@@ -126,7 +126,7 @@ def full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     """
     comparison = discrepancy.comparison
     friction = discrepancy.comparison.scene.friction.coefficient
-    if not friction or not discrepancy.sheared:
+    if not friction or not discrepancy.has_shear:
         return
     result_cycle = comparison.result_cycle
     reference_cycle = comparison.reference_cycle
@@ -221,7 +221,7 @@ def _changes_of_sticking(
     friction = comparison.scene.friction.coefficient
     result_cycle = comparison.result_cycle
     reference_cycle = comparison.reference_cycle
-    if not friction or not discrepancy.sheared or len(result_cycle.time) < 2:
+    if not friction or not discrepancy.has_shear or len(result_cycle.time) < 2:
         return None
     if not (np.isfinite(result_cycle.slip).all() and np.isfinite(reference_cycle.slip).all()):
         return None
@@ -276,7 +276,7 @@ def scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     """
     scales = discrepancy.comparison.scales
     channels = [PRESSURE]
-    if discrepancy.sheared and scales.friction > 0:
+    if discrepancy.has_shear and scales.friction > 0:
         channels.append(SHEAR)
     residuals = [
         discrepancy.residual(discrepancy.reference_tractions, channel) for channel in channels

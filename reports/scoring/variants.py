@@ -179,7 +179,7 @@ class Predictions:
             tractions = self._theory(variant, fine_points, sheared=sheared) @ weights
         else:
             tractions = self._theory(variant, x, sheared=sheared)
-        if not self.discrepancy.exact:
+        if not self.discrepancy.is_half_plane_theory:
             theory = self._theory(Variant(), self.discrepancy.x, sheared=sheared)
             tractions = tractions + (
                 self.discrepancy.reference_tractions[: len(tractions)] - theory
@@ -249,12 +249,14 @@ class Predictions:
         if variant.history == "first revolution":
             assert path.period is not None
             fraction_in_cycle = np.where(
-                discrepancy.fraction > 1, discrepancy.fraction - 1, discrepancy.fraction
+                discrepancy.cycle_fraction > 1,
+                discrepancy.cycle_fraction - 1,
+                discrepancy.cycle_fraction,
             )
             return path.cycle_start + np.minimum(fraction_in_cycle, 1 - 1e-12) * path.period
         if variant.delay:
             assert path.period is not None
-            fraction = np.mod(discrepancy.fraction - variant.delay, 1.0)
+            fraction = np.mod(discrepancy.cycle_fraction - variant.delay, 1.0)
             return path.cycle_start + (_STEADY + fraction) * path.period
         return discrepancy.time
 
@@ -392,7 +394,7 @@ def _long_steps(discrepancy: Discrepancy, scene: Scene, x: Array, *, takes_ends:
         fraction = fraction_of_cycle(discrepancy.comparison)
         cycles = [path.cycle_start + (revolution + fraction) * path.period for revolution in (0, 1)]
         times = np.concatenate([np.linspace(path.start, path.cycle_start, 9), *cycles])
-        times_of_instants = path.cycle_start + (1 + discrepancy.fraction) * path.period
+        times_of_instants = path.cycle_start + (1 + discrepancy.cycle_fraction) * path.period
     times = np.unique(times[times > path.start])
     rows_of_instants = np.abs(times[:, None] - times_of_instants).argmin(axis=0)
     if not takes_ends:
