@@ -582,21 +582,17 @@ class Judgement:
         if fit.is_noise((channel,)):
             if channel == PRESSURE:
                 return True
-            # A shear that scatters more than the pressure holds more than noise. `noisier` is the
-            # most that its noise may be of that of the pressure.
-            if (
-                fit.square((SHEAR,))
-                <= max(fit.square((PRESSURE,)), ROUND_OFF) * fit.largest_noise_ratio**2
-            ):
+            # A shear that scatters too much beside the pressure holds more than noise.
+            pressure_square = max(fit.square((PRESSURE,)), ROUND_OFF)
+            if fit.square((SHEAR,)) <= pressure_square * fit.largest_noise_ratio**2:
                 return True
         if not fit.causes:
             return self.discrepancy.is_within(channel)
         # With a factor of units the difference is far larger than the tractions: what is left must
         # be small beside both.
         mean_square_left = fit.square((channel,)) - fit.noise((channel,))
-        mean_square_of_traction = self.discrepancy.residual(
-            0 * fit.predicted_tractions, channel
-        ).square
+        no_tractions = 0 * fit.predicted_tractions
+        mean_square_of_traction = self.discrepancy.residual(no_tractions, channel).square
         return (
             share_left(fit, self.no_cause, (channel,)) <= _COMPLETE
             and mean_square_left <= _COMPLETE**2 * mean_square_of_traction
