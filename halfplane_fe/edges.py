@@ -45,6 +45,10 @@ _UNSEEN = 2.0
 # Nodes inside the stick zone that the two fits take, counted from its last one, which the
 # singularity spoils.
 _FITTED = (7, 4)
+# Share of the distance from x = 0 by which an edge is uncertain, over the fourth power of the
+# growth of elements away from the edges. These make a half-plane too stiff, so that edges are too
+# near: 0.012 of Hertz' contact, 0.03 of wedges. Random half-planes, coarse preset.
+_GROWN = 0.018
 # Distances of nodes that a stick edge moves in one increment above which it jumps,
 _JUMP = 6.0
 # and the share of one up to which an edge is known well enough not to have jumped inwards.
@@ -346,6 +350,19 @@ def _stick_uncertainty(
         sticks_in_full[:, None], contact.uncertainty, np.maximum(of_no_fit, _UNSEEN * spacing)
     )
     return np.where(is_full, of_full_stick, uncertainty)
+
+
+def uncertainty_by_growth(places: Array, growth: float) -> Array:
+    """By how much an edge may be wrong because elements grow away from the edges [length].
+
+    Parameters
+    ----------
+    places
+        distances of edges from x = 0, or half-widths [length]
+    growth
+        of the elements' size with the distance from the contact
+    """
+    return np.asarray(_GROWN * growth**4 * np.abs(places))
 
 
 def uncertainty_at_jumps(edges: Edges, step_index: Indices, spacing: float) -> Array:

@@ -26,7 +26,7 @@ from halfplane_fe.answer_uncertainty import (
 )
 from halfplane_fe.contact import ContactProblem, InterfaceState
 from halfplane_fe.dundurs import dundurs
-from halfplane_fe.edges import Edges, uncertainty_at_jumps
+from halfplane_fe.edges import Edges, uncertainty_at_jumps, uncertainty_by_growth
 from halfplane_fe.elasticity import CondensedBody
 from halfplane_fe.interface import (
     Interface,
@@ -537,6 +537,9 @@ def _solution(
     scene = task.scene
     scales = task.scales
     arrays = answer_arrays(scene, problem, run, scales)
+    for edge in ("contact_edge", "stick_edge"):
+        by_growth = uncertainty_by_growth(arrays[f"{edge}s"], task.mesh.growth)
+        arrays[f"{edge}_uncertainty"] = freeze(arrays[f"{edge}_uncertainty"] + by_growth)
     work_uncertainty = dissipation_uncertainty(task, run, arrays)
     uncertainties_of_values = value_uncertainties(task, problem, run, arrays)
     # An edge that jumps between instants is uncertain by the jump. Added only now: the uncertainty

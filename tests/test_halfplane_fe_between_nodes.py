@@ -6,6 +6,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import replace
+from typing import Literal
 from unittest import mock
 
 import numpy as np
@@ -22,6 +24,9 @@ from halfplane_fe.run import PathRun
 from meshes import MeshSettings
 from scenes import STICK, Elastic, Materials, Scene, load_scene
 from scenes.array_types import Array
+
+# Growth makes a half-plane too stiff, which moves edges by more than what places them.
+LITTLE_GROWN = replace(MeshSettings.coarse(), growth=0.2)
 
 
 def coarse_pair(scene: Scene) -> scales._CoarsePair:
@@ -298,42 +303,62 @@ def test_w_of_real_bodies_has_one_limit_with_and_without_what_is_taken_off(name:
     assert errors.max() < 6
 
 
-def stick_errors(scene: Scene) -> tuple[Array, Array]:
-    """Errors of stick edges against theory on the coarse mesh, over the distance of two nodes and
-    over what is stated, of the instants with slip zones.
+def edge_errors(
+    scene: Scene, zone: Literal["contact", "stick"], mesh: MeshSettings
+) -> tuple[Array, Array]:
+    """Errors of contact or stick edges against theory, over the distance of two nodes and over what
+    is stated, of the instants with slip zones.
     """
-    answer = halfplane_fe.solve(scene, MeshSettings.coarse())
+    answer = halfplane_fe.solve(scene, mesh)
     theory = semi_analytic.solve(scene, x=answer.x, time=answer.time)
     slips = np.any(theory.state > STICK, axis=1)
-    errors = np.abs(answer.stick_edges - theory.stick_edges)[slips]
-    node = np.searchsorted(answer.x, theory.stick_edges[slips])
+    true_edges = getattr(theory, f"{zone}_edges")[slips]
+    errors = np.abs(getattr(answer, f"{zone}_edges")[slips] - true_edges)
+    node = np.searchsorted(answer.x, true_edges)
     spacing = answer.x[node] - answer.x[node - 1]
-    return errors / spacing, errors / answer.stick_edge_uncertainty[slips]
+    return errors / spacing, errors / getattr(answer, f"{zone}_edge_uncertainty")[slips]
 
 
 def test_the_load_places_the_contact_edge_of_every_instant() -> None:
-    """To a fiftieth of the distance of two nodes; by the form of the pressure it is a tenth."""
-    answer = halfplane_fe.solve("hertz-paper", MeshSettings.coarse())
-    theory = semi_analytic.solve("hertz-paper", x=answer.x, time=answer.time)
-    loaded = answer.contact_half_width > 0.5
-    errors = np.abs(answer.contact_edges - theory.contact_edges)[loaded]
-    node = np.searchsorted(answer.x, theory.contact_edges[loaded])
-    spacing = answer.x[node] - answer.x[node - 1]
-    assert np.median(errors / spacing) < 0.03
-    over_stated = errors / answer.contact_edge_uncertainty[loaded]
+    """To a hundredth of the distance of two nodes, on a mesh that grows little; by the form of the
+    pressure it is a tenth.
+    """
+    errors, _ = edge_errors(load_scene("hertz-paper"), "contact", LITTLE_GROWN)
+    assert np.median(errors) < 0.015
+    assert np.quantile(errors, 0.9) < 0.04
+    _, over_stated = edge_errors(load_scene("hertz-paper"), "contact", MeshSettings.coarse())
     assert np.mean(over_stated <= 1) > 0.95
-    assert np.median(over_stated) > 0.1
+    assert np.median(over_stated) > 0.2
+
+
+def test_a_load_that_grows_from_contact_to_contact_is_even(
+    compression: tuple[ContactProblem, list[InterfaceState], Array],
+) -> None:
+    """Hertz' load takes the edge on evenly. Nodes that touch and carry nothing it has not met."""
+    problem, states, _ = compression
+    found = []
+    for state in states:
+        last_closed = int(np.flatnonzero(state.closed)[-1])
+        by_load = nodal(problem.rates(state.state, len(state.loads))[0])
+        edge = Edge.of_contact(problem, 1, last_closed, state, by_load)
+        _, rates, _, _ = by_load
+        found.append(between_nodes._unevenness(edge, last_closed, state.pressure, rates))
+        only_touches = np.zeros_like(state.pressure)
+        assert between_nodes._unevenness(edge, last_closed, only_touches, rates) > 6
+    assert np.median(found) < 0.05
+    assert max(found) < 0.2
 
 
 def test_the_load_places_the_stick_edge_of_every_instant() -> None:
-    """To a fiftieth of the distance of two nodes (0.017; nine of ten 0.036), forwards and in
+    """To a fiftieth of the distance of two nodes (0.012; nine of ten 0.043), forwards and in
     reverse; by the tractions it is a quarter.
     """
-    errors, over_stated = stick_errors(load_scene("hertz-paper"))
-    assert np.median(errors) < 0.03
+    errors, _ = edge_errors(load_scene("hertz-paper"), "stick", LITTLE_GROWN)
+    assert np.median(errors) < 0.025
     assert np.quantile(errors, 0.9) < 0.06
+    _, over_stated = edge_errors(load_scene("hertz-paper"), "stick", MeshSettings.coarse())
     assert np.mean(over_stated <= 1) > 0.95
-    assert np.median(over_stated) > 0.1
+    assert np.median(over_stated) > 0.2
 
 
 def test_beside_an_older_stick_edge_the_load_places_it_less_well() -> None:
@@ -343,7 +368,7 @@ def test_beside_an_older_stick_edge_the_load_places_it_less_well() -> None:
     shares = (0.5, 0.2, 0.7, -0.7, -0.2, -0.5)
     cycle = [[100.0, limit * share] for share in shares]
     load = {"kind": "polygon", "initial_loading": [[100.0, -limit * 0.7]], "cycle": cycle}
-    errors, over_stated = stick_errors(scene.vary(load=load))
+    errors, over_stated = edge_errors(scene.vary(load=load), "stick", MeshSettings.coarse())
     assert errors.max() > 0.15
     assert over_stated.max() < 2
 

@@ -19,7 +19,7 @@ import semi_analytic
 from halfplane_fe import FiniteElementSolution, SolverSettings, answer_uncertainty
 from halfplane_fe.answer import _grows_within_cone, creeping_zone
 from halfplane_fe.between_nodes import NO_ZONE
-from halfplane_fe.edges import Edges, uncertainty_at_jumps
+from halfplane_fe.edges import Edges, uncertainty_at_jumps, uncertainty_by_growth
 from halfplane_fe.scales import COARSE_CYCLES
 from halfplane_fe.uncertainty import (
     RULES,
@@ -130,8 +130,8 @@ def test_a_density_that_stands_out_at_one_node_is_less_certain() -> None:
     curve = 10 - 0.1 * x**2
     node = np.where(x == 0, 10.0, 9.9)
     of_curve, of_node = (density_uncertainty(x, density) for density in (curve, node))
-    assert of_curve == pytest.approx(0.42 * 0.1)
-    assert of_node == pytest.approx((0.42 + 1.5 * 0.18) * 0.1)
+    assert of_curve == pytest.approx(0.35 * 0.1)
+    assert of_node == pytest.approx((0.35 + 1.5 * 0.38) * 0.1)
 
 
 def test_slip_is_as_uncertain_as_it_changes_towards_the_next_nodes() -> None:
@@ -307,6 +307,49 @@ def test_the_largest_density_of_a_narrow_slip_zone_is_covered_but_for_a_half() -
     assert 10 * by_nodes < error < 1.5 * answer.uncertainties["largest_dissipation_density"]
 
 
+def test_edges_are_as_uncertain_as_elements_grow() -> None:
+    """These make a half-plane too stiff: the contact of a coarse mesh is too narrow."""
+    errors = []
+    for growth in (0.5, 0.2):
+        answer = halfplane_fe.solve("hertz-paper", replace(COARSE, growth=growth))
+        theory = semi_analytic.solve(answer.scene, x=[0.0], time=answer.time)
+        error = (theory.contact_edges - answer.contact_edges)[1:, 1]
+        stated = answer.contact_edge_uncertainty[1:, 1]
+        by_growth = uncertainty_by_growth(answer.contact_edges[1:, 1], growth)
+        assert np.all(stated >= by_growth)
+        errors.append(np.median(error / by_growth))
+    assert 0.3 < errors[0] < 1  # the larger part, on the coarse mesh
+
+
+ARCHES = {
+    "profile": {
+        "kind": "tabulated",
+        "points": [[0.04 * k, 8e-7 * k**2 * (1 + 0.000928531385504709 * k**2)] for k in range(41)],
+    },
+    "friction": {"coefficient": 0.13090403339690476},
+    "load": {
+        "kind": "ellipse",
+        "mean_normal_load": 136.84490087655593,
+        "normal_amplitude": 32.678775959057894,
+        "mean_tangential_load": 5.31645624327747,
+        "tangential_amplitude": 6.715024810889442,
+        "phase_degrees": 91.42843074672537,
+        "initial_loading": "straight",
+    },
+}
+"""The curvature jumps at every row, which elements of the middle do not resolve."""
+
+
+@pytest.mark.slow
+def test_the_pressure_between_rows_of_a_table_is_covered_but_for_a_factor_of_three() -> None:
+    """The largest value of nodes is below that of the arch between them, by 4e-4."""
+    answer = halfplane_fe.solve(random_scene(ARCHES))
+    theory = semi_analytic.solve(answer.scene, x=answer.x, time=answer.time)
+    error = semi_analytic.extremes(theory).pressure - answer.pressure.max()
+    assert error > 2e-4 * answer.pressure.max()
+    assert error < 3 * answer.uncertainties["largest_pressure"]
+
+
 @pytest.mark.slow
 def test_stick_edges_next_to_a_jump_are_covered() -> None:
     answer = halfplane_fe.solve(random_scene(JUMPING))
@@ -316,7 +359,7 @@ def test_stick_edges_next_to_a_jump_are_covered() -> None:
     assert error.max() > 0.1 * half_width
     uncertainty = answer.stick_edge_uncertainty[1:]
     assert np.all((error <= uncertainty)[error > 0.01 * half_width])  # at jumps
-    assert np.mean(error <= uncertainty) > 0.97
+    assert np.mean(error <= uncertainty) > 0.95
     # Permanent stick ends where no edge jumps to.
     assert answer.uncertainties["permanent_stick_half_width"] < 0.01 * half_width
 
