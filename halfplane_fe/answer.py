@@ -30,6 +30,7 @@ from halfplane_fe.law import slip_sign
 from halfplane_fe.reported_states import reported_states
 from halfplane_fe.run import PathRun
 from halfplane_fe.scales import Scales
+from halfplane_fe.task import Task
 from scenes import OPEN, STICK, Interrupted, Record, Scene, freeze
 from scenes.array_types import Array, Mask, States
 
@@ -48,21 +49,21 @@ _LARGEST_CREEP = 3e-4
 _LARGEST_CREEP_OF_COUPLED = 3e-5
 
 
-def answer_arrays(
-    scene: Scene, problem: ContactProblem, run: PathRun, scales: Scales
-) -> dict[str, Any]:
+def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str, Any]:
     """Arrays and numbers of a finite-element solution by name, in the scene's units: loads,
     displacements, tractions, slip, edges and friction work at the stored instants of a run.
 
     Parameters
     ----------
+    task
+        the scene, its mesh, and the scales of its variables
     problem
         the contact problem, in scaled variables
     run
         the contact states along the load path, and which of them are stored
-    scales
-        load, half-width and modulus that the variables are scaled by
     """
+    scene = task.scene
+    scales = task.scales
     states = [run.states[index] for index in run.stored]
     displacement_unit = scales.load / scales.modulus
     work_unit = scales.load * displacement_unit
@@ -73,7 +74,7 @@ def answer_arrays(
     # (n_steps, n) open, stick or slip at all instants, stored or not
     surface_states = reported_states(problem, run.states, run.cycle_starts)
     scaled_edges, permanent_edges = _edges_of_run(scene, problem, run, surface_states)
-    edges = {name: values * scales.half_width for name, values in scaled_edges.items()}
+    edges = {name: values * task.edge_unit for name, values in scaled_edges.items()}
     loads = np.array([(state.normal_load, state.tangential_load) for state in states]) * scales.load
     # relative tangential displacement U of the bodies
     shifts = np.array([state.shift for state in states])
@@ -95,8 +96,8 @@ def answer_arrays(
         "cycle_dissipation": freeze(cycle_works.sum(axis=1)),
         "permanent_stick_half_width": float(permanent_edges[1] - permanent_edges[0])
         / 2
-        * scales.half_width,
-        "permanent_stick_edges": freeze(permanent_edges * scales.half_width),
+        * task.edge_unit,
+        "permanent_stick_edges": freeze(permanent_edges * task.edge_unit),
         "steady_from": run.steady_from,
         "loop_work": _loop_work(scene, run) * work_unit,
     }

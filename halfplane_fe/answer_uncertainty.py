@@ -170,7 +170,7 @@ def value_uncertainties(
     of_stick_zone = _of_permanent_stick(
         scene,
         arrays,
-        zone_by_nodes(run).in_unit(task.scales.half_width),
+        zone_by_nodes(run).in_unit(task.edge_unit),
         is_sharp=edges_are_sharp(scene, problem),
     )
     estimates["permanent_stick_half_width"] = of_stick_zone + float(

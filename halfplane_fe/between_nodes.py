@@ -19,7 +19,7 @@ zero. Then D and the difference V of the two values fix it all:
 The place of the edge follows from the answer, as two distances in the load that moves it. The way
 from the last node is its slip (or pressure) over the rate. The way to the next node is what that
 lacks of the Coulomb limit (or its gap) over the rate. The change of the rates at the kink gives A.
-An edge meets a corner node 0.050 elements before it is there, on its way outwards, and a mid-side
+An edge meets a corner node 0.051 elements before it is there, on its way outwards, and a mid-side
 node D - 1/2 before that.
 
 While an edge moves on, g has no mean. What counts is where edges stand:
@@ -55,7 +55,7 @@ from scenes.array_types import Array, Indices, Mask, States
 # least squares on Hertz' compression pressed through 40 elements.
 _D = 0.566
 _V = 0.0335
-_CORNER_IS_MET = 0.050
+_CORNER_IS_MET = 0.051
 _V_OF_BOTH = (_D**3 + (1 - _D) ** 3) / 6
 _JUMP_OF_MIDDLE = 0.5 + _V * (1 / _D + 1 / (1 - _D))
 # rms of g over the edge's places.

@@ -45,12 +45,17 @@ _UNSEEN = 2.0
 # Nodes inside the stick zone that the two fits take, counted from its last one, which the
 # singularity spoils.
 _FITTED = (7, 4)
-# Share of the distance from x = 0 by which an edge is uncertain, over the fourth power of the
-# growth of elements away from the edges. These make a half-plane too stiff, so that edges are too
-# near: 0.012 of Hertz' contact, 0.03 of wedges. Random half-planes, coarse preset.
-_GROWN = 0.018
-# Distances of nodes that a stick edge moves in one increment above which it jumps,
+# Share of the distance from x = 0 by which edges are too near, over the fourth power of the growth
+# of elements away from the edges, the order of quadratic elements. These make a body too stiff:
+# 0.012 of Hertz' contact, 0.008 of flat punches, 0.019 of wedges at a growth of 0.5. It is put
+# right,
+_TOO_STIFF = 0.011
+# and leaves this share.
+_GROWN = 0.008
+# Distances of nodes that a stick edge moves in one increment above which it jumps; the same where
+# slip starts or ends in this increment,
 _JUMP = 6.0
+_JUMP_AT_START = 2.0
 # and the share of one up to which an edge is known well enough not to have jumped inwards.
 _ON_ITS_WAY = 0.2
 # Elements by which two fits of a stick edge may differ.
@@ -352,6 +357,22 @@ def _stick_uncertainty(
     return np.where(is_full, of_full_stick, uncertainty)
 
 
+def edge_unit(half_width: float, growth: float) -> float:
+    """What scaled edges are multiplied by [length]: the half-width that all is scaled by, and what
+    growing elements hold edges back.
+
+    A body that is too stiff by a share d of E* has the contact of a load P (1 - d).
+
+    Parameters
+    ----------
+    half_width
+        that all places are scaled by [length]
+    growth
+        of the elements' size with the distance from the contact
+    """
+    return half_width * (1 + _TOO_STIFF * growth**4)
+
+
 def uncertainty_by_growth(places: Array, growth: float) -> Array:
     """By how much an edge may be wrong because elements grow away from the edges [length].
 
@@ -365,20 +386,25 @@ def uncertainty_by_growth(places: Array, growth: float) -> Array:
     return np.asarray(_GROWN * growth**4 * np.abs(places))
 
 
-def uncertainty_at_jumps(edges: Edges, step_index: Indices, spacing: float) -> Array:
+def uncertainty_at_jumps(
+    edges: Edges, contact: Array, step_index: Indices, spacing: float
+) -> Array:
     """(k, 2) by how much an edge of stick may be wrong because an increment is wrong about when it
     jumps.
 
     Where a slip zone reaches an older edge of stick, the edge jumps inwards. Where slip ends, it
     jumps outwards. The mesh may see that an increment too early or too late. So the edge of an
     instant before or after the jump may be that of the other side of it. Inwards an edge also goes
-    far in one increment, without a jump: one that is known well beside it is on its way. Moves of a
-    few nodes are none. A stick zone that vanishes or appears ends in its middle.
+    far in one increment, without a jump: one that is known well beside it is on its way, unless
+    slip starts in this increment. Moves of a few nodes are none. A stick zone that vanishes or
+    appears ends in its middle.
 
     Parameters
     ----------
     edges
         of stick; NaN where nothing sticks
+    contact
+        (k, 2) edges of contact, where those of stick are while nothing slips [length]
     step_index
         (k,) index of the instants in the run: of instants between which others were dropped nothing
         is known
@@ -392,9 +418,13 @@ def uncertainty_at_jumps(edges: Edges, step_index: Indices, spacing: float) -> A
     for column, outwards in enumerate((-1, 1)):
         places = np.where(np.isnan(edges.places[:, column]), middle, edges.places[:, column])
         moves = outwards * np.where(follows, np.diff(places), 0.0)
-        jumps = np.where(np.abs(moves) > _JUMP * spacing, np.abs(moves), 0.0)
+        slips = edges.places[:-1, column] != contact[:-1, column]
+        starts = (moves < 0) & ~slips
+        ends = (moves > 0) & slips
+        least_jump = np.where(starts | ends, _JUMP_AT_START, _JUMP) * spacing
+        jumps = np.where(np.abs(moves) > least_jump, np.abs(moves), 0.0)
         for beside in (slice(None, -1), slice(1, None)):
-            is_uncertain = (moves > 0) | ~is_on_its_way[beside, column]
+            is_uncertain = (moves > 0) | starts | ~is_on_its_way[beside, column]
             uncertainty[beside, column] = np.maximum(
                 uncertainty[beside, column], np.where(is_uncertain, jumps, 0.0)
             )

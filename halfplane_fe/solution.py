@@ -536,7 +536,7 @@ def _solution(
     """
     scene = task.scene
     scales = task.scales
-    arrays = answer_arrays(scene, problem, run, scales)
+    arrays = answer_arrays(task, problem, run)
     for edge in ("contact_edge", "stick_edge"):
         by_growth = uncertainty_by_growth(arrays[f"{edge}s"], task.mesh.growth)
         arrays[f"{edge}_uncertainty"] = freeze(arrays[f"{edge}_uncertainty"] + by_growth)
@@ -549,6 +549,7 @@ def _solution(
             arrays["stick_edge_uncertainty"],
             uncertainty_at_jumps(
                 Edges(arrays["stick_edges"], arrays["stick_edge_uncertainty"]),
+                arrays["contact_edges"],
                 run.stored,
                 spacing=task.element * scales.half_width / task.mesh.order,
             ),
