@@ -51,7 +51,7 @@ _FITTED = (7, 4)
 # right,
 _TOO_STIFF = 0.011
 # and leaves this share.
-_GROWN = 0.008
+_GROWN = 0.005
 # Distances of nodes that a stick edge moves in one increment above which it jumps; the same where
 # slip starts or ends in this increment,
 _JUMP = 6.0
