@@ -33,6 +33,7 @@ In the order in which a scene passes through::
     between_nodes.py                       edges between nodes: where the permanent stick zone ends,
                                            what they add to the dissipation, which is taken off
     edges.py                               edges of contact and stick at every instant, by fits
+    stick_by_slip.py                       ends of the permanent stick zone by the slip beyond them
     reported_states.py                     states of the nodes as a reader sees them
     task.py, solution.py, answer.py        scene, mesh, settings and scales in one; `solve`; the
                                            arrays of the answer; cost of a penalty layer

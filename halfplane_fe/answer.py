@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from halfplane_fe.between_nodes import NO_ZONE, EdgesByLoad, StickZone
 from halfplane_fe.contact import ContactProblem, InterfaceState, nodal
 from halfplane_fe.edges import (
+    Edges,
     NodalAnswer,
     contact_with_uncertainty,
     stick_edges,
@@ -30,6 +31,7 @@ from halfplane_fe.law import slip_sign
 from halfplane_fe.reported_states import reported_states
 from halfplane_fe.run import PathRun
 from halfplane_fe.scales import Scales
+from halfplane_fe.stick_by_slip import ends_by_slip
 from halfplane_fe.task import Task
 from scenes import OPEN, STICK, Interrupted, Record, Scene, freeze
 from scenes.array_types import Array, Mask, States
@@ -73,7 +75,7 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
     work_per_area = cycle_works[-1] / weights if len(cycle_works) else np.zeros_like(weights)
     # (n_steps, n) open, stick or slip at all instants, stored or not
     surface_states = reported_states(problem, run.states, run.cycle_starts)
-    scaled_edges, permanent_edges = _edges_of_run(scene, problem, run, surface_states)
+    scaled_edges, permanent_stick = _edges_of_run(scene, problem, run, surface_states)
     edges = {name: values * task.edge_unit for name, values in scaled_edges.items()}
     loads = np.array([(state.normal_load, state.tangential_load) for state in states]) * scales.load
     # relative tangential displacement U of the bodies
@@ -94,10 +96,11 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
         "dissipation_density": freeze(work_per_area),
         "dissipation": float(cycle_works[-1].sum()) if len(cycle_works) else float("nan"),
         "cycle_dissipation": freeze(cycle_works.sum(axis=1)),
-        "permanent_stick_half_width": float(permanent_edges[1] - permanent_edges[0])
+        "permanent_stick_half_width": float(np.diff(permanent_stick.places)[0])
         / 2
         * task.edge_unit,
-        "permanent_stick_edges": freeze(permanent_edges * task.edge_unit),
+        "permanent_stick_edges": freeze(permanent_stick.places * task.edge_unit),
+        "permanent_stick_uncertainty": freeze(permanent_stick.uncertainty * task.edge_unit),
         "steady_from": run.steady_from,
         "loop_work": _loop_work(scene, run) * work_unit,
     }
@@ -108,7 +111,7 @@ def answer_arrays(task: Task, problem: ContactProblem, run: PathRun) -> dict[str
 
 def _edges_of_run(
     scene: Scene, problem: ContactProblem, run: PathRun, surface_states: States
-) -> tuple[dict[str, Array], Array]:
+) -> tuple[dict[str, Array], Edges]:
     """Left and right edges of contact and stick of a run, and of its permanent stick zone; scaled.
 
     Between like bodies without bulk stress and tilt, the permanent stick zone is known by the loads
@@ -125,8 +128,9 @@ def _edges_of_run(
     -------
     edges
         name -> contact or stick edges at the stored instants, or their uncertainty, (k, 2) each
-    permanent_edges
-        (2,) ends of the permanent stick zone; NaN without one
+    permanent_stick
+        ends (2,) of the permanent stick zone, NaN without one; their uncertainty where slip places
+        them, else NaN
     """
     states = [run.states[index] for index in run.stored]
     loads = np.array([(state.normal_load, state.tangential_load) for state in run.states])
@@ -146,14 +150,16 @@ def _edges_of_run(
         EdgesByLoad.joined(run.stick_edges).at(run.stored),
         scene,
     )
-    permanent_edges = _permanent_stick(scene, problem, run, surface_states, edges["stick_edges"])
+    by_slip = _permanent_stick(scene, problem, run, surface_states, edges["stick_edges"])
+    permanent_edges = by_slip.places
     if edges_are_sharp(scene, problem):
         zone = zone_by_nodes(run)
         permanent_edges = zone.confine(permanent_edges)
         time = np.array([state.time for state in states])
         in_cycle = in_last_cycle(scene, time, loads[run.stored, 0])
         _hold_permanent_stick(edges, permanent_edges, zone, time, in_cycle)
-    return edges, permanent_edges
+    is_by_slip = permanent_edges == by_slip.places
+    return edges, Edges(permanent_edges, np.where(is_by_slip, by_slip.uncertainty, np.nan))
 
 
 def _nodal_arrays(
@@ -351,9 +357,10 @@ def in_last_cycle(scene: Scene, time: Array, normal_load: Array) -> Mask:
 
 def _permanent_stick(
     scene: Scene, problem: ContactProblem, run: PathRun, surface_states: States, edges: Array
-) -> Array:
-    """Ends (2,) of the permanent stick zone, which sticks through the whole last cycle: the
-    intersection of its stick zones, scaled; NaN if there is none.
+) -> Edges:
+    """Ends (2,) of the permanent stick zone, which sticks through the whole last cycle: by the slip
+    beyond it, or else the intersection of its stick zones, scaled; NaN if there is none. Their
+    uncertainty is that of ends by slip, NaN of others.
 
     A path that does not repeat starts unloaded, where nothing touches, so that it has no such zone.
     Nodes that only creep belong to the zone too:
@@ -377,11 +384,12 @@ def _permanent_stick(
         (k, 2) stick edges of the stored instants, scaled
     """
     no_edges = np.full(2, np.nan)
+    nowhere = Edges(no_edges, no_edges)
     time = np.array([state.time for state in run.states])
     load = np.array([state.normal_load for state in run.states])
     in_cycle = in_last_cycle(scene, time, load)
     if not in_cycle.any():  # no cycle, or the very first increment failed
-        return no_edges
+        return nowhere
     x = problem.interface.x
     # Instants that the solution leaves out have no fitted edges: theirs lie between nodes.
     dropped_steps = np.setdiff1d(np.flatnonzero(in_cycle), run.stored)
@@ -393,14 +401,17 @@ def _permanent_stick(
     # NaN where nothing sticks at some instant
     common_zone = np.array([left_edges.max(), right_edges.min()])
     permanent_zone = common_zone if common_zone[0] < common_zone[1] else no_edges
-    if edges_are_sharp(scene, problem):
-        return permanent_zone
     is_closed = surface_states[in_cycle] != OPEN
     slip = np.array([run.states[k].slip for k in np.flatnonzero(in_cycle)])
-    left_creep, right_creep = creeping_zone(scene, x, slip, is_closed)
-    left_end = np.fmin(permanent_zone[0], left_creep)
-    right_end = np.fmax(permanent_zone[1], right_creep)
-    return np.array([left_end, right_end])
+    creeping_edges = creeping_zone(scene, x, slip, is_closed)
+    slip_range = np.where(is_closed.all(axis=0), np.ptp(slip, axis=0), np.nan)
+    by_slip = ends_by_slip(x, slip_range, creeping_edges)
+    if not edges_are_sharp(scene, problem):
+        left_end = np.fmin(permanent_zone[0], creeping_edges[0])
+        right_end = np.fmax(permanent_zone[1], creeping_edges[1])
+        permanent_zone = np.array([left_end, right_end])
+    places = np.where(np.isfinite(by_slip.places), by_slip.places, permanent_zone)
+    return Edges(places, by_slip.uncertainty)
 
 
 def zone_by_nodes(run: PathRun) -> StickZone:

@@ -279,7 +279,8 @@ def _of_permanent_stick(
     """Uncertainty of the permanent stick half-width by the mesh [length], the mean over both ends;
     NaN where nothing sticks through the whole cycle, or the path does not repeat.
 
-    The zone ends at the innermost stick edge of the last cycle. With edges e +- u, that edge is
+    Where slip places an end, its misfit tells. Elsewhere the zone ends at the innermost stick edge
+    of the last cycle. With edges e +- u, that edge is
     between the innermost e - u and the innermost e + u. Where the loads or the nodes tell more,
     `StickZone.uncertainty` says so.
 
@@ -321,6 +322,8 @@ def _of_permanent_stick(
         spacing = _spacing_at_edges(arrays["x"], zone_ends[None])
         is_creep = creep_beyond_end > _CREEP_IN_NODES * spacing
         end_uncertainty = np.maximum(end_uncertainty, np.where(is_creep, creep_beyond_end, 0.0))
+    by_slip = arrays["permanent_stick_uncertainty"]
+    end_uncertainty = np.where(np.isfinite(by_slip), by_slip, end_uncertainty)
     return float(np.mean(end_uncertainty))
 
 

@@ -559,6 +559,7 @@ def _solution(
     audit = penalty_audit(scene, problem, states, arrays, scales)
     notes = notes_of_answer(task, condensed, problem, run, arrays, work_uncertainty)
     grading = condensed[0].body.grading
+    del arrays["permanent_stick_uncertainty"]  # part of `uncertainties_of_values`
     if not scene.unsymmetric:
         del arrays["permanent_stick_edges"]  # an attribute of unsymmetric scenes alone
     return FiniteElementSolution(

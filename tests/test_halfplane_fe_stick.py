@@ -9,7 +9,11 @@ import pytest
 
 import halfplane_fe
 import semi_analytic
+from halfplane_fe import answer as answers
+from halfplane_fe import answer_uncertainty
+from halfplane_fe.between_nodes import NO_ZONE
 from halfplane_fe.reported_states import law_states
+from halfplane_fe.stick_by_slip import ends_by_slip
 from meshes import MeshSettings
 from scenes import (
     STICK,
@@ -136,3 +140,41 @@ def test_an_instant_whose_nodes_move_next_to_nothing_does_not_narrow_the_permane
     assert answer.permanent_stick_half_width >= outermost
     # The stick zone of one of the instants is narrower.
     assert np.nanmin(answer.stick_edges[cycle][:, 1]) < outermost
+
+
+@pytest.mark.parametrize(
+    ("name", "mesh"),
+    [
+        ("cattaneo-mindlin", MeshSettings.coarse()),
+        ("hertz-paper", MeshSettings.coarse()),
+        ("flat-rounded-paper", MeshSettings.coarse()),
+        pytest.param("flat-rounded-paper", MeshSettings(), marks=pytest.mark.slow),
+    ],
+)
+def test_slip_beyond_the_permanent_stick_zone_places_its_ends_where_no_load_does(
+    name: str, mesh: MeshSettings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for module in (answers, answer_uncertainty):
+        monkeypatch.setattr(module, "zone_by_nodes", lambda _run: NO_ZONE)
+    answer = halfplane_fe.solve(name, mesh=mesh)
+    expected = semi_analytic.solve(answer.scene, x=[0.0]).permanent_stick_half_width
+    error = abs(answer.permanent_stick_half_width - expected)
+    stated = answer.uncertainties["permanent_stick_half_width"]
+    spacing = mesh.edge_element_size / 2
+    assert error <= stated < 2 * spacing
+    # The flat's end is near: its power of slip is no straight line on the coarse mesh.
+    assert error < (1.1 if "flat" in name else 0.1) * spacing
+
+
+def test_slip_tells_no_end_where_nodes_open_or_creep_goes_on_far_beyond_the_zone() -> None:
+    x = np.arange(-12.0, 13.0)
+    slip_range = np.maximum(np.abs(x) - 3.2, 0.0) ** 1.5
+    by_states = np.array([-3.5, 3.5])
+    ends = ends_by_slip(x, slip_range, by_states)
+    np.testing.assert_allclose(ends.places, [-3.2, 3.2], rtol=1e-12)
+    opens = np.where(x > 5, np.nan, slip_range)
+    assert np.isnan(ends_by_slip(x, opens, by_states).places).tolist() == [False, True]
+    shifted = np.array([-3.5, 6.5])
+    assert np.isnan(ends_by_slip(x, slip_range, shifted).places).tolist() == [False, True]
+    curved = np.maximum(np.abs(x) - 3.2, 0.0) ** 2
+    assert np.all(ends_by_slip(x, curved, by_states).uncertainty > 2 * ends.uncertainty)

@@ -273,6 +273,7 @@ def test_creep_of_a_node_or_two_beyond_the_stick_zone_is_its_edge(
     ends = np.array([-1.0, 1.0])
     arrays["permanent_stick_half_width"] = 0.5
     arrays["permanent_stick_edges"] = 0.5 * ends
+    arrays["permanent_stick_uncertainty"] = np.full(2, np.nan)
     arrays["stick_edge_uncertainty"] = np.full(theory.stick_edges.shape, 1e-3)
     monkeypatch.setattr(answer_uncertainty, "creeping_zone", lambda *_arguments: reach * ends)
     stated = answer_uncertainty._of_permanent_stick(theory.scene, arrays, NO_ZONE, is_sharp=False)
@@ -579,6 +580,7 @@ def test_the_permanent_stick_of_a_mirrored_answer_is_equally_uncertain() -> None
     scalars = ("time", "normal_load", "stick_half_width", "permanent_stick_half_width", "x")
     arrays = {name: getattr(theory, name) for name in (*fields, *scalars)}
     arrays["permanent_stick_edges"] = theory.permanent_stick_half_width * np.array([-1.0, 1.0])
+    arrays["permanent_stick_uncertainty"] = np.full(2, np.nan)
     arrays["stick_edge_uncertainty"] = draw.uniform(0.01, 0.2, theory.stick_edges.shape)
     mirrored = arrays | {
         name: arrays[name][:, ::-1] for name in ("slip", "state", "stick_edge_uncertainty")
