@@ -38,8 +38,9 @@ from scenes.array_types import Array, Mask, States
 
 # Instants whose edges are found together: a few, so that the arrays of a long run stay small.
 _INSTANTS_PER_BLOCK = 256
-# Share of f by which Q may grow with P where real bodies stick in full: their size bends q over p a
-# little. On seeds 241 and 243 of benchmarks/covered.py bodies, coarse, none slips below it.
+# Share of f by which Q may grow with P where real bodies that mirror each other stick in full:
+# their size bends q over p a little. On seeds 241 and 243 of benchmarks/covered.py bodies, coarse,
+# none slips below it. Bodies of two shapes slip at any share: P alone shears them.
 _CONE_OF_BODIES = 0.8
 # Range of slip of a node in the last cycle, over the largest, up to which it belongs to the
 # permanent stick zone that a path with bulk stress or tilt approaches. Slip grows as the distance d
@@ -135,7 +136,7 @@ def _edges_of_run(
     states = [run.states[index] for index in run.stored]
     loads = np.array([(state.normal_load, state.tangential_load) for state in run.states])
     has_no_slip_zone = np.zeros(len(loads), dtype=bool)
-    if scene.material.alike:
+    if problem.interface.coupling is None:
         imposed = np.array([state.imposed for state in run.states])
         fraction_of_limit = 1.0 if scene.bodies.half_planes else _CONE_OF_BODIES
         has_no_slip_zone = _grows_within_cone(
@@ -154,7 +155,9 @@ def _edges_of_run(
     permanent_edges = by_slip.places
     if edges_are_sharp(scene, problem):
         zone = zone_by_nodes(run)
-        permanent_edges = zone.confine(permanent_edges)
+        confined = zone.confine(permanent_edges)
+        is_by_slip = np.isfinite(by_slip.uncertainty) & (confined != zone.places_by_load)
+        permanent_edges = np.where(is_by_slip, by_slip.places, confined)
         time = np.array([state.time for state in states])
         in_cycle = in_last_cycle(scene, time, loads[run.stored, 0])
         _hold_permanent_stick(edges, permanent_edges, zone, time, in_cycle)

@@ -34,18 +34,25 @@ from halfplane_fe.uncertainty import (
     run_values,
     scatter_of_nodes,
     share_of_flanks,
-    share_of_shapes,
     slip_uncertainty,
     uncertainty,
 )
 from scenes import OPEN, Scene
-from scenes.array_types import Array, Mask
+from scenes.array_types import Array, Indices, Mask
 
 # Share of what kinks between the first and the last start of sliding add to W that counts as
 # uncertain.
 _BENT = 0.2
 # The same in records, whose increments are longer.
 _BENT_IN_RECORDS = 0.3
+# Share of the bound of `energy.step_errors` of bodies of two shapes whose edges are placed: of
+# blocks, pads and cylinders at constant P less than a tenth is left.
+_OF_BOUND = 0.5
+# Loads beside P and Q, and the least share of a second direction of their path: less is round-off.
+_IMPOSED = ("bulk_stress_lower", "bulk_stress_upper", "tilt")
+_IN_PHASE = 1e-6
+# Share of its range within which the slip of a node has reached its end.
+_SAME_SLIP = 1e-6
 # Share of the mean uncertainty of both contact edges that the half-width has: they do not err
 # alike. At the largest contact they stand alike in their elements. Fitted to seeds 301 to 303 of
 # benchmarks/covered.py values, both presets.
@@ -83,14 +90,15 @@ def cycle_uncertainty(task: Task, run: PathRun) -> float:
     # rms of W over the places of edges between their nodes, over A f^2 P^2
     edge_scatter = run.excess[-1].rms / friction_unit if edges_are_known else 0.0
     # "kink_work": what kinks of pressure and slip add to W of an increment, between the first node
-    # that starts to slide and the last. Between unlike bodies the bound "step_error" counts in
-    # full: nodes that start to slide change the pressure too.
+    # that starts to slide and the last. Between unlike bodies half of the bound "step_error"
+    # counts: nodes that start to slide change the pressure too.
     if task.steps_by_kinks:
         step_uncertainty = _BENT_IN_RECORDS * run.column("kink_work")[first_increment:].sum()
     elif edges_are_known and shapes_alike(scene):
         step_uncertainty = _BENT * run.column("kink_work")[first_increment:].sum()
     else:
-        step_uncertainty = run.column("step_error")[first_increment:].sum()
+        share = _OF_BOUND if edges_are_known else 1.0
+        step_uncertainty = share * run.column("step_error")[first_increment:].sum()
     return float(step_uncertainty) + friction_unit * uncertainty(
         dissipation / friction_unit,
         abs(dissipation - coarse_dissipation) / friction_unit,
@@ -107,7 +115,7 @@ def dissipation_uncertainty(task: Task, run: PathRun, arrays: Mapping[str, Any])
 
     It adds up the error by mesh and increments, the change of W to its limit over further cycles,
     and two errors proportional to W. These come from narrow flanks of the contact with steep
-    pressure, and from meshes of two different body shapes.
+    pressure, and from slip that turns round within increments.
     """
     if run.failure is not None:
         return math.nan
@@ -115,10 +123,55 @@ def dissipation_uncertainty(task: Task, run: PathRun, arrays: Mapping[str, Any])
     revolution = revolution_of(task, run, arrays)
     element = task.element * task.scales.half_width
     by_flanks = share_of_flanks(task.scene.profile, revolution.least_contact(), element)
-    by_shapes = share_of_shapes(task.scene, revolution.load, task.element)
-    relative_uncertainty = by_flanks + by_shapes
+    relative_uncertainty = by_flanks + _share_of_turns(task.scene, arrays)
     cycle_energy = (cycle_uncertainty(task, run) + change_to_limit) * task.work_unit
     return float(cycle_energy + arrays["dissipation"] * relative_uncertainty)
+
+
+def _share_of_turns(scene: Scene, arrays: Mapping[str, Any]) -> float:
+    """Uncertainty of W over W because slip turns round within increments, not at their ends.
+
+    Where bulk stress or tilt varies out of phase with the loads, nodes turn round one after the
+    other. The loads' own turns are ends of increments. A smooth slip that turns at a time t from
+    the nearer end of an increment is less there by t^2/2 of its amplitude, t in radians of the
+    cycle. This t is at most half of the last increment in which a node slides. The share is the
+    mean over nodes, by their friction work.
+
+    Parameters
+    ----------
+    arrays
+        fields and series of the solution by name
+    """
+    path = scene.load.path()
+    cycle = np.flatnonzero(in_last_cycle(scene, arrays["time"], arrays["normal_load"]))
+    is_smooth = any(not part.is_straight for part in path.cycle)
+    if path.period is None or not is_smooth or not _is_out_of_phase(arrays, cycle):
+        return 0.0
+    work = arrays["dissipation_density"] * np.gradient(arrays["x"])
+    time = arrays["time"][cycle]
+    slip = arrays["slip"][cycle]
+    tolerance = _SAME_SLIP * np.ptp(slip, axis=0)
+    shares = []
+    for sense in (1, -1):
+        reaches_end = sense * slip >= np.max(sense * slip, axis=0) - tolerance
+        last_step = np.maximum(np.argmax(reaches_end, axis=0), 1)
+        increments = 2 * np.pi * (time[last_step] - time[last_step - 1]) / path.period
+        shares.append(float(work @ increments**2) / 8)
+    return sum(shares) / len(shares) / max(float(work.sum()), 1e-300)
+
+
+def _is_out_of_phase(arrays: Mapping[str, Any], cycle: Indices) -> bool:
+    """Whether bulk stress or tilt varies in the steps of a cycle, and the path of all loads is no
+    straight line.
+    """
+    imposed = [name for name in _IMPOSED if name in arrays and np.ptp(arrays[name][cycle])]
+    if not imposed:
+        return False
+    names = ("normal_load", "tangential_load", *imposed)
+    loads = np.stack([arrays[name][cycle] / np.max(np.abs(arrays[name])) for name in names])
+    from_mean = loads - loads.mean(axis=1, keepdims=True)
+    largest, second, *_ = np.linalg.svd(from_mean, compute_uv=False)
+    return bool(second > _IN_PHASE * largest)
 
 
 def value_uncertainties(

@@ -27,7 +27,7 @@ import numpy as np
 from halfplane_fe.resolution import SMOOTH_TIP, flanks, tip_power
 from halfplane_fe.run import PathRun
 from meshes import MeshSettings, SurfaceGrading
-from scenes import Profile, Scene, Tolerances
+from scenes import Profile, Tolerances
 from scenes.array_types import Array, Indices, Mask
 from scenes.solution import range_of_slip
 
@@ -489,10 +489,6 @@ _GROWN = 0.009
 # Share of W over the square of the elements that resolve a flank beyond a kink of the profile: on a
 # flat punch that ends 6 % beyond its flat 0.08 at 4.4 elements, 0.09 at 0.9.
 _BY_FLANK = 0.15
-# Share of W h/a of bodies of unlike shapes under a varying P, h the element at the edges. What the
-# meshes add to the coupling of p and q does not fall as h^2: on one block on a half-plane it is
-# 0.02 to 0.035 from a/64 to a/160, of either sign.
-_BY_SHAPES = 0.06
 # Safety factor of a difference whose order is known (Roache 1994).
 _SAFETY = 1.25
 # Share of p0 (h/a)^1.5 a/d, d from the peak to the edge, that edges between nodes move it by, where
@@ -591,24 +587,6 @@ def share_of_flanks(profile: Profile, half_width: float, element: float) -> floa
     """
     shares = [_BY_FLANK / flank.resolved_by**2 for flank in flanks(profile, half_width, element)]
     return min(max(shares, default=0.0), 1.0)
-
-
-def share_of_shapes(scene: Scene, load: Array, element: float) -> float:
-    """Uncertainty of W over W that meshes of two shapes add; 0 of bodies that mirror each other, of
-    unlike materials, whose coupling is not the meshes' own, and where P is constant.
-
-    Parameters
-    ----------
-    load
-        (n,) P of the last cycle
-    element
-        at the edges, over the half-width
-    """
-    are_mirrored = scene.bodies.lower == scene.bodies.upper
-    is_constant = bool(np.ptp(load) <= _ROUND_OFF * np.max(load))
-    if are_mirrored or is_constant or not scene.material.alike:
-        return 0.0
-    return _BY_SHAPES * element
 
 
 @dataclass(frozen=True)

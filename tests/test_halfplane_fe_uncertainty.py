@@ -280,6 +280,31 @@ def test_creep_of_a_node_or_two_beyond_the_stick_zone_is_its_edge(
     assert stated == pytest.approx(reach - 0.5 if counts else 1e-3, rel=1e-9)
 
 
+@pytest.mark.parametrize(("phase", "is_out_of_phase"), [(90.0, True), (0.0, False)])
+def test_slip_that_turns_within_increments_counts_under_bulk_stress_out_of_phase(
+    phase: float, is_out_of_phase: bool
+) -> None:
+    """A cycle in forty increments, with nodes that turn round one after the other."""
+    scene = load_scene("hertz-paper")
+    wave = {"mean": 0.0, "amplitude": 10.0, "phase_degrees": phase}
+    scene = scene.vary(load=scene.load.model_dump() | {"bulk_stress_lower": wave})
+    period = scene.load.path().period
+    assert period is not None
+    angle = np.linspace(0.0, 4 * np.pi, 81)
+    x = np.linspace(-1.0, 1.0, 21)
+    arrays = {
+        "time": angle / (2 * np.pi) * period,
+        "normal_load": np.ones(81),
+        "tangential_load": np.cos(angle),
+        "bulk_stress_lower": 10 * np.cos(angle - np.radians(phase)),
+        "x": x,
+        "slip": np.cos(angle[:, None] - x),
+        "dissipation_density": np.ones(21),
+    }
+    expected = (2 * np.pi / 40) ** 2 / 8 if is_out_of_phase else 0.0
+    assert answer_uncertainty._share_of_turns(scene, arrays) == pytest.approx(expected, rel=1e-9)
+
+
 def random_scene(changes: Mapping[str, Any]) -> Scene:
     return load_scene("hertz-paper").vary(**changes)
 
