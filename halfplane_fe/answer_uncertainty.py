@@ -123,19 +123,22 @@ def dissipation_uncertainty(task: Task, run: PathRun, arrays: Mapping[str, Any])
     revolution = revolution_of(task, run, arrays)
     element = task.element * task.scales.half_width
     by_flanks = share_of_flanks(task.scene.profile, revolution.least_contact(), element)
-    relative_uncertainty = by_flanks + _share_of_turns(task.scene, arrays)
+    work_of_nodes = arrays["dissipation_density"] * np.gradient(arrays["x"])
+    work = max(float(work_of_nodes.sum()), 1e-300)
+    by_turns = float(work_of_nodes @ _shares_of_turns(task.scene, arrays)) / work
+    relative_uncertainty = by_flanks + by_turns
     cycle_energy = (cycle_uncertainty(task, run) + change_to_limit) * task.work_unit
     return float(cycle_energy + arrays["dissipation"] * relative_uncertainty)
 
 
-def _share_of_turns(scene: Scene, arrays: Mapping[str, Any]) -> float:
-    """Uncertainty of W over W because slip turns round within increments, not at their ends.
+def _shares_of_turns(scene: Scene, arrays: Mapping[str, Any]) -> Array:
+    """Uncertainty of W(x) over W(x) at the nodes (n,) because slip turns round within increments,
+    not at their ends.
 
     Where bulk stress or tilt varies out of phase with the loads, nodes turn round one after the
     other. The loads' own turns are ends of increments. A smooth slip that turns at a time t from
     the nearer end of an increment is less there by t^2/2 of its amplitude, t in radians of the
-    cycle. This t is at most half of the last increment in which a node slides. The share is the
-    mean over nodes, by their friction work.
+    cycle. This t is at most half of the last increment in which the node slides.
 
     Parameters
     ----------
@@ -146,8 +149,7 @@ def _share_of_turns(scene: Scene, arrays: Mapping[str, Any]) -> float:
     cycle = np.flatnonzero(in_last_cycle(scene, arrays["time"], arrays["normal_load"]))
     is_smooth = any(not part.is_straight for part in path.cycle)
     if path.period is None or not is_smooth or not _is_out_of_phase(arrays, cycle):
-        return 0.0
-    work = arrays["dissipation_density"] * np.gradient(arrays["x"])
+        return np.zeros(len(arrays["x"]))
     time = arrays["time"][cycle]
     slip = arrays["slip"][cycle]
     tolerance = _SAME_SLIP * np.ptp(slip, axis=0)
@@ -156,8 +158,8 @@ def _share_of_turns(scene: Scene, arrays: Mapping[str, Any]) -> float:
         reaches_end = sense * slip >= np.max(sense * slip, axis=0) - tolerance
         last_step = np.maximum(np.argmax(reaches_end, axis=0), 1)
         increments = 2 * np.pi * (time[last_step] - time[last_step - 1]) / path.period
-        shares.append(float(work @ increments**2) / 8)
-    return sum(shares) / len(shares) / max(float(work.sum()), 1e-300)
+        shares.append(increments**2 / 8)
+    return np.mean(shares, axis=0)
 
 
 def _is_out_of_phase(arrays: Mapping[str, Any], cycle: Indices) -> bool:
@@ -213,6 +215,9 @@ def value_uncertainties(
             from_coarse_run = DENSITY_RULE.uncertainty(0.0, from_coarse_run, refinement)
         # without an estimate by its neighbours there is none
         density_error = max(density_error, float(np.nan_to_num(from_coarse_run)))
+        node = int(np.argmax(arrays["dissipation_density"]))
+        by_turns = _shares_of_turns(scene, arrays)[node]
+        density_error += float(arrays["dissipation_density"][node] * by_turns)
         estimates["largest_dissipation_density"] = density_error
     estimates["largest_pressure"] = _peak_uncertainty(
         task, arrays, is_coupled=problem.interface.coupling is not None
