@@ -62,15 +62,15 @@ _JUMP_OF_MIDDLE = 0.5 + _V * (1 / _D + 1 / (1 - _D))
 _RMS = 0.0155
 # Share of the distance of two nodes by which an edge of permanent stick between them, placed by the
 # loads, is uncertain: 0.004 in the median and 0.02 at most of zones on the default mesh. Twice as
-# much of a zone that is 22 such distances wide. Random half-planes, seeds 301 to 303 and 310.
-_PLACED = 0.018
-_NARROW = 22.0
+# much of a zone that is 26 such distances wide. Random half-planes, seeds 301 to 303 and 310.
+_PLACED = 0.016
+_NARROW = 26.0
 # Shares of that distance by which an edge of contact or stick on its way is uncertain: one always;
 # one by how unevenly the load takes it on; one of stick edges over the nodes that it has passed
 # since slip began. It errs by 0.005 in the median on the default mesh, by 0.012 on the coarse one.
 # Random half-planes, seeds 301 to 303 and 310.
 _ON_ITS_WAY = 0.010
-_BY_UNEVENNESS = 0.27
+_BY_UNEVENNESS = 0.24
 _BESIDE_ITS_START = 0.03
 # Closed nodes on its side of x = 0 below which no load places a contact edge.
 _CLOSED = 6
