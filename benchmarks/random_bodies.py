@@ -190,8 +190,10 @@ def values_of(answer: FiniteElementSolution, times: Array) -> dict[str, Value]:
         "largest slip": (slip, uncertainties["largest_slip"]),
     }
     tension = halfplane_fe.largest_edge_tension(answer)
-    if tension is not None:
-        single["largest edge tension"] = (tension.value, tension.uncertainty)
+    # An answer without it counts as one without an estimate.
+    single["largest edge tension"] = (
+        (0.0, math.nan) if tension is None else (tension.value, tension.uncertainty)
+    )
     values = {name: Value(*map(np.atleast_1d, pair)) for name, pair in single.items()}
     shift_stated = np.full(len(rows), uncertainties["tangential_displacement"])
     approach_stated = np.full(len(rows), uncertainties["normal_approach"])

@@ -8,8 +8,10 @@ in blocks.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -39,6 +41,8 @@ from halfplane_fe.face_stress import (
     tractions_with_uncertainty,
 )
 from halfplane_fe.interface import body_forces
+from halfplane_fe.kernel_bodies import BodyKernels, body_kernels
+from halfplane_fe.remainder import require_flat
 from halfplane_fe.scales import contact_modulus
 from halfplane_fe.solution import FiniteElementSolution, KernelSolution
 from halfplane_fe.supports import shapes_alike
@@ -316,8 +320,8 @@ def edge_tension(solution: ContactSolution, steps: Sequence[int]) -> tuple[Array
     -------
     values, uncertainties
         (n_steps, 2, 2) by body (lower, upper) and edge (left, right); 0 out of contact; NaN
-        where fewer than three nodes touch, and in a body so thin that what its size adds is not
-        known
+        where fewer than three nodes touch, and where what the size of a body adds is not known:
+        in a curved face with a side near, and in one so near to its base that bulk stress pulls
 
     Raises
     ------
@@ -418,8 +422,8 @@ def _edge_tension(solution: ContactSolution, steps: Sequence[int]) -> _EdgeTensi
     possible change by slip in a zone too narrow for the nodes.
 
     The tractions cause opposite tensions in two half-planes; bulk stress and the finite size of
-    each body add to them. Arrays are (n_steps, 2, 2) by body and
-    edge: NaN where too few nodes touch to fit sine series to the tractions, 0 where P = 0.
+    each body add to them. Arrays are (n_steps, 2, 2) by body and edge: NaN where too few nodes
+    touch to fit sine series to the tractions, 0 where P = 0.
 
     Parameters
     ----------
@@ -486,11 +490,10 @@ def _added_edge_tension(
             _on_body(step_tractions, body_number) for step_tractions in tractions_at_steps
         ]
         if isinstance(solution, KernelSolution):
-            tension_by_size, uncertainty = _size_tension_by_kernels(
-                solution, body_number, tractions_on_body
+            kernels = getattr(solution.kernels, name)
+            added_tension[:, body_number], uncertainties[body_number] = _size_tension_by_kernels(
+                kernels, getattr(material, name), tractions_on_body
             )
-            added_tension[:, body_number] += tension_by_size
-            uncertainties[body_number] = uncertainty
             continue
         assert isinstance(solution, FiniteElementSolution)  # for the type checker
         if body_number == 1 and are_mirrored:
@@ -499,21 +502,52 @@ def _added_edge_tension(
             size_fit = _size_fit(
                 solution, body_number, steps, tractions_at_steps, bulk_stresses[body_number]
             )
-        if size_fit is None:
-            added_tension[:, body_number] = math.nan
-            uncertainties[body_number] = math.nan
-        else:
+        size_fit_of_lower = size_fit
+        if size_fit is not None:
             # the fit has the bulk stress in it, as the elements have
             added_tension[:, body_number] = size_fit.tension(
                 tractions_on_body, bulk_stresses[body_number]
             )
             uncertainties[body_number] = size_fit.uncertainty
-        size_fit_of_lower = size_fit
+            continue
+        kernels = _kernels_of_thin_body(solution, 0 if are_mirrored else body_number)
+        if kernels is None:
+            added_tension[:, body_number] = math.nan
+            uncertainties[body_number] = math.nan
+            continue
+        added_tension[:, body_number], uncertainties[body_number] = _size_tension_by_kernels(
+            kernels, getattr(material, name), tractions_on_body
+        )
     return added_tension, uncertainties
 
 
+def _kernels_of_thin_body(solution: FiniteElementSolution, body_number: int) -> BodyKernels | None:
+    """Kernels of one body over the part of its face that may touch: what its finite size adds to
+    the displacement of the face by unit forces. None for a body of which they are not known.
+
+    They take two linear solves on coarse meshes, about half a second; those of the last two bodies
+    that were asked for are kept.
+    """
+    reach = float(np.abs(solution.x).max())
+    return _flat_body_kernels(solution.scene, body_number, reach)
+
+
+@lru_cache(maxsize=2)
+def _flat_body_kernels(scene: Scene, body_number: int, reach: float) -> BodyKernels | None:
+    """Kernels of the lower (0) or upper (1) body over |x| <= `reach` [length]; None where its face
+    is curved, or a bulk stress pulls it, or it has rollers with free sides, or is thinner still.
+    """
+    name = _BODY_NAMES[body_number]
+    datum_length = max(scene.profile.datum_length, reach)
+    try:
+        require_flat(name, getattr(scene.bodies, name), scene)
+        return body_kernels(scene, name, reach, datum_length, Counter())
+    except InputError:
+        return None
+
+
 def _size_tension_by_kernels(
-    solution: KernelSolution, body_number: int, tractions_on_body: Sequence[Tractions]
+    kernels: BodyKernels, material: Elastic, tractions_on_body: Sequence[Tractions]
 ) -> tuple[Array, float]:
     """Stress s_xx at both edges of contact that the finite size of a flat-faced body adds to that
     of a half-plane, (n_steps, 2), and its uncertainty [stress].
@@ -524,14 +558,13 @@ def _size_tension_by_kernels(
 
     Parameters
     ----------
-    body_number
-        0 of the lower body, 1 of the upper one
+    kernels
+        displacements of the face of the body by unit forces on it, minus those of a half-plane
+    material
+        of the body
     tractions_on_body
         tractions on the body in its own frame at each step, as sine series over the contact
     """
-    name = _BODY_NAMES[body_number]
-    kernels = getattr(solution.kernels, name)  # strain of the face by unit forces on it
-    material: Elastic = getattr(solution.scene.material, name)
     modulus = material.young_modulus / (1 - material.poisson_ratio**2)
     angles = math.pi * (np.arange(_N_ANGLES) + 0.5) / _N_ANGLES
     tension = np.zeros((len(tractions_on_body), 2))
@@ -630,6 +663,10 @@ def _size_fit(
     bulk_stress
         (n_steps,) of this body [stress]
     """
+    half_width = max(step_tractions.half_width for step_tractions in tractions_at_steps)
+    shape = getattr(solution.scene.bodies, _BODY_NAMES[body_number])
+    if _distance_of_fit(shape, half_width) is None:
+        return None
     evenly_spread = np.linspace(0, len(steps) - 1, _N_SAMPLED_STEPS).round().astype(int)
     sampled_indices = sorted(set(evenly_spread.tolist()))
     sampled_steps = [steps[k] for k in sampled_indices]
@@ -645,7 +682,6 @@ def _size_fit(
     )
     # Over P and powers of the half-width: moments that are zero by symmetry must not count as
     # round-off over round-off.
-    half_width = max(step_tractions.half_width for step_tractions in tractions_at_steps)
     predictor_units = np.abs(predictors[:, 0]).max() * half_width ** np.array([0, 1, 2, 0, 1, 2])
     if bulk_stress.any():
         predictor_units = np.append(predictor_units, np.abs(bulk_stress).max())
@@ -782,7 +818,7 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     reverses, the new slip zone is narrower than an element, so that the stress is still that from
     before. The largest tension comes before a reversal: such slip adds no uncertainty to it.
     """
-    if not _has_bodies(solution):
+    if not _has_bodies(solution) or not _effect_of_size_is_known(solution):
         return None
     steps = _steps_of_large_tension(solution)
     if not steps:
@@ -812,6 +848,22 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
         x=edges[edge_number],
         edges=edges,
     )
+
+
+def _effect_of_size_is_known(solution: ContactSolution) -> bool:
+    """Whether the stress can be found that the finite size of each body adds on its face: by a fit
+    beside the contact, or by kernels. Asked before either is made.
+    """
+    if not isinstance(solution, FiniteElementSolution):
+        return True
+    half_width = float(solution.contact_half_width[solution.last_cycle].max())
+    for body_number, name in enumerate(_BODY_NAMES):
+        shape = getattr(solution.scene.bodies, name)
+        if isinstance(shape, HalfPlane) or _distance_of_fit(shape, half_width) is not None:
+            continue
+        if _kernels_of_thin_body(solution, body_number) is None:
+            return False
+    return True
 
 
 def _steps_of_large_tension(solution: ContactSolution) -> list[int]:
@@ -1059,10 +1111,8 @@ def _near_contact(
     if not half_widths:
         return None
     half_width = max(half_widths)
-    largest_distance = min(
-        _OUTER_DISTANCE * half_width, _SHARE_OF_DISTANCE_TO_SUPPORT * _distance_to_support(shape)
-    )
-    if largest_distance < _LEAST_OUTER_DISTANCE * half_width:
+    largest_distance = _distance_of_fit(shape, half_width)
+    if largest_distance is None:
         return None
     x_of_mesh, y_of_mesh = nodal_fields.basis.mesh.p
     depth_of_face = face_of(shape, solution.scene.profile).depth(np.abs(x_of_mesh))
@@ -1088,6 +1138,18 @@ def _near_contact(
             x_fitted, y_fitted, stress_by_size, areas, largest_distance, half_width
         )
     return _NearContact(largest_distance, nodes, x, y, tractions_on_body, size_effect)
+
+
+def _distance_of_fit(shape: Shape, half_width: float) -> float | None:
+    """Largest distance from the middle of the contact at which the stress that the finite size of a
+    body adds is fitted [length]; None where a support or a side is too near for the fit.
+    """
+    largest_distance = min(
+        _OUTER_DISTANCE * half_width, _SHARE_OF_DISTANCE_TO_SUPPORT * _distance_to_support(shape)
+    )
+    if largest_distance < _LEAST_OUTER_DISTANCE * half_width:
+        return None
+    return largest_distance
 
 
 def _on_body(tractions_on_lower: Tractions, body_number: int) -> Tractions:

@@ -28,6 +28,7 @@ comparison with them checks the kernels, not the solver.
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
@@ -46,7 +47,7 @@ from halfplane_fe.remainder import (
     require_flat,
 )
 from halfplane_fe.supports import shapes_alike
-from meshes import MeshSettings, SurfaceGrading, build
+from meshes import MeshSettings, Solid, SurfaceGrading, build
 from scenes import (
     Cylinder,
     Elastic,
@@ -62,12 +63,14 @@ from scenes import (
 from scenes.array_types import Array
 from scenes.bodies import Face, arc_depth, face_of
 
-# Largest degree of the polynomials in x and s together, and number of places of forces at x >= 0;
-# those at x < 0 would repeat them as mirror images.
-_LARGEST_DEGREE = 12
-_N_FORCES = 8
-# The same, and the number of elements, where the curvature of the face jumps: with degree 20 W of a
-# flat pad, b/a = 0.8, stays 0.2 % too small, with 28 it is within 2e-5.
+# Least and largest degree of the polynomials in x and s together, and the share of a kernel that
+# their first missing terms are.
+_LEAST_DEGREE = 12
+_LARGEST_DEGREE = 60
+_MISSING_SHARE = 1e-8
+# Least degree, fewest places of forces at x >= 0 (those at x < 0 would repeat them as mirror
+# images), and number of elements where the curvature of the face jumps: with degree 20 W of a flat
+# pad, b/a = 0.8, stays 0.2 % too small, with 28 it is within 2e-5.
 _DEGREE_AT_JUMP = 28
 _N_FORCES_AT_JUMP = 24
 _N_ELEMENTS_AT_JUMP = 160
@@ -256,7 +259,7 @@ class FaceKernels:
 def fitted_kernels(
     kernels: RemainderKernels,
     jump_kernels: CurvatureJumpKernels | None = None,
-    degree: int = _LARGEST_DEGREE,
+    degree: int = _LEAST_DEGREE,
 ) -> FaceKernels:
     """Least-squares fit of Chebyshev polynomials T_i(x/r) T_j(s/r) to the kernels of a body that is
     its own mirror image in x = 0: displacements of its face at x by a unit force at s.
@@ -541,14 +544,43 @@ def kernel_pair(scene: Scene, reach: float, datum_length: float, work: Counter[s
         if name == "upper" and shapes_alike(scene):
             kernels_by_body[name] = kernels_by_body["lower"]
             continue
-        kernels_by_body[name] = _kernels_of_body(scene, name, reach, datum_length, work)
+        kernels_by_body[name] = body_kernels(scene, name, reach, datum_length, work)
     lower_face, upper_face = (
         face_of(getattr(scene.bodies, name), scene.profile) for name in ("lower", "upper")
     )
     return KernelPair(kernels_by_body["lower"], kernels_by_body["upper"], (lower_face, upper_face))
 
 
-def _kernels_of_body(
+def _degree_of_kernels(name: str, shape: Solid, reach: float) -> int:
+    """Degree of the polynomials that the kernels of a body need over |x| <= `reach` [length].
+
+    The mirror images of a force lie twice the depth d of the body below its face, the corners of
+    the face at |x| = w. So the coefficients of Chebyshev polynomials fall as rho^-degree at least:
+
+        rho = u + sqrt(u^2 + 1),  u = 2 d/reach,    and  rho = v + sqrt(v^2 - 1),  v = w/reach
+
+    Next to a free corner a kernel is smooth but for powers above 2.7 of the distance, so that the
+    largest degree serves where the second rho is close to 1.
+    Source: Trefethen, Approximation Theory and Approximation Practice (2013), theorem 8.1.
+
+    Raises
+    ------
+    InputError
+        For a body so thin that its depth needs more than the largest degree.
+    """
+    digits = -math.log(_MISSING_SHARE)
+    degree_by_depth = digits / math.asinh(2 * shape.least_depth / reach)
+    if degree_by_depth > _LARGEST_DEGREE:
+        raise InputError(
+            f"bodies.{name}: kernels over |x| <= {reach:.6g} are known of bodies of a sixth of that"
+            f" depth and more; this {shape.kind} is thinner: solve the scene with finite elements"
+        )
+    log_rho_of_corners = math.acosh(max(shape.face_half_width / reach, 1.0))
+    degree_by_width = min(digits / max(log_rho_of_corners, 1e-9), _LARGEST_DEGREE)
+    return max(_LEAST_DEGREE, 2 * math.ceil(max(degree_by_depth, degree_by_width) / 2))
+
+
+def body_kernels(
     scene: Scene, name: str, reach: float, datum_length: float, work: Counter[str]
 ) -> BodyKernels | None:
     """Kernels of one body over |x| <= `reach`, from a fine and from a coarse mesh: what its finite
@@ -576,8 +608,11 @@ def _kernels_of_body(
         flat_half_length, radius = arc_of_face
         jump_kernels = CurvatureJumpKernels(flat_half_length, radius, material)
         curvature_jumps = flat_half_length > 0
-    degree = _DEGREE_AT_JUMP if curvature_jumps else _LARGEST_DEGREE
-    n_forces = _N_FORCES_AT_JUMP if curvature_jumps else _N_FORCES
+    degree = _degree_of_kernels(name, shape, reach)
+    n_forces = degree // 2 + 2
+    if curvature_jumps:
+        degree = max(degree, _DEGREE_AT_JUMP)
+        n_forces = max(n_forces, _N_FORCES_AT_JUMP)
     n_elements = _N_ELEMENTS_AT_JUMP if curvature_jumps else _N_ELEMENTS
     kernels_of_meshes = []
     for size_factor in (1.0, _FACTOR_OF_COARSE_MESH):

@@ -573,17 +573,40 @@ def test_places_outside_are_refused():
     answer = fe_run(load_scene("hertz-normal"), COARSE, FEW_STEPS)
     with pytest.raises(InputError, match="y = 1 is outside the lower body"):
         stress(answer, 0.0, 1.0, 1.0)
-    thin = answer.scene.vary(bodies=Bodies(lower=Block(width=20.0, height=1.5)))
-    flat = fe_run(thin, COARSE, FEW_STEPS)
-    lower, upper = fields(flat, [1.0])[0].bodies
-    assert np.isnan(lower.edge_tension).all()
-    assert np.isfinite(upper.edge_tension).all()
-    assert largest_edge_tension(flat) is None
     blocks = answer.scene.vary(
         bodies=Bodies(lower=Block(width=20.0, height=10.0), upper=Block(width=20.0, height=10.0))
     )
     with pytest.raises(InputError, match="further from the contact"):
         stress(fe_run(blocks, COARSE, FEW_STEPS), 0.0, -5.0, 1.0)
+
+
+def test_a_narrow_pad_has_no_edge_tension_and_what_it_faces_has():
+    """The contact ends so near to the sides of the pad that no fit has room there."""
+    pad = {"kind": "pad", "width": 3.0, "height": 4.0}
+    scene = load_scene("hertz-normal").vary(bodies={"upper": pad})
+    answer = fe_run(scene, COARSE, FEW_STEPS)
+    lower, upper = fields(answer, [1.0])[0].bodies
+    assert np.isfinite(lower.edge_tension).all()
+    assert np.isnan(upper.edge_tension).all()
+    assert largest_edge_tension(answer) is None
+
+
+LAYERS = Bodies(lower=Block(width=20.0, height=0.5), upper=Block(width=20.0, height=0.5))
+
+
+def test_tension_of_layers_half_as_thick_as_the_contact_is_covered():
+    """By their kernels: no place beside the contact is far enough from the base for a fit."""
+    scene = load_scene("cattaneo-mindlin").vary(bodies=LAYERS)
+    tensions = [
+        largest_edge_tension(fe_run(scene, mesh, FEW_STEPS))
+        for mesh in (COARSE, MeshSettings(edge_element_size=0.00625))
+    ]
+    coarse, fine = tensions
+    assert abs(coarse.value - fine.value) < coarse.uncertainty
+    assert fine.uncertainty < 1e-3 * fine.value
+    assert coarse.uncertainty < 5e-2 * coarse.value
+    by_theory = semi_analytic.extremes(semi_analytic.solve(scene)).edge_tension
+    assert fine.value > 1.3 * by_theory  # bases so near raise the pressure
 
 
 def test_what_the_size_of_a_body_adds_is_found_from_places_beside_the_contact():

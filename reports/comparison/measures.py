@@ -547,13 +547,8 @@ def edge_tension(pair: Pair) -> Measured:
         return _nothing_to_compare("frictionless: nothing stretches the faces")
     tension_of_reference = _largest_tension(pair.plain_reference, pair)
     tension_of_result = _largest_tension(pair.result, pair)
-    engines_without_value = []
-    if tension_of_reference is None:
-        engines_without_value.append(name_of(pair.reference.engine))
-    if tension_of_result is None:
-        engines_without_value.append(name_of(pair.result.engine))
     if tension_of_reference is None or tension_of_result is None:
-        return _nothing_to_compare(f"not known of {' and '.join(engines_without_value)}")
+        return _one_tension(pair, tension_of_reference, tension_of_result)
 
     reference_value, reference_uncertainty = tension_of_reference
     result_value, result_uncertainty = tension_of_result
@@ -562,6 +557,27 @@ def edge_tension(pair: Pair) -> Measured:
     relative_uncertainty = (reference_uncertainty + result_uncertainty) / scale
     stated_uncertainties = (reference_uncertainty, result_uncertainty)
     return replace(measurement, uncertainty=relative_uncertainty, stated=stated_uncertainties)
+
+
+def _one_tension(
+    pair: Pair, of_reference: tuple[float, float] | None, of_result: tuple[float, float] | None
+) -> Measured:
+    """The largest tension at an edge of contact and its uncertainty [stress] where the reference or
+    the result, or neither, knows it: nothing to compare, with the value that there is.
+    """
+    unknown = (math.nan, math.nan)
+    reference_value, reference_uncertainty = of_reference or unknown
+    result_value, result_uncertainty = of_result or unknown
+    engines_without_value = [
+        name_of(solution.engine)
+        for solution, tension in ((pair.reference, of_reference), (pair.result, of_result))
+        if tension is None
+    ]
+    return replace(
+        _nothing_to_compare(f"not known of {' and '.join(engines_without_value)}"),
+        amounts=(reference_value, result_value),
+        stated=(reference_uncertainty, result_uncertainty),
+    )
 
 
 def _largest_tension(solution: ContactSolution, pair: Pair) -> tuple[float, float] | None:

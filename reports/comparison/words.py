@@ -767,13 +767,25 @@ def is_empty(row: Mapping[str, str]) -> bool:
 
 
 def without_value(comparison: JudgedPair) -> str:
-    """A sentence that names the rows of the first table for which neither solution has a value;
-    empty where each row has one.
+    """Sentences that name the rows of the first table for which neither solution has a value, and
+    those for which one of them has none, each with the reason where that is known; empty where each
+    row has both.
     """
-    labels = [
-        row["short"].partition(" [")[0] for row in first_table(comparison)[1] if is_empty(row)
-    ]
-    return f"Without a value in either: {'; '.join(labels)}." if labels else ""
+    in_neither = []
+    in_one = []
+    for row in first_table(comparison)[1]:
+        reason = f" ({row['note']})" if row["note"] else ""
+        label_with_reason = row["short"].partition(" [")[0] + reason
+        if is_empty(row):
+            in_neither.append(label_with_reason)
+        elif "–" in (row["reference"], row["result"]) and row["difference"] == "–":
+            in_one.append(label_with_reason)
+    sentences = []
+    if in_neither:
+        sentences.append(f"Without a value in either: {'; '.join(in_neither)}.")
+    if in_one:
+        sentences.append(f"Not compared: {'; '.join(in_one)}.")
+    return " ".join(sentences)
 
 
 def _difference_of(metric: Metric) -> str:
