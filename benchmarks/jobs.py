@@ -145,7 +145,7 @@ def swept(
     """The table of a sweep in a new store, wall seconds of checking and of the work, processes'
     starting included.
     """
-    from reports.studies.sweep.running import prepare, work
+    from reports.studies.sweep.running import prepare, solve_waiting_points
     from reports.studies.sweep.store import rows_with_figures
     from reports.studies.sweep.study import study_of
 
@@ -155,7 +155,7 @@ def swept(
             study_of(study | {"axes": list(axes)}, "benchmark"), Path(folder) / "out"
         )
         checked = time.perf_counter()
-        rows = rows_with_figures(work(prepared, workers=workers))
+        rows = rows_with_figures(solve_waiting_points(prepared, workers=workers))
         return rows, checked - begun, time.perf_counter() - checked
 
 

@@ -38,12 +38,12 @@ from reports.charts.plate import stacks
 from reports.cli import main
 from reports.comparison import compare
 from reports.studies.sweep import running, solving
-from reports.studies.sweep.page import draw, state_of, table_in_words, write_page
+from reports.studies.sweep.page import draw_figures, state_of, table_in_words, write_page
 from reports.studies.sweep.running import Processes, prepare, run, workers_of
 from reports.studies.sweep.solving import code_versions, solve_task
 from reports.studies.sweep.store import (
     STATUS,
-    Planned,
+    PlannedPoint,
     Store,
     StoreError,
     read_index,
@@ -484,7 +484,7 @@ def test_a_point_without_a_figure_says_why_and_one_that_fails_has_its_record(
     partial_solution = semi_analytic.solve(scene)
 
     fault = ConvergenceError("residual 0.3 after 100 iterations", partial_solution)
-    monkeypatch.setattr(solving, "_finite_elements", raising(fault))
+    monkeypatch.setattr(solving, "_solve_finite_elements", raising(fault))
     [answer] = answers(blocks(axes=[F | {"values": [1.0]}], figures=["fe.dissipation"]))
     assert (answer["status"], answer["figures"]) == ("failed", {})
     assert answer["reason"] == "not converged: residual 0.3 after 100 iterations"
@@ -768,7 +768,8 @@ def store(tmp_path: Path) -> Store:
     filled = Store(tmp_path / "out")
     filled.prepare()
     filled.write_plan(
-        {"title": "t"}, [Planned(number, f"{number:064x}", {"f": number}) for number in range(3)]
+        {"title": "t"},
+        [PlannedPoint(number, f"{number:064x}", {"f": number}) for number in range(3)],
     )
     for number in range(3):
         filled.write(
@@ -787,7 +788,7 @@ def test_time_left_is_that_of_the_points_that_wait_at_the_rate_of_the_last_ones(
     store: Store,
 ) -> None:
     assert state_of(store)["seconds_left"] is None  # nothing waits
-    planned = [Planned(number, f"{number:064x}", {"f": number}) for number in range(8)]
+    planned = [PlannedPoint(number, f"{number:064x}", {"f": number}) for number in range(8)]
     store.write_plan({"title": "t"}, planned)
     for number in range(3):
         os.utime(store.path(f"{number:064x}"), (0, 1000 + 10 * number))
@@ -885,7 +886,7 @@ def picture(x: Sequence[float], y: Sequence[float] = (), **keys: Any) -> str:
     axes = [axis(name="x", **keys or {"values": list(x)}), axis(name="y", values=[1.0])][
         : len(names)
     ]
-    [drawn] = draw(table, axes, load_scene("hertz-paper"))
+    [drawn] = draw_figures(table, axes, load_scene("hertz-paper"))
     return stacks(drawn)[0][0].__html__()
 
 
@@ -919,7 +920,7 @@ def test_of_two_axes_there_is_a_line_with_bars_along_each() -> None:
         ]
     ).assign(status="done")
     axes = [axis(name="x", values=[1.0, 2.0, 3.0]), axis(name="y", values=[1.0, 2.0], unit="mm")]
-    [drawn] = draw(table, axes, load_scene("hertz-paper"))
+    [drawn] = draw_figures(table, axes, load_scene("hertz-paper"))
     _, along_x, along_y = stacks(drawn)
     of_x = along_x[0].__html__()
     of_y = along_y[0].__html__()

@@ -43,7 +43,7 @@ from reports.folder import MANIFEST
 from reports.page.writing import code_commit, draw
 from reports.studies.sweep import running
 from reports.studies.sweep.page import write_page
-from reports.studies.sweep.store import Planned, Store
+from reports.studies.sweep.store import PlannedPoint, Store
 from reports.studies.sweep.study import expand, study_of
 from scenes import InputError, Scene, load_scene, scene_names
 from test_reports_sweep import Bench
@@ -327,7 +327,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     store.prepare()
     store.write_plan(
         json.loads(study.model_dump_json()),
-        [Planned(p.number, p.address, p.coordinates) for p in points],
+        [PlannedPoint(p.number, p.address, p.coordinates) for p in points],
     )
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(running, "workers_of", lambda **_: Bench())

@@ -13,53 +13,54 @@ from reports.console import Part, Sheet, Stages, complain, say
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-    from reports.studies.sweep.running import Prepared
+    from reports.studies.sweep.running import PreparedSweep
     from reports.studies.sweep.store import Store
 
 # Points and failures, and notes, that the terminal lists; all are in index.csv.
-_SHOWN = 20
-_NOTES = 3
+_MOST_ROWS = 20
+_MOST_NOTES = 3
 
 
 def sweep(study: str, options: Options) -> Answer:
     """Every point of a scene's axes, into a store; run it again to resume it; 3 where a point
     failed.
     """
-    return swept(study, options, announced=not options.json)
+    return solve_study(study, options, with_opening_lines=not options.json)
 
 
-def swept(source: str, options: Options, *, announced: bool = False) -> Answer:
+def solve_study(source: str, options: Options, *, with_opening_lines: bool = False) -> Answer:
     """The command `sweep`: solve the points of a study that have no stored result, and list all.
 
-    `source` names the study's file. With `announced` the command first prints how many points it
-    has, and how many are stored.
+    `source` names the study's file. With `with_opening_lines` the command first prints how many
+    points it has, and how many are stored. The exit code says whether all points are solved, one
+    failed, or the user interrupted.
     """
     from reports.folder import claim, default_folder
-    from reports.studies.sweep.running import prepare, work, workers_of
+    from reports.studies.sweep.running import prepare, solve_waiting_points, workers_of
     from reports.studies.sweep.store import StoreError
 
     stages = Stages(options.quiet)
     folder = claim(options.out or default_folder(Path(source).stem))
-    workers = {name: getattr(options, name) for name in WORKERS}
-    workers_of(**workers)
-    with stages.stage("checking the study", "points") as report:
-        prepared = prepare(
-            source, folder, lambda count: report(count, None, f"{count} points checked")
+    worker_options = {name: getattr(options, name) for name in WORKERS}
+    workers_of(**worker_options)  # refuses options that do not go together, before any work
+    with stages.stage("checking the study", "points") as report_progress:
+        prepared_sweep = prepare(
+            source, folder, lambda count: report_progress(count, None, f"{count} points checked")
         )
-    for line in _announced(prepared) if announced else ():
-        say(line)
+    if with_opening_lines:
+        for line in _opening_lines(prepared_sweep):
+            say(line)
     command_again = replace(options, resume=False).command("sweep", source, folder)
 
     def stored_in_words() -> str:
-        known_addresses = prepared.store.addresses()
-        return (
-            f"{sum(point.address in known_addresses for point in prepared.points)} of"
-            f" {len(prepared.points)} points are stored"
-        )
+        """How many points are stored now, as a sentence without its end."""
+        stored_addresses = prepared_sweep.store.addresses()
+        n_stored = sum(point.address in stored_addresses for point in prepared_sweep.points)
+        return f"{n_stored} of {len(prepared_sweep.points)} points are stored"
 
     try:
-        with stages.stage("sweep", "points") as report:
-            table = work(prepared, report=report, **workers)
+        with stages.stage("sweep", "points") as report_progress:
+            table = solve_waiting_points(prepared_sweep, report=report_progress, **worker_options)
     except KeyboardInterrupt:
         complain(f"halfplane: interrupted; {stored_in_words()}; resume with: {command_again}")
         return Answer(INTERRUPTED)
@@ -67,69 +68,76 @@ def swept(source: str, options: Options, *, announced: bool = False) -> Answer:
         raise StoreError(
             f"{fault}; {stored_in_words()}; once there is room resume with: {command_again}"
         ) from fault
-    json_content = _content(prepared.store) | {"file": str(prepared.store.folder / "index.csv")}
-    code = WITHIN if (table["status"] == "done").all() else NOT_CONVERGED
+    table_path = prepared_sweep.store.folder / "index.csv"
+    json_content = _content(prepared_sweep.store) | {"file": str(table_path)}
+    exit_code = WITHIN if (table["status"] == "done").all() else NOT_CONVERGED
     return Answer(
-        code,
-        _points(prepared, table, json_content),
+        exit_code,
+        _result_parts(prepared_sweep, table, json_content),
         lambda: json_content,
-        prepared.study.scene.name,
+        prepared_sweep.study.scene.name,
     )
 
 
-def _announced(prepared: Prepared) -> Iterator[str]:
+def _opening_lines(sweep: PreparedSweep) -> Iterator[str]:
     """Lines printed before a sweep: how many points it has, which engines and quantities, how many
     points have results already, and which stored results were damaged.
     """
-    study = prepared.study
-    n_points = len(prepared.points)
-    n_waiting = len(prepared.waiting_points)
+    study = sweep.study
+    n_points = len(sweep.points)
+    n_waiting = len(sweep.waiting_points)
     yield (
         f"{study.title or study.scene.name}: {n_points} points, {' and '.join(study.engines)};"
         f" {', '.join(study.figures)}"
     )
     if n_waiting < n_points:
         yield f"{n_points - n_waiting} points have results already, {n_waiting} are left"
-    if damaged := prepared.store.damaged():
+    if damaged_files := sweep.store.damaged():
         yield (
-            f"{len(damaged)} damaged results were set aside and are made again:"
-            f" {', '.join(damaged[:3])}"
+            f"{len(damaged_files)} damaged results were set aside and are made again:"
+            f" {', '.join(damaged_files[:3])}"
         )
 
 
-def _points(prepared: Prepared, table: DataFrame, state: dict[str, Any]) -> Iterator[Part]:
-    """What the terminal shows of a sweep: the points with their values, those that failed with the
-    reason, and notes. `prepared` is the study with its store; `state` holds the notes and the path
-    of the table of all points.
+def _result_parts(
+    sweep: PreparedSweep, table: DataFrame, json_content: dict[str, Any]
+) -> Iterator[Part]:
+    """What the terminal shows of a sweep: tables of the points with their values and of those that
+    failed with the reason, then lines of text: counts, notes, the path of the table of all points.
+
+    `sweep` is the study with its store, `table` has all results; `json_content` holds the notes
+    ("notes") and that path ("file").
     """
     from reports.studies.sweep.page import table_in_words
     from reports.studies.sweep.study import described
 
     solved_rows = table[table["status"] == "done"]
     failed_rows = table[table["status"] != "done"]
-    study = prepared.study
-    heads, rows = table_in_words(solved_rows[:_SHOWN], study.axes, study.scene, in_short=True)
+    study = sweep.study
+    heads, rows = table_in_words(solved_rows[:_MOST_ROWS], study.axes, study.scene, in_short=True)
     if rows:
         yield Sheet(study.title or study.scene.name, heads, rows, range(len(heads)))
-    if len(solved_rows) > _SHOWN:
-        yield f"... and {len(solved_rows) - _SHOWN} other points; see index.csv"
+    if len(solved_rows) > _MOST_ROWS:
+        yield f"... and {len(solved_rows) - _MOST_ROWS} other points; see index.csv"
     if len(failed_rows):
-        rows_shown = failed_rows[:_SHOWN]
+        first_failures = failed_rows[:_MOST_ROWS]
         failures = []
-        for number, reason in zip(rows_shown["number"], rows_shown["reason"], strict=True):
-            failures.append((str(number), described(prepared.points[number].coordinates), reason))
+        for number, reason in zip(first_failures["number"], first_failures["reason"], strict=True):
+            failures.append((str(number), described(sweep.points[number].coordinates), reason))
         title = f"{len(failed_rows)} of {len(table)} points failed"
         yield Sheet(title, ("point", "at", "reason"), failures)
-    folder = prepared.store.folder
+    folder = sweep.store.folder
     yield (
         f"{len(solved_rows)} points done, {len(failed_rows)} failed; `halfplane sweep report"
         f" {folder}` draws them"
     )
-    for note in state["notes"][:_NOTES]:
+    notes = json_content["notes"]
+    for note in notes[:_MOST_NOTES]:
         yield f"note on {note['points']} of {len(table)} points: {note['note']}"
-    if (n_left_out := len(state["notes"]) - _NOTES) > 0:
-        yield f"... and {n_left_out} other notes; see index.csv"
-    yield state["file"]
+    n_further_notes = len(notes) - _MOST_NOTES
+    if n_further_notes > 0:
+        yield f"... and {n_further_notes} other notes; see index.csv"
+    yield json_content["file"]
 
 
 def _content(store: Store) -> dict[str, Any]:
@@ -147,27 +155,30 @@ def status(folder: Path, _: Options) -> Answer:
     """
     from reports.studies.sweep.store import Store
 
-    state = _content(Store(folder))
+    json_content = _content(Store(folder))
 
     def parts() -> Iterator[Part]:
-        counts = [(status, str(count)) for status, count in state["points"].items()]
-        yield Sheet(state["title"] or str(folder), ("points", "number"), counts, (1,))
+        """What the terminal shows: a table of counts, then damaged files, failures, time left."""
+        counts = [(state, str(count)) for state, count in json_content["points"].items()]
+        title = json_content["title"] or str(folder)
+        yield Sheet(title, ("points", "number"), counts, (1,))
         yield from (
             f"damaged and set aside: results/{name}; the next sweep makes it again"
-            for name in state["damaged"]
+            for name in json_content["damaged"]
         )
+        failures = json_content["failures"]
         yield from (
             f"point {failure['point']} failed: {failure['reason']}"
-            for failure in state["failures"][:_SHOWN]
+            for failure in failures[:_MOST_ROWS]
         )
-        if (n_left_out := len(state["failures"]) - _SHOWN) > 0:
-            yield f"... and {n_left_out} more failed; see index.csv"
-        if state["seconds_left"] is not None:
-            yield (
-                f"about {state['seconds_left']:.0f} s of work left at the rate of the last results"
-            )
+        n_further_failures = len(failures) - _MOST_ROWS
+        if n_further_failures > 0:
+            yield f"... and {n_further_failures} more failed; see index.csv"
+        seconds_left = json_content["seconds_left"]
+        if seconds_left is not None:
+            yield f"about {seconds_left:.0f} s of work left at the rate of the last results"
 
-    return Answer(WITHIN, parts(), lambda: state)
+    return Answer(WITHIN, parts(), lambda: json_content)
 
 
 def report(folder: Path, _: Options) -> Answer:

@@ -36,7 +36,7 @@ from reports.charts.plate import (
 )
 from reports.charts.templating import script, shades, template
 from reports.comparison.words import with_uncertainty
-from reports.studies.sweep.solving import is_error, label_of, shown_factor
+from reports.studies.sweep.solving import display_factor, is_error, label_of
 from reports.studies.sweep.store import STATUS, Store, rows_with_figures
 from reports.studies.sweep.study import Axis, study_of
 from reports.units import number, significant
@@ -44,15 +44,15 @@ from scenes import Scene
 from scenes.array_types import Array
 
 Mask = NDArray[np.bool_]
-_PANELS = 6  # of one figure
-_MARKED = 120  # points of a line that are marked one by one
-_LOOKS = 6  # of lines in the style sheet
-_ROWS = 250  # more rows than that are in index.csv alone
-_FILLED = 0.3  # share of a grid that has points, from which on it is a map
-_NUMBERED = 64  # cells of a map that have their numbers
-_WORDS_OF_LINE = 0.055  # height of a line of words over that of a panel
-_FLAT = 1e-9  # spread of values over their size that is round-off error
-_LATEST = 40  # results that the rate is taken from
+_MOST_PANELS = 6  # of one figure
+_MOST_DOTS = 120  # points of a line that are marked one by one
+_N_LOOKS = 6  # of lines in the style sheet
+_MOST_ROWS = 250  # more rows than that are in index.csv alone
+_LEAST_FILLED_SHARE = 0.3  # share of a grid that has points, from which on it is a map
+_MOST_NUMBERED_CELLS = 64  # cells of a map that have their numbers
+_WORD_HEIGHT = 0.055  # height of a line of words over that of a panel
+_ROUNDOFF_SPREAD = 1e-9  # spread of values over their size that is round-off error
+_N_LATEST_RESULTS = 40  # results that the rate is taken from
 _ENGINES = {"fe": "finite elements", "exact": "half-plane theory"}
 _UNCERTAINTY = {
     "none": "No uncertainty was requested for these values.",
@@ -83,7 +83,7 @@ def state_of(store: Store) -> Mapping[str, Any]:
     for address in set(table["address"]):
         with suppress(FileNotFoundError):  # set aside meanwhile
             times_of_results.append(store.path(address).stat().st_mtime)
-    rate = _rate(sorted(times_of_results)[-_LATEST:])
+    rate = _rate(sorted(times_of_results)[-_N_LATEST_RESULTS:])
     counts = {"done": len(table) - len(failures), "failed": len(failures)}
     return {
         "title": study.get("title", ""),
@@ -112,28 +112,31 @@ def write_page(store: Store) -> Path:
     """
     state = state_of(store)
     table = state["table"]
-    study = study_of(store.read_plan()[0], str(store.folder / "sweep.json"))
-    name = study.scene.title or study.scene.name
-    uncertainty = "Theory is exact to rounding at the points and instants at which it is evaluated."
+    stored_study, _ = store.read_plan()
+    study = study_of(stored_study, str(store.folder / "sweep.json"))
+    scene_title = study.scene.title or study.scene.name
+    uncertainty_words = (
+        "Theory is exact to rounding at the points and instants at which it is evaluated."
+    )
     if "fe" in study.engines:
-        uncertainty = _UNCERTAINTY[study.uncertainty]
-    heads, rows = table_in_words(table[:_ROWS], study.axes, study.scene)
-    pictures = draw(table, study.axes, study.scene)
-    program, script_digest = script()
+        uncertainty_words = _UNCERTAINTY[study.uncertainty]
+    heads, rows = table_in_words(table[:_MOST_ROWS], study.axes, study.scene)
+    figures = draw_figures(table, study.axes, study.scene)
+    page_script, script_hash = script()
     page = template("sweep.html").render(
-        title=study.title or f"Sweep of {name}",
+        title=study.title or f"Sweep of {scene_title}",
         purpose=study.purpose,
-        scene=name,
+        scene=scene_title,
         engines=" and ".join(_ENGINES[engine] for engine in study.engines),
-        uncertainty=uncertainty,
+        uncertainty=uncertainty_words,
         state=state,
-        pictures=pictures,
-        wide=any(plate.columns > 1 for plate in pictures),
-        script=program,
-        script_hash=script_digest,
+        pictures=figures,
+        wide=any(figure.columns > 1 for figure in figures),
+        script=page_script,
+        script_hash=script_hash,
         columns=heads,
         rows=rows,
-        more=max(0, len(table) - _ROWS),
+        more=max(0, len(table) - _MOST_ROWS),
     )
     store.write_table(table)
     store.write_text(store.folder / "sweep.html", page)
@@ -156,7 +159,7 @@ def table_in_words(
         values by their names in the study, and nothing on how it went
     """
     columns = [column for axis in axes for column in axis.columns]
-    figures = plain_figures(table, axes)
+    figures = quantity_columns(table, axes)
     heads = ["point", *(_label_of_axis(axis, column) for axis in axes for column in axis.columns)]
     for figure in figures:
         figure_in_words, unit = label_of(figure, scene)
@@ -176,7 +179,7 @@ def table_in_words(
 
 def _figure_cell(record: Mapping[Hashable, Any], figure: str) -> str:
     """A value with its uncertainty; errors in per cent."""
-    factor = shown_factor(figure)
+    factor = display_factor(figure)
     value = factor * float(record[figure])
     if math.isnan(value):
         return "none"
@@ -194,45 +197,49 @@ def _cell(value: Any) -> str:
 def _label_of_axis(axis: Axis, column: str) -> str:
     """Words of an axis with its unit; of rows of values the name of the column."""
     if column != axis.name:
-        return _plain(column)
+        return _in_words(column)
     unit = f" [{axis.unit}]" if axis.unit else ""
-    return f"{_plain(axis.label or axis.name)}{unit}"
+    return f"{_in_words(axis.label or axis.name)}{unit}"
 
 
 # ------------------------------------------------------------------------------------------ figures
-def _plain(name: str) -> str:
+def _in_words(name: str) -> str:
     """A name of a program as words."""
     return name.replace("_", " ")
 
 
-def plain_figures(table: pd.DataFrame, axes: Sequence[Axis]) -> list[str]:
-    """The figures without what is stated about them."""
-    of_axes = {column for axis in axes for column in axis.columns}
-    no_figures = {"number", *STATUS, *of_axes}
+def quantity_columns(table: pd.DataFrame, axes: Sequence[Axis]) -> list[str]:
+    """Names of the columns of a sweep's table that have values of quantities, without those of
+    their uncertainties and idealisation errors.
+    """
+    coordinate_columns = {column for axis in axes for column in axis.columns}
+    further_columns = {"number", *STATUS, *coordinate_columns}
     return [
         name
         for name in table.columns
-        if name not in no_figures and not name.endswith((".uncertainty", ".idealisation"))
+        if name not in further_columns and not name.endswith((".uncertainty", ".idealisation"))
     ]
 
 
-def draw(table: pd.DataFrame, axes: Sequence[Axis], scene: Scene) -> list[Plate]:
+def draw_figures(table: pd.DataFrame, axes: Sequence[Axis], scene: Scene) -> list[Plate]:
     """A figure of each quantity that has values, in the units of the `scene` that the sweep
     varies.
     """
     results = rows_with_figures(table)
-    sheets = [_Sheet(name, results, axes, scene) for name in plain_figures(results, axes)]
-    return [sheet.plate() for sheet in sheets if np.isfinite(sheet.value).any()]
+    figures = [
+        _QuantityFigure(name, results, axes, scene) for name in quantity_columns(results, axes)
+    ]
+    return [figure.plate() for figure in figures if np.isfinite(figure.value).any()]
 
 
-class _Sheet:
+class _QuantityFigure:
     """One figure of a table. Over one axis lines with bars; over two a map with its numbers where
     they are a grid, and lines along each of the two; else dots. Each combination of the other axes
     has its own.
     """
 
     def __init__(self, name: str, table: pd.DataFrame, axes: Sequence[Axis], scene: Scene) -> None:
-        """Take the values of one quantity of a sweep (`name`, such as "fe.p0") at all points from
+        """Take the values of one quantity of a sweep (`name`, such as "fe.p0") at all n points from
         its table, with their uncertainties, in the unit that is shown, and the words of the figure.
 
         Where the table has the idealisation error of that quantity, which is its difference from
@@ -242,24 +249,25 @@ class _Sheet:
         self.name = name
         self.table = table
         self.axes = {column: axis for axis in axes for column in axis.columns}
-        self.drawn_column = name
+        self.value_column = name
         if f"{name}.idealisation" in table:
-            self.drawn_column = f"{name}.idealisation"
-        factor = shown_factor(name)
-        self.value = factor * table[self.drawn_column].to_numpy(float)
+            self.value_column = f"{name}.idealisation"
+        factor = display_factor(name)
+        self.value = factor * table[self.value_column].to_numpy(float)
         self.uncertainty = np.full(len(table), np.nan)
         if f"{name}.uncertainty" in table:
             self.uncertainty = factor * table[f"{name}.uncertainty"].to_numpy(float)
-        margin = np.nan_to_num(self.uncertainty)
-        self.low = self.value - margin
-        self.high = self.value + margin
-        # An error that is not larger than its uncertainty.
-        self.unresolved = (np.abs(self.value) <= self.uncertainty) & is_error(name)
+        # ends of the bars, (n,); the value itself where its uncertainty is not known
+        bar_length = np.nan_to_num(self.uncertainty)
+        self.lower_ends = self.value - bar_length
+        self.upper_ends = self.value + bar_length
+        # (n,) an error that is not larger than its uncertainty
+        self.is_unresolved = (np.abs(self.value) <= self.uncertainty) & is_error(name)
         self.title_words, self.unit = label_of(name, scene)
-        if self.drawn_column != name:
+        if self.value_column != name:
             self.title_words += ", idealisation error"
-        label = "finite elements/theory − 1" if is_error(name) else _plain(name)
-        self.words = f"{label}  [{self.unit}]"
+        label = "finite elements/theory − 1" if is_error(name) else _in_words(name)
+        self.axis_words = f"{label}  [{self.unit}]"
 
     def plate(self) -> Plate:
         """The figure of one quantity of a sweep with caption and numbers: lines over one axis, a
@@ -270,32 +278,32 @@ class _Sheet:
         # axes of words, such as kinds of bodies, and axes of numbers
         word_axes = [name for name in varied_axes if self._has_words(name)]
         number_axes = [name for name in varied_axes if name not in word_axes]
-        stem = self.drawn_column.replace(".", "-")
+        stem = self.value_column.replace(".", "-")
         title = self.title_words
         csv_columns = {
-            **{column: self.numbers(column) for column in number_axes},
-            f"{self.drawn_column} [{self.unit}]": self.value,
+            **{column: self.coordinates(column) for column in number_axes},
+            f"{self.value_column} [{self.unit}]": self.value,
             "uncertainty": self.uncertainty,
         }
         if not number_axes:
-            text = (
+            caption = (
                 f"{number(float(self.value[0]))}: the sweep has one point on every axis of numbers"
             )
-            return Plate(stem, title, text, text, (), csv_columns)
+            return Plate(stem, title, caption, caption, (), csv_columns)
         combination_of_rows = self._values_in_words(word_axes)
         combinations = np.unique(combination_of_rows).tolist()
         masks = [
             (combination, combination_of_rows == combination)
-            for combination in combinations[:_PANELS]
+            for combination in combinations[:_MOST_PANELS]
         ]
         panels, legend, signs_in_words = self._panels(stem, masks, number_axes)
         if not np.isfinite(self.uncertainty).any():
             signs_in_words = "without uncertainty"
         axes_in_words = " and ".join(self.label(name) for name in number_axes[:2])
         caption = f"Over {axes_in_words}; {signs_in_words}."
-        if len(combinations) > _PANELS:
+        if len(combinations) > _MOST_PANELS:
             caption += (
-                f" {len(combinations) - _PANELS} more sets of the other axes are in index.csv."
+                f" {len(combinations) - _MOST_PANELS} more sets of the other axes are in index.csv."
             )
         return Plate(
             stem,
@@ -311,47 +319,48 @@ class _Sheet:
     def _panels(
         self, stem: str, masks: Sequence[tuple[str, Mask]], number_axes: list[str]
     ) -> tuple[list[Panel | Cell], tuple[Key, ...], str]:
-        """The panels of the figure of one quantity of a sweep, its legend, and what its signs mean,
-        in words.
+        """The panels of the figure of one quantity of a sweep, its legend, and what its signs
+        (bars, hollow dots, hatching, colours) mean, in words.
 
         Parameters
         ----------
         stem
             beginning of the names of panels
         masks
-            each combination of the axes of words, in words, with its points (n,)
+            for each combination of values on axes of words, such as kinds of bodies: the
+            combination as text, and whether a point of the sweep belongs to it (n,)
         number_axes
             names of the axes of numbers, at least one
         """
         panels: list[Panel | Cell]
         if len(number_axes) == 1:
-            panels = [self.line(stem, masks, number_axes[0])]
+            panels = [self.curve_panel(stem, masks, number_axes[0])]
             legend = tuple(
-                Key(f"line-{index}", _plain(combination))
+                Key(f"line-{index}", _in_words(combination))
                 for index, (combination, _) in enumerate(masks)
                 if combination
             )
             return panels, legend, "bars are its uncertainty; hollow: not resolved"
-        if len(number_axes) == 2 and self._filled_share(number_axes) > _FILLED:
+        if len(number_axes) == 2 and self._filled_share(number_axes) > _LEAST_FILLED_SHARE:
             panels = [
-                self.map(f"{stem}-{index}", mask, number_axes, combination)
+                self.map_with_scale(f"{stem}-{index}", mask, number_axes, combination)
                 for index, (combination, mask) in enumerate(masks)
             ]
             for index, (_, mask) in enumerate(masks):
-                panels += self.along_each(f"{stem}-{index}", mask, number_axes)
+                panels += self.panels_along_axes(f"{stem}-{index}", mask, number_axes)
             signs_in_words = (
                 "hatched, hollow: not resolved, the error is less than its uncertainty; grey: no"
                 " result; bars are the uncertainty"
             )
             return panels, (), signs_in_words
         panels = [
-            self.cloud(f"{stem}-{index}", mask, number_axes, combination)
+            self.dots_with_scale(f"{stem}-{index}", mask, number_axes, combination)
             for index, (combination, mask) in enumerate(masks)
         ]
         return panels, (), "hollow: not resolved; colour: the second axis"
 
-    def along_each(self, name: str, mask: Mask, columns: Sequence[str]) -> Iterator[Panel]:
-        """Two panels of lines for a map over two axes: one along each axis, with a line for each
+    def panels_along_axes(self, name: str, mask: Mask, columns: Sequence[str]) -> Iterator[Panel]:
+        """Two panels of curves for a map over two axes: one along each axis, with a curve for each
         value of the other axis, which is written at its end. Of many values the first, the last and
         some between are drawn.
 
@@ -365,15 +374,15 @@ class _Sheet:
             names of the two axes
         """
         for index, (column, other_column) in enumerate((columns, columns[::-1])):
-            coordinate = self.numbers(other_column)
+            coordinate = self.coordinates(other_column)
             values = np.unique(coordinate[mask])
-            n_lines = min(len(values), _LOOKS)
-            chosen = np.unique(np.linspace(0, len(values) - 1, n_lines).round()).astype(int)
-            lines = [
-                (f"{_plain(other_column)} = {number(value)}", mask & (coordinate == value))
-                for value in values[chosen].tolist()
+            n_curves = min(len(values), _N_LOOKS)
+            drawn_indices = np.unique(np.linspace(0, len(values) - 1, n_curves).round()).astype(int)
+            curves = [
+                (f"{_in_words(other_column)} = {number(value)}", mask & (coordinate == value))
+                for value in values[drawn_indices].tolist()
             ]
-            yield self.line(f"{name}-along-{index}", lines, column, named=True)
+            yield self.curve_panel(f"{name}-along-{index}", curves, column, labels_at_end=True)
 
     def _has_words(self, column: str) -> bool:
         """Whether a coordinate has values that are no numbers."""
@@ -392,29 +401,30 @@ class _Sheet:
         cells = np.prod([self.table[name].nunique() for name in columns])
         return float(len(self.table[columns].drop_duplicates()) / cells)
 
-    def numbers(self, column: str) -> Array:
+    def coordinates(self, column: str) -> Array:
         """A coordinate (n,)."""
         return self.table[column].to_numpy(float)
 
-    def title(self, row: int) -> str:
+    def tooltip(self, row: int) -> str:
         """The text that a pointer shows at the value of a row: quantity, value, unit and remark."""
-        remark = ", not resolved" if self.unresolved[row] else ""
+        remark = ", not resolved" if self.is_unresolved[row] else ""
         return f"{self.title_words}: {number(float(self.value[row]))} {self.unit}{remark}"
 
     def label(self, column: str) -> str:
         """Words of an axis."""
         return _label_of_axis(self.axes[column], column)
 
-    def axis(self, column: str, *, cells: bool = False) -> ChartAxis:
+    def chart_axis(self, column: str, *, for_cells: bool = False) -> ChartAxis:
         """The axis of a chart for an axis of a sweep (`column`); its ticks stand at the values
         themselves where these are few and apart.
 
-        With `cells` it goes half a step beyond the outer values: a cell of a map is one value.
+        With `for_cells` it goes half a step beyond the outer values: in a map each value is the
+        middle of a cell.
         """
         log = self.axes[column].by_factors
-        values = np.unique(self.numbers(column))
+        values = np.unique(self.coordinates(column))
         places = np.log(values) if log else values
-        if cells:
+        if for_cells:
             ends = cell_borders(values, log=log)[[0, -1]]
         else:
             ends = np.array(limits(places, margin=0.05))
@@ -422,14 +432,19 @@ class _Sheet:
                 ends = np.exp(ends)
         least_value, largest_value = ends.tolist()
         ticks: tuple[tuple[float, str], ...] = ()
-        are_few = len(values) <= 8 and np.all(np.diff(places) > 0.04 * np.ptp(places))
-        if (log or cells) and are_few:
+        have_room = len(values) <= 8 and np.all(np.diff(places) > 0.04 * np.ptp(places))
+        if (log or for_cells) and have_room:
             texts = labels([float(f"{value:.3g}") for value in values])
             ticks = tuple(zip(values.tolist(), texts, strict=True))
         return ChartAxis(least_value, largest_value, self.label(column), log, ticks=ticks)
 
-    def line(
-        self, name: str, masks: Sequence[tuple[str, Mask]], column: str, *, named: bool = False
+    def curve_panel(
+        self,
+        name: str,
+        curves: Sequence[tuple[str, Mask]],
+        column: str,
+        *,
+        labels_at_end: bool = False,
     ) -> Panel:
         """A panel of curves of one quantity of a sweep over one axis.
 
@@ -438,118 +453,106 @@ class _Sheet:
 
         Parameters
         ----------
-        masks
-            for each curve its label, and which points of the sweep it has, (n,)
+        name
+            of the panel
+        curves
+            for each curve its label, and whether a point of the sweep belongs to it (n,)
         column
             name of the axis
-        named
-            whether each curve has its label at its end
+        labels_at_end
+            whether the labels of the curves stand at their ends
         """
-        low_value, high_value = limits(self.low, self.high)
-        if named:  # room for the words
-            high_value += _WORDS_OF_LINE * len(masks) * (high_value - low_value)
-        drawn_marks: list[Mark] = [Rule(0.0, "zero")] if low_value < 0 < high_value else []
-        places = self.numbers(column)
-        x_axis = self.axis(column)
-        for curve_number, (curve_in_words, mask) in enumerate(masks):
-            rows = np.flatnonzero(mask)[np.argsort(places[mask])]
-            look = f"line-{curve_number % _LOOKS}"
-            fill = f"p{curve_number % _LOOKS}"
-            x = places[rows]
+        least_value, largest_value = limits(self.lower_ends, self.upper_ends)
+        if labels_at_end:  # room for them
+            largest_value += _WORD_HEIGHT * len(curves) * (largest_value - least_value)
+        x_axis = self.chart_axis(column)
+        y_axis = ChartAxis(least_value, largest_value, self.axis_words)
+        marks: list[Mark] = [Rule(0.0, "zero")] if least_value < 0 < largest_value else []
+        coordinate = self.coordinates(column)
+        for curve_number, (label, mask) in enumerate(curves):
+            rows = np.flatnonzero(mask)[np.argsort(coordinate[mask])]
+            look = f"line-{curve_number % _N_LOOKS}"
+            fill = f"p{curve_number % _N_LOOKS}"
+            x = coordinate[rows]
             y = self.value[rows]
-            drawn_marks.append(Curve(x, y, look, curve_in_words or self.title_words))
-            if named:
-                shift_down = 14.0 + 15.0 * curve_number
-                drawn_marks.append(
-                    Note(
-                        x_axis.high,
-                        high_value,
-                        curve_in_words,
-                        f"tick over t{curve_number}",
-                        "end",
-                        (-4.0, shift_down),
-                    )
+            marks.append(Curve(x, y, look, label or self.title_words))
+            if labels_at_end:
+                label_class = f"tick over t{curve_number}"
+                label_shift = (-4.0, 14.0 + 15.0 * curve_number)
+                marks.append(
+                    Note(x_axis.high, largest_value, label, label_class, "end", label_shift)
                 )
-            is_long = len(rows) > _MARKED
+            is_long = len(rows) > _MOST_DOTS
+            lower_ends = self.lower_ends[rows]
+            upper_ends = self.upper_ends[rows]
             if is_long:
-                drawn_marks.insert(0, Band(x, self.low[rows], self.high[rows], f"{fill} pale"))
+                marks.insert(0, Band(x, lower_ends, upper_ends, f"{fill} pale"))
             else:
-                drawn_marks.append(bars(x, self.low[rows], self.high[rows], look))
+                marks.append(bars(x, lower_ends, upper_ends, look))
             for dot_x, dot_y, is_unresolved in zip(
-                x.tolist(), y.tolist(), self.unresolved[rows], strict=True
+                x.tolist(), y.tolist(), self.is_unresolved[rows], strict=True
             ):
                 if is_unresolved:
-                    drawn_marks.append(Dot(dot_x, dot_y, f"{look} hollow", 3.0))
+                    marks.append(Dot(dot_x, dot_y, f"{look} hollow", 3.0))
                 elif not is_long:
-                    drawn_marks.append(Dot(dot_x, dot_y, f"{look} {fill}", 3.0))
-        return Panel(
-            name,
-            x_axis,
-            ChartAxis(low_value, high_value, self.words),
-            drawn_marks,
-            f"{self.title_words} over {self.label(column)}",
-            480.0,
-            340.0,
-        )
+                    marks.append(Dot(dot_x, dot_y, f"{look} {fill}", 3.0))
+        alt = f"{self.title_words} over {self.label(column)}"
+        return Panel(name, x_axis, y_axis, marks, alt, 480.0, 340.0)
 
-    def map(self, name: str, mask: Mask, columns: list[str], combination: str) -> Cell:
+    def map_with_scale(self, name: str, mask: Mask, columns: list[str], combination: str) -> Cell:
         """A map of one quantity of a sweep over two axes (`columns`): a panel with a coloured
-        rectangle for each point of `mask`, and the scale of colours beneath. `combination` says in
-        words which values of the other axes it is for.
+        rectangle for each point of `mask` (n,), and the scale of colours beneath. Few rectangles
+        have their value written on them. `combination` says in words which values of the other axes
+        it is for.
         """
-        x_axis, y_axis = (self.axis(column, cells=True) for column in columns)
+        x_axis, y_axis = (self.chart_axis(column, for_cells=True) for column in columns)
         least_value = float(np.nanmin(self.value))
         largest_value = float(np.nanmax(self.value))
-        # What differs by no more than it is uncertain, or by round-off, has one colour.
-        is_flat = largest_value - least_value <= _FLAT * max(abs(least_value), abs(largest_value))
-        range_of_values = math.inf if is_flat else largest_value - least_value
-        share_of_range = np.where(mask, (self.value - least_value) / range_of_values, np.nan)
-        names = [self.title(row) for row in range(len(share_of_range))]
-        x, y = map(self.numbers, columns)
-        drawn_marks = heat_map((x_axis, y_axis), (x, y), share_of_range, names, self.unresolved)
-        rows_of_cells = np.flatnonzero(mask & np.isfinite(self.value)).tolist()
-        if len(rows_of_cells) <= _NUMBERED:
-            drawn_marks += [
+        value_range = largest_value - least_value
+        # Values that differ by no more than round-off have one colour.
+        largest_size = max(abs(least_value), abs(largest_value))
+        has_one_colour = value_range <= _ROUNDOFF_SPREAD * largest_size
+        if has_one_colour:
+            value_range = math.inf
+        colour_share = np.where(mask, (self.value - least_value) / value_range, np.nan)
+        tooltips = [self.tooltip(row) for row in range(len(colour_share))]
+        x, y = map(self.coordinates, columns)
+        marks = heat_map((x_axis, y_axis), (x, y), colour_share, tooltips, self.is_unresolved)
+        rows = np.flatnonzero(mask & np.isfinite(self.value)).tolist()
+        if len(rows) <= _MOST_NUMBERED_CELLS:
+            marks += [
                 Note(x[row], y[row], significant(self.value[row], 3), "tick over", "middle", (0, 4))
-                for row in rows_of_cells
+                for row in rows
             ]
         alt = f"Map of {self.title_words}, {combination}"
-        panel = Panel(name, x_axis, y_axis, drawn_marks, alt, 480.0, 360.0, _plain(combination))
-        if is_flat:
+        panel = Panel(name, x_axis, y_axis, marks, alt, 480.0, 360.0, _in_words(combination))
+        if has_one_colour:
             return Cell((panel,), None)
-        scale = colour_scale(f"{name}-colours", (least_value, largest_value), self.words)
+        scale = colour_scale(f"{name}-colours", (least_value, largest_value), self.axis_words)
         return Cell((panel, scale), None)
 
-    def cloud(self, name: str, mask: Mask, columns: list[str], combination: str) -> Cell:
-        """A panel with a dot for each point of `mask`: the value of one quantity of a sweep over
-        the first of `columns`, coloured by the second, with the scale of colours beneath.
+    def dots_with_scale(self, name: str, mask: Mask, columns: list[str], combination: str) -> Cell:
+        """A panel with a dot for each point of `mask` (n,): the value of one quantity of a sweep
+        over the first of `columns`, coloured by the second, with the scale of colours beneath.
         `combination` says in words which values of the other axes it is for.
         """
-        x, coloured_values = map(self.numbers, columns[:2])
-        x_axis, colour_axis = map(self.axis, columns[:2])
-        ends = np.array([colour_axis.low, colour_axis.high])
+        x, second_coordinate = map(self.coordinates, columns[:2])
+        x_axis, colour_axis = map(self.chart_axis, columns[:2])
+        colour_ends = np.array([colour_axis.low, colour_axis.high])
         if colour_axis.log:
-            share_of_scale = np.interp(np.log(coloured_values), np.log(ends), [0.0, 1.0])
+            colour_share = np.interp(np.log(second_coordinate), np.log(colour_ends), [0.0, 1.0])
         else:
-            share_of_scale = np.interp(coloured_values, ends, [0.0, 1.0])
-        drawn_marks: list[Mark] = [bars(x[mask], self.low[mask], self.high[mask], "faint")]
+            colour_share = np.interp(second_coordinate, colour_ends, [0.0, 1.0])
+        marks: list[Mark] = [bars(x[mask], self.lower_ends[mask], self.upper_ends[mask], "faint")]
         for row in np.flatnonzero(mask & np.isfinite(self.value)).tolist():
-            look = "faint hollow" if self.unresolved[row] else ""
-            fill = "" if look else shades([share_of_scale[row]])[0]
-            drawn_marks.append(
-                Dot(float(x[row]), float(self.value[row]), look, 3.6, self.title(row), fill=fill)
+            look = "faint hollow" if self.is_unresolved[row] else ""
+            fill = "" if look else shades([colour_share[row]])[0]
+            marks.append(
+                Dot(float(x[row]), float(self.value[row]), look, 3.6, self.tooltip(row), fill=fill)
             )
-        y_axis = ChartAxis(*limits(self.low, self.high), self.words)
-        panel = Panel(
-            name,
-            x_axis,
-            y_axis,
-            drawn_marks,
-            f"{self.title_words} over {x_axis.words}, {combination}",
-            480.0,
-            340.0,
-            _plain(combination),
-        )
+        y_axis = ChartAxis(*limits(self.lower_ends, self.upper_ends), self.axis_words)
+        alt = f"{self.title_words} over {x_axis.words}, {combination}"
+        panel = Panel(name, x_axis, y_axis, marks, alt, 480.0, 340.0, _in_words(combination))
         scale = colour_scale(
             f"{name}-colours",
             (colour_axis.low, colour_axis.high),
@@ -571,10 +574,10 @@ def bars(x: Array, lower_ends: Array, upper_ends: Array, look: str) -> Curve:
 
 def heat_map(
     axes: tuple[ChartAxis, ChartAxis],
-    places: tuple[Array, Array],
-    share: Array,
-    names: Sequence[str],
-    is_unresolved: Mask,
+    coordinates: tuple[Array, Array],
+    colour_share: Array,
+    tooltips: Sequence[str],
+    is_hatched: Mask,
 ) -> list[Mark]:
     """What is drawn for a map over two axes: a coloured rectangle around each of n places, on a
     grey ground.
@@ -583,23 +586,24 @@ def heat_map(
     ----------
     axes
         of the panel, across and up
-    places
-        (n,) coordinates on each of the two axes
-    share
-        (n,) value as a share of the scale of colours; where it is NaN the ground is seen
-    names
-        label of each rectangle
-    is_unresolved
-        (n,) whether it is hatched
+    coordinates
+        (n,) of the places on each of the two axes
+    colour_share
+        (n,) place of the colour on the scale of colours, from 0 to 1; where it is NaN there is no
+        rectangle
+    tooltips
+        text that a pointer shows on each rectangle
+    is_hatched
+        (n,) whether the rectangle is hatched
     """
     x_axis, y_axis = axes
     marks: list[Mark] = [Block((x_axis.low, x_axis.high), (y_axis.low, y_axis.high), "no-value")]
-    cells_across = _cells_of(x_axis, places[0])
-    cells_up = _cells_of(y_axis, places[1])
-    for row in np.flatnonzero(np.isfinite(share)).tolist():
-        fill = shades([share[row]])[0]
-        is_hatched = bool(is_unresolved[row])
-        marks.append(Block(cells_across[row], cells_up[row], "", names[row], fill, is_hatched))
+    cells_across = _cells_of(x_axis, coordinates[0])
+    cells_up = _cells_of(y_axis, coordinates[1])
+    for row in np.flatnonzero(np.isfinite(colour_share)).tolist():
+        fill = shades([colour_share[row]])[0]
+        hatched = bool(is_hatched[row])
+        marks.append(Block(cells_across[row], cells_up[row], "", tooltips[row], fill, hatched))
     return marks
 
 
@@ -611,8 +615,8 @@ def _cells_of(axis: ChartAxis, places: Array) -> list[tuple[float, float]]:
 
 
 def cell_borders(middles: Array, *, log: bool = False) -> Array:
-    """Borders half-way (by factors with `log`) between the middles (n,) of cells, and as far beyond
-    the outer ones, (n + 1,).
+    """Borders (n + 1,) of cells on an axis, from their middles (n,) in rising order: half-way
+    between two middles (on a logarithmic scale with `log`), and as far beyond the outer ones.
 
     >>> cell_borders(np.array([1.0, 2.0, 4.0])).tolist()
     [0.5, 1.5, 3.0, 5.0]

@@ -47,12 +47,12 @@ Task = list[Point]
 # handing them out small.
 _EXACT_AT_ONCE = 50
 _FE_AT_ONCE = 4
-_ROUND = 0.5  # of the loop [s]
-_PATIENCE = 10.0  # largest wait for a scheduler's first answer [s]
+_ROUND_SECONDS = 0.5  # a round of the loop that waits for answers
+_LONGEST_WAIT = 10.0  # largest wait for a scheduler's first answer [s]
 # Pools that may break one after the other without a result: the next one would too.
-_MOST_BROKEN = 3
+_MOST_BROKEN_POOLS = 3
 # Lost points that a sentence names.
-_NAMED = 4
+_MOST_NAMED_POINTS = 4
 
 
 # Of a cluster started here: its web servers, which know no TLS, answer nothing but "404".
@@ -63,16 +63,15 @@ _NO_ROUTES: dict[str, list[str]] = {
 
 
 class Processes:
-    """Processes of this machine. `died` of these and of `Dask`: whether an exception of a task
-    means that its worker died.
-    """
+    """Worker processes of this machine, so many as `width`; the same methods as `Dask`."""
 
     executor: Executor
 
     def __init__(self, width: int) -> None:
         self.width = width
 
-    def died(self, fault: BaseException) -> bool:
+    def is_worker_death(self, fault: BaseException) -> bool:
+        """Whether the exception that a task ended with means that its worker process died."""
         return isinstance(fault, BrokenExecutor | CancelledError)
 
     def require_alive(self) -> None:
@@ -80,16 +79,16 @@ class Processes:
 
     def start(self) -> None:
         """Start all processes now."""
-        with _born_without_ctrl_c():
+        with _ctrl_c_blocked():
             self.executor = ProcessPoolExecutor(
-                self.width, mp_context=get_context("spawn"), initializer=_begin
+                self.width, mp_context=get_context("spawn"), initializer=_set_up_worker
             )
             for _ in range(self.width):  # all of them start now
                 self.executor.submit(os.getpid)
 
     def stop(self, *, at_once: bool) -> None:
-        # The one way to stop a process in mid-task; `terminate_workers` comes with Python 3.14.
         """End the processes: after their tasks, or in mid-task with `at_once`."""
+        # The one way to stop a process in mid-task; `terminate_workers` comes with Python 3.14.
         workers = dict(getattr(self.executor, "_processes", None) or {})
         self.executor.shutdown(wait=not at_once, cancel_futures=True)
         if at_once:
@@ -113,10 +112,11 @@ class Dask:
     def __init__(self, address: str, width: int | None) -> None:
         self._address = address
         self._requested_width = width
-        self._where = f"--scheduler {address}" if address else "--executor dask"
-        self._open: list[Any] = []  # the client, then the cluster if it is ours
+        self._option = f"--scheduler {address}" if address else "--executor dask"
+        # what is to be closed at the end: the client, then the cluster if it is ours
+        self._connections: list[Any] = []
 
-    def died(self, fault: BaseException) -> bool:
+    def is_worker_death(self, fault: BaseException) -> bool:
         """Whether the exception that a task ended with means that its worker process died.
         InputError where it means that the dask scheduler is gone.
         """
@@ -125,14 +125,14 @@ class Dask:
 
         if isinstance(fault, CancelledError | CommClosedError | TimeoutError | OSError):
             raise InputError(
-                f"{self._where}: the scheduler is gone; see to it, then start the sweep again:"
+                f"{self._option}: the scheduler is gone; see to it, then start the sweep again:"
                 " results are kept"
             )
         return isinstance(fault, KilledWorker)
 
     def require_alive(self) -> None:
-        if str(self._open[0].status) != "running":
-            self.died(CancelledError())
+        if str(self._connections[0].status) != "running":
+            self.is_worker_death(CancelledError())
 
     def start(self) -> None:
         """Connect to the dask scheduler, or start a cluster on this machine; InputError where none
@@ -142,19 +142,19 @@ class Dask:
             from dask.config import set as set_dask
             from distributed import Client, LocalCluster
         except ImportError as reason:
-            words_of_cure = "pip install 'halfplane[cluster]'"
+            cure = "pip install 'halfplane[cluster]'"
             raise InputError(
-                f"--executor dask: the package distributed is not installed: {words_of_cure}"
+                f"--executor dask: the package distributed is not installed: {cure}"
             ) from reason
         # What it loses we say in our own words, once; its tracebacks add nothing.
         for name in ("distributed", "distributed.client"):
             logging.getLogger(name).setLevel(logging.CRITICAL)
-        security = None  # of an address what the user's configuration of dask states
+        security = None  # for an address: as the user's configuration of dask states
         scheduler: Any = self._address
         try:
             if not scheduler:
                 security = _temporary_security()
-                with _born_without_ctrl_c(), set_dask(_NO_ROUTES):
+                with _ctrl_c_blocked(), set_dask(_NO_ROUTES):
                     scheduler = LocalCluster(
                         n_workers=self._requested_width or _available_cores(),
                         threads_per_worker=1,
@@ -164,20 +164,22 @@ class Dask:
                         scheduler_kwargs={"dashboard": False},
                         silence_logs=logging.CRITICAL,
                     )
-                self._open = [scheduler]
-            client = Client(scheduler, timeout=_PATIENCE, security=security, set_as_default=False)
+                self._connections = [scheduler]
+            client = Client(
+                scheduler, timeout=_LONGEST_WAIT, security=security, set_as_default=False
+            )
         except (OSError, TimeoutError, ValueError, TypeError, RuntimeError) as reason:
             raise InputError(
-                f"{self._where}: no dask scheduler answers there ({type(reason).__name__}:"
+                f"{self._option}: no dask scheduler answers there ({type(reason).__name__}:"
                 f" {reason})"
             ) from reason
-        self._open = [client, *self._open]
+        self._connections = [client, *self._connections]
         try:
-            client.wait_for_workers(1, timeout=_PATIENCE)
+            client.wait_for_workers(1, timeout=_LONGEST_WAIT)
         except (OSError, TimeoutError) as reason:
             self.stop(at_once=True)
             raise InputError(
-                f"{self._where}: the scheduler has no worker: start some, then start the sweep"
+                f"{self._option}: the scheduler has no worker: start some, then start the sweep"
                 " again"
             ) from reason
         threads = [
@@ -189,10 +191,10 @@ class Dask:
 
     def stop(self, *, at_once: bool) -> None:
         """Close the client, and the cluster that was started here; quickly with `at_once`."""
-        while self._open:
+        while self._connections:
             # a client amid its work, a scheduler that is gone
             with suppress(OSError, TimeoutError):
-                self._open.pop(0).close(timeout=3.0 if at_once else _PATIENCE)
+                self._connections.pop(0).close(timeout=3.0 if at_once else _LONGEST_WAIT)
 
 
 def _temporary_security() -> Any:
@@ -209,9 +211,9 @@ def _temporary_security() -> Any:
     try:
         return Security.temporary()
     except ImportError as reason:
-        words_of_cure = "pip install 'halfplane[cluster]'"
+        cure = "pip install 'halfplane[cluster]'"
         raise InputError(
-            f"--executor dask: the package cryptography is not installed, for TLS: {words_of_cure}"
+            f"--executor dask: the package cryptography is not installed, for TLS: {cure}"
         ) from reason
 
 
@@ -253,7 +255,7 @@ def _available_cores() -> int:
 
 
 @contextmanager
-def _born_without_ctrl_c() -> Generator[None, None, None]:
+def _ctrl_c_blocked() -> Generator[None, None, None]:
     """Block Ctrl-C (SIGINT) within this context, so that worker processes started in it inherit the
     block: a terminal sends Ctrl-C to all processes, and only this one shall act on it.
 
@@ -272,8 +274,8 @@ def _born_without_ctrl_c() -> Generator[None, None, None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask_before)
 
 
-def _begin() -> None:
-    """In a worker: the client sees to Ctrl-C; a worker whose client is gone goes too."""
+def _set_up_worker() -> None:
+    """In a worker process: leave Ctrl-C to the process that started it, and end with that one."""
 
     def watch() -> None:
         if (client := parent_process()) is not None:
@@ -286,8 +288,10 @@ def _begin() -> None:
 
 
 @dataclass(frozen=True)
-class Prepared:
-    """A study that was checked, its store, and the points without a result."""
+class PreparedSweep:
+    """A checked study with all its points and its store; `waiting_points` are those that have no
+    stored result.
+    """
 
     study: Study
     points: tuple[Point, ...]
@@ -299,7 +303,7 @@ def prepare(
     study: Study | str | Path,
     folder: str | Path,
     report: Callable[[int], None] = lambda _count: None,
-) -> Prepared:
+) -> PreparedSweep:
     """Check all points of a study, and find out which of them have no stored result yet. Nothing is
     solved or written.
 
@@ -326,17 +330,17 @@ def prepare(
     except InputError as fault:
         raise InputError(f"{'study' if isinstance(study, Study) else study}: {fault}") from fault
     waiting_points = tuple(point for point in points if store.read(point.address) is None)
-    return Prepared(checked_study, points, store, waiting_points)
+    return PreparedSweep(checked_study, points, store, waiting_points)
 
 
-def work(
-    prepared: Prepared, *, report: Report = lambda _count, _total, _words: None, **workers: Any
+def solve_waiting_points(
+    sweep: PreparedSweep, *, report: Report = lambda _count, _total, _words: None, **workers: Any
 ) -> pd.DataFrame:
     """Solve every point of a sweep that has no stored result; returns the table of all results.
 
     Parameters
     ----------
-    prepared
+    sweep
         the checked study with its points and its store
     report
         called with (points done, how many there are to do, text)
@@ -349,25 +353,25 @@ def work(
         Where no workers can be had, their code differs from ours, results can't be stored, or a
         process died with points.
     """
-    store = prepared.store
-    points = prepared.points
+    store = sweep.store
+    points = sweep.points
     pool = workers_of(**workers)
     store.prepare()
-    store.write_plan(json.loads(prepared.study.model_dump_json()), points)
-    sweep = _Sweep(prepared, pool, report)
-    if prepared.waiting_points:
+    store.write_plan(json.loads(sweep.study.model_dump_json()), points)
+    run_of_tasks = _RunOfTasks(sweep, pool, report)
+    if sweep.waiting_points:
         try:
             # Ctrl-C amid the locks of a pool may leave one locked for ever: it waits for a round,
             # and until the workers are gone.
             with interrupts_wait() as signals:
-                sweep.go(signals)
+                run_of_tasks.solve_points(signals)
         except KeyboardInterrupt:
             store.write_table(store.table(points))
             raise
     table = store.table(points)
     store.write_table(table)
-    if sweep.lost:
-        raise InputError(sweep.losses())
+    if run_of_tasks.lost_points:
+        raise InputError(run_of_tasks.loss_message())
     return table
 
 
@@ -390,56 +394,66 @@ def run(
         For a study that is refused, where results can't be stored, and where a worker died: all
         other points are stored then.
     """
-    return work(prepare(study, folder), report=report, **workers)
+    return solve_waiting_points(prepare(study, folder), report=report, **workers)
 
 
-def tasks_of(prepared: Prepared, width: int) -> deque[Task]:
-    """Points in the portions in which they are handed out: small enough that all of `width` workers
-    have some until the end.
+def tasks_of(sweep: PreparedSweep, n_workers: int) -> deque[Task]:
+    """The waiting points of a sweep in tasks, the groups in which they are handed out: small enough
+    that all workers have some until the end.
     """
-    points_at_once = _FE_AT_ONCE if "fe" in prepared.study.engines else _EXACT_AT_ONCE
-    size = max(1, min(points_at_once, -(-len(prepared.waiting_points) // (4 * width))))
+    points_at_once = _FE_AT_ONCE if "fe" in sweep.study.engines else _EXACT_AT_ONCE
+    n_waiting = len(sweep.waiting_points)
+    # at least four tasks for each worker, rounded up
+    task_size = max(1, min(points_at_once, -(-n_waiting // (4 * n_workers))))
     return deque(
-        [*prepared.waiting_points[k : k + size]]
-        for k in range(0, len(prepared.waiting_points), size)
+        [*sweep.waiting_points[start : start + task_size]]
+        for start in range(0, n_waiting, task_size)
     )
 
 
 @dataclass
-class _Sweep:
-    """Hands tasks to a pool and stores what comes back.
+class _RunOfTasks:
+    """Hands the tasks of a sweep to a pool of workers and stores their answers.
 
     Attributes
     ----------
-    lost
+    report
+        called with (points done, how many there are to do, text)
+    n_solved, n_failed
+        points with an answer: solved, and failed with a reason
+    lost_points
         points that were with a process that died
+    n_broken_pools
+        pools that died one after the other since the last answer
     """
 
-    prepared: Prepared
+    sweep: PreparedSweep
     pool: Processes | Dask
     report: Report
-    solved: int = 0
-    failed: int = 0
-    lost: list[Point] = field(default_factory=list)
-    broken: int = 0  # pools, since the last result
+    n_solved: int = 0
+    n_failed: int = 0
+    lost_points: list[Point] = field(default_factory=list)
+    n_broken_pools: int = 0
 
-    def go(self, signals: Sequence[int]) -> None:
+    def solve_points(self, signals: Sequence[int]) -> None:
         """Work until every point has a result or is lost; end early once `signals` holds one."""
         self.pool.start()
         at_once = True
         try:
-            self._hand_out(tasks_of(self.prepared, self.pool.width), signals)
+            self._hand_out(tasks_of(self.sweep, self.pool.width), signals)
             at_once = bool(signals)
         finally:
             self.pool.stop(at_once=at_once)
 
-    def losses(self) -> str:
+    def loss_message(self) -> str:
         """The sentence about the points that were lost."""
-        names = "; ".join(described(point.coordinates) for point in self.lost[:_NAMED])
-        if len(self.lost) > _NAMED:
-            names += f" and {len(self.lost) - _NAMED} more"
+        names = "; ".join(
+            described(point.coordinates) for point in self.lost_points[:_MOST_NAMED_POINTS]
+        )
+        if len(self.lost_points) > _MOST_NAMED_POINTS:
+            names += f" and {len(self.lost_points) - _MOST_NAMED_POINTS} more"
         return (
-            f"{self.prepared.store.folder}: a worker died (killed, or out of memory); points"
+            f"{self.sweep.store.folder}: a worker died (killed, or out of memory); points"
             f" without a result: {names}; all others are stored. Start the sweep again, with"
             " fewer --workers where memory was short"
         )
@@ -456,61 +470,65 @@ class _Sweep:
             while tasks and len(task_of) <= self.pool.width:
                 questions = [point.question.as_json() for point in tasks[0]]
                 task_text = json.dumps({"versions": code_versions(), "points": questions})
-                task_of[self._submitted(task_text)] = tasks.popleft()
-            for future in wait(task_of, timeout=_ROUND, return_when=FIRST_COMPLETED).done:
-                self._take(future, task_of.pop(future))
+                future = self._submit(task_text)
+                task_of[future] = tasks.popleft()
+            for future in wait(task_of, timeout=_ROUND_SECONDS, return_when=FIRST_COMPLETED).done:
+                self._store_answers(future, task_of.pop(future))
             if task_of:
                 self.pool.require_alive()
             n_handed_out = sum(map(len, task_of.values()))
-            progress_in_words = f"{self.failed} failed, {n_handed_out} handed out"
-            if self.lost:
-                progress_in_words += f", {len(self.lost)} lost with a worker"
-            self.report(
-                self.solved + self.failed, len(self.prepared.waiting_points), progress_in_words
-            )
+            progress_in_words = f"{self.n_failed} failed, {n_handed_out} handed out"
+            if self.lost_points:
+                progress_in_words += f", {len(self.lost_points)} lost with a worker"
+            n_done = self.n_solved + self.n_failed
+            self.report(n_done, len(self.sweep.waiting_points), progress_in_words)
 
-    def _submitted(self, task: str) -> Future[str]:
-        """Give a task to the pool of workers, or to a new pool where that is broken; returns the
-        future of its answer.
+    def _submit(self, task_text: str) -> Future[str]:
+        """Give a task, as JSON text, to the pool of workers, or to a new pool where that is broken;
+        returns the future of its answer.
+
+        InputError where several pools died one after the other without an answer.
         """
         while True:
             try:
-                return self.pool.executor.submit(solve_task, task)
+                return self.pool.executor.submit(solve_task, task_text)
             except Exception as fault:
-                if not self.pool.died(fault):
+                if not self.pool.is_worker_death(fault):
                     raise
-                self.broken += 1
-                if self.broken > _MOST_BROKEN:
+                self.n_broken_pools += 1
+                if self.n_broken_pools > _MOST_BROKEN_POOLS:
                     raise InputError(
-                        f"{self.prepared.store.folder}: {self.broken} pools of workers died one"
-                        " after the other without a result; a script that runs a sweep does it"
+                        f"{self.sweep.store.folder}: {self.n_broken_pools} pools of workers died"
+                        " one after the other without a result; a script that runs a sweep does it"
                         " under `if __name__ == '__main__':`"
                     ) from fault
                 self.pool.stop(at_once=True)
                 self.pool.start()
 
-    def _take(self, future: Future[str], points: Task) -> None:
-        """Store the answers of a task's points when its `future` is done. Where its worker process
-        died, the points are noted as lost. InputError where the worker has other versions of the
-        code.
+    def _store_answers(self, future: Future[str], points: Task) -> None:
+        """Store the answers of a task, whose `future` is done, one for each of its points. Where
+        its worker process died, the points are noted as lost. InputError where the worker has other
+        versions of the code.
         """
         try:
-            answer = json.loads(future.result())
+            answer_of_task = json.loads(future.result())
         except Exception as fault:
-            if not self.pool.died(fault):
+            if not self.pool.is_worker_death(fault):
                 raise
             complain(f"sweep: a worker died; points that it had: {len(points)}")
-            self.lost += points
+            self.lost_points += points
             return
-        if answer["mismatch"]:
+        if answer_of_task["mismatch"]:
             cure = "results of different code are not to be mixed; install the same on all workers"
-            raise InputError(f"{answer['mismatch']}: {cure}")
-        self.broken = 0
-        for point, content in zip(points, answer["answers"], strict=True):
-            self._store(point, content)
+            raise InputError(f"{answer_of_task['mismatch']}: {cure}")
+        self.n_broken_pools = 0
+        for point, answer_of_point in zip(points, answer_of_task["answers"], strict=True):
+            self._store_answer(point, answer_of_point)
 
-    def _store(self, point: Point, answer: dict[str, Any]) -> None:
-        """Store the answer of a point, with the question and the versions that it belongs to."""
+    def _store_answer(self, point: Point, answer: dict[str, Any]) -> None:
+        """Store the answer of a point with its origin: scene, settings and versions. Count it as
+        solved or failed.
+        """
         question = point.question.as_json()
         settings = {"mesh": question["mesh"], "solver": question["solver"]}
         origin = {
@@ -519,6 +537,6 @@ class _Sweep:
             "settings": settings,
             "versions": code_versions(),
         }
-        self.prepared.store.write(answer | origin)
-        self.solved += answer["status"] == "done"
-        self.failed += answer["status"] != "done"
+        self.sweep.store.write(answer | origin)
+        self.n_solved += answer["status"] == "done"
+        self.n_failed += answer["status"] != "done"

@@ -64,10 +64,10 @@ _CODE = (
 _LIBRARIES = ("numpy", "scipy", "scikit-fem", "gmsh", "pydantic")
 # Roache's index of two grids, 3/(2^p - 1) with p = 3/2: where tractions end as a root, errors fall
 # no faster.
-_MESH = 1.64
+_MESH_FACTOR = 1.64
 # A change by twice the distance leaves as much again, if the error falls by the first power of the
 # distance; it falls faster.
-_FAR = 2.0
+_FAR_FIELD_FACTOR = 2.0
 
 
 # ------------------------------------------------------------------------------------------ figures
@@ -89,10 +89,12 @@ class Quantity:
     def of(self, solution: ContactSolution, scene: Scene) -> float:
         """The figure of a scene's answer, which states loads where a rig prescribes movements."""
         value = self.value(solution)
-        return _at_mean_load(solution, value, scene.load) if self.at_mean_load else float(value)
+        return (
+            _value_at_mean_load(solution, value, scene.load) if self.at_mean_load else float(value)
+        )
 
 
-def _at_mean_load(solution: ContactSolution, series: np.ndarray, load: Load) -> float:
+def _value_at_mean_load(solution: ContactSolution, series: np.ndarray, load: Load) -> float:
     """A quantity given at every instant, `series`, at one load of the last cycle: at the mean load
     P0 of an elliptical path, else at the largest load. Linear between the loads of the instants.
     """
@@ -173,7 +175,7 @@ QUANTITIES: dict[str, Quantity] = {
     ),
 }
 # Metrics that take what the bodies add to the displacements of half-planes.
-_OF_DISPLACEMENTS = {"tangential_displacement", "displacement_amplitude", "approach_amplitude"}
+_DISPLACEMENT_METRICS = {"tangential_displacement", "displacement_amplitude", "approach_amplitude"}
 _ENGINES = {"fe": "the finite elements", "exact": "half-plane theory"}
 
 
@@ -182,7 +184,7 @@ def is_error(name: str) -> bool:
     return name in METRICS or name.startswith("error.")
 
 
-def shown_factor(name: str) -> float:
+def display_factor(name: str) -> float:
     """Factor by which a figure of the table is multiplied where it is shown: shares are in per
     cent.
     """
@@ -219,9 +221,15 @@ def label_of(name: str, scene: Scene) -> tuple[str, str]:
 
 
 def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: str) -> None:
-    """Check the quantities (`figures`) that a sweep is to compute. ValueError where a name is no
-    quantity, stands there twice, or needs one of the `engines` that does not run; and where this
-    kind of `uncertainty` does not fit them.
+    """Check the names of the quantities (`figures`) that a sweep is to compute, such as
+    "error.peak_pressure" or the key of a metric. `uncertainty` is how theirs is found: "none",
+    "cheap" or "budget".
+
+    Raises
+    ------
+    ValueError
+        Where a name is no quantity, stands there twice, or needs one of the `engines` that does not
+        run; where the kind of uncertainty does not fit the quantities or the engines.
     """
     for name in figures:
         prefix, _, quantity = name.partition(".")
@@ -252,8 +260,9 @@ def check_figures(figures: Sequence[str], engines: Sequence[str], uncertainty: s
 
 
 def check_rig(scene: Scene, figures: Sequence[str]) -> None:
-    """InputError where a displacement is prescribed and a figure is a metric: metrics compare both
-    engines at one load, and here each finds loads of its own.
+    """InputError where the scene prescribes a displacement and one of the quantities (`figures`) is
+    a metric: metrics compare both engines at one load, and under a prescribed displacement each
+    engine finds loads of its own. Quantities with the prefix "error." can be had instead.
     """
     if not scene.load.is_driven:
         return
@@ -266,18 +275,24 @@ def check_rig(scene: Scene, figures: Sequence[str]) -> None:
         )
 
 
-def _value_of_figure(
-    name: str, scene: Scene, fe: ContactSolution | None, exact: ContactSolution | None
+def _value_of_quantity(
+    name: str,
+    scene: Scene,
+    fe_solution: ContactSolution | None,
+    theory: ContactSolution | None,
 ) -> tuple[float | None, str]:
     """The value of a quantity such as "fe.peak_pressure" or "error.stroke" at a point of a sweep,
     and ""; or None and the reason why it has none.
 
-    The prefix says whose quantity it is, or with "error" that it is finite elements/theory − 1.
-    `fe` and `exact` are the solutions by finite elements and by theory, None where not solved.
+    The prefix says whose quantity it is: "fe" of the finite elements, "exact" of half-plane theory,
+    "error" finite elements/theory − 1. A solution is None where that engine did not run.
+
+    A stroke, the range of the tangential displacement, has none where half-planes stand for finite
+    bodies: half-planes have no datum, which is a point at rest to count displacements from.
     """
     prefix, _, quantity = name.partition(".")
     value_by_engine = {}
-    for engine, solution in (("fe", fe), ("exact", exact)):
+    for engine, solution in (("fe", fe_solution), ("exact", theory)):
         if solution is not None and prefix in (engine, "error"):
             if quantity == "stroke" and lacks_datum(solution):
                 return None, "half-planes have no datum: their stroke is not that of these bodies"
@@ -291,8 +306,11 @@ def _value_of_figure(
     return value_by_engine["fe"] / value_by_engine["exact"] - 1, ""
 
 
-def _stated_by_edges(
-    name: str, scene: Scene, fe: ContactSolution, exact: ContactSolution | None
+def _uncertainty_of_edges(
+    name: str,
+    scene: Scene,
+    fe_solution: ContactSolution,
+    theory: ContactSolution | None,
 ) -> float:
     """Uncertainty that a finite-element solution itself states for the quantity `name`, where this
     is a half-width of contact or stick; 0 for other quantities, and where it states none.
@@ -301,17 +319,19 @@ def _stated_by_edges(
     error (finite elements/theory - 1) it is divided by theory's half-width.
     """
     prefix, _, quantity = name.partition(".")
-    if prefix == "exact" or not QUANTITIES[quantity].edges:
+    field_name = "" if prefix == "exact" else QUANTITIES[quantity].edges
+    if not field_name:
         return 0.0
-    edge_uncertainties = np.asarray(getattr(fe, QUANTITIES[quantity].edges))[fe.last_cycle]
+    # (instants, 2): left and right edge
+    edge_uncertainties = np.asarray(getattr(fe_solution, field_name))[fe_solution.last_cycle]
     is_known = np.isfinite(edge_uncertainties).all(axis=1)
     uncertainty_of_worse_edge = edge_uncertainties.max(axis=1)[is_known]
-    scale = 1.0
-    if prefix == "error" and exact is not None:
-        scale = QUANTITIES[quantity].of(exact, scene)
-    if not len(uncertainty_of_worse_edge) or not scale:
+    reference_length = 1.0
+    if prefix == "error" and theory is not None:
+        reference_length = QUANTITIES[quantity].of(theory, scene)
+    if not len(uncertainty_of_worse_edge) or not reference_length:
         return 0.0
-    uncertainty = float(np.median(uncertainty_of_worse_edge)) / scale
+    uncertainty = float(np.median(uncertainty_of_worse_edge)) / reference_length
     return uncertainty if math.isfinite(uncertainty) else 0.0
 
 
@@ -416,31 +436,28 @@ def _answer(question: Question) -> dict[str, Any]:
     """
     start_seconds = time.perf_counter()
     try:
-        answer = _solve(question)
+        solved_keys = _solve(question)
     except ConvergenceError as failure:
-        answer = {
+        solved_keys = {
             "status": "failed",
             "reason": f"not converged: {failure}",
             "record": _record(failure.partial),
         }
     except InputError as failure:
-        answer = {"status": "failed", "reason": str(failure)}
+        solved_keys = {"status": "failed", "reason": str(failure)}
     except (ArithmeticError, ValueError, RuntimeError, MemoryError, LookupError) as failure:
         # One point must not end a sweep of thousands; what went wrong stands in its row, and
         # nothing is taken for an answer.
-        answer = {"status": "failed", "reason": f"{type(failure).__name__}: {failure}"}
-    empty_answer: dict[str, Any] = {
+        solved_keys = {"status": "failed", "reason": f"{type(failure).__name__}: {failure}"}
+    default_keys: dict[str, Any] = {
         "status": "done",
         "reason": "",
         "figures": {},
         "notes": {},
         "record": {},
     }
-    return (
-        empty_answer
-        | answer
-        | {"seconds": time.perf_counter() - start_seconds, "host": platform.node()}
-    )
+    seconds = time.perf_counter() - start_seconds
+    return default_keys | solved_keys | {"seconds": seconds, "host": platform.node()}
 
 
 def _solve(question: Question) -> dict[str, Any]:
@@ -450,22 +467,22 @@ def _solve(question: Question) -> dict[str, Any]:
     A number that is not finite becomes None, and a note states it. `question` is the point's scene
     with settings and the names of values asked for.
     """
-    fe = None
+    fe_solution = None
     notes: dict[str, str] = {}
     if "fe" in question.engines:
-        fe, notes = _finite_elements(question)
-    evaluation = evaluate(question, fe)
+        fe_solution, notes = _solve_finite_elements(question)
+    evaluation = evaluate(question, fe_solution)
+    theory = evaluation.theory
     values = dict(evaluation.values)
-    record = _record(evaluation.theory if fe is None else fe)
+    record = _record(theory if fe_solution is None else fe_solution)
     notes |= evaluation.notes
-    if fe is not None:
-        if evaluation.theory is not None:
-            notes_of_theory = evaluation.theory.record.notes
-            record["notes"] += [f"half-plane theory: {note}" for note in notes_of_theory]
+    if fe_solution is not None:
+        if theory is not None:
+            record["notes"] += [f"half-plane theory: {note}" for note in theory.record.notes]
         if question.uncertainty == "cheap":
-            values |= _cheap_uncertainty(question, fe, evaluation, notes)
+            values |= _uncertainty_by_coarser_runs(question, fe_solution, evaluation, notes)
         if question.uncertainty == "budget":
-            values |= _budget(question, evaluation, notes)
+            values |= _uncertainty_by_budget(question, evaluation, notes)
     for name, value in values.items():
         if value is not None and not math.isfinite(value):
             notes.setdefault(name, f"the value is {value}")
@@ -478,13 +495,14 @@ def _solve(question: Question) -> dict[str, Any]:
 
 def _record(solution: ContactSolution | None) -> dict[str, Any]:
     """How a solution came about, as JSON values: convergence, notes, sizes, counts and seconds of
-    the work, worst residual of each law. Empty without a solution.
+    the work, and the worst residual of each law of contact and equilibrium ("worst"). Empty without
+    a solution.
     """
     if solution is None:
         return {}
     worst_residuals = {
-        name: float(max(values, default=0.0))
-        for name, values in solution.record.certificates.items()
+        law: float(max(residuals, default=0.0))
+        for law, residuals in solution.record.certificates.items()
     }
     return {
         "converged": solution.record.converged,
@@ -496,20 +514,22 @@ def _record(solution: ContactSolution | None) -> dict[str, Any]:
         "steady_from": solution.steady_from,
         "counts": {name: int(count) for name, count in solution.work.counts.items()},
         "seconds": {name: float(seconds) for name, seconds in solution.work.seconds.items()},
+        # JSON has no infinity
         "worst": {
-            name: value if math.isfinite(value) else None for name, value in worst_residuals.items()
+            law: residual if math.isfinite(residual) else None
+            for law, residual in worst_residuals.items()
         },
     }
 
 
-def _finite_elements(question: Question) -> tuple[FiniteElementSolution, dict[str, str]]:
+def _solve_finite_elements(question: Question) -> tuple[FiniteElementSolution, dict[str, str]]:
     """Solve one point of a sweep by finite elements. Returns the solution, and a note (under the
-    key "") where it was solved on a mesh of its own.
+    key "") where it was solved on a mesh of its own although a shared one was asked for.
 
-    A group of points that differ in loads and friction shares a mesh, whose factorisation is then
-    done once. It is made for the largest load; where the contact leaves its fine side, or may move
-    with a tilt, the point gets a mesh of its own. `question` is the point's scene with settings and
-    the names of values asked for.
+    With `question.share_condensations` a group of points that differ in loads and friction shares a
+    mesh, whose factorisation is then done once. The mesh is made for the largest load. Where the
+    contact leaves its fine part, or may move with a tilt, the point gets a mesh of its own.
+    `question` is the point's scene with settings and the names of values asked for.
     """
     import halfplane_fe
 
@@ -522,9 +542,10 @@ def _finite_elements(question: Question) -> tuple[FiniteElementSolution, dict[st
     elif question.share_condensations:
         try:
             scales = _shared_scales(question.scene)
-            return halfplane_fe.solve(
+            fe_solution = halfplane_fe.solve(
                 question.scene, question.mesh, question.solver, scales=scales
-            ), {}
+            )
+            return fe_solution, {}
         except ConvergenceError as failure:
             if "reached the end of the meshed side" not in str(failure):
                 raise
@@ -535,46 +556,56 @@ def _finite_elements(question: Question) -> tuple[FiniteElementSolution, dict[st
 def _shared_scales(scene: Scene) -> Scales:
     """The size of contact for which the shared mesh of a group of scenes is made: that of the same
     bodies under the largest load alone, without friction. It is the same for scenes that differ in
-    friction, in the history of the loads, or in their names and titles.
+    friction, in the history of the loads, or in their texts, such as names and titles.
     """
     from halfplane_fe.scales import largest_load
 
-    # Words move no number, and would keep points of one group apart.
-    default_words = {
+    # Texts change no number, but would keep points of one group apart.
+    default_texts = {
         name: Scene.model_fields[name].get_default(call_default_factory=True) for name in WORDS
     }
     load = PolygonLoad(initial_loading=((largest_load(scene), 0.0),))
-    return _scales_of(
-        scene.vary(
-            **default_words,
-            friction=Friction(coefficient=0.0),
-            load=load,
-            rig=Rig(),  # which changes no contact under a given load
-            cycles=1,
-        ).model_dump_json()
+    normalised_scene = scene.vary(
+        **default_texts,
+        friction=Friction(coefficient=0.0),
+        load=load,
+        rig=Rig(),  # which changes no contact under a given load
+        cycles=1,
     )
+    return _scales_of(normalised_scene.model_dump_json())
 
 
 @lru_cache(maxsize=256)
-def _scales_of(scene: str) -> Scales:
-    """Contact sizes of a scene, stated as JSON text, from a coarse solve: a mesh is made by them.
-    Those of slip and dissipation are left out, since the scene has neither friction nor Q.
+def _scales_of(scene_json: str) -> Scales:
+    """Contact sizes for which a mesh is made, from a coarse solve of a scene that is given as JSON
+    text and has neither friction nor tangential load.
+
+    What does not hold for the scenes with friction is left out: the innermost place of an edge,
+    the dissipation, and the values of the coarse solve.
     """
     from halfplane_fe.scales import find_scales
 
-    # Without friction or Q nothing is dissipated: that says nothing of the points.
-    return replace(
-        find_scales(Scene.model_validate_json(scene), Counter()),
-        inner=0.0,
-        dissipation=float("nan"),
-        values=None,
-    )
+    scales = find_scales(Scene.model_validate_json(scene_json), Counter())
+    return replace(scales, inner=0.0, dissipation=float("nan"), values=None)
 
 
 @dataclass
-class Evaluated:
-    """Figures by name, why some have no value, how uncertain the solution itself states some to be;
-    theory and comparison.
+class Evaluation:
+    """The values of a point of a sweep, each by the name of its quantity, with what they were taken
+    from.
+
+    Attributes
+    ----------
+    theory
+        solution of half-plane theory; None where not asked for
+    comparison
+        of both engines; None where no metric is asked for
+    values
+        None where a quantity has no value
+    notes
+        why a quantity has no value
+    stated_uncertainty
+        what the finite-element solution states itself; 0 where it states none
     """
 
     theory: ContactSolution | None = None
@@ -595,50 +626,58 @@ def _effects_of_rig(scene: Scene) -> BodyEffects | None:
     return halfplane_fe.body_effects(scene)
 
 
-def evaluate(question: Question, fe: ContactSolution | None, *, polygon: bool = False) -> Evaluated:
-    """Compute every value that a point of a sweep asks for, from a finite-element solution `fe`
-    (None without these) and from half-plane theory, which is solved here.
+def evaluate(
+    question: Question, fe_solution: ContactSolution | None, *, polygon: bool = False
+) -> Evaluation:
+    """Compute every value that a point of a sweep asks for, from a finite-element solution (None
+    without these) and from half-plane theory, which is solved here.
 
-    Theory is solved on the points and instants of `fe`, with `polygon` on the straight lines
-    between them. Theory alone, and that of prescribed displacements, is solved on its own points
-    and instants of the steady cycle. `question` is the point's scene with settings and the names of
-    values asked for.
+    Theory is solved on the points and instants of the finite elements; with `polygon` the loads go
+    from instant to instant on straight lines, as theirs do. Theory alone, and that of prescribed
+    displacements, is solved on its own points and instants of the steady cycle. `question` is the
+    point's scene with settings and the names of values asked for.
     """
-    evaluation = Evaluated()
+    evaluation = Evaluation()
     has_metrics = bool(set(question.figures) & METRICS.keys())
     if "exact" in question.engines:
-        evaluation.theory = _theory_for(question, fe, polygon=polygon)
-    if has_metrics and evaluation.theory is not None and fe is not None:
-        evaluation.comparison = _compared_for(question, evaluation.theory, fe, polygon=polygon)
+        evaluation.theory = _solve_theory(question, fe_solution, polygon=polygon)
+    if has_metrics and evaluation.theory is not None and fe_solution is not None:
+        evaluation.comparison = _compare(question, evaluation.theory, fe_solution, polygon=polygon)
     comparison = evaluation.comparison
     metrics_by_key = {metric.key: metric for metric in comparison.metrics} if comparison else {}
     for name in question.figures:
-        evaluation.stated_uncertainty[name] = 0.0
+        stated_uncertainty = 0.0
         value: float | None = None
         reason = "this scene has no such metric"
         # a value of one engine, or an error; else a metric, which compares both
         if comparison is None or name not in METRICS:
-            value, reason = _value_of_figure(name, question.scene, fe, evaluation.theory)
-            if fe is not None:
-                stated_uncertainty = _stated_by_edges(name, question.scene, fe, evaluation.theory)
-                evaluation.stated_uncertainty[name] = stated_uncertainty
+            value, reason = _value_of_quantity(name, question.scene, fe_solution, evaluation.theory)
+            if fe_solution is not None:
+                stated_uncertainty = _uncertainty_of_edges(
+                    name, question.scene, fe_solution, evaluation.theory
+                )
         elif name in metrics_by_key:
             metric = metrics_by_key[name]
             value = metric.value
             reason = metric.note or "there is nothing to compare"
-            evaluation.stated_uncertainty[name] = _stated_uncertainty(metric, comparison)
+            stated_uncertainty = _stated_uncertainty(metric, comparison)
         evaluation.values[name] = value
+        evaluation.stated_uncertainty[name] = stated_uncertainty
         if value is None:
             evaluation.notes[name] = reason
     return evaluation
 
 
-def _theory_for(
-    question: Question, fe: ContactSolution | None, *, polygon: bool
+def _solve_theory(
+    question: Question, fe_solution: ContactSolution | None, *, polygon: bool
 ) -> ContactSolution:
-    """Half-plane theory with the fields that the requested values need: on the points and instants
-    of `fe`, with `polygon` on straight lines between them; else on its own of the steady cycle.
-    `question` holds the scene and the names of the values.
+    """Half-plane theory with the fields that the requested values need. It is solved on the points
+    and instants of the finite elements, with `polygon` under loads on straight lines between these
+    instants.
+
+    Without a finite-element solution, and where displacements are prescribed, it is solved on its
+    own points and instants of the steady cycle. `question` holds the scene and the names of the
+    values.
     """
     import semi_analytic
 
@@ -646,24 +685,31 @@ def _theory_for(
     if not set(question.figures) & METRICS.keys():
         quantities = [QUANTITIES[name.partition(".")[2]] for name in question.figures]
         fields = sorted({field for quantity in quantities for field in quantity.fields})
-    if fe is None or question.scene.load.is_driven:
+    if fe_solution is None or question.scene.load.is_driven:
         effects = _effects_of_rig(question.scene)
         return semi_analytic.solve(question.scene, cycles="steady", fields=fields, effects=effects)
     return semi_analytic.solve(
-        question.scene, x=fe.x, time=fe.time, straight_steps=polygon, fields=fields
+        question.scene,
+        x=fe_solution.x,
+        time=fe_solution.time,
+        straight_steps=polygon,
+        fields=fields,
     )
 
 
-def _compared_for(
-    question: Question, exact: ContactSolution, fe: ContactSolution, *, polygon: bool
+def _compare(
+    question: Question,
+    theory: ContactSolution,
+    fe_solution: ContactSolution,
+    *,
+    polygon: bool,
 ) -> Comparison:
-    """Finite elements (`fe`) compared with theory (`exact`) for the metrics that a point of a sweep
-    asks for.
+    """Finite elements compared with theory for the metrics that a point of a sweep asks for.
 
-    Theory on the straight lines between the instants is solved too where a metric needs it, unless
-    `polygon` says that `exact` is that already. So are the elastic responses of the bodies, where
-    displacements are compared. `question` is the point's scene with settings and the names of
-    values asked for.
+    `polygon` says that `theory` has loads on straight lines between the instants. If not, such a
+    solution is computed too where a metric or the error budget needs it. So are the elastic
+    responses of the bodies, where displacements are compared. `question` is the point's scene with
+    settings and the names of values asked for.
     """
     from reports.comparison import compare
     from reports.comparison.budget import theory_on_steps
@@ -672,9 +718,10 @@ def _compared_for(
     needs_polygon = question.uncertainty == "budget" or bool(
         {"dissipation_polygon", "dissipation_step"} & metric_keys
     )
-    theory_on_polygon = theory_on_steps(fe) if needs_polygon and not polygon else None
-    effects = effects_between(exact, fe) if metric_keys & _OF_DISPLACEMENTS else None
-    return compare(exact, fe, polygon_reference=theory_on_polygon, effects=effects)
+    theory_on_polygon = theory_on_steps(fe_solution) if needs_polygon and not polygon else None
+    compares_displacements = bool(metric_keys & _DISPLACEMENT_METRICS)
+    effects = effects_between(theory, fe_solution) if compares_displacements else None
+    return compare(theory, fe_solution, polygon_reference=theory_on_polygon, effects=effects)
 
 
 def _stated_uncertainty(metric: Metric, comparison: Comparison) -> float:
@@ -690,10 +737,10 @@ def _stated_uncertainty(metric: Metric, comparison: Comparison) -> float:
     return max(value for value in stated_values if math.isfinite(value))
 
 
-def _cheap_uncertainty(
+def _uncertainty_by_coarser_runs(
     question: Question,
-    fe: FiniteElementSolution,
-    evaluation: Evaluated,
+    fe_solution: FiniteElementSolution,
+    evaluation: Evaluation,
     notes: dict[str, str],
 ) -> Values:
     """Uncertainty of each value of a sweep's point, by its name + ".uncertainty": what a coarser
@@ -707,50 +754,26 @@ def _cheap_uncertainty(
     ----------
     question
         the point's scene with settings and the names of values asked for
-    fe
+    fe_solution
         the finite-element solution
     evaluation
         the values by it, with the uncertainty that it states itself
     notes
         gets the reason where a value has no uncertainty
     """
-    import halfplane_fe
-    from reports.comparison.budget import coarser, finer_steps
-
-    scene = question.scene
-    coarse_mesh, coarse_solver = coarser(question.mesh, question.solver, 2.0)
-
-    def values_with(mesh: MeshSettings, solver: SolverSettings = coarse_solver) -> Values:
-        return evaluate(question, halfplane_fe.solve(scene, mesh, solver, scales=fe.scales)).values
-
-    coarse_bulk = replace(coarse_mesh, growth=min(1.0, 2 * coarse_mesh.growth))
-    # factor of a change, and the values of the two runs that it is between
-    comparisons = [(_MESH, evaluation.values, values_with(coarse_bulk))]
-    if scene.unsymmetric or scene.load.is_driven:
-        # Theory has no answer on straight increments for every one of these: halved increments
-        # instead, second order.
-        half_increments = values_with(coarse_mesh, finer_steps(coarse_solver))
-        comparisons.append((4 / 3, values_with(coarse_mesh), half_increments))
-    elif "exact" in question.engines:
-        values_on_polygon = evaluate(question, fe, polygon=True).values
-        comparisons.append((1.0, evaluation.values, values_on_polygon))
-    has_half_plane = "half_plane" in (scene.bodies.lower.kind, scene.bodies.upper.kind)
-    if has_half_plane and question.mesh.far_radius <= 500:
-        # Both with the bulk as it is: a far field beyond a coarse bulk shows what the bulk does.
-        far_mesh = replace(coarse_mesh, far_radius=2 * coarse_mesh.far_radius)
-        comparisons.append((_FAR, values_with(coarse_mesh), values_with(far_mesh)))
+    pairs_of_runs = _pairs_of_runs(question, fe_solution, evaluation)
     uncertainties: Values = {}
     for name in question.figures:
         if name.startswith("exact."):
             continue
         key = f"{name}.uncertainty"
         changes = []
-        for factor, values, changed_values in comparisons:
+        for factor, values, changed_values in pairs_of_runs:
             value = values[name]
             changed_value = changed_values[name]
             if value is not None and changed_value is not None:
                 changes.append(factor * abs(value - changed_value))
-        if len(changes) == len(comparisons):
+        if len(changes) == len(pairs_of_runs):
             change_by_mesh, *further_changes = changes
             stated_uncertainty = evaluation.stated_uncertainty[name]
             uncertainties[key] = max(change_by_mesh, stated_uncertainty) + sum(further_changes)
@@ -760,16 +783,60 @@ def _cheap_uncertainty(
     return uncertainties
 
 
+def _pairs_of_runs(
+    question: Question, fe_solution: FiniteElementSolution, evaluation: Evaluation
+) -> list[tuple[float, Values, Values]]:
+    """Values of the runs between which the uncertainty of a sweep's point is taken: the factor of
+    their difference, the values before and after a change. The first change is that of the mesh,
+    further ones are those of the load increments and of the far field.
+
+    `evaluation` has the values of `fe_solution`, with which no change was made.
+    """
+    import halfplane_fe
+    from reports.comparison.budget import coarser, finer_steps
+
+    scene = question.scene
+    coarse_mesh, coarse_solver = coarser(question.mesh, question.solver, 2.0)
+
+    def values_with(mesh: MeshSettings, solver: SolverSettings = coarse_solver) -> Values:
+        """All values of the point with other settings."""
+        changed_solution = halfplane_fe.solve(scene, mesh, solver, scales=fe_solution.scales)
+        return evaluate(question, changed_solution).values
+
+    coarse_bulk = replace(coarse_mesh, growth=min(1.0, 2 * coarse_mesh.growth))
+    pairs_of_runs = [(_MESH_FACTOR, evaluation.values, values_with(coarse_bulk))]
+    if scene.unsymmetric or scene.load.is_driven:
+        # Theory has no answer on straight increments for every one of these: halved increments
+        # instead, second order.
+        half_increments = values_with(coarse_mesh, finer_steps(coarse_solver))
+        pairs_of_runs.append((4 / 3, values_with(coarse_mesh), half_increments))
+    elif "exact" in question.engines:
+        values_on_polygon = evaluate(question, fe_solution, polygon=True).values
+        pairs_of_runs.append((1.0, evaluation.values, values_on_polygon))
+    has_half_plane = "half_plane" in (scene.bodies.lower.kind, scene.bodies.upper.kind)
+    if has_half_plane and question.mesh.far_radius <= 500:
+        # Both with the bulk as it is: a far field beyond a coarse bulk shows what the bulk does.
+        far_mesh = replace(coarse_mesh, far_radius=2 * coarse_mesh.far_radius)
+        pairs_of_runs.append((_FAR_FIELD_FACTOR, values_with(coarse_mesh), values_with(far_mesh)))
+    return pairs_of_runs
+
+
 def _silent(_name: str) -> Any:
     """A stage whose progress nobody sees."""
     return nullcontext(lambda *_: None)
 
 
-def _budget(question: Question, evaluation: Evaluated, notes: dict[str, str]) -> Values:
+def _uncertainty_by_budget(
+    question: Question, evaluation: Evaluation, notes: dict[str, str]
+) -> Values:
     """By a full error budget, for each metric of a sweep's point: the idealisation error, which is
     left when all numerical errors are subtracted, under its name + ".idealisation"; and the
     uncertainty of that under its name + ".uncertainty". Where there is none, `notes` gets the
-    reasons. `question` is the point's scene with settings and the names of values asked for.
+    reasons.
+
+    The numerical errors are measured by further runs, on coarser meshes and with other load
+    increments and far fields. `question` is the point's scene with settings and the names of values
+    asked for.
     """
     from reports.comparison.budget import climb, error_budget
 
@@ -784,7 +851,7 @@ def _budget(question: Question, evaluation: Evaluated, notes: dict[str, str]) ->
         values[f"{name}.idealisation"] = None if budget is None else budget.rest
         values[f"{name}.uncertainty"] = None if budget is None else budget.uncertainty
         if budget is None or budget.uncertainty is None:
-            terms = budget.terms if budget else ()
-            reasons = [f"{term.name}: {term.how}" for term in terms if not term.measured]
+            error_terms = budget.terms if budget else ()
+            reasons = [f"{term.name}: {term.how}" for term in error_terms if not term.measured]
             notes[f"{name}.uncertainty"] = "; ".join(reasons) or "the budget has no such metric"
     return values

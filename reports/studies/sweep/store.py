@@ -40,7 +40,7 @@ class StoreError(InputError):
 
 
 @dataclass(frozen=True)
-class Planned:
+class PlannedPoint:
     """What a store holds of a point: number, address of its result, coordinates."""
 
     number: int
@@ -112,31 +112,33 @@ class Store:
             ) from reason
 
     def read(self, address: str) -> dict[str, Any] | None:
-        """The stored result of an address (a hash of the question); None where there is none. A
-        damaged file is set aside, and there is none. StoreError where the file is there and can't
-        be read.
+        """The stored result of an address (a hash of the question); None where there is none.
+
+        A file with another format, checksum or address is damaged: it is set aside under a name
+        that ends in .bad, and None is returned. StoreError where the file is there and can't be
+        read.
         """
         path = self.path(address)
         try:
             content = parsed_json(path.read_text(encoding="utf-8"))
             answer = content["result"]
-            is_whole = content["sha256"] == checksum(canonical(answer))
-            if content["format"] == _FORMAT and is_whole and answer["address"] == address:
+            checksum_fits = content["sha256"] == checksum(canonical(answer))
+            if content["format"] == _FORMAT and checksum_fits and answer["address"] == address:
                 return dict(answer)
         except FileNotFoundError:
             return None
-        except OSError as reason:
-            cause = reason.strerror or reason
+        except OSError as fault:
+            cause = fault.strerror or fault
             raise StoreError(
                 f"{path}: this result can't be read: {cause}; mend that, or name another --out"
-            ) from reason
+            ) from fault
         except (ValueError, KeyError, TypeError):
             pass
         with self._writing(), suppress(FileNotFoundError):  # another sweep was faster
             os.replace(path, path.with_suffix(".bad"))
         return None
 
-    def write_plan(self, study: Mapping[str, Any], points: Sequence[Planned]) -> None:
+    def write_plan(self, study: Mapping[str, Any], points: Sequence[PlannedPoint]) -> None:
         """Store what is asked: the study and its points."""
         rows = [
             {"number": p.number, "address": p.address, "coordinates": dict(p.coordinates)}
@@ -147,15 +149,15 @@ class Store:
             json.dumps({"format": _FORMAT, "study": study, "points": rows}) + "\n",
         )
 
-    def read_plan(self) -> tuple[dict[str, Any], tuple[Planned, ...]]:
-        """The study and its points as stored in sweep.json; InputError where there is none, or it
-        can't be read.
+    def read_plan(self) -> tuple[dict[str, Any], tuple[PlannedPoint, ...]]:
+        """The study and its points as stored in sweep.json, the file that every sweep begins with;
+        InputError where there is none, or it can't be read.
         """
         path = self.folder / "sweep.json"
         try:
             stored_plan = parsed_json(path.read_text(encoding="utf-8"))
             points = [
-                Planned(int(row["number"]), str(row["address"]), dict(row["coordinates"]))
+                PlannedPoint(int(row["number"]), str(row["address"]), dict(row["coordinates"]))
                 for row in stored_plan["points"]
             ]
             for point in points:  # an address becomes the name of a file
@@ -163,46 +165,47 @@ class Store:
                     raise ValueError(f"{shown(point.address)} is no address of a result")
             return _without_unused_keys(stored_plan["study"]), tuple(points)
         except FileNotFoundError:
-            start = f"`halfplane sweep STUDY.toml --out {self.folder}` starts one"
-            raise InputError(f"{self.folder}: no sweep is stored here; {start}") from None
-        except (OSError, ValueError, KeyError, TypeError, AttributeError) as reason:
+            cure = f"`halfplane sweep STUDY.toml --out {self.folder}` starts one"
+            raise InputError(f"{self.folder}: no sweep is stored here; {cure}") from None
+        except (OSError, ValueError, KeyError, TypeError, AttributeError) as fault:
             raise InputError(
-                f"{path}: can't be read ({reason}); start the sweep again: results are kept"
-            ) from reason
+                f"{path}: can't be read ({fault}); start the sweep again: results are kept"
+            ) from fault
 
-    def table(self, points: Sequence[Planned]) -> pd.DataFrame:
+    def table(self, points: Sequence[PlannedPoint]) -> pd.DataFrame:
         """A table with a row for each of `points` that has a result, in the order of the study; NaN
         where there is no value.
 
-        Columns: number, the axes, the figures and their uncertainties, then status, seconds,
+        Columns: number, the axes, the quantities and their uncertainties, then status, seconds,
         reason, notes and address.
         """
         rows = []
-        figures: dict[str, type] = {}
+        column_types: dict[str, type] = {}  # of the quantities, in the order in which they come
         for point in points:
             answer = self.read(point.address)
             if answer is None:
                 continue
-            # the first stores have neither notes of the record nor notes on figures
+            # the first stores have neither notes of the record nor notes on quantities
             notes = [*answer.get("record", {}).get("notes", ())]
             for name, note in answer.get("notes", {}).items():
-                # a note without a name is on all figures
+                # a note without a name is on all quantities
                 notes.append(f"{name}: {note}" if name else note)
-            status = {name: answer[name] for name in STATUS[:3]}
             rows.append(
                 {
                     "number": point.number,
                     **point.coordinates,
                     **answer["figures"],
-                    **status,
+                    "status": answer["status"],
+                    "seconds": answer["seconds"],
+                    "reason": answer["reason"],
                     "notes": "; ".join(notes),
                     "address": point.address,
                 }
             )
-            figures |= dict.fromkeys(answer["figures"], float)
+            column_types |= dict.fromkeys(answer["figures"], float)
         axes = points[0].coordinates if points else ()
-        columns = list(dict.fromkeys(("number", *axes, *figures, *STATUS)))
-        return pd.DataFrame(rows, columns=columns).astype(figures)
+        columns = list(dict.fromkeys(("number", *axes, *column_types, *STATUS)))
+        return pd.DataFrame(rows, columns=columns).astype(column_types)
 
     def write_table(self, table: pd.DataFrame) -> None:
         """index.csv, and index.parquet where pyarrow is installed, each in one go."""

@@ -20,7 +20,7 @@ from pydantic import Field, model_validator
 
 from reports.checking import require_admissible
 from reports.studies.sweep.solving import Question, check_figures, check_rig
-from reports.studies.sweep.store import Planned
+from reports.studies.sweep.store import PlannedPoint
 from scenes import InputError, Scene, load_scene
 from scenes.files import keys_of
 from scenes.frozen import Frozen, checked, neglected
@@ -303,7 +303,7 @@ def study_of(content: dict[str, Any], where: str, folder: Path = Path()) -> Stud
 
 
 @dataclass(frozen=True, eq=False)
-class Point(Planned):
+class Point(PlannedPoint):
     """A point of a study: number (from 0, the last axis first), address of its result, coordinates,
     and what is asked there.
     """
