@@ -915,8 +915,9 @@ def displacement_fields(
     """Displacement of all nodes of a body under given forces on its contact nodes, by a solution of
     its full finite-element system.
 
-    Mixed elements of nearly incompressible materials have a further unknown, returned too. It is
-    r = lambda_1 div u, the part of the mean stress that they do not take from u.
+    Mixed elements of nearly incompressible materials have a further unknown, returned too: r =
+    lambda_1 div u, the part of the mean stress that they do not take from u. Lame's lambda is
+    divided into two parts for this, lambda_1 being the one that acts through r (see `split_lame`).
 
     Parameters
     ----------
@@ -944,8 +945,10 @@ def displacement_fields(
     loads_on_contact = forces.reshape(-1, forces.shape[-1])
     nodal_loads = np.zeros((system.stiffness.shape[0], forces.shape[-1]))
     nodal_loads[system.contact_dofs.ravel()] = loads_on_contact
-    arc = arc_loads(system, datum_length)  # or loads on the ends
-    nodal_loads[system.reaction_dofs.ravel()] += arc.nodal_forces @ loads_on_contact
+    # What balances the contact: tractions of the half-plane around it on the arc of a half-disc, or
+    # forces on the ends of a block on rollers.
+    balancing_loads = arc_loads(system, datum_length)
+    nodal_loads[system.reaction_dofs.ravel()] += balancing_loads.nodal_forces @ loads_on_contact
     if stresses is not None:
         nodal_loads += system.tension_forces[:, None] * stresses
     held_dofs = system.held_dofs
@@ -956,23 +959,28 @@ def displacement_fields(
         ends_of_arc = [left_x, left_y, right_y]
         held_dofs = np.concatenate([held_dofs, ends_of_arc])
     free_dofs = np.setdiff1d(np.arange(len(nodal_loads)), held_dofs)
-    displacements = np.zeros_like(nodal_loads)
-    displacements[free_dofs] = factorise(system.stiffness[free_dofs][:, free_dofs].tocsc()).solve(
+    # The unknowns: displacements of the nodes, then r/G at the corners of mixed elements.
+    unknowns = np.zeros_like(nodal_loads)
+    unknowns[free_dofs] = factorise(system.stiffness[free_dofs][:, free_dofs].tocsc()).solve(
         nodal_loads[free_dofs]
     )
     n_displacements = system.basis.N
+    displacements = unknowns[:n_displacements]
+    pressures_over_g = unknowns[n_displacements:]
     if system.reaction_dofs.size:
         # Holding nodes took a rigid motion away. By Betti's theorem it moves each contact node by
         # the work of the arc's loads under a unit force there, minus that in the half-plane.
-        work_on_arc = arc.nodal_forces.T @ displacements[system.reaction_dofs.ravel()]
-        work_in_half_plane = arc.tractions.T @ (arc.displacements @ loads_on_contact)
+        work_on_arc = balancing_loads.nodal_forces.T @ displacements[system.reaction_dofs.ravel()]
+        work_in_half_plane = balancing_loads.tractions.T @ (
+            balancing_loads.displacements @ loads_on_contact
+        )
         missing_displacement = work_on_arc - work_in_half_plane
         motions = rigid_motions(system.mesh)
         motions_of_contact = motions[system.contact_dofs.ravel()]
         amplitudes = np.linalg.lstsq(motions_of_contact, missing_displacement, rcond=None)[0]
-        displacements[:n_displacements] += motions @ amplitudes
+        displacements += motions @ amplitudes
     mean_stress = np.zeros((system.mesh.nvertices, forces.shape[-1]))
-    if len(displacements) > n_displacements:
+    if len(pressures_over_g):
         shear_modulus = split_lame(condensed.material, condensed.order).shear_modulus
-        mean_stress[:] = shear_modulus * displacements[n_displacements:]
-    return system.basis, displacements[:n_displacements], mean_stress
+        mean_stress[:] = shear_modulus * pressures_over_g
+    return system.basis, displacements, mean_stress

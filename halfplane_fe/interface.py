@@ -490,6 +490,9 @@ def meshed_pair(
     """Meshes of the lower and the upper body of a scene, by gmsh. Where they have one shape and one
     element size, both are one mesh.
 
+    In a scene with bulk stress the free sides of a block that has ends are marked in the mesh as
+    pulled by it (`supports["sides"]` is "pulled").
+
     Parameters
     ----------
     scene

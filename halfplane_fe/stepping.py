@@ -394,12 +394,15 @@ class _Trial:
     iterations: int = 0
 
     def solved(self) -> tuple[Event, InterfaceState]:
-        """The event that the increment ends with, and the state of the interface there as it is
-        solved for.
+        """The event that the increment ends with, and the state of the interface at that instant.
 
-        The event is "touch" where an open node touches, "release" where a closed one lets go, else
-        "regular". It is predicted with the states (open, stick, slip) that the nodes are expected
-        to have on the way. While a prediction misses, it is repeated with the states that came out.
+        The event is "touch" where an open node touches, "release" where a closed one lets go. It is
+        "regular" where neither happens up to the latest end, at which the increment then ends.
+
+        Event and instant are predicted with the states (open, stick, slip) that the nodes are
+        expected to have on the way. Where a prediction misses the event, it is repeated with the
+        states that came out, a few times at most. The instant of "touch" or "release" is then found
+        to rounding, and the state is solved for there.
 
         Raises
         ------

@@ -319,13 +319,13 @@ def uncertain_value(
 
 # ------------------------------------------------------------------------------- one scene's values
 def values_of_theory(scene: Scene, effects: BodyEffects | None = None) -> _Values:
-    """Half-plane theory's values of the last cycle by name, in the scene's units: dissipation,
-    largest pressure, half-widths, largest slip and edge tension.
+    """Half-plane theory's values of the last cycle by name: dissipation, largest pressure, largest
+    half-width, half-width of permanent stick, largest slip and edge tension.
 
-    Pressure, slip and edge tension are left out for long records, and where theory needs grids.
-    Under a prescribed displacement the largest Q and the largest |Q|/(f P) take the place of slip
-    and edge tension. There alone `effects` count: the elastic responses that finite bodies add to
-    half-planes.
+    Long records, and scenes whose bulk stress or tilt needs grids, have dissipation and half-widths
+    only: the other values take too long. Under a prescribed displacement slip and edge tension are
+    not among them; the largest |Q| is, and with friction the largest |Q|/(f P). `effects`, which
+    are used there only, are the elastic responses that finite bodies add to half-planes.
 
     Raises
     ------

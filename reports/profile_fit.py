@@ -69,7 +69,9 @@ class FitUncertainty:
 
 
 def fit_of(scene: Scene) -> Fitted | None:
-    """The fit to measured rows that the scene's profile is from; None for another profile."""
+    """How the numbers of a scene's profile were fitted to measured rows [x, h]: kind of the fit,
+    rows, noise. None for a profile that was not fitted.
+    """
     return getattr(scene.profile, "fitted", None)
 
 

@@ -546,7 +546,8 @@ def last_whole_cycle(
 
     It is the last cycle of the path that ends by the last instant. If no instant lies at one of its
     ends, the last period before the last instant is tried. If none lies at the begin of that, the
-    instants within the former are returned, and it is not whole.
+    instants within the former are returned, and it is not whole. An instant may miss an end by
+    round-off or by 2 % of the shorter step beside it.
 
     Parameters
     ----------

@@ -1735,7 +1735,9 @@ def cycle_works(
     """
     grids = _GridSetup(height, span, friction, modulus).moved_grids(request.cells, _SHIFTS)
     path = _PathInIncrements(loads, request.increments)
-    cycle_numbers = range(-1, request.most_cycles if loads.path.cycle else 0)
+    n_cycles = request.most_cycles if loads.path.cycle else 0
+    # number -1 is the initial loading before the first cycle, 0
+    cycle_numbers = range(-1, n_cycles)
     no_points = np.zeros(0)
     no_instants = np.zeros(0)
     return _follow_cycles(grids, path, no_points, no_instants, cycle_numbers, least_cycles=1).works

@@ -53,8 +53,10 @@ _OF_A_METRIC = (
 
 
 def metric_content(metric: Metric, scene: Scene, honest: bool | None) -> dict[str, Any]:
-    """A metric of a comparison, for JSON. `honest`: whether its stated uncertainty covers its known
-    error, None where that is not known.
+    """A metric of a comparison, as JSON values by key: its numbers, verdict and texts; whether its
+    value is finite or missing ("finite"); the instant and x/a_ref of its worst error.
+
+    `honest`: whether its stated uncertainty covers its known error, None where that is not known.
     """
     return {
         **{name: getattr(metric, name) for name in _OF_A_METRIC},

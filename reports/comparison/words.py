@@ -845,9 +845,12 @@ def in_five_lines(comparison: JudgedPair, kind: str) -> str:
 
 
 def summary_csv(comparison: JudgedPair) -> str:
-    """The table of absolute values as CSV: numbers with every digit in the units shown, then the
-    error E and its uncertainty as the metric defines them. A cell is empty where there is no
-    number.
+    """The first table of a comparison as CSV, a row for each of its metrics: key, name, unit, value
+    of reference and result in that unit with every digit, then the metric's error and its
+    uncertainty, and its verdict.
+
+    The error is a share, not in per cent, except where the metric is absolute. A cell is empty
+    where there is no number.
     """
     table = io.StringIO()
     writer = csv.writer(table, lineterminator="\n")

@@ -362,7 +362,7 @@ def _convergence(
     element_sizes: Sequence[float],
 ) -> Plate | None:
     """A figure of distances from the limit over the element size, both logarithmic, beside lines of
-    order 1 and 2; None for fewer than three meshes.
+    order 1 and 2; None for fewer than three meshes, or where no metric has a distance above 0.
 
     Parameters
     ----------
@@ -371,7 +371,7 @@ def _convergence(
     distances
         label of a metric -> (element size, distance); one that is 0 everywhere is left out
     element_sizes
-        of all meshes; None is returned for fewer than three
+        of all meshes
     """
     curves = {label: points for label, points in distances.items() if _is_positive(points)}
     if len(element_sizes) < 3 or not curves:

@@ -281,11 +281,13 @@ class Residual:
 
     @property
     def is_noise(self) -> bool:
-        """Whether the values are noise alone, with nothing smooth in them, by the ratio of von
-        Neumann: half the mean squared difference of neighbours over the mean square, 1 for white
-        noise. False without a contact.
+        """Whether nothing in a residual (result minus prediction at instants and points) is smooth
+        along x, and over time where there are at least three instants. False without a value in
+        contact.
 
-        The ratio scatters by sqrt(1/n) for n pairs; three of these deviations are allowed for.
+        It goes by the ratio of von Neumann: half the mean squared difference of neighbours over the
+        mean square, 1 for white noise. The ratio scatters by sqrt(1/n) for n pairs; three of these
+        deviations are allowed for, down to a ratio of 0.3.
         """
         if not self.is_inside.any():
             return False

@@ -106,7 +106,9 @@ class Fit:
         )
 
     def is_noise(self, channels: Sequence[int]) -> bool:
-        """Whether the residuals of these `channels` (pressure, shear) are noise alone."""
+        """Whether the fit leaves nothing but noise or round-off in each of these channels
+        (pressure, shear).
+        """
         residuals = [self.residuals[channel] for channel in channels]
         return all(residual.is_noise or residual.square <= ROUND_OFF for residual in residuals)
 

@@ -266,7 +266,11 @@ def _aligned(loop: MeasuredLoop, load_of_cycle: Array, least_cycles: float = 0.0
     n_rows = len(loop.load)
 
     def fit_of(frequency: float, phase: float) -> tuple[float, Array, float, float]:
-        """Root mean square misfit of Q, share of the cycle at each row, r and Q0."""
+        """How well Q of the rows follows scale * Q of the scene's cycle + offset, for a frequency
+        and phase (share of a cycle at time 0). Returns the root mean square misfit, the share of
+        the cycle at each row, scale and offset. A negative scale gets a misfit too large to be the
+        best.
+        """
         share = np.mod(frequency * loop.time + phase, 1.0)
         scene_load = np.interp(share, SHARES, load_of_cycle)
         columns = np.column_stack([scene_load, np.ones(n_rows)])

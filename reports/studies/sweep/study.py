@@ -74,6 +74,9 @@ class Axis(Frozen):
         """Check that an axis states its values in exactly one of the four ways (a list, an even
         range, a logarithmic range, pairs), with the names and keys that this way needs. ValueError
         if not.
+
+        A list or range has one `name`, and a `key` of the scene or none. Pairs are rows with a
+        value for each of `names`, and of `keys` if given. A missing `name` is made from `key`.
         """
         if self.key and not self.name and not self.names:
             object.__setattr__(self, "name", re.sub(r"\W", "_", self.key))
