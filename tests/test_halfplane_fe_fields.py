@@ -288,7 +288,7 @@ def test_the_tension_of_a_narrow_slip_zone_is_as_uncertain_as_its_stick_edge(
     np.testing.assert_allclose(more, [by_edge, 0.0], rtol=1e-9, atol=1e-12)
 
 
-@pytest.mark.parametrize(("unlike", "factor"), [(False, 1.5), (True, 6.0)])
+@pytest.mark.parametrize(("unlike", "factor"), [(False, 0.24), (True, 0.7)])
 def test_the_tension_of_coupled_bodies_is_less_certain(unlike: bool, factor: float) -> None:
     x = np.linspace(-1.0, 1.0, 41)[1:-1]
     pressure = np.sqrt(1 - x**2)
@@ -307,8 +307,8 @@ def test_the_tension_of_coupled_bodies_is_less_certain(unlike: bool, factor: flo
         replace(nodal, has_coupling=True, has_unlike_materials=unlike)
     )
     of_coupling = coupled.tension_uncertainty - alike.tension_uncertainty
-    # factor r^(3/2) of the tension 2 f p0, r = 0.05
-    np.testing.assert_allclose(of_coupling, factor * 0.05**1.5 * 0.6, rtol=0.01)
+    # factor r of the tension 2 f p0, r = 0.05
+    np.testing.assert_allclose(of_coupling, factor * 0.05 * 0.6, rtol=0.01)
 
 
 @pytest.mark.parametrize(("skew", "n_fits"), [(0.0, 1), (1e-15, 1), (1e-9, 2), (0.1, 2)])
