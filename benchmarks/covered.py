@@ -63,11 +63,11 @@ from reports import Comparison, compare
 from reports.comparison.budget import (
     Budget,
     ErrorBudget,
-    climb,
-    coarser,
+    coarser_settings,
     error_budget,
+    solve_refinements,
     theory_on_steps,
-    without_steps,
+    values_without_step_error,
 )
 from reports.comparison.datum import effects_between
 from reports.comparison.pairs import are_half_planes
@@ -114,7 +114,7 @@ def budget_of(
     comparison: Comparison, mesh: MeshSettings, steps: SolverSettings, spent: float
 ) -> ErrorBudget:
     """The budget of a run that took so many CPU seconds."""
-    runs = climb(
+    runs = solve_refinements(
         comparison, mesh, steps, lambda _name: contextlib.nullcontext(lambda *_progress: None)
     )
     return error_budget(comparison, runs, spent)
@@ -141,10 +141,10 @@ def budgets() -> Iterator[Row]:
     scenes = {name: load_scene(name) for name in scene_names()}
     library = {name: budgeted(scene) for name, scene in scenes.items() if are_half_planes(scene)}
     pairs = [(name, term) for name, budget in library.items() for term in headlines(budget)]
-    known = [(name, term) for name, term in pairs if term.honest is not None]
+    known = [(name, term) for name, term in pairs if term.is_covered is not None]
     claim = "budget: metrics that have no uncertainty, a term not being measured"
     yield Row(claim, len(pairs) - len(known), None, "left out below")
-    missed = [f"{name} {term.metric.key}" for name, term in known if not term.honest]
+    missed = [f"{name} {term.metric.key}" for name, term in known if not term.is_covered]
     how = (
         f"{len(known) - len(missed)} of {len(known)} covered over {len(library)} scenes; not:"
         f" {', '.join(missed) or 'none'}"
@@ -169,13 +169,13 @@ def budgets() -> Iterator[Row]:
     for key in dict.fromkeys(term.metric.key for _, term in known):
         of_metric = [term for _, term in known if term.metric.key == key]
         how = (
-            f"{sum(bool(term.honest) for term in of_metric)} of {len(of_metric)};"
+            f"{sum(bool(term.is_covered) for term in of_metric)} of {len(of_metric)};"
             f" u/|E| {sharpness(of_metric):.2g}"
             " in the median"
         )
         yield Row(
             f"budget: {key} not covered",
-            sum(not term.honest for term in of_metric) / len(of_metric),
+            sum(not term.is_covered for term in of_metric) / len(of_metric),
             None,
             how,
         )
@@ -197,10 +197,11 @@ def budgets() -> Iterator[Row]:
         )
     # The far-field runs stand on 4 h: doubling L there and on the run's mesh.
     for label, factor in (("h", 1.0), ("4h", 4.0)):
-        cut, _ = coarser(COARSE, STEPS, factor)
+        cut, _ = coarser_settings(COARSE, STEPS, factor)
         paper = scenes["hertz-paper"]
         near, far = (
-            without_steps(plain(paper, replace(cut, far_radius=radius))) for radius in (10.0, 20.0)
+            values_without_step_error(plain(paper, replace(cut, far_radius=radius)))
+            for radius in (10.0, 20.0)
         )
         for key in ("dissipation", "peak_pressure"):
             claim = f"far field on {label}: {key} at L = 10 a less at 20 a"
@@ -220,7 +221,7 @@ def real_bodies(scenes: list[Scene]) -> Row:
     covered = 0
     missed = []
     for scene in scenes:
-        fine = without_steps(plain(scene, MESH))
+        fine = values_without_step_error(plain(scene, MESH))
         for term in headlines(budgeted(scene)):
             if (truth := fine.get(term.metric.key)) is not None and term.uncertainty is not None:
                 inside = abs(term.rest - truth) <= term.uncertainty
@@ -363,7 +364,7 @@ class Found(NamedTuple):
         parts = {
             term.name: max(abs(term.value or 0.0), term.uncertainty or 0.0) for term in budget.terms
         }
-        parts["model"] = abs(budget.rest) if budget.resolved else 0.0
+        parts["model"] = abs(budget.rest) if budget.is_resolved else 0.0
         return max(parts, key=parts.__getitem__)
 
 

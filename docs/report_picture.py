@@ -30,7 +30,7 @@ from halfplane_fe import SolverSettings
 from meshes import MeshSettings
 from reports.advising_by_numbers import split
 from reports.charts.plate import Cell, Plate, stacks
-from reports.comparison.budget import climb, error_budget, theory_on_steps
+from reports.comparison.budget import error_budget, solve_refinements, theory_on_steps
 from reports.console import Stages
 from reports.page.writing import draw
 from reports.report import with_budget
@@ -84,7 +84,7 @@ def drawn() -> dict[str, str]:
     theory = semi_analytic.solve(scene, x=elements.x, time=elements.time)
     comparison = reports.compare(theory, elements, polygon_reference=theory_on_steps(elements))
     stage = Stages(quiet=True).stage
-    meshes = climb(comparison, MeshSettings(), SolverSettings(), stage, coarsenings=2)
+    meshes = solve_refinements(comparison, MeshSettings(), SolverSettings(), stage, coarsenings=2)
     report = with_budget(comparison, error_budget(comparison, meshes, cost))
     causes = split(report.comparison, report.budget)
     report = replace(report, comparison=replace(report.comparison, why=causes))

@@ -457,10 +457,10 @@ def _coarser_than(comparison: JudgedPair) -> tuple[MeshSettings, SolverSettings]
     it takes a third of the time, and the parts are uncertain by some 1e-3.
     """
     from halfplane_fe import SolverSettings
-    from reports.comparison.budget import coarser
+    from reports.comparison.budget import coarser_settings
 
     mesh = MeshSettings(**comparison.result.settings["mesh"])
-    return coarser(mesh, SolverSettings(), _COARSENING)
+    return coarser_settings(mesh, SolverSettings(), _COARSENING)
 
 
 # Key of an answer -> key of the quantity in `laws.QUANTITIES`, which has it on the points that

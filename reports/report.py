@@ -122,7 +122,7 @@ class Report:
         return (
             "not assessed: the run was made without a budget"
             if self.budget is None
-            else self.budget.honest
+            else self.budget.coverage
         )
 
     @property

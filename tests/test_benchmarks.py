@@ -352,7 +352,7 @@ def blame(tool: Tool) -> ModuleType:
 
 def found_by(blame: ModuleType, value: float, *terms: Term) -> Any:
     budget = Budget(
-        dataclasses.replace(METRICS["dissipation"], value=value), terms, half_planes=True
+        dataclasses.replace(METRICS["dissipation"], value=value), terms, are_half_planes=True
     )
     return blame.Found({"dissipation": value, blame.STEP: 0.0}, {"dissipation": budget})
 

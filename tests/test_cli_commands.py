@@ -923,7 +923,8 @@ def test_a_long_record_of_real_bodies_measures_no_uncertainty_unless_asked_and_s
     for engine in ("halfplane_fe", "semi_analytic"):
         monkeypatch.setattr(f"{engine}.solve", lambda *_, **__: solved)
     monkeypatch.setattr(
-        "reports.comparison.budget.climb", lambda *_: pytest.fail("a budget was measured")
+        "reports.comparison.budget.solve_refinements",
+        lambda *_: pytest.fail("a budget was measured"),
     )
     command = ("run", "long.toml", "--out", "out", "--json", *words)
     if measured:

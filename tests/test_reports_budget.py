@@ -26,13 +26,13 @@ from reports.comparison.budget import (
     Refinements,
     Run,
     Term,
-    climb,
-    coarser,
+    coarser_settings,
     error_budget,
     extrapolate,
     kind_of,
     mesh_ratio,
     observed_order,
+    solve_refinements,
 )
 from reports.comparison.budget_words import budget_table, negligible_terms, share
 from reports.comparison.words import lead, verdict
@@ -171,7 +171,7 @@ def compared(name: str, mesh: MeshSettings = MESH, settings: SolverSettings = ST
 def paper():
     """hertz-paper on a coarse mesh with few steps, and its refinements."""
     comparison = compared("hertz-paper")
-    return comparison, climb(comparison, MESH, STEPS, silent)
+    return comparison, solve_refinements(comparison, MESH, STEPS, silent)
 
 
 def invented(comparison: Comparison, slope: float, limit: float) -> Refinements:
@@ -190,7 +190,7 @@ def test_terms_and_rest_add_up_to_the_metric(paper):
     the run adds for the curve.
     """
     comparison, refinements = paper
-    budget = error_budget(comparison, refinements, plain_seconds=1.0)
+    budget = error_budget(comparison, refinements, seconds_of_run=1.0)
     keys = {"dissipation", "peak_pressure", "pressure", "shear", "contact_edge", "stick_edge"}
     assert keys <= {line.metric.key for line in budget.budgets}
     for line in budget.budgets:
@@ -206,7 +206,7 @@ def test_terms_and_rest_add_up_to_the_metric(paper):
             "half-plane theory",
         ]
     headlines = [line for line in budget.budgets if line.metric.headline]
-    assert sum(line.honest for line in headlines) >= 0.9 * len(headlines)
+    assert sum(line.is_covered for line in headlines) >= 0.9 * len(headlines)
     exact = comparison.metric("dissipation_step").value
     assert abs(exact) > 1e-4
     straight = comparison.polygon_reference.dissipation / comparison.reference.dissipation - 1
@@ -223,7 +223,7 @@ def test_an_idealisation_error_stands_out_and_vanishes(paper):
     ).budget("dissipation")
     assert line.rest == pytest.approx(1e-2, rel=1e-6)
     assert line.uncertainty == pytest.approx(1.25e-3, rel=1e-3)
-    assert (line.resolved, line.honest, replace(line, half_planes=False).honest) == (
+    assert (line.is_resolved, line.is_covered, replace(line, are_half_planes=False).is_covered) == (
         True,
         False,
         None,
@@ -233,7 +233,7 @@ def test_an_idealisation_error_stands_out_and_vanishes(paper):
         invented(comparison, 1e-3, 0.0),
         1.0,
     )
-    assert nothing.budget("dissipation").resolved is False
+    assert nothing.budget("dissipation").is_resolved is False
 
 
 @pytest.mark.parametrize("key", ["dissipation", "largest_slip"])
@@ -266,15 +266,15 @@ def test_what_was_not_measured_is_not_zero_and_bounds_add_where_scatter_adds_by_
     comparison, refinements = paper
     fallen = tuple(
         replace(run, values={}, failure=f"{run.label} did not converge")
-        for run in refinements.mesh[1:]
+        for run in refinements.mesh_runs[1:]
     )
     line = error_budget(
-        comparison, replace(refinements, mesh=(refinements.mesh[0], *fallen)), 1.0
+        comparison, replace(refinements, mesh=(refinements.mesh_runs[0], *fallen)), 1.0
     ).budget("dissipation")
     mesh = line.terms[0]
-    assert (mesh.value, mesh.uncertainty, mesh.measured) == (None, None, False)
+    assert (mesh.value, mesh.uncertainty, mesh.is_measured) == (None, None, False)
     assert mesh.how.startswith("not measured: 2h did not converge")
-    assert (line.uncertainty, line.resolved, line.honest) == (None, None, None)
+    assert (line.uncertainty, line.is_resolved, line.is_covered) == (None, None, None)
     metric = comparison.metric("dissipation")
     terms = tuple(
         Term(str(u), None, u, "", bound)
@@ -290,7 +290,7 @@ def test_what_was_not_measured_is_not_zero_and_bounds_add_where_scatter_adds_by_
 
 def test_a_term_below_a_thousandth_everywhere_has_no_column_and_is_named(paper):
     comparison, refinements = paper
-    budget = error_budget(comparison, refinements, refinements.seconds)
+    budget = error_budget(comparison, refinements, refinements.cpu_seconds)
     without = negligible_terms(budget)
     assert "mesh" not in without
     assert without
@@ -313,11 +313,11 @@ def test_a_term_below_a_thousandth_everywhere_has_no_column_and_is_named(paper):
 
 def test_honesty_is_written_into_the_comparison_page_and_file(paper):
     comparison, refinements = paper
-    budget = error_budget(comparison, refinements, refinements.seconds)
+    budget = error_budget(comparison, refinements, refinements.cpu_seconds)
     report = with_budget(comparison, budget)
     assert report.budget is budget
     assert report.honest.startswith(
-        f"{sum(b.honest for b in budget.budgets)} of {len(budget.budgets)} metrics"
+        f"{sum(b.is_covered for b in budget.budgets)} of {len(budget.budgets)} metrics"
     )
     assert budget.cost == pytest.approx(2.0)
     assert Report(comparison).honest == "not assessed: the run was made without a budget"
@@ -342,7 +342,9 @@ def test_where_theory_has_no_polygon_the_step_is_measured_by_halving_it(paper, m
         return Run(label, 1.0, {} if value is None else {"dissipation": value}, failure)
 
     def step(*runs: Run) -> Term:
-        return budgets._step(metric, Refinements((run("h", 0.01),), (), (), "4h", {}, 1.0, runs))
+        return budgets._step_term(
+            metric, Refinements((run("h", 0.01),), (), (), "4h", {}, 1.0, runs)
+        )
 
     term = step(run("4h", 0.0100), run("4h, halved", 0.0097))
     assert (term.value, term.uncertainty) == pytest.approx((4e-4, 3e-4), rel=1e-9)
@@ -351,7 +353,7 @@ def test_where_theory_has_no_polygon_the_step_is_measured_by_halving_it(paper, m
         step(),
         step(run("4h", 0.01), run("4h, halved", None, "4h, halved did not converge")),
     ):
-        assert not lost.measured
+        assert not lost.is_measured
         assert "no answer on the polygon" in lost.how
     # Theory that refuses its polygon: never of a scene without bulk stress and tilt.
     solution = comparison.result
@@ -400,20 +402,20 @@ def test_rungs_need_no_coarse_run_of_their_own_and_keep_the_penalty_layer(paper)
     # no room for a refinement
     assert mesh_ratio(MeshSettings(element_size=0.25, edge_element_size=0.25)) is None
     soft = SolverSettings(method="penalty", normal_stiffness=50.0, tangential_stiffness=20.0)
-    mesh, settings = coarser(MESH, soft, 4.0)
+    mesh, settings = coarser_settings(MESH, soft, 4.0)
     assert (settings.normal_stiffness, settings.tangential_stiffness) == (200.0, 80.0)
     assert (
         settings.normal_stiffness / mesh.edge_element_size
         == soft.normal_stiffness / MESH.edge_element_size
     )
-    assert coarser(MESH, STEPS, 4.0)[1] == STEPS
+    assert coarser_settings(MESH, STEPS, 4.0)[1] == STEPS
 
 
 @pytest.mark.slow
 def test_penalty_is_a_term_of_its_own():
     soft = replace(STEPS, method="penalty", normal_stiffness=3.0, tangential_stiffness=3.0)
     comparison = compared("cattaneo-mindlin", settings=soft)
-    line = error_budget(comparison, climb(comparison, MESH, soft, silent), 1.0).budget(
+    line = error_budget(comparison, solve_refinements(comparison, MESH, soft, silent), 1.0).budget(
         "dissipation"
     )
     penalty = line.terms[1]
@@ -421,7 +423,7 @@ def test_penalty_is_a_term_of_its_own():
     assert abs(line.total - exact) > 1e-3
     assert penalty.value == pytest.approx(line.total - exact, rel=1e-9)
     layered, bare = (
-        halfplane_fe.solve(comparison.scene, *coarser(MESH, law, 0.25)).dissipation
+        halfplane_fe.solve(comparison.scene, *coarser_settings(MESH, law, 0.25)).dissipation
         / comparison.reference.dissipation
         for law in (soft, STEPS)
     )
@@ -432,7 +434,7 @@ def test_meshes_of_real_bodies_that_agree_by_chance_leave_the_peak_as_uncertain_
     """Of a pair of layers an error of 1.4e-4 was stated as 4e-6."""
     comparison = compared("blocks", MeshSettings.coarse(), replace(STEPS, steps_per_cycle=8))
     solution = comparison.result
-    values = budgets.without_steps(comparison)
+    values = budgets.values_without_step_error(comparison)
     largest = {"largest_pressure": values["largest_pressure"]}
     runs = tuple(Run(f"{size:g}h", size, largest) for size in (1.0, 2.0, 4.0))
     line = error_budget(comparison, Refinements(runs, (), (), "4h", {}, 0.0), 1.0).budget(
@@ -451,9 +453,9 @@ def test_meshes_of_real_bodies_that_agree_by_chance_leave_the_peak_as_uncertain_
 def test_real_bodies_have_an_idealisation_error_and_no_far_field():
     comparison = compared("blocks", MeshSettings(), SolverSettings())
     line = error_budget(
-        comparison, climb(comparison, MeshSettings(), SolverSettings(), silent), 1.0
+        comparison, solve_refinements(comparison, MeshSettings(), SolverSettings(), silent), 1.0
     ).budget("peak_pressure")
-    assert (line.resolved, line.honest) == (True, None)
+    assert (line.is_resolved, line.is_covered) == (True, None)
     assert line.terms[3].how == "none: the bodies have a size of their own"
 
 

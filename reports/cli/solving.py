@@ -403,7 +403,7 @@ def _report_with_budget(job: Job, comparison: Comparison, seconds_before: float)
     `seconds_before` is the processor time before the finite elements were solved. From it follows
     what the budget costs over the run itself.
     """
-    from reports.comparison.budget import climb, error_budget
+    from reports.comparison.budget import error_budget, solve_refinements
     from reports.comparison.pairs import are_half_planes
     from reports.report import with_budget
 
@@ -412,7 +412,7 @@ def _report_with_budget(job: Job, comparison: Comparison, seconds_before: float)
     n_coarser_meshes = 3 if job.options.budget else 2
     mesh, settings = job.options.settings()
     # Every run on another mesh is a stage of its own.
-    refinements = climb(comparison, mesh, settings, job.stages.stage, n_coarser_meshes)
+    refinements = solve_refinements(comparison, mesh, settings, job.stages.stage, n_coarser_meshes)
     report = with_budget(comparison, error_budget(comparison, refinements, seconds_of_run))
     if are_half_planes(job.scene):
         return report
@@ -689,7 +689,7 @@ def _budget_shown(report: Report, budget: ErrorBudget) -> Iterator[Part]:
         title += ", per cent"
         rows = [tuple(cell.replace(" %", "") for cell in row) for row in rows]
     yield Sheet(title, heads, rows, range(1, len(heads) - 1))
-    if budget.budgets[0].half_planes:
+    if budget.budgets[0].are_half_planes:
         yield "Left: half-planes have no idealisation error, so u must cover it."
     else:
         yield "Left: the idealisation error."

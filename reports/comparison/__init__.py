@@ -36,12 +36,13 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
                     `summary_csv` `summary_latex` `in_five_lines`
     json_values.py  as JSON: `strict` `solution_content` `metric_content`
     budget.py       where the error of each metric comes from: mesh, steps, penalty, far field,
-                    idealisation: `ErrorBudget` `Budget` `error_budget` `climb` `coarser`
-                    `finer_steps` `mesh_ratio` `theory_on_steps` `SHOWN_ON_STEPS` `ROUNDING`; the
-                    mesh-refinement study of one value, its order and value at size zero:
-                    `Refinement` `Extrapolation` `extrapolate`
+                    idealisation: `ErrorBudget` `Budget` `error_budget` `solve_refinements`
+                    `coarser_settings` `settings_with_halved_steps` `mesh_ratio`
+                    `theory_on_steps` `SHOWN_ON_STEPS` `ROUNDING`; the mesh-refinement study of
+                    one value, its order and value at size zero: `Refinement` `Extrapolation`
+                    `extrapolate`
     budget_words.py a budget in sentences, cells and JSON: `budget_table` `negligible_terms` `cost`
-                    `share` `honest` `honesty` `budget_content`
+                    `share` `is_covered` `are_covered` `budget_content`
     findings.py     what two runs, or a run and a baseline, differ by: `Findings` `read_findings`
                     `of_content` `of_solution` `difference` `Difference` `Row` `SAME` `COUNTS`
                     `SOLUTION` `is_baseline` `write_baseline` `patterned_tolerances`
@@ -143,39 +144,39 @@ def compare(
     tolerances: Mapping[str, float] | None = None,
     effects: BodyEffects | None = None,
 ) -> Comparison:
-    """How far `result` is from `reference` in the last cycle, metric by metric.
+    """Compare two solutions of one scene in the last cycle: every metric with its value, its
+    uncertainty and its verdict, the laws of contact that each solution obeys, and notes.
 
     Parameters
     ----------
     reference
-        the answer taken for true; best on the points and instants of `result`, otherwise it is
+        the solution taken as true; best on the points and instants of `result`, otherwise it is
         interpolated and the interpolation error stated in the notes
     result
-        the answer judged
+        the solution that is judged
     polygon_reference
-        the reference on the straight steps between the result's instants, which sets the error
-        of the steps apart from all others
+        the reference for loads that run straight from one instant of the result to the next. With
+        it the error of the load increments is measured apart from all others
     plain_reference
-        the reference with its own states, edges and dissipation, where those of `reference` were
-        found by the rule that an external result follows; the first table shows it. `reference`
-        if None
+        the reference with its own states, edges and dissipation, which the first table shows.
+        Needed where those of `reference` follow the rule of an external result; `reference` if None
     scales_from
-        what the scales are read off, where the reference holds few instants; the reference if
-        None
+        a solution that the scales are taken from, where the reference holds few instants;
+        `reference` if None
     tolerances
-        key of a metric -> largest |E| admitted, before those of the scene; where neither says
-        anything, the tolerances of the project's own engines judge bodies for which half-plane
-        theory is exact, and real bodies are not judged
+        key of a metric -> largest |E| admitted; it has priority over those of the scene. Without
+        either, bodies for which half-plane theory is exact are judged by the tolerances of the
+        project's own engines, and real bodies are not judged
     effects
-        what finite bodies add to half-planes, `halfplane_fe.body_effects(scene)`: theory of
-        half-planes then has the displacements U + c_t Q and approach + c_n P, which compare with
-        those of the bodies; without it they have no datum in common
+        what finite bodies add to half-planes, `halfplane_fe.body_effects(scene)`. The displacements
+        of half-plane theory are then U + c_t Q and approach + c_n P, which can be compared with
+        those of the bodies; without it they count from another place
 
     Raises
     ------
     InputError
-        If the two (or three) answer different questions or hold no whole cycle, or a tolerance is
-        of no metric.
+        If the scenes of the solutions differ, if one holds no whole cycle, or if a key of
+        `tolerances` is no metric.
 
     Examples
     --------
@@ -198,6 +199,7 @@ def compare(
         reference_cycle = sample(last_cycle(reference), result_cycle, reference.engine)
     else:
         reference_cycle = sample_instants(reference, result_cycle)
+    # displacements of one solution count from the supports of the bodies, those of the other do not
     has_other_datum = lacks_datum(reference) != lacks_datum(result)
     if not has_other_datum:
         effects = None
@@ -226,9 +228,7 @@ def compare(
 
 
 def _refuse_other_question(reference: ContactSolution, result: ContactSolution) -> None:
-    """InputError where the scenes of two solutions differ in what theory depends on: material,
-    profile, friction, load.
-    """
+    """InputError where two solutions differ in material, profile, friction or load."""
     for part in ("material", "profile", "friction", "load"):
         reference_part = getattr(reference.scene, part)
         result_part = getattr(result.scene, part)
@@ -242,15 +242,13 @@ def _refuse_other_question(reference: ContactSolution, result: ContactSolution) 
 
 def _notes(pair: Pair) -> Iterator[str]:
     """Sentences that a reader of a comparison must not miss: interpolation, instants with too light
-    a load to be judged, no convergence, and the notes of both solutions. `pair` holds the last
-    cycles of reference and result.
+    a load to be judged, no convergence, and the notes of both solutions.
     """
     from reports.charts.templating import in_template
 
     scene = pair.result.scene
-    interpolation_errors = (
-        pair.reference_cycle.interpolation_errors
-    )  # field -> estimated largest error
+    # field -> estimated largest error
+    interpolation_errors = pair.reference_cycle.interpolation_errors
     if interpolation_errors:
         yield in_template("interpolated", interpolation_errors)
     # instants in contact whose load is too light to be judged
@@ -261,18 +259,13 @@ def _notes(pair: Pair) -> Iterator[str]:
         name = name_of(solution.engine)
         if not solution.record.converged:
             yield f"{name}: not converged: {solution.record.message}"
-        # Our finite elements note it themselves, with how the dissipation changes.
-        if (
-            solution.steady_from is None
-            and pair.periodic
-            and solution.engine != "halfplane_fe"
-            and not missing(solution)
-        ):
+        # Our finite elements note it themselves, with the change of the dissipation.
+        is_without_note = solution.engine != "halfplane_fe" and not missing(solution)
+        if pair.periodic and solution.steady_from is None and is_without_note:
             yield in_template("not_steady", name)
         yield from (f"{name}: {note}" for note in solution.record.notes)
-    if (pair.effects is not None or pair.lacks_common_datum) and _DISPLACEMENT not in missing(
-        pair.result
-    ):
+    has_other_datum = pair.effects is not None or pair.lacks_common_datum
+    if has_other_datum and _DISPLACEMENT not in missing(pair.result):
         yield in_template("displacements", pair.effects is not None)
     if pair.unsymmetric and pair.result.engine == "halfplane_fe" and pair.polygon_reference is None:
         yield in_template("steps_not_apart")

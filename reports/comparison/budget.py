@@ -40,10 +40,11 @@ if TYPE_CHECKING:
     from meshes import MeshSettings
 
 ROUNDING = 1e-12  # relative: two values that differ by less are the same
-# They are the step's part and the rest of another metric: a budget of them would count it twice.
-_PARTS = ("dissipation_polygon", "dissipation_step")
-# What `record.errors` of the reference says of a metric.
-_FIELDS = {
+# They are two parts of the dissipation, that of the load increments and that of all else: a budget
+# of them would count it twice.
+_PARTS_OF_METRICS = ("dissipation_polygon", "dissipation_step")
+# Metric -> name, in `record.errors` of a solution, of the error estimate that theory states for it.
+_NAMES_OF_ERRORS = {
     "largest_pressure": "pressure",
     "dissipation_density_peak": "dissipation_density",
     "peak_pressure": "pressure",
@@ -55,16 +56,16 @@ _FIELDS = {
 }
 
 # Metrics of the largest pressure, of a revolution and of an instant.
-_PEAKS = ("largest_pressure", "peak_pressure")
+_PEAK_METRICS = ("largest_pressure", "peak_pressure")
 
-# Of one stage: its name in, a context that yields report(done, total, text) out; `Stages.stage` is
-# one.
+# A function that takes the name of a stage and returns a context, which yields
+# report(done, total, text).
 _Stage = Callable[[str], AbstractContextManager[Callable[[int, int | None, str], None]]]
 
-_BY_RUN = "uncertainty that the run itself states"
+_STATED_BY_RUN = "uncertainty that the run itself states"
 
-_LARGEST = 0.25  # of MeshSettings, over the contact half-width
-_LEAST_RATIO = 1.2
+_LARGEST_ELEMENT = 0.25  # element size that MeshSettings takes, over the contact half-width
+_LEAST_SIZE_RATIO = 1.2  # of two meshes that differ enough to show an order
 # Radii of a half-disc, over the contact half-width, of which half and twice are radii that
 # MeshSettings takes: 2 to 1000.
 _FAR_RADII = (4.0, 500.0)
@@ -74,33 +75,34 @@ _FAR_RADII = (4.0, 500.0)
 class Run(PythonNumbers):
     """One run of a refinement study: one size changed, everything else fixed."""
 
-    label: str  # "2h", "L/2": what is different from the run
-    size: float  # that size over the run's; of the far field 1/L
-    # metric -> its value without the error of the steps; empty where the run failed
+    label: str  # "2h", "L/2": what differs from the run whose errors are measured
+    # element size over that of the finest run; of the far field 1/radius over that of that run
+    size: float
+    # metric -> its value without the error of the load increments; empty where the run failed
     values: Mapping[str, float | None]
-    failure: str = ""  # why there are none
-    # steps, nodes: of the path, of the contact
-    steps: int = 0
-    nodes: int = 0
+    failure: str = ""  # why there are no values
+    steps: int = 0  # number of instants of the load path
+    nodes: int = 0  # number of contact nodes
 
 
 @dataclass(frozen=True, eq=False)
 class Refinements(PythonNumbers):
-    """Every run by the term that it measures."""
+    """The runs that measure the errors of one finite-element run, by source of error. "The run"
+    below is the run whose errors are measured, h its element size.
+    """
 
-    mesh: tuple[Run, ...]  # at h and coarser
-    # at 2 L, L, L/2 on the coarse mesh, empty for bodies with a size of their own
-    far_field: tuple[Run, ...]
-    # (with the layer, without) on the run's own mesh and on the next coarser one; empty where the
-    # law is met exactly
-    penalty: tuple[tuple[Run, Run], ...]
-    coarse: str  # label of the mesh on which all but the mesh refinement stand
-    not_measured: Mapping[str, str]  # term -> why
-    seconds: float  # CPU time of all but the run itself
-    # with the increments of the run and with halved ones, on the coarse mesh, where theory has no
-    # answer on the polygon of the increments, so that no value is without their error; None where
-    # it has
-    step: tuple[Run, ...] | None = None
+    mesh_runs: tuple[Run, ...]  # the run itself and those on coarser meshes
+    # with the radii 2 L, L, L/2 on the coarse mesh; empty for bodies with a size of their own
+    far_field_runs: tuple[Run, ...]
+    # (with penalty layer, without) on the mesh of the run and on the next coarser one; empty where
+    # the law is met exactly
+    penalty_pairs: tuple[tuple[Run, Run], ...]
+    coarse_label: str  # label of the mesh on which far field and load increments are measured
+    not_measured: Mapping[str, str]  # source of error -> why it was not measured
+    cpu_seconds: float  # CPU time of all but the run itself
+    # with the load increments of the run and with halved ones, on the coarse mesh. Only where
+    # theory has no answer on the polygon of the increments; else None
+    step_runs: tuple[Run, ...] | None = None
 
 
 # Fields of theory on the straight lines between the instants that the page and comparison.json show
@@ -111,26 +113,27 @@ SHOWN_ON_STEPS = ("pressure", "dissipation", "loop_work")
 def theory_on_steps(
     result: ContactSolution, fields: Sequence[str] | None = None
 ) -> ContactSolution | None:
-    """Half-plane theory for a result's scene with loads that run straight from one instant of the
+    """Half-plane theory for a result's scene, with loads that run straight from one instant of the
     result to the next, at the result's surface points.
 
     The result minus this answer holds no error of the load increments. None where bulk stress or
-    tilt leave theory without an answer on such a path. `fields` are those of theory that are
-    wanted: all of them by default, which a budget of the errors needs.
+    tilt leave theory without an answer on such a path. `fields` names the fields that theory
+    computes: all of them by default, which an error budget needs.
     """
     import semi_analytic
 
     scene = result.scene
-    wanted_fields = semi_analytic.FIELDS if fields is None else fields
+    field_names = semi_analytic.FIELDS if fields is None else fields
+    # A thinned result leaves out instants of a load path that is made of straight lines already:
+    # theory follows the path itself.
+    joins_instants = not result.thinned
     try:
-        # A thinned result, of a long path of straight lines, holds some of its instants only:
-        # theory follows that path itself.
         return semi_analytic.solve(
             scene,
             x=result.x,
             time=result.time,
-            fields=wanted_fields,
-            straight_steps=not result.thinned,
+            fields=field_names,
+            straight_steps=joins_instants,
         )
     except InputError:
         if scene.unsymmetric:
@@ -138,32 +141,30 @@ def theory_on_steps(
         raise
 
 
-def without_steps(comparison: Comparison) -> dict[str, float | None]:
-    """Value of each metric, by its key, without the error of the load increments: a result compared
-    with theory on the result's own straight increments.
+def values_without_step_error(comparison: Comparison) -> dict[str, float | None]:
+    """Value of each metric, by its key, without the error of the load increments: the result is
+    compared with theory on the result's own straight increments (the polygon reference).
 
-    Where bulk stress or tilt leave theory no such answer it is compared with theory on the smooth
-    path. InputError where the comparison lacks theory on straight increments for another reason.
+    Where bulk stress or tilt leave theory without such an answer, the result is compared with
+    theory on the smooth path. InputError where the polygon reference is absent for another reason.
     """
-    if comparison.polygon_reference is None and not (
-        comparison.has_bulk_stress or comparison.may_tilt
-    ):
+    if comparison.polygon_reference is not None:
+        result_on_polygon = on_straight_steps(comparison.result)
+        return _values_by_key(
+            compare(comparison.polygon_reference, result_on_polygon, effects=comparison.effects)
+        )
+    if not comparison.unsymmetric:
         raise InputError(
             "a budget needs the reference on the polygon of the result's steps: give compare"
             " polygon_reference"
         )
-    if comparison.polygon_reference is None:
-        return _value_by_key(
-            compare(comparison.reference, comparison.result, effects=comparison.effects)
-        )
-    result_on_polygon = on_straight_steps(comparison.result)
-    return _value_by_key(
-        compare(comparison.polygon_reference, result_on_polygon, effects=comparison.effects)
+    return _values_by_key(
+        compare(comparison.reference, comparison.result, effects=comparison.effects)
     )
 
 
-def finer_steps(settings: SolverSettings) -> SolverSettings:
-    """Increments half as long: their error is a quarter."""
+def settings_with_halved_steps(settings: SolverSettings) -> SolverSettings:
+    """Solver settings with load increments half as long, whose error is a quarter."""
     return replace(
         settings,
         steps_per_cycle=2 * settings.steps_per_cycle,
@@ -171,14 +172,16 @@ def finer_steps(settings: SolverSettings) -> SolverSettings:
     )
 
 
-def _value_by_key(comparison: Comparison) -> dict[str, float | None]:
-    """Metric -> value."""
+def _values_by_key(comparison: Comparison) -> dict[str, float | None]:
+    """Key of each metric of a comparison -> its value."""
     return {metric.key: metric.value for metric in comparison.metrics}
 
 
 def mesh_ratio(mesh: MeshSettings) -> float | None:
-    """Ratio of element sizes of neighbouring meshes in a refinement study: 2, or less where three
-    coarsenings by 2 would make elements too large. None where less than 1.2 is left.
+    """Ratio of the element sizes of neighbouring meshes, for a study with three coarser meshes.
+
+    It is 2, or smaller where the coarsest edge elements would exceed 0.25 a, a the half-width of
+    the contact. None where it would be below 1.2.
 
     >>> from meshes import MeshSettings
     >>> (
@@ -187,23 +190,23 @@ def mesh_ratio(mesh: MeshSettings) -> float | None:
     ... )
     (2.0, None)
     """
-    largest_ratio = (_LARGEST / mesh.edge_element_size) ** (1 / 3)
-    if largest_ratio < _LEAST_RATIO:
+    largest_ratio = (_LARGEST_ELEMENT / mesh.edge_element_size) ** (1 / 3)
+    if largest_ratio < _LEAST_SIZE_RATIO:
         return None
     return min(2.0, largest_ratio)
 
 
-def coarser(
+def coarser_settings(
     mesh: MeshSettings, settings: SolverSettings, factor: float
 ) -> tuple[MeshSettings, SolverSettings]:
     """Settings of mesh and solver for a mesh with all surface elements `factor` times larger, but
     at most 0.25 a, a the half-width of the contact.
 
-    The stiffnesses of a penalty layer are multiplied by the factor too. They are stated relative to
-    the elements, and so the layer itself stays as stiff wherever no size is limited.
+    The stiffnesses of a penalty layer are stated relative to the element size. They are multiplied
+    by the factor too, so that the layer keeps its stiffness wherever no size is limited.
     """
-    middle_size = min(_LARGEST, factor * mesh.element_size)
-    edge_size = min(_LARGEST, factor * mesh.edge_element_size)
+    middle_size = min(_LARGEST_ELEMENT, factor * mesh.element_size)
+    edge_size = min(_LARGEST_ELEMENT, factor * mesh.edge_element_size)
     if settings.method == "penalty":
         normal_stiffness, tangential_stiffness = settings.stiffnesses
         settings = replace(
@@ -214,7 +217,7 @@ def coarser(
     return replace(mesh, element_size=middle_size, edge_element_size=edge_size), settings
 
 
-def climb(
+def solve_refinements(
     comparison: Comparison,
     mesh: MeshSettings,
     settings: SolverSettings,
@@ -222,20 +225,22 @@ def climb(
     coarsenings: int = 3,
 ) -> Refinements:
     """Solve a scene again by finite elements on coarser meshes, with other far fields, load
-    increments or penalty layers: all that measures the errors of a run with this `mesh` and these
-    `settings`.
+    increments or penalty layers. These runs measure the errors of the run with this `mesh` and
+    these `settings`.
 
-    With three coarser meshes, their size ratio r, the runs are h, r h, r^2 h, r^3 h, h the element
-    size of the run. Two coarser meshes are the least that shows an order, at a third of the cost.
-    The far field, a half-disc of finite radius in place of a half-plane, is measured at r^2 h. A
-    penalty layer, springs that let the faces overlap and creep, is measured at h and r h.
+    The meshes have the element sizes h, r h, r^2 h, r^3 h, the first being that of the run. Two
+    coarser meshes are the least that shows an order, at a third of the cost. The far field, a
+    half-disc of finite radius in place of a half-plane, is measured at r^2 h. A penalty layer,
+    springs that let the faces overlap and creep, is measured at h and r h.
 
     Parameters
     ----------
     comparison
-        the run against half-plane theory
+        the run compared with half-plane theory
+    mesh, settings
+        of the run
     stage
-        reports progress: a context for each run, by its label
+        reports progress: a function that takes a label and returns a context for that run
     coarsenings
         number of coarser meshes, 2 or 3
     """
@@ -244,22 +249,24 @@ def climb(
     base_run = Run(
         label="h",
         size=1.0,
-        values=without_steps(comparison),
+        values=values_without_step_error(comparison),
         failure="",
         steps=len(comparison.result.time),
         nodes=len(comparison.result.x),
     )
     if ratio is None:
         return _no_refinements(base_run, comparison)
+
     solver = _RunSolver(comparison, stage)
     mesh_runs = [base_run]
     for exponent in range(1, coarsenings + 1):
         size = ratio**exponent
-        coarser_mesh, coarser_settings = coarser(mesh, settings, size)
-        mesh_runs.append(solver.run(f"{size:.3g}h", size, coarser_mesh, coarser_settings))
+        mesh_of_run, settings_of_run = coarser_settings(mesh, settings, size)
+        mesh_runs.append(solver.run(f"{size:.3g}h", size, mesh_of_run, settings_of_run))
 
+    # far field and load increments are measured on the mesh of size r^2 h
     coarse_run = mesh_runs[2]
-    coarse_mesh, coarse_settings = coarser(mesh, settings, ratio**2)
+    coarse_mesh, coarse_settings = coarser_settings(mesh, settings, ratio**2)
     far_field_runs: tuple[Run, ...] = ()
     not_measured: dict[str, str] = {}
     bodies = comparison.scene.bodies
@@ -272,42 +279,40 @@ def climb(
                 " one of twice"
             )
     step_runs: tuple[Run, ...] | None = None
-    # theory has no answer on the increments of a run: their error is measured by halving them
+    # Where theory has no answer on the increments of a run, their error is measured by halving
+    # them.
     if not solver.on_polygon:
         step_runs = (coarse_run, _finer_steps_run(solver, coarse_run, coarse_mesh, coarse_settings))
     penalty_pairs: tuple[tuple[Run, Run], ...] = ()
     if settings.method == "penalty":
         penalty_pairs = _penalty_runs(solver, mesh_runs[:2], mesh, settings)
     return Refinements(
-        mesh=tuple(mesh_runs),
-        far_field=far_field_runs,
-        penalty=penalty_pairs,
-        coarse=coarse_run.label,
+        mesh_runs=tuple(mesh_runs),
+        far_field_runs=far_field_runs,
+        penalty_pairs=penalty_pairs,
+        coarse_label=coarse_run.label,
         not_measured=not_measured,
-        seconds=time.process_time() - start_seconds,
-        step=step_runs,
+        cpu_seconds=time.process_time() - start_seconds,
+        step_runs=step_runs,
     )
 
 
 def _no_refinements(base_run: Run, comparison: Comparison) -> Refinements:
-    """A refinement study of one run alone, for a mesh whose elements are so large that three
-    coarser meshes are not possible; for each kind of error that is stated as the reason why it was
-    not measured.
-
-    Parameters
-    ----------
-    base_run
-        the run whose errors would be measured
+    """A refinement study that holds one run only, the one whose errors would be measured
+    (`base_run`): its elements are so large that three coarser meshes are not possible. It states
+    this reason for each source of error.
     """
     reason = "the run's own elements leave no room for three coarser meshes"
+    # without theory on straight increments halved increments are needed, and there are none
+    step_runs = () if comparison.polygon_reference is None else None
     return Refinements(
-        mesh=(base_run,),
-        far_field=(),
-        penalty=(),
-        coarse="none",
+        mesh_runs=(base_run,),
+        far_field_runs=(),
+        penalty_pairs=(),
+        coarse_label="none",
         not_measured=dict.fromkeys(("mesh", "far field", "penalty"), reason),
-        seconds=0.0,
-        step=() if comparison.polygon_reference is None else None,
+        cpu_seconds=0.0,
+        step_runs=step_runs,
     )
 
 
@@ -317,7 +322,7 @@ class _RunSolver:
     Attributes
     ----------
     on_polygon
-        whether theory follows the polygon of each run's own increments; else the smooth path
+        whether theory follows the polygon of each run's own load increments; else the smooth path
     """
 
     def __init__(self, comparison: Comparison, stage: _Stage) -> None:
@@ -328,15 +333,18 @@ class _RunSolver:
         self.stage = stage
 
     def run(self, label: str, size: float, mesh: MeshSettings, settings: SolverSettings) -> Run:
-        """Solve the scene by finite elements with one mesh and its settings, and compare the answer
-        with half-plane theory. Returns the value of each metric, or why there is none.
+        """Solve the scene by finite elements and compare the solution with half-plane theory. The
+        returned run holds the value of each metric, or the reason why there is none.
 
         Parameters
         ----------
         label
             name of the run, such as "2h"
         size
-            what is refined, over that of the finest run: element size, or 1/radius of a half-disc
+            the size that is refined, element size or 1/radius of a half-disc, over its value in the
+            run whose errors are measured
+        mesh, settings
+            of this run
         """
         import halfplane_fe
 
@@ -347,14 +355,22 @@ class _RunSolver:
                 )
             except ConvergenceError as failure:
                 return Run(label, size, {}, f"{label} did not converge: {failure}")
-            reference = self._theory(solution)
+            reference = self._half_plane_theory(solution)
         if reference is None:
             return Run(label, size, {}, f"{label}: half-plane theory has no answer on its steps")
+        # both follow the same loads: the polygon of the increments, or the smooth path
         compared_solution = on_straight_steps(solution) if self.on_polygon else solution
-        values = _value_by_key(compare(reference, compared_solution, effects=self.effects))
-        return Run(label, size, values, "", len(solution.time), len(solution.x))
+        values = _values_by_key(compare(reference, compared_solution, effects=self.effects))
+        return Run(
+            label=label,
+            size=size,
+            values=values,
+            failure="",
+            steps=len(solution.time),
+            nodes=len(solution.x),
+        )
 
-    def _theory(self, solution: ContactSolution) -> ContactSolution | None:
+    def _half_plane_theory(self, solution: ContactSolution) -> ContactSolution | None:
         """Half-plane theory at the points and instants of a run; None where it has no answer."""
         import semi_analytic
 
@@ -368,7 +384,7 @@ def _finer_steps_run(
 ) -> Run:
     """The run on the coarse `mesh` with load increments of half the length of `settings`."""
     label = f"{coarse_run.label}, halved increments"
-    return solver.run(label, coarse_run.size, mesh, finer_steps(settings))
+    return solver.run(label, coarse_run.size, mesh, settings_with_halved_steps(settings))
 
 
 def _far_field_runs(
@@ -378,13 +394,13 @@ def _far_field_runs(
     half-plane, does to a result: with the radius 2 L, L and L/2.
 
     `coarse_run` is the run with the radius L, solved already with this `mesh` and these `settings`.
-    Sizes of the runs are 1/radius over 1/L: 0.5, 1 and 2.
+    The size of a run is its 1/radius over 1/L: 0.5, 1 and 2.
     """
     runs = []
-    for radius_in_words, inverse_radius in (("2 L", 0.5), ("L/2", 2.0)):
-        scaled_mesh = replace(mesh, far_radius=mesh.far_radius / inverse_radius)
+    for radius_in_words, size in (("2 L", 0.5), ("L/2", 2.0)):
+        mesh_of_run = replace(mesh, far_radius=mesh.far_radius / size)
         label = f"{coarse_run.label}, {radius_in_words}"
-        runs.append(solver.run(label, inverse_radius, scaled_mesh, settings))
+        runs.append(solver.run(label, size, mesh_of_run, settings))
     run_with_large_disc, run_with_small_disc = runs
     return (run_with_large_disc, replace(coarse_run, size=1.0), run_with_small_disc)
 
@@ -395,23 +411,23 @@ def _penalty_runs(
     """Pairs of runs that show the error of a penalty layer: each of `runs`, and a run on the same
     mesh in which Coulomb's law is met exactly.
 
-    `runs` are those on the finest mesh and the next coarser one; the second pair shows what the
-    mesh does to the difference. Still coarser meshes would not show it: on them W changes more by
-    where in an element an edge lies than by the layer.
+    `runs` are those on the finest mesh and the next coarser one. The second pair shows how the mesh
+    changes the difference. Still coarser meshes would not show it: on them the place of an edge
+    within its element changes W more than the layer does.
 
     Parameters
     ----------
     solver
         solves the scene on a mesh and gives the run
-    settings
-        solver settings of the runs
+    mesh, settings
+        of the run on the finest mesh
     """
     exact_settings = replace(
         settings, method="active_set", normal_stiffness=None, tangential_stiffness=None
     )
     pairs = []
     for run in runs:
-        mesh_of_run, _ = coarser(mesh, settings, run.size)
+        mesh_of_run, _ = coarser_settings(mesh, settings, run.size)
         label = f"{run.label}, law met exactly"
         pairs.append((run, solver.run(label, run.size, mesh_of_run, exact_settings)))
     return tuple(pairs)
@@ -419,24 +435,22 @@ def _penalty_runs(
 
 @dataclass(frozen=True)
 class Term(PythonNumbers):
-    """One source of error in one metric."""
+    """One source of error in one metric, in the unit of the metric."""
 
-    name: str  # "mesh", "step", ...
-    # its share of the metric, signed; None where nothing stands out of the scatter, or nothing was
-    # measured
+    name: str  # the source: "mesh", "step", ...
+    # the error, with its sign; None where only scatter was seen, or nothing was measured
     value: float | None
-    uncertainty: float | None  # of that share; None where nothing was measured
+    uncertainty: float | None  # of the error; None where nothing was measured
     how: str  # by what it was measured, or why not
-    # the uncertainty is one that is never exceeded: bounds add up, the others go by the root of the
-    # sum of squares
+    # whether the uncertainty is never exceeded: such bounds add up, the others add by squares
     bound: bool = False
-    # order, kind: of the refinement, where it has one
+    # order, kind: observed order of convergence and kind of sequence of the runs, if any
     order: float | None = None
     kind: str = ""
 
     @property
-    def measured(self) -> bool:
-        """Whether anything is known of it."""
+    def is_measured(self) -> bool:
+        """Whether the source has a stated uncertainty."""
         return self.uncertainty is not None
 
 
@@ -444,28 +458,27 @@ class Term(PythonNumbers):
 class Budget:
     """The error of one metric and where it comes from."""
 
-    metric: Metric  # the whole error, with its tolerance
+    metric: Metric  # its value is the whole error E
     terms: tuple[Term, ...]  # every source but the idealisation
-    # whether the bodies are the half-planes of theory, so that there is no idealisation, see
-    # `are_half_planes`
-    half_planes: bool
+    # whether the bodies are the half-planes of theory, so that there is no idealisation error
+    are_half_planes: bool
 
     @property
     def total(self) -> float:
-        """E: what the metric says."""
+        """E, the value of the metric; NaN where it has none."""
         return float("nan") if self.metric.value is None else self.metric.value
 
     @property
     def rest(self) -> float:
-        """What the measured errors leave of the difference: the idealisation error, or of
-        half-planes what is unexplained.
+        """E minus all measured errors: the idealisation error of real bodies; of half-planes, the
+        part of E that is unexplained.
         """
         return self.total - sum(term.value or 0.0 for term in self.terms)
 
     @property
     def uncertainty(self) -> float | None:
-        """u of the rest; None where a term was not measured."""
-        if not all(term.measured for term in self.terms):
+        """u, the uncertainty of the rest; None where a term was not measured."""
+        if not all(term.is_measured for term in self.terms):
             return None
         bounds = [term.uncertainty or 0.0 for term in self.terms if term.bound]
         estimates = [term.uncertainty or 0.0 for term in self.terms if not term.bound]
@@ -479,87 +492,87 @@ class Budget:
         return replace(self.metric, uncertainty=self.uncertainty)
 
     @property
-    def resolved(self) -> bool | None:
-        """Whether an idealisation error stands out, |rest| > u; None where that is not known."""
+    def is_resolved(self) -> bool | None:
+        """Whether the rest exceeds its uncertainty, |rest| > u; None where that is not known."""
         if self.uncertainty is None or not math.isfinite(self.rest):
             return None
         return abs(self.rest) > self.uncertainty
 
     @property
-    def honest(self) -> bool | None:
-        """Whether the stated uncertainty covers the error: known for half-planes only, where the
-        rest must be nothing.
+    def is_covered(self) -> bool | None:
+        """Whether the stated uncertainty covers the rest: known for half-planes only, where the
+        true rest is zero. None otherwise.
         """
-        if not self.half_planes or self.resolved is None:
+        if not self.are_half_planes or self.is_resolved is None:
             return None
-        return not self.resolved
+        return not self.is_resolved
 
 
 @dataclass(frozen=True, eq=False)
 class ErrorBudget:
-    """Budgets of all metrics, the runs they rest on, and CPU seconds of the plain run and of
-    these.
-    """
+    """Budgets of all metrics, the runs that measured them, and the CPU time of the run itself."""
 
     budgets: tuple[Budget, ...]
     refinements: Refinements
-    plain_seconds: float
+    seconds_of_run: float
 
     @property
     def cost(self) -> float:
         """CPU time of the run with its budget over that of the plain run."""
-        return 1 + self.refinements.seconds / self.plain_seconds
+        return 1 + self.refinements.cpu_seconds / self.seconds_of_run
 
     def budget(self, key: str) -> Budget:
         """The budget of a metric; KeyError where it has none."""
         return {budget.metric.key: budget for budget in self.budgets}[key]
 
     @property
-    def honest(self) -> str:
-        """A sentence: of how many metrics the stated uncertainty covers what the measured errors
-        leave unexplained. `Budget.honest` is the truth value for one metric. That can be checked
-        only where the exact answer of the bodies is known.
+    def coverage(self) -> str:
+        """A sentence: for how many metrics the stated uncertainty covers the part of the error that
+        no measured term explains. It can be checked for half-planes only.
         """
-        coverings_known = [budget.honest for budget in self.budgets if budget.honest is not None]
-        if not coverings_known:
+        known_budgets = [budget for budget in self.budgets if budget.is_covered is not None]
+        if not known_budgets:
             return (
                 "cannot be checked here: the exact answer of these bodies is unknown (that of"
                 " half-planes is known)"
             )
+        covered_count = sum(bool(budget.is_covered) for budget in known_budgets)
         return (
-            f"{sum(coverings_known)} of {len(coverings_known)} metrics: the stated uncertainty"
+            f"{covered_count} of {len(known_budgets)} metrics: the stated uncertainty"
             " covers what the measured terms leave unexplained"
         )
 
 
 def error_budget(
-    comparison: Comparison, refinements: Refinements, plain_seconds: float
+    comparison: Comparison, refinements: Refinements, seconds_of_run: float
 ) -> ErrorBudget:
     """For every metric of `comparison` with a finite value, the part of each source of error in it:
     mesh, penalty layer, load increments, far field, iteration, theory.
 
-    `plain_seconds` is the CPU time of the run without the refinements.
+    `seconds_of_run` is the CPU time of the run without the refinements. The two metrics that are
+    parts of the dissipation have no budget of their own.
     """
     has_exact_answer = are_half_planes(comparison.scene)
-    iteration_term = _solver(comparison)
+    iteration_term = _iteration_term(comparison)
     budgets = []
     for metric in comparison.metrics:
-        if metric.key in _PARTS or metric.value is None or not math.isfinite(metric.value):
+        has_value = metric.value is not None and math.isfinite(metric.value)
+        if not has_value or metric.key in _PARTS_OF_METRICS:
             continue
         terms = (
-            _mesh(metric, comparison, refinements),
-            _penalty(metric, comparison, refinements),
-            _step(metric, refinements),
-            _far_field(metric, comparison, refinements),
+            _mesh_term(metric, comparison, refinements),
+            _penalty_term(metric, comparison, refinements),
+            _step_term(metric, refinements),
+            _far_field_term(metric, comparison, refinements),
             iteration_term,
-            _theory(metric, comparison),
+            _theory_term(metric, comparison),
         )
         budgets.append(Budget(metric, terms, has_exact_answer))
-    return ErrorBudget(tuple(budgets), refinements, plain_seconds)
+    return ErrorBudget(tuple(budgets), refinements, seconds_of_run)
 
 
 def _sizes_and_values(metric: Metric, runs: Iterable[Run]) -> list[tuple[float, float]]:
-    """Size and value of the runs that have a finite one."""
+    """(size, value of the metric) of every run in which the metric has a finite value."""
     pairs = []
     for run in runs:
         value = run.values.get(metric.key)
@@ -569,151 +582,168 @@ def _sizes_and_values(metric: Metric, runs: Iterable[Run]) -> list[tuple[float, 
 
 
 def _not_measured(name: str, runs: Iterable[Run] = (), why: str = "", before: str = "") -> Term:
-    """A term that nothing is known of: why, or what the runs failed by."""
+    """A term without value and uncertainty. It states the reason: `before`, then `why`, else the
+    failures of `runs`.
+    """
     failures = "; ".join(run.failure for run in runs if run.failure)
     reason = why or failures or "a run has no finite value"
     return Term(name, None, None, f"not measured: {before}{reason}")
 
 
-def _term_by_extrapolation(
+def _extrapolated_term(
     name: str, metric: Metric, refinements: Refinements, runs: tuple[Run, ...], formal_order: float
 ) -> Term:
-    """The error of a metric by one kind of refinement: its value in the run itself (size 1) minus
-    the limit of `runs` at size zero. No value where the values only scatter.
+    """The error of a metric by one source: its value in the run itself (size 1) minus the limit of
+    `runs` at size zero.
+
+    The term has no value where the runs only scatter. It is not measured with fewer than three
+    runs.
 
     Parameters
     ----------
     name
-        kind of error: "mesh" or "far field"
+        source of error: "mesh" or "far field"
     refinements
-        states, by kind of error, why one was not measured
+        states, by source of error, why it was not measured
     runs
-        runs that differ in one size only
+        runs that differ in one size only, the finest first
     formal_order
         order of convergence that the method has in theory
     """
-    value_at = dict(_sizes_and_values(metric, runs))
-    if name in refinements.not_measured or len(value_at) < 3 or 1.0 not in value_at:
-        return _not_measured(name, runs, refinements.not_measured.get(name, ""))
-    limit = extrapolate(
-        Refinement(tuple(value_at), tuple(value_at.values()), formal_order, ROUNDING)
+    value_at_size = dict(_sizes_and_values(metric, runs))
+    reason = refinements.not_measured.get(name, "")
+    if name in refinements.not_measured or len(value_at_size) < 3 or 1.0 not in value_at_size:
+        return _not_measured(name, runs, reason)
+
+    refinement = Refinement(
+        sizes=tuple(value_at_size),
+        values=tuple(value_at_size.values()),
+        formal_order=formal_order,
+        rounding=ROUNDING,
     )
+    extrapolation = extrapolate(refinement)
     error_of_run = None
-    if limit.kind not in ("oscillating", "diverging"):
-        error_of_run = value_at[1.0] - (limit.value or 0.0)
+    if extrapolation.kind not in ("oscillating", "diverging"):
+        error_of_run = value_at_size[1.0] - (extrapolation.value or 0.0)
     return Term(
-        name, error_of_run, limit.uncertainty, limit.rule, order=limit.order, kind=limit.kind
+        name,
+        error_of_run,
+        extrapolation.uncertainty,
+        extrapolation.rule,
+        order=extrapolation.order,
+        kind=extrapolation.kind,
     )
 
 
-def _mesh(metric: Metric, comparison: Comparison, refinements: Refinements) -> Term:
+def _mesh_term(metric: Metric, comparison: Comparison, refinements: Refinements) -> Term:
     """The error that the mesh makes in a metric: value of the run minus its limit for size zero.
 
-    A run that states an uncertainty of the value passes it on, since a value and its difference
-    from theory are equally uncertain. The coarser meshes then state the error, where they know it
-    better. They state both where the run states nothing, and where their curve ends outside of what
-    it states.
+    The limit comes from the coarser meshes. Where the run states an uncertainty of the value
+    itself, three cases are told apart:
+
+    - the error by the coarser meshes is larger than that: both error and uncertainty are theirs;
+    - their uncertainty is larger than that of the run: no error, and the uncertainty of the run;
+    - else: their error, and the uncertainty of the run.
     """
-    term = _term_by_extrapolation("mesh", metric, refinements, refinements.mesh, 2.0)
+    formal_order = 2.0
+    term = _extrapolated_term("mesh", metric, refinements, refinements.mesh_runs, formal_order)
     if term.uncertainty is None:
         return term
-    labels = ", ".join(run.label for run in refinements.mesh if not run.failure)
+    labels = ", ".join(run.label for run in refinements.mesh_runs if not run.failure)
     method = f"{labels}: {term.kind}; {term.how}"
-    stated_uncertainty = _stated_by_mesh(metric, comparison)
+    stated_uncertainty = _uncertainty_of_value(metric, comparison)
     if stated_uncertainty is None:
-        return _no_less_than_stated(replace(term, how=method), metric, comparison)
+        return _with_stated_uncertainties(replace(term, how=method), metric, comparison)
     if term.value is not None and abs(term.value) > stated_uncertainty:
         return replace(term, how=f"{method}; the run itself states less, {stated_uncertainty:.1e}")
     if stated_uncertainty < term.uncertainty:
-        # Where edges stand in their elements moves a value from mesh to mesh: a few meshes show
-        # that scatter, and no order.
+        # The places of the edges within their elements move a value from mesh to mesh: a few meshes
+        # show that scatter, and no order.
         method = (
             f"{method}, {term.uncertainty:.1e}; instead the smaller uncertainty that the run itself"
             " states"
         )
         return Term("mesh", None, stated_uncertainty, method)
-    return replace(term, uncertainty=stated_uncertainty, how=f"{method}; {_BY_RUN}")
+    return replace(term, uncertainty=stated_uncertainty, how=f"{method}; {_STATED_BY_RUN}")
 
 
-def _no_less_than_stated(term: Term, metric: Metric, comparison: Comparison) -> Term:
-    """The mesh's contribution `term` to a metric, with an uncertainty no smaller than what the run
-    itself states of its contact edges, stick edges and pressure peaks.
-
-    It is used for metrics whose own value has no stated uncertainty.
+def _with_stated_uncertainties(term: Term, metric: Metric, comparison: Comparison) -> Term:
+    """The `term` of the mesh in a metric, its uncertainty raised to the largest that the run itself
+    states of the metric, of its contact or stick edge, or of its pressure peak.
     """
     least_uncertainty = max(
         metric.uncertainty or 0.0,
-        _stated_of_edges(metric, comparison),
-        _stated_of_peak(metric, comparison),
+        _uncertainty_of_edge(metric, comparison),
+        _uncertainty_of_peak(metric, comparison),
     )
     if (term.uncertainty or 0.0) < least_uncertainty < math.inf:
-        return replace(term, uncertainty=least_uncertainty, how=f"{term.how}; {_BY_RUN}")
+        return replace(term, uncertainty=least_uncertainty, how=f"{term.how}; {_STATED_BY_RUN}")
     return term
 
 
-def _stated_by_mesh(metric: Metric, comparison: Comparison) -> float | None:
-    """Uncertainty by the mesh that the result states of the value, in the unit of the metric; None
-    without one, and of a penalty layer, whose own share is a part of it.
+def _uncertainty_of_value(metric: Metric, comparison: Comparison) -> float | None:
+    """Uncertainty that the result states of a metric's value, in the unit of the metric; None where
+    it states none. None with a penalty layer too, whose error is a part of what it states.
     """
     if comparison.result.settings.get("solver", {}).get("method") == "penalty":
         return None
     return metric.stated_by_result
 
 
-def _stated_of_edges(metric: Metric, comparison: Comparison) -> float:
-    """Uncertainty that a result itself states of a contact or stick edge at the instant at which
-    the metric was taken, over the reference half-width. 0 for metrics of no edge, and where none is
-    stated.
+def _uncertainty_of_edge(metric: Metric, comparison: Comparison) -> float:
+    """Uncertainty that a result itself states of a contact or stick edge at the instant of the
+    metric, over the reference half-width. 0 for metrics of no edge, and where none is stated.
     """
     result = comparison.result
-    edge_uncertainty = getattr(result, f"{metric.key}_uncertainty", None)
-    # no edge: the largest pressure, whose uncertainty has the same kind of name
-    if metric.key in _PEAKS or edge_uncertainty is None or metric.time is None:
+    # (n_instants, 2), left and right edge [length], as `contact_edge_uncertainty`
+    edge_uncertainties = getattr(result, f"{metric.key}_uncertainty", None)
+    # pressure peaks have an attribute of such a name too, and are no edges
+    if metric.key in _PEAK_METRICS or edge_uncertainties is None or metric.time is None:
         return 0.0
     instant = int(abs(result.time - metric.time).argmin())
-    return float(max(edge_uncertainty[instant])) / comparison.scales.half_width
+    return float(max(edge_uncertainties[instant])) / comparison.scales.half_width
 
 
-def _stated_of_peak(metric: Metric, comparison: Comparison) -> float:
-    """Uncertainty that the result states of its largest pressure, over the reference's; 0 for
-    metrics that are no peak, for half-planes, and where none is stated.
+def _uncertainty_of_peak(metric: Metric, comparison: Comparison) -> float:
+    """Uncertainty that the result states of its largest pressure, over the largest pressure of the
+    reference. 0 for metrics that are no pressure peak, for half-planes, and where none is stated.
 
-    It is added because the coarser meshes of a budget may agree by chance: the peak is a smooth
-    function of the element size only where the edges of contact lie alike in their elements. For
-    half-planes it is not needed: their true error is known, and what those meshes show covers it.
-
-    The result states it over its own peak. The value of a metric is result/reference - 1: with 1
-    plus that value it is over the reference's peak.
+    It is needed because coarser meshes may agree by chance: the peak is a smooth function of the
+    element size only where the contact edges lie alike in their elements. For half-planes it is not
+    needed: their true error is known, and the coarser meshes cover it.
     """
-    if metric.key not in _PEAKS or are_half_planes(comparison.scene):
+    if metric.key not in _PEAK_METRICS or are_half_planes(comparison.scene):
         return 0.0
     uncertainty = comparison.result.uncertainties.get("largest_pressure", math.nan)
     if not math.isfinite(uncertainty):
         return 0.0
-    uncertainty_over_result = float(uncertainty / comparison.result.pressure.max())
-    return uncertainty_over_result * abs(1 + (metric.value or 0.0))
+    uncertainty_over_result_peak = float(uncertainty / comparison.result.pressure.max())
+    # the metric is result/reference - 1
+    peak_ratio = abs(1 + (metric.value or 0.0))
+    return uncertainty_over_result_peak * peak_ratio
 
 
-def _step(metric: Metric, refinements: Refinements) -> Term:
-    """The error that straight load increments make in a metric: exact where theory steps through
-    the same increments.
+def _step_term(metric: Metric, refinements: Refinements) -> Term:
+    """The error that straight load increments make in a metric, where the loads follow a curve.
 
-    Elsewhere 4/3 of what halved increments change, by second order, and as uncertain as that
-    change.
+    It is known exactly where theory can follow the polygon of the increments: value by theory on
+    the smooth path minus value by theory on the polygon. Elsewhere the error is 4/3 of the change
+    by halved increments, as for an error of second order. Its uncertainty is that change.
     """
-    if refinements.step is not None:
-        values = [value for _, value in _sizes_and_values(metric, refinements.step)]
+    if refinements.step_runs is not None:
+        values = [value for _, value in _sizes_and_values(metric, refinements.step_runs)]
         if len(values) < 2:
             reason_before = "half-plane theory has no answer on the polygon of the steps, and "
-            return _not_measured("step", refinements.step, before=reason_before)
-        # run with the increments of the result minus run with halved ones
-        change = values[0] - values[1]
+            return _not_measured("step", refinements.step_runs, before=reason_before)
+        value_with_increments, value_with_halved_increments = values
+        change = value_with_increments - value_with_halved_increments
         method = (
-            f"halved increments at {refinements.coarse}, second order; half-plane theory has no"
-            " answer on the polygon of the steps"
+            f"halved increments at {refinements.coarse_label}, second order; half-plane theory has"
+            " no answer on the polygon of the steps"
         )
         return Term("step", 4 / 3 * change, abs(change) + ROUNDING, method)
-    value_on_polygon = refinements.mesh[0].values.get(metric.key)
+    # the first run is the result itself, compared with theory on the polygon
+    value_on_polygon = refinements.mesh_runs[0].values.get(metric.key)
     if value_on_polygon is None or not math.isfinite(value_on_polygon) or metric.value is None:
         return _not_measured("step", why="theory on the polygon of the steps has no such value")
     method = (
@@ -722,54 +752,60 @@ def _step(metric: Metric, refinements: Refinements) -> Term:
     return Term("step", metric.value - value_on_polygon, ROUNDING, method, bound=True)
 
 
-def _penalty(metric: Metric, comparison: Comparison, refinements: Refinements) -> Term:
+def _penalty_term(metric: Metric, comparison: Comparison, refinements: Refinements) -> Term:
     """The error that a penalty layer makes in a metric: value with the layer minus value without
     it.
 
-    Its uncertainty is twice what the next coarser mesh changes of that difference. None, and exact,
-    without a layer.
+    Its uncertainty is twice the change of that difference on the next coarser mesh. Where the
+    solver uses no layer there is no error, and no uncertainty.
     """
     if comparison.result.settings.get("solver", {}).get("method") != "penalty":
         method = "none by construction: the law is met exactly"
         return Term("penalty", None, 0.0, method, bound=True)
     differences = []
-    for run_pair in refinements.penalty:
+    for run_pair in refinements.penalty_pairs:
         values = [value for _, value in _sizes_and_values(metric, run_pair)]
         if len(values) == 2:
             value_with_layer, value_without_layer = values
             differences.append(value_with_layer - value_without_layer)
     if "penalty" in refinements.not_measured or len(differences) < 2:
         reason = refinements.not_measured.get("penalty", "")
-        return _not_measured("penalty", chain(*refinements.penalty), reason)
+        return _not_measured("penalty", chain(*refinements.penalty_pairs), reason)
     method = (
         "with the layer less without it, at h; twice what that changes by at the next coarser mesh"
     )
-    return Term("penalty", differences[0], 2 * abs(differences[0] - differences[1]), method)
+    difference_on_mesh, difference_on_coarser_mesh = differences
+    uncertainty = 2 * abs(difference_on_mesh - difference_on_coarser_mesh)
+    return Term("penalty", difference_on_mesh, uncertainty, method)
 
 
-def _far_field(metric: Metric, comparison: Comparison, refinements: Refinements) -> Term:
-    """The error that the finite radius L of a meshed half-plane makes in a metric: phi(L) −
-    phi(infinity) on the coarse mesh, phi the metric.
+def _far_field_term(metric: Metric, comparison: Comparison, refinements: Refinements) -> Term:
+    """The error that the finite radius L of a meshed half-plane makes in a metric phi:
+    phi(L) − phi(infinity) on the coarse mesh.
 
-    Where the radii show no order their scatter is its uncertainty.
+    Where the three radii show no plausible order there is no value, and the uncertainty is the
+    spread of their values.
     """
-    if "half_plane" not in (comparison.scene.bodies.lower.kind, comparison.scene.bodies.upper.kind):
+    bodies = comparison.scene.bodies
+    if "half_plane" not in (bodies.lower.kind, bodies.upper.kind):
         return Term("far field", None, 0.0, "none: the bodies have a size of their own", bound=True)
-    term = _term_by_extrapolation("far field", metric, refinements, refinements.far_field, 4.0)
+    formal_order = 4.0  # tractions under given loads converge with the fourth power of 1/L
+    runs = refinements.far_field_runs
+    term = _extrapolated_term("far field", metric, refinements, runs, formal_order)
     if term.uncertainty is None:
         return term
-    method = f"radius 2 L, L, L/2 on the mesh of {refinements.coarse}: {term.kind}"
-    # Tractions under given loads converge with the fourth power of 1/L.
-    if term.kind == "exact" or _plausible(term.order, 4.0):
+    method = f"radius 2 L, L, L/2 on the mesh of {refinements.coarse_label}: {term.kind}"
+    if term.kind == "exact" or _is_plausible(term.order, formal_order):
         return replace(term, how=method)
-    values = [value for _, value in _sizes_and_values(metric, refinements.far_field)]
+    values = [value for _, value in _sizes_and_values(metric, runs)]
+    spread = max(values) - min(values)
     method += "; not resolved: the scatter between meshes is as large"
-    return replace(term, value=None, uncertainty=max(values) - min(values), how=method)
+    return replace(term, value=None, uncertainty=spread, how=method)
 
 
-def _solver(comparison: Comparison) -> Term:
-    """The worst residual of any step: dimensionless, a bound for what rounding and termination may
-    do.
+def _iteration_term(comparison: Comparison) -> Term:
+    """The error by rounding and by the end of the iteration: the worst residual of any step bounds
+    it, dimensionless.
     """
     checks = [check for check in comparison.result_certificates if check.source == "record"]
     if not checks:
@@ -779,20 +815,19 @@ def _solver(comparison: Comparison) -> Term:
     return Term("solver", None, worst_check.value, method, bound=True)
 
 
-def _theory(metric: Metric, comparison: Comparison) -> Term:
-    """The error of half-plane theory's own quadratures and series in a metric, as theory's record
+def _theory_term(metric: Metric, comparison: Comparison) -> Term:
+    """The error of half-plane theory's own quadratures and series in a metric, as theory itself
     estimates it; round-off where it uses closed forms. There is no value: the sign is not known.
     """
-    field = _FIELDS.get(metric.key, metric.key)
-    polygon = comparison.polygon_reference
-    records = [comparison.reference.record]
-    if polygon is not None:
-        records.append(polygon.record)
+    prefix = _NAMES_OF_ERRORS.get(metric.key, metric.key)
+    theory_solutions = [comparison.reference]
+    if comparison.polygon_reference is not None:
+        theory_solutions.append(comparison.polygon_reference)
     error_estimates = [
         error
-        for record in records
-        for name, error in record.errors.items()
-        if name.startswith(field)
+        for solution in theory_solutions
+        for name, error in solution.record.errors.items()
+        if name.startswith(prefix)
     ]
     if metric.stated_by_reference:
         error_estimates.append(metric.stated_by_reference)
@@ -808,12 +843,13 @@ def _theory(metric: Metric, comparison: Comparison) -> Term:
 # --------------------------------------------------------------- mesh-refinement study of one value
 _Kind = Literal["monotone", "oscillating", "diverging", "exact", "too few"]
 
-# Safety factors on an uncertainty: of a plausible order, and of any other (Eca and Hoekstra 2014).
-_SAFE = 1.25
-_DOUBTFUL = 3.0
-# Orders outside are looked for only to be told apart: beyond 16 a ratio of 2 leaves no digits
+# Safety factors on an uncertainty: for a plausible order, and for any other order (Eca and Hoekstra
+# 2014).
+_SAFETY_FACTOR = 1.25
+_LARGE_SAFETY_FACTOR = 3.0
+# Smallest and largest order p that is searched. Beyond 16 a size ratio of 2 leaves no digits
 # between the two finest solutions.
-_ORDERS = (0.01, 16.0)
+_ORDER_RANGE = (0.01, 16.0)
 
 
 @dataclass(frozen=True)
@@ -822,16 +858,16 @@ class Refinement(PythonNumbers):
 
     sizes: tuple[float, ...]  # h > 0 of each solution, finest first, strictly growing
     values: tuple[float, ...]  # phi of each solution, finite
-    # largest order that theory admits; plausible ones lie between a quarter of it and a twentieth
-    # above
+    # order of the method in theory; an observed order is plausible from 0.25 to 1.05 times that
     formal_order: float = 2.0
-    rounding: float = 0.0  # differences up to this are none
+    rounding: float = 0.0  # values that differ by no more than this are equal
 
     def __post_init__(self) -> None:
-        """Check the sizes and values of a refinement study. ValueError for sizes that do not grow
-        from the finest on, and for values that are not finite or not as many as sizes.
+        """Check the sizes and values of a refinement study. ValueError where the sizes are not
+        positive and strictly growing, where a value is not finite, or where the numbers of sizes
+        and values differ.
         """
-        super().__post_init__()
+        super().__post_init__()  # NumPy numbers become Python numbers
         if len(self.sizes) != len(self.values) or not self.sizes:
             raise ValueError(f"{len(self.sizes)} sizes for {len(self.values)} values")
         if min(self.sizes) <= 0 or any(np.diff(self.sizes) <= 0):
@@ -843,15 +879,15 @@ class Refinement(PythonNumbers):
 
     @property
     def spread(self) -> float:
-        """Largest less least value."""
+        """Largest minus smallest value."""
         return max(self.values) - min(self.values)
 
-    def plausible(self, order: float | None) -> bool:
-        """Whether theory admits an observed order."""
-        return _plausible(order, self.formal_order)
+    def admits(self, order: float | None) -> bool:
+        """Whether theory admits an observed order; no order is not admitted."""
+        return _is_plausible(order, self.formal_order)
 
 
-def _plausible(order: float | None, formal: float) -> bool:
+def _is_plausible(order: float | None, formal: float) -> bool:
     """Whether theory admits an observed order, for the formal order 2 those from 0.5 to 2.1 (Eca
     and Hoekstra 2014).
     """
@@ -860,20 +896,20 @@ def _plausible(order: float | None, formal: float) -> bool:
 
 @dataclass(frozen=True)
 class Extrapolation(PythonNumbers):
-    """What a refinement study says."""
+    """The result of a refinement study: the value at size zero with its uncertainty."""
 
     order: float | None  # observed p; None where there is none
-    kind: _Kind  # how the values go as h falls
+    kind: _Kind  # how the values change as h falls
     value: float | None  # phi_0; None for a single solution
     # |phi_0 - truth| and |finest phi - truth| should both be less, about 19 times of 20; None for a
     # single solution
     uncertainty: float | None
-    rule: str  # in words
+    rule: str  # the rule that gave value and uncertainty, in words
 
 
 def observed_order(sizes: tuple[float, ...], values: tuple[float, ...]) -> float | None:
     """Order of convergence p of three solutions: that of the curve phi_0 + alpha h^p through their
-    values. None where the values are not monotone, or drift apart as the size h falls.
+    values. None where the values are not monotone, or where p lies outside 0.01 to 16.
 
     Parameters
     ----------
@@ -898,10 +934,11 @@ def observed_order(sizes: tuple[float, ...], values: tuple[float, ...]) -> float
     coarse_log_ratio = math.log(sizes[2] / sizes[1])
 
     def misfit(p: float) -> float:
+        """log of the ratio of changes that the order p gives, minus log of the actual ratio."""
         growth = math.expm1(p * coarse_log_ratio) / math.expm1(p * fine_log_ratio)
         return p * fine_log_ratio + math.log(growth) - log_of_changes
 
-    least_order, largest_order = _ORDERS
+    least_order, largest_order = _ORDER_RANGE
     if misfit(least_order) >= 0 or misfit(largest_order) <= 0:
         return None
     from scipy.optimize import brentq  # a tenth of a second, for few comparisons
@@ -912,8 +949,10 @@ def observed_order(sizes: tuple[float, ...], values: tuple[float, ...]) -> float
 def kind_of(refinement: Refinement) -> _Kind:
     """How the values of a refinement study change as the element size falls.
 
-    All in one sense: monotone where a curve with p > 0 fits best, else diverging. In changing
-    senses: oscillating where the last change is smaller than the largest before it, else diverging.
+    "exact": all values are equal to rounding. Changes of one sign: "monotone" where the curve
+    phi_0 + alpha h^p that fits best has p > 0, else "diverging". Changes of both signs:
+    "oscillating" where the change between the two finest meshes is smaller than the largest of the
+    other changes, else "diverging".
     """
     if len(refinement.values) < 3:
         return "too few"
@@ -921,24 +960,31 @@ def kind_of(refinement: Refinement) -> _Kind:
         return "exact"
     changes = np.diff(refinement.values)
     if np.all(changes > 0) or np.all(changes < 0):
-        return "diverging" if _order(refinement) is None else "monotone"
-    return "oscillating" if abs(changes[0]) < np.abs(changes[1:]).max() else "diverging"
+        return "diverging" if _order_of_best_curve(refinement) is None else "monotone"
+    finest_change = abs(changes[0])
+    largest_other_change = np.abs(changes[1:]).max()
+    return "oscillating" if finest_change < largest_other_change else "diverging"
 
 
 def extrapolate(refinement: Refinement) -> Extrapolation:
-    """Extrapolate a value to element size zero from solutions on meshes of different size: the
-    order of convergence, the kind of sequence (monotone, oscillating, ...), the limit and its
-    uncertainty.
+    """Extrapolate a value to element size zero from solutions on meshes of different size.
+    Returns the order of convergence, the kind of sequence (monotone, oscillating, ...), the value
+    at size zero and its uncertainty.
 
-    Where every three neighbouring meshes are monotone and their orders plausible and alike to a
-    quarter of the formal one: Roache's index with the safety factor 1.25, the uncertainty by the
-    lowest order. Monotone otherwise: least squares, not less than the spread of the three finest.
-    Oscillating or diverging: the finest value, with no less than the spread of all. These floors
-    are ours: of noise about as large as the trend, the published rules on four solutions cover four
-    truths of five only, with the floors 94 of 100 (tests/test_reports_budget.py).
+    - Every three neighbouring meshes have plausible orders that agree to a quarter of the formal
+      order: Roache's index with the safety factor 1.25, the uncertainty by the lowest order.
+    - Otherwise monotone, four meshes or more: least squares. The uncertainty is at least the spread
+      of the three finest.
+    - Oscillating or diverging, four meshes or more: the finest value. The uncertainty is at least
+      the spread of all.
+    - Three meshes otherwise: the finest value, with three times the spread.
 
-    >>> found = extrapolate(Refinement((1.0, 2.0, 4.0), (0.97050, 0.96854, 0.96178)))
-    >>> found.kind, round(found.value, 6), round(found.uncertainty / 0.97050, 6)
+    The two lower limits on the uncertainty are ours. Where noise is about as large as the trend,
+    the published rules on four solutions cover the true value 80 times of 100, with the limits 94
+    times (tests/test_reports_budget.py).
+
+    >>> limit = extrapolate(Refinement((1.0, 2.0, 4.0), (0.97050, 0.96854, 0.96178)))
+    >>> limit.kind, round(limit.value, 6), round(limit.uncertainty / 0.97050, 6)
     ('monotone', 0.9713, 0.001031)
     """
     kind = kind_of(refinement)
@@ -951,35 +997,39 @@ def extrapolate(refinement: Refinement) -> Extrapolation:
         return Extrapolation(None, kind, finest_value, refinement.rounding, rule)
     if n_solutions == 2:
         correction = _richardson(refinement, refinement.formal_order)
+        limit = finest_value + correction
+        uncertainty = _LARGE_SAFETY_FACTOR * abs(correction)
         rule = "formal order assumed, safety factor 3"
-        return Extrapolation(
-            None, kind, finest_value + correction, _DOUBTFUL * abs(correction), rule
-        )
+        return Extrapolation(None, kind, limit, uncertainty, rule)
+
+    # the observed order of every three neighbouring meshes, the finest three first
     orders = []
     for first_mesh in range(n_solutions - 2):
         three_meshes = slice(first_mesh, first_mesh + 3)
         orders.append(
             observed_order(refinement.sizes[three_meshes], refinement.values[three_meshes])
         )
-    plausible_orders = [
-        order for order in orders if order is not None and refinement.plausible(order)
-    ]
+    plausible_orders = [order for order in orders if order is not None and refinement.admits(order)]
     if len(plausible_orders) == len(orders):
         lowest_order = min(plausible_orders)
         if max(plausible_orders) - lowest_order <= refinement.formal_order / 4:
             finest_order = plausible_orders[0]
             limit = finest_value + _richardson(refinement, finest_order)
-            uncertainty = _SAFE * abs(_richardson(refinement, lowest_order))
+            uncertainty = _SAFETY_FACTOR * abs(_richardson(refinement, lowest_order))
             rule = "Roache, safety factor 1.25"
             return Extrapolation(finest_order, kind, limit, uncertainty, rule)
     if n_solutions == 3:
         rule = "the finest, three times the spread"
-        return Extrapolation(orders[0], kind, finest_value, _DOUBTFUL * refinement.spread, rule)
+        return Extrapolation(
+            orders[0], kind, finest_value, _LARGE_SAFETY_FACTOR * refinement.spread, rule
+        )
     return _least_squares(refinement, kind)
 
 
 def _richardson(refinement: Refinement, order: float) -> float:
-    """phi_0 - phi_1 by Richardson's extrapolation from the two finest solutions."""
+    """Limit at size zero minus finest value, by Richardson's extrapolation with the order p from
+    the two finest solutions: (phi_1 - phi_2) / ((h_2/h_1)^p - 1).
+    """
     finest_value, second_value = refinement.values[:2]
     log_ratio = math.log(refinement.sizes[1] / refinement.sizes[0])
     return (finest_value - second_value) / math.expm1(order * log_ratio)
@@ -987,37 +1037,31 @@ def _richardson(refinement: Refinement, order: float) -> float:
 
 @dataclass(frozen=True)
 class _Fit:
-    """A curve through scattered solutions: value at size zero, fitted finest value, standard
-    deviation, order where it was free.
-    """
+    """A curve through scattered solutions."""
 
-    limit: float
-    finest_value: float
-    deviation: float
-    order: float | None = None
+    limit: float  # its value at size zero
+    finest_value: float  # its value at the finest size
+    deviation: float  # standard deviation of the solutions from it
+    order: float | None = None  # where the order was fitted too
 
 
 def _least_squares(refinement: Refinement, kind: _Kind) -> Extrapolation:
     """Limit at size zero and its uncertainty, from a curve fitted to four or more solutions (Eca
     and Hoekstra 2014, section 3).
 
-    The uncertainty is no less than the spread of the three finest solutions where all are monotone,
-    else than the spread of all. Without a trend the value is that of the finest.
-
-    Parameters
-    ----------
-    kind
-        how the values change with the size: "monotone", "oscillating" or "diverging"
+    `kind` is "monotone", "oscillating" or "diverging". The uncertainty of monotone values is at
+    least the spread of the three finest, otherwise at least the spread of all. Values that are not
+    monotone have no limit: the finest value stands for it.
     """
     fit, order_in_words, order = _trusted_curve(refinement)
     finest_value = refinement.values[0]
-    mean_change = refinement.spread / (len(refinement.values) - 1)
+    mean_change = refinement.spread / (len(refinement.values) - 1)  # between neighbouring meshes
     residual = abs(finest_value - fit.finest_value)
     error_of_finest = abs(fit.limit - fit.finest_value)
-    safety_factor = _SAFE if refinement.plausible(order) else _DOUBTFUL
+    safety_factor = _SAFETY_FACTOR if refinement.admits(order) else _LARGE_SAFETY_FACTOR
     uncertainty = safety_factor * error_of_finest + fit.deviation + residual
     if fit.deviation >= mean_change:  # the solutions scatter more than they change
-        scatter_factor = _DOUBTFUL * fit.deviation / mean_change
+        scatter_factor = _LARGE_SAFETY_FACTOR * fit.deviation / mean_change
         uncertainty = scatter_factor * (error_of_finest + fit.deviation + residual)
     if kind == "monotone":
         spread_of_finest = max(refinement.values[:3]) - min(refinement.values[:3])
@@ -1030,11 +1074,12 @@ def _least_squares(refinement: Refinement, kind: _Kind) -> Extrapolation:
 
 
 def _trusted_curve(refinement: Refinement) -> tuple[_Fit, str, float | None]:
-    """The curve of a refinement study's values over element size that is used for the limit; its
-    order in words; and the order that was observed, None where it is beyond the range searched.
+    """The curve phi(h) that gives the limit of a refinement study; its order in words; and the
+    fitted order, None where no order from 0.01 to 16 fits best.
 
-    It is the curve of fitted order where this lies between a quarter of the formal order and the
-    formal order; else the best of the curves with fixed orders.
+    It is the curve of fitted order where that lies between a quarter of the formal order and the
+    formal order. Otherwise it is the best of the curves with the formal order, with half of it, or
+    (where the fitted order is small or absent) with both.
     """
     formal_order = refinement.formal_order
     free_fit = _best_free_fit(refinement)
@@ -1055,44 +1100,44 @@ def _trusted_curve(refinement: Refinement) -> tuple[_Fit, str, float | None]:
 
 
 def _best_free_fit(refinement: Refinement) -> _Fit:
-    """The curve of any order with the smaller deviation of the two weightings."""
+    """The curve of fitted order, with the one of the two sets of weights that deviates less."""
     fits = [_fit_of_free_order(refinement, weights) for weights in _weights(refinement)]
     return min(fits, key=lambda fit: fit.deviation)
 
 
 def _weights(refinement: Refinement) -> Iterator[Array]:
-    """Equal ones, and 1/h; both of mean 1."""
+    """Two sets of weights of the solutions, (k,) each, of mean 1: equal weights, and 1/h."""
     h = np.array(refinement.sizes)
     yield np.ones_like(h)
     yield len(h) / h / np.sum(1 / h)
 
 
-def _order(refinement: Refinement) -> float | None:
-    """Order of the best curve; None where it has p <= 0."""
+def _order_of_best_curve(refinement: Refinement) -> float | None:
+    """Order p of the curve that fits the values best; None where no p from 0.01 to 16 does."""
     if len(refinement.values) == 3:
         return observed_order(refinement.sizes, refinement.values)
     return _best_free_fit(refinement).order
 
 
 def _fit_of_free_order(refinement: Refinement, weights: Array) -> _Fit:
-    """The curve phi_0 + alpha h^p that fits the values of a refinement study best with these
-    `weights` (k,), p free between 0.01 and 16. Its order is None where the best p is an end of that
-    range.
+    """The curve phi_0 + alpha h^p that fits the values of a refinement study best, for `weights`
+    (k,) of the k solutions, p between 0.01 and 16. Its order is None where the best p is an end of
+    that range.
     """
     relative_sizes = np.array(refinement.sizes) / refinement.sizes[-1]
     values = np.array(refinement.values)
     deviations = values - np.average(values, weights=weights)
 
     def residual(orders: Array) -> Array:
-        """Weighted sum of squares of the residuals with the best alpha, for each of some orders p,
-        (k,).
+        """For each of m orders p, the weighted sum of squared residuals with the best phi_0 and
+        alpha, (m,).
         """
         powers = relative_sizes ** np.atleast_1d(orders)[:, None]
         powers = powers - np.average(powers, axis=1, weights=weights)[:, None]
         alpha = (weights * powers) @ deviations / np.sum(weights * powers**2, axis=1)
         return np.asarray(np.sum(weights * (deviations - alpha[:, None] * powers) ** 2, axis=1))
 
-    trial_orders = np.geomspace(*_ORDERS, 97)
+    trial_orders = np.geomspace(*_ORDER_RANGE, 97)
     best_index = int(np.argmin(residual(trial_orders)))
     order = None
     if 0 < best_index < len(trial_orders) - 1:
@@ -1105,14 +1150,15 @@ def _fit_of_free_order(refinement: Refinement, weights: Array) -> _Fit:
             options={"xatol": 1e-9},
         )
         order = float(minimum.x)
-    return _fit(refinement, (order or float(trial_orders[best_index]),), weights, order)
+    best_order = order or float(trial_orders[best_index])
+    return _fit(refinement, (best_order,), weights, order)
 
 
 def _fit(
     refinement: Refinement, powers: tuple[float, ...], weights: Array, order: float | None = None
 ) -> _Fit:
-    """Fit the curve phi_0 + sum alpha_k h^p_k to the solutions of a refinement study by weighted
-    least squares; h are their sizes, p_k the `powers`. Returns limit phi_0, finest value and
+    """Fit the curve phi_0 + sum_j alpha_j h^p_j to the solutions of a refinement study by weighted
+    least squares; h are their sizes, p_j the `powers`. Returns limit phi_0, finest value and
     standard deviation.
 
     Parameters
@@ -1120,19 +1166,21 @@ def _fit(
     weights
         (k,) weights of the k solutions
     order
-        the single power, where it was itself fitted; it then counts as a parameter
+        the single power, where it was itself fitted; it then takes one degree of freedom more
     """
     relative_sizes = np.array(refinement.sizes) / refinement.sizes[-1]
     values = np.array(refinement.values)
-    terms = np.column_stack(
+    # one column for phi_0, then one for each power
+    columns = np.column_stack(
         [np.ones_like(relative_sizes), *(relative_sizes**power for power in powers)]
     )
     root_of_weights = np.sqrt(weights)
     coefficients = np.linalg.lstsq(
-        terms * root_of_weights[:, None], values * root_of_weights, rcond=None
+        columns * root_of_weights[:, None], values * root_of_weights, rcond=None
     )[0]
-    fitted_values = terms @ coefficients
-    degrees_of_freedom = max(len(relative_sizes) - len(coefficients) - (order is not None), 1)
+    fitted_values = columns @ coefficients
+    n_fitted = len(coefficients) + (order is not None)
+    degrees_of_freedom = max(len(values) - n_fitted, 1)
     deviation = math.sqrt(
         float(np.sum(weights * (values - fitted_values) ** 2)) / degrees_of_freedom
     )

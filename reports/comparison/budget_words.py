@@ -10,43 +10,44 @@ from reports.comparison.judged import JudgedPair
 from reports.comparison.metrics import Metric
 from reports.comparison.words import amount, value_of
 
-# Share of a discrepancy and its uncertainty below which a term says nothing.
+# A term below this share of the discrepancy with its uncertainty is negligible.
 _NEGLIGIBLE = 1e-3
 
 
 def negligible_terms(budget: ErrorBudget) -> tuple[str, ...]:
-    """Names of the terms that are below a thousandth of every discrepancy of the first table, with
-    its uncertainty.
+    """Names of the sources of error that are negligible in every metric of the page's first table:
+    below a thousandth of the discrepancy with its uncertainty.
     """
-    headlines = [entry for entry in budget.budgets if entry.metric.headline]
+    first_budgets = [entry for entry in budget.budgets if entry.metric.headline]
     names = []
-    for place, term in enumerate(headlines[0].terms if headlines else ()):
-        if all(_is_negligible(entry, entry.terms[place]) for entry in headlines):
+    for place, term in enumerate(first_budgets[0].terms if first_budgets else ()):
+        if all(_is_negligible(entry, entry.terms[place]) for entry in first_budgets):
             names.append(term.name)
     return tuple(names)
 
 
 def _is_negligible(entry: Budget, term: Term) -> bool:
-    """Whether a term is known, and too small to matter in a metric."""
+    """Whether `term` was measured, and is too small to matter in the budget of a metric."""
     if term.uncertainty is None or entry.total is None:
         return False
-    size = abs(term.value or 0.0) + term.uncertainty
-    return size <= _NEGLIGIBLE * (abs(entry.total) + (entry.uncertainty or 0.0))
+    size_of_term = abs(term.value or 0.0) + term.uncertainty
+    size_of_error = abs(entry.total) + (entry.uncertainty or 0.0)
+    return size_of_term <= _NEGLIGIBLE * size_of_error
 
 
 def budget_table(
-    budget: ErrorBudget, without: tuple[str, ...] = ()
+    budget: ErrorBudget, left_out: tuple[str, ...] = ()
 ) -> tuple[tuple[str, ...], list[tuple[str, ...]], list[tuple[str, ...]]]:
     """The table of the error budget as text: column heads, rows of the metrics that the page's
     first table shows, and rows of the other metrics.
 
-    There is a column for each source of error, but for those named in `without` and those that
-    contribute nothing anywhere. The last column says, for half-planes, whether the uncertainty
-    covers what the sources leave unexplained; for real bodies, whether the idealisation error is
-    larger than its uncertainty.
+    A row holds the metric, its error E, one cell for each source of error, the part that these
+    leave, its uncertainty u, and a verdict. Sources named in `left_out`, and columns with "none" in
+    every row, are not shown. The verdict says, for half-planes, whether u covers the unexplained
+    part; for real bodies, whether the idealisation error is larger than u.
     """
     term_names = [term.name for term in budget.budgets[0].terms] if budget.budgets else []
-    are_half_planes = all(entry.half_planes for entry in budget.budgets)
+    are_half_planes = all(entry.are_half_planes for entry in budget.budgets)
     name_of_rest = "unexplained" if are_half_planes else "idealisation"
     heads = (
         "metric",
@@ -60,7 +61,7 @@ def budget_table(
     shown_columns = []
     for column, head in enumerate(heads):
         is_none_everywhere = all(row[column] == "none" for row in rows)
-        if head not in without and not is_none_everywhere:
+        if head not in left_out and not is_none_everywhere:
             shown_columns.append(column)
     first_rows = []
     other_rows = []
@@ -74,7 +75,7 @@ def budget_table(
 
 
 def _budget_row(budget: Budget) -> tuple[str, ...]:
-    """Cells of a metric: error, terms, what they leave, its uncertainty, verdict."""
+    """Cells of one metric: name, error, terms, the rest that they leave, uncertainty, verdict."""
     metric = budget.metric
     uncertainty = "not measured"
     if budget.uncertainty is not None:
@@ -86,7 +87,7 @@ def _budget_row(budget: Budget) -> tuple[str, ...]:
 
 
 def share(term: Term, metric: Metric) -> str:
-    """A term in a cell: its value and uncertainty, "none", or "not measured"."""
+    """A term as the text of a cell: its value and uncertainty, "none", or "not measured"."""
     if term.uncertainty is None:
         return "not measured"
     if term.value is None:
@@ -98,47 +99,48 @@ def share(term: Term, metric: Metric) -> str:
 
 
 def _judgement(budget: Budget) -> str:
-    """In words: of half-planes, whether the uncertainty covers what is left over; of real bodies,
-    whether an idealisation error stands out of it.
+    """The verdict in words: for half-planes, whether the uncertainty covers the rest; for real
+    bodies, whether the idealisation error is larger than its uncertainty.
     """
-    if budget.resolved is None:
+    if budget.is_resolved is None:
         return "not known: a term was not measured"
-    if budget.half_planes:
-        return "not covered" if budget.resolved else "covered"
-    return "resolved" if budget.resolved else "not resolved"
+    if budget.are_half_planes:
+        return "not covered" if budget.is_resolved else "covered"
+    return "resolved" if budget.is_resolved else "not resolved"
 
 
 def _judgement_in_short(budget: Budget) -> str:
-    """In a word, whether the uncertainty covers what is left (half-planes) or an idealisation error
-    stands out of it (real bodies): "yes", "no" or "unknown".
+    """The verdict in a word, "yes", "no" or "unknown": for half-planes, whether the uncertainty
+    covers the rest; for real bodies, whether the idealisation error is larger than its uncertainty.
     """
-    if budget.resolved is None:
+    if budget.is_resolved is None:
         return "unknown"
-    return "yes" if budget.resolved is not budget.half_planes else "no"
+    is_good = not budget.is_resolved if budget.are_half_planes else budget.is_resolved
+    return "yes" if is_good else "no"
 
 
 def cost(budget: ErrorBudget) -> str:
     """A sentence on the runs of an error budget and the time that they took."""
     refinements = budget.refinements
-    pairs = [run for pair in refinements.penalty for run in pair]
-    runs = {run.label: run for run in (*refinements.mesh, *refinements.far_field, *pairs)}
+    pairs = [run for pair in refinements.penalty_pairs for run in pair]
+    runs = {run.label: run for run in (*refinements.mesh_runs, *refinements.far_field_runs, *pairs)}
     return in_template("budget_cost", budget.cost, list(runs.values()), refinements.not_measured)
 
 
-def honest(budget: ErrorBudget | None, metric: Metric) -> bool | None:
-    """Whether the stated uncertainty of a metric covers its known error; None where that was not
-    assessed.
+def is_covered(budget: ErrorBudget | None, metric: Metric) -> bool | None:
+    """Whether the stated uncertainty of a metric covers its known error; None where the error is
+    not known, or there is no budget.
     """
     entries = () if budget is None else budget.budgets
-    return next((entry.honest for entry in entries if entry.metric.key == metric.key), None)
+    return next((entry.is_covered for entry in entries if entry.metric.key == metric.key), None)
 
 
-def honesty(comparison: JudgedPair, budget: ErrorBudget | None) -> bool | None:
-    """Whether every stated uncertainty of the first table covers the known error; None where none
-    was assessed.
+def are_covered(comparison: JudgedPair, budget: ErrorBudget | None) -> bool | None:
+    """Whether every stated uncertainty of the page's first table covers the known error; None where
+    no error is known, or there is no budget.
     """
-    answers = {honest(budget, metric) for metric in comparison.headlines}
-    return None if answers == {None} else False not in answers
+    coverings = {is_covered(budget, metric) for metric in comparison.headlines}
+    return None if coverings == {None} else False not in coverings
 
 
 def budget_content(budget: ErrorBudget) -> dict[str, Any]:
@@ -146,7 +148,7 @@ def budget_content(budget: ErrorBudget) -> dict[str, Any]:
     return {
         "cost": budget.cost,
         "words": cost(budget),
-        "honest": budget.honest,
+        "honest": budget.coverage,
         "metrics": {entry.metric.key: _entry_content(entry) for entry in budget.budgets},
     }
 
@@ -155,10 +157,10 @@ def _entry_content(budget: Budget) -> dict[str, Any]:
     """The budget of one metric for comparison.json."""
     return {
         "E": budget.total,
-        "terms": {term.name: {**vars(term), "measured": term.measured} for term in budget.terms},
-        "unexplained" if budget.half_planes else "idealisation": budget.rest,
+        "terms": {term.name: {**vars(term), "measured": term.is_measured} for term in budget.terms},
+        "unexplained" if budget.are_half_planes else "idealisation": budget.rest,
         "u": budget.uncertainty,
-        "resolved": budget.resolved,
-        "honest": budget.honest,
+        "resolved": budget.is_resolved,
+        "honest": budget.is_covered,
         "verdict": _judgement(budget),
     }

@@ -16,20 +16,19 @@ from numpy.typing import NDArray
 from scenes import OPEN, ContactSolution, InputError, Scene, TimeSeriesLoad, freeze
 from scenes.array_types import Array
 
-_FIELDS = ("pressure", "shear", "slip")
-_EDGES = ("contact_edges", "stick_edges")
-_SERIES = ("normal_load", "tangential_load", "tangential_displacement", "normal_approach")
+_FIELD_NAMES = ("pressure", "shear", "slip")
+_EDGE_NAMES = ("contact_edges", "stick_edges")
+_SERIES_NAMES = ("normal_load", "tangential_load", "tangential_displacement", "normal_approach")
 # Only of scenes with bulk stress, tilt or an unsymmetric profile.
 OF_BULK = ("bulk_stress_lower", "bulk_stress_upper", "tilt", "moment", "shear_moment")
 
-# Of a period: instants closer than this are one.
-_SAME_FRACTION = 1e-9
-# Of the range of x: points closer than this are one.
-_SAME_POINT = 1e-12
-# Of the largest pressure: less is none.
-_NO_PRESSURE = 1e-12
-# As many instants as the page names.
-_EVENTS = 6
+# Instants closer than this share of a period are the same.
+_FRACTION_TOLERANCE = 1e-9
+# Points closer than this share of the range of x are the same.
+_POINT_TOLERANCE = 1e-12
+# A pressure below this share of the largest counts as zero.
+_LEAST_PRESSURE = 1e-12
+_N_EVENTS = 6  # instants that the page names
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,8 +38,8 @@ class Cycle:
     """
 
     time: Array  # (k,), the solution's own times
-    # (k,), 0 at the start of the path's cycle and 1 at its end; up to 2 where the instants start
-    # elsewhere
+    # (k,), 0 at the start of a cycle of the load path and 1 at its end; up to 2 where the instants
+    # start within a cycle of the load path and end in the next one
     fraction: Array
     x: Array  # (n,) [length]
     # pressure, shear, slip, state: (k, n)
@@ -57,8 +56,8 @@ class Cycle:
     tangential_displacement: Array
     normal_approach: Array
     dissipation_density: Array  # (n,)
-    # estimated largest error of the re-sampling, over the field's largest value; empty where
-    # nothing was interpolated
+    # name of a field -> estimated largest error of its interpolation, over its largest value;
+    # empty where nothing was interpolated
     interpolation_errors: Mapping[str, float] = field(default_factory=dict)
     # False for the instants of a result that holds no whole cycle; `fraction` is then the time
     # itself
@@ -73,11 +72,11 @@ class Cycle:
 
     @property
     def series(self) -> tuple[str, ...]:
-        """Names of the series over time that it has."""
-        return (*_SERIES, *_stated_of_bulk(self))
+        """Names of the loads, displacements, ... that this cycle holds, (k,) each."""
+        return (*_SERIES_NAMES, *_names_of_bulk_series(self))
 
 
-def _stated_of_bulk(source: ContactSolution | Cycle) -> tuple[str, ...]:
+def _names_of_bulk_series(source: ContactSolution | Cycle) -> tuple[str, ...]:
     """Names of the series on bulk stress, tilt and moment that a solution or a cycle states."""
     return tuple(name for name in OF_BULK if getattr(source, name) is not None)
 
@@ -86,65 +85,69 @@ def _stated_of_bulk(source: ContactSolution | Cycle) -> tuple[str, ...]:
 
 
 def last_cycle(solution: ContactSolution) -> Cycle:
-    """Fields, edges and loads of the last whole cycle of `solution`, or of all its instants where
-    it states that it holds no whole cycle. InputError where it should hold one and does not.
+    """Fields, edges and loads of the last whole cycle of `solution`. Of all its instants where it
+    states that it holds no whole cycle. InputError where it should hold one and does not.
     """
     if "whole_cycle" in solution.work.skipped:
         return _all_instants(solution)
-    steps = solution.last_cycle
-    if len(steps) < 2:
+    indices = solution.last_cycle
+    if len(indices) < 2:
         raise InputError(
             f"{solution.engine}: the solution holds no whole cycle (its times run from"
             f" {solution.time[0]:.6g} to {solution.time[-1]:.6g}); solve at least one revolution"
         )
-    time = solution.time[steps]
-    fraction = (time - time[0]) / (time[-1] - time[0])
-    start = _start_of_cycle(solution, time[0])
-    return _cycle_of_steps(solution, steps, fraction + start, is_whole=True)
+    time = solution.time[indices]
+    fraction_since_start = (time - time[0]) / (time[-1] - time[0])
+    # instants are placed in the cycle of the load path, which may start earlier
+    fraction = fraction_since_start + _fraction_at_start(solution, time[0])
+    return _cycle_at_instants(solution, indices, fraction, is_whole=True)
 
 
-def _start_of_cycle(solution: ContactSolution, time: float) -> float:
-    """Share of a period by which a cycle that starts at `time` is behind one of the load path."""
+def _fraction_at_start(solution: ContactSolution, time: float) -> float:
+    """Fraction of the load path's cycle, 0 to 1, that is over at `time`; 0 without a period."""
     path = solution.scene.load.path()
     if path.period is None:
         return 0.0
     lag = float(np.mod((time - path.cycle_start) / path.period, 1.0))
-    starts_together = min(lag, 1 - lag) < _SAME_FRACTION
+    starts_together = min(lag, 1 - lag) < _FRACTION_TOLERANCE
     return 0.0 if starts_together else lag
 
 
 def _all_instants(solution: ContactSolution) -> Cycle:
-    """Every instant of `solution`, `fraction` being the time."""
-    steps = np.arange(len(solution.time))
-    return _cycle_of_steps(solution, steps, solution.time, is_whole=False)
+    """Every instant of a solution that holds no whole cycle. `fraction` is the time itself."""
+    indices = np.arange(len(solution.time))
+    return _cycle_at_instants(solution, indices, solution.time, is_whole=False)
 
 
-def _cycle_of_steps(
-    solution: ContactSolution, steps: NDArray[np.intp], fraction: Array, *, is_whole: bool
+def _cycle_at_instants(
+    solution: ContactSolution, indices: NDArray[np.intp], fraction: Array, *, is_whole: bool
 ) -> Cycle:
     """Fields, edges and loads of a solution at the instants of one cycle.
 
     Parameters
     ----------
-    steps
+    indices
         (k,) indices of the instants in the solution
     fraction
-        (k,) share of the period that is over at each; the time where they are no whole cycle
+        (k,) fraction of the load path's cycle that is over at each instant; the time itself where
+        the instants are no whole cycle
     is_whole
-        whether they are a whole cycle
+        whether the instants are a whole cycle
     """
 
-    def array_at_steps(name: str) -> Any:
-        """The named array of the solution at these instants, read-only."""
-        # Those of a path that is one cycle are not copied: of a long record they take tens of
-        # megabytes each.
+    def array_at_instants(name: str) -> Any:
+        """The named array of the solution at the instants, read-only."""
         values = getattr(solution, name)
-        return values if len(steps) == len(values) else freeze(values[steps], values.dtype)
+        # Arrays of a path that is one cycle are not copied: those of a long record take tens of
+        # megabytes each.
+        if len(indices) == len(values):
+            return values
+        return freeze(values[indices], values.dtype)
 
-    names = (*_FIELDS, "state", *_EDGES, *_SERIES, *_stated_of_bulk(solution))
-    values: dict[str, Any] = {name: array_at_steps(name) for name in names}
+    names = (*_FIELD_NAMES, "state", *_EDGE_NAMES, *_SERIES_NAMES, *_names_of_bulk_series(solution))
+    values: dict[str, Any] = {name: array_at_instants(name) for name in names}
     return Cycle(
-        time=freeze(solution.time[steps]),
+        time=freeze(solution.time[indices]),
         fraction=freeze(fraction),
         is_whole=is_whole,
         x=solution.x,
@@ -156,51 +159,59 @@ def _cycle_of_steps(
 # ------------------------------------------------------------ on the points and instants of another
 
 
-def sample_instants(reference: ContactSolution, like: Cycle) -> Cycle:
-    """The reference solution interpolated to the times and points of a result that holds no whole
-    cycle (`like`). For times after the reference's end its last cycle is taken again.
+def sample_instants(reference: ContactSolution, target_cycle: Cycle) -> Cycle:
+    """The reference solution interpolated to the times and points of `target_cycle`, which holds no
+    whole cycle.
+
+    Instants are matched by their times: a target time after the end of the reference is moved back
+    by whole periods, into the last cycle of the reference.
     """
-    whole_reference = _all_instants(reference)
-    if np.array_equal(whole_reference.time, like.time):
-        return sample(whole_reference, like, reference.engine)
+    reference_cycle = _all_instants(reference)
+    if np.array_equal(reference_cycle.time, target_cycle.time):
+        return sample(reference_cycle, target_cycle, reference.engine)
 
     period = reference.scene.load.path().period
-    time_in_path = like.time
+    time_in_path = target_cycle.time
     if period is not None:
-        time_after_end = np.maximum(like.time - whole_reference.time[-1], 0.0)
-        periods_after_end = np.ceil(time_after_end / period - _SAME_FRACTION)
-        time_in_path = like.time - period * periods_after_end
+        time_after_end = np.maximum(target_cycle.time - reference_cycle.time[-1], 0.0)
+        periods_after_end = np.ceil(time_after_end / period - _FRACTION_TOLERANCE)
+        time_in_path = target_cycle.time - period * periods_after_end
     sampled_cycle = sample(
-        whole_reference, replace(like, fraction=freeze(time_in_path)), reference.engine
+        reference_cycle, replace(target_cycle, fraction=freeze(time_in_path)), reference.engine
     )
-    return replace(sampled_cycle, time=like.time, fraction=like.time)
+    return replace(sampled_cycle, time=target_cycle.time, fraction=target_cycle.time)
 
 
-def sample(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
+def sample(cycle: Cycle, target_cycle: Cycle, engine: str) -> Cycle:
     """A cycle of one solution interpolated to the points and instants of another solution's cycle,
-    `like`; the same cycle where these are the same already.
+    `target_cycle`; the values of `cycle` itself where both have the same points and instants.
 
     Instants are matched by the fraction of the cycle, since two engines may have needed different
-    numbers of revolutions. Linear in x and in time; the state is that of the nearest point and
-    instant. `interpolation` of the answer states the error of that, estimated by leaving out every
-    second sample: of 320 spacings at a square-root edge, where it converges slowest, one in a
-    hundred at most errs by more. `engine` names the cycle in messages.
+    numbers of revolutions. Interpolation is linear in x and in time; the state is that of the
+    nearest point and instant.
+
+    `interpolation_errors` of the returned cycle are estimated by leaving out every second sample.
+    At a square-root edge, where interpolation converges slowest, the error exceeded the estimate
+    for at most one in a hundred of 320 spacings. `engine` names `cycle` in messages.
 
     Raises
     ------
     InputError
-        Where `like` asks for points at which `cycle` still carries pressure beyond its own range.
+        Where `target_cycle` has points beyond an end of `cycle` at which there is still pressure.
     """
-    starts_elsewhere = like.fraction[-1] > cycle.fraction[-1] + _SAME_FRACTION
-    if starts_elsewhere and cycle.is_whole and like.is_whole:
-        return _sample_from_elsewhere(cycle, like, engine)
+    # fractions above 1: the target starts within a cycle of the load path and ends in the next one
+    starts_later = target_cycle.fraction[-1] > cycle.fraction[-1] + _FRACTION_TOLERANCE
+    if starts_later and cycle.is_whole and target_cycle.is_whole:
+        return _sample_for_later_start(cycle, target_cycle, engine)
 
     error_by_field: dict[str, float] = {}
-    if not _are_same_places(cycle.fraction, like.fraction, _SAME_FRACTION):
-        cycle, error_by_field = _at_instants(cycle, like)
-    if not _are_same_places(cycle.x, like.x, _SAME_POINT * float(np.ptp(like.x))):
-        _refuse_points_beyond(cycle, like.x, engine)
-        cycle, error_in_x = _at_points(cycle, like.x)
+    if not _are_same_places(cycle.fraction, target_cycle.fraction, _FRACTION_TOLERANCE):
+        cycle, error_by_field = _interpolate_to_instants(cycle, target_cycle)
+    if not _are_same_places(
+        cycle.x, target_cycle.x, _POINT_TOLERANCE * float(np.ptp(target_cycle.x))
+    ):
+        _refuse_points_beyond(cycle, target_cycle.x, engine)
+        cycle, error_in_x = _interpolate_to_points(cycle, target_cycle.x)
         for name, value in error_in_x.items():
             error_by_field[name] = error_by_field.get(name, 0.0) + value
     return replace(cycle, interpolation_errors=error_by_field)
@@ -213,50 +224,44 @@ def _are_same_places(places: Array, other_places: Array, tolerance: float) -> bo
     )
 
 
-def _sample_from_elsewhere(cycle: Cycle, like: Cycle, engine: str) -> Cycle:
-    """A cycle interpolated to the points and instants of another solution's cycle, `like`, that
-    starts later in the load path's cycle and so ends in the next one.
+def _sample_for_later_start(cycle: Cycle, target_cycle: Cycle, engine: str) -> Cycle:
+    """A cycle interpolated to the points and instants of another solution's cycle, `target_cycle`,
+    that starts later in the load path's cycle: its last instants, of fraction above 1, lie in the
+    next cycle of the load path.
 
-    Instants in the next cycle are moved one period back, all are interpolated in the order of time,
-    and the results are put back into the order of `like`.
-
-    Parameters
-    ----------
-    cycle
-        the cycle that is interpolated
-    like
-        the cycle whose points and instants it is put on
-    engine
-        name of the engine of `cycle`, for messages
+    Those instants are moved one period back. All are then interpolated in the order of time, and
+    the values are put back into the order of `target_cycle`. `engine` names `cycle` in messages.
     """
-    is_in_next_cycle = like.fraction > 1 + _SAME_FRACTION
-    fraction_in_cycle = like.fraction - np.where(is_in_next_cycle, 1.0, 0.0)
+    is_in_next_cycle = target_cycle.fraction > 1 + _FRACTION_TOLERANCE
+    fraction_in_cycle = target_cycle.fraction - np.where(is_in_next_cycle, 1.0, 0.0)
     indices_by_time = np.argsort(fraction_in_cycle, kind="stable")
-    like_in_order = replace(
-        like,
+    target_in_order = replace(
+        target_cycle,
         fraction=freeze(fraction_in_cycle[indices_by_time]),
-        time=freeze(like.time[indices_by_time]),
+        time=freeze(target_cycle.time[indices_by_time]),
     )
-    sampled_cycle = sample(cycle, like_in_order, engine)
+    sampled_cycle = sample(cycle, target_in_order, engine)
 
     # the inverse of the sorting
-    places_in_like = np.argsort(indices_by_time, kind="stable")
-    over_time: dict[str, Any] = {}
-    for name in (*_FIELDS, "state", *_EDGES, *sampled_cycle.series):
+    places_in_target = np.argsort(indices_by_time, kind="stable")
+    values_by_name: dict[str, Any] = {}
+    for name in (*_FIELD_NAMES, "state", *_EDGE_NAMES, *sampled_cycle.series):
         values = getattr(sampled_cycle, name)
-        over_time[name] = freeze(values[places_in_like], values.dtype)
-    return replace(sampled_cycle, time=like.time, fraction=like.fraction, **over_time)
+        values_by_name[name] = freeze(values[places_in_target], values.dtype)
+    return replace(
+        sampled_cycle, time=target_cycle.time, fraction=target_cycle.fraction, **values_by_name
+    )
 
 
 def _refuse_points_beyond(cycle: Cycle, x: Array, engine: str) -> None:
-    """InputError, naming `engine`, where `x` has points beyond an end of `cycle` at which it still
-    carries pressure: nothing is known there.
+    """InputError, naming `engine`, where `x` (ascending) has points beyond an end of `cycle` at
+    which there is still pressure at some instant: nothing is known beyond that end.
     """
     pressure_at_ends = np.max(cycle.pressure[:, [0, -1]], axis=0)
-    carries_left, carries_right = pressure_at_ends > _NO_PRESSURE * np.max(cycle.pressure)
-    beyond_left = x[0] < cycle.x[0]
-    beyond_right = x[-1] > cycle.x[-1]
-    if (carries_left and beyond_left) or (carries_right and beyond_right):
+    is_loaded_left, is_loaded_right = pressure_at_ends > _LEAST_PRESSURE * np.max(cycle.pressure)
+    has_points_left = x[0] < cycle.x[0]
+    has_points_right = x[-1] > cycle.x[-1]
+    if (is_loaded_left and has_points_left) or (is_loaded_right and has_points_right):
         raise InputError(
             f"{engine}: its points end at x = {cycle.x[0]:.6g} and {cycle.x[-1]:.6g} where it"
             " still carries pressure, short of the points that it is compared at; give it"
@@ -264,74 +269,85 @@ def _refuse_points_beyond(cycle: Cycle, x: Array, engine: str) -> None:
         )
 
 
-def _at_instants(cycle: Cycle, like: Cycle) -> tuple[Cycle, dict[str, float]]:
-    """Interpolate a cycle to the instants of another solution's cycle, `like`. Returned with it: an
-    estimate of the interpolation error of each field and edge, over its largest value.
+def _interpolate_to_instants(cycle: Cycle, target_cycle: Cycle) -> tuple[Cycle, dict[str, float]]:
+    """Interpolate a cycle to the instants of another solution's cycle, `target_cycle`.
 
-    Interpolation is linear in the fraction of the cycle; states are those of the nearest instant.
+    Returns that cycle, and an estimate of the interpolation error of each field and edge, over its
+    largest value. Interpolation is linear in the fraction of the cycle; states are those of the
+    nearest instant.
     """
     sampled_values: dict[str, Any] = {}
-    for name in (*_FIELDS, *_EDGES, *cycle.series):
-        sampled_values[name] = freeze(_linear(like.fraction, cycle.fraction, getattr(cycle, name)))
-    nearest_instants = _nearest(like.fraction, cycle.fraction)
+    for name in (*_FIELD_NAMES, *_EDGE_NAMES, *cycle.series):
+        sampled_values[name] = freeze(
+            _interpolate_linearly(target_cycle.fraction, cycle.fraction, getattr(cycle, name))
+        )
+    nearest_instants = _nearest_indices(target_cycle.fraction, cycle.fraction)
     sampled_cycle = replace(
         cycle,
-        time=like.time,
-        fraction=like.fraction,
+        time=target_cycle.time,
+        fraction=target_cycle.fraction,
         state=freeze(cycle.state[nearest_instants], np.int8),
         **sampled_values,
     )
-    given_values = {name: getattr(cycle, name) for name in (*_FIELDS, *_EDGES)}
-    return sampled_cycle, _errors(cycle.fraction, given_values)
+    given_values = {name: getattr(cycle, name) for name in (*_FIELD_NAMES, *_EDGE_NAMES)}
+    return sampled_cycle, _interpolation_errors(cycle.fraction, given_values)
 
 
-def _at_points(cycle: Cycle, x: Array) -> tuple[Cycle, dict[str, float]]:
-    """Interpolate a cycle to the surface points `x`. Returned with it: an estimate of the
-    interpolation error of each field and of the pointwise dissipation, over its largest value.
+def _interpolate_to_points(cycle: Cycle, x: Array) -> tuple[Cycle, dict[str, float]]:
+    """Interpolate a cycle to the surface points `x`.
 
-    Interpolation is linear in x; states are those of the nearest point, and open beyond the range
-    of the cycle's points.
+    Returns that cycle, and an estimate of the interpolation error of each field and of the
+    pointwise dissipation, over its largest value. Interpolation is linear in x; states are those of
+    the nearest point, and open beyond the range of the cycle's points.
     """
-    # points first, as `_linear` takes them: (n_points, k), the pointwise dissipation (n_points,)
+    # points first, as `_interpolate_linearly` takes them: (n_points, k), the pointwise dissipation
+    # (n_points,)
     given_values: dict[str, Array] = {
-        name: getattr(cycle, name).T for name in (*_FIELDS, "dissipation_density")
+        name: getattr(cycle, name).T for name in (*_FIELD_NAMES, "dissipation_density")
     }
     sampled_values: dict[str, Any] = {}
     for name, values in given_values.items():
-        sampled_values[name] = freeze(_linear(x, cycle.x, values).T)
+        sampled_values[name] = freeze(_interpolate_linearly(x, cycle.x, values).T)
     is_beyond = (x < cycle.x[0]) | (x > cycle.x[-1])
-    nearest_points = _nearest(x, cycle.x)
+    nearest_points = _nearest_indices(x, cycle.x)
     state = np.where(is_beyond, OPEN, cycle.state[:, nearest_points])
     sampled_cycle = replace(cycle, x=x, state=freeze(state, np.int8), **sampled_values)
-    return sampled_cycle, _errors(cycle.x, given_values)
+    return sampled_cycle, _interpolation_errors(cycle.x, given_values)
 
 
-def _nearest(places: Array, samples: Array) -> NDArray[np.intp]:
-    """Index of the sample that is nearest to each place."""
+def _nearest_indices(places: Array, samples: Array) -> NDArray[np.intp]:
+    """(k,) index of the nearest of `samples` (n,) to each of `places` (k,)."""
     return np.asarray(np.abs(samples[:, None] - places).argmin(axis=0))
 
 
-def _errors(samples: Array, values_at_samples: Mapping[str, Array]) -> dict[str, float]:
-    """`_halving` of each of the values, by name."""
-    return {name: _halving(samples, values) for name, values in values_at_samples.items()}
+def _interpolation_errors(
+    samples: Array, values_at_samples: Mapping[str, Array]
+) -> dict[str, float]:
+    """Estimated error of linear interpolation between `samples`, for each named array, over its
+    largest |value|.
+    """
+    return {
+        name: _interpolation_error(samples, values) for name, values in values_at_samples.items()
+    }
 
 
-def _linear(places: Array, samples: Array, values: Array) -> Array:
-    """Linear interpolation of values with any number of further axes; constant beyond the samples.
+def _interpolate_linearly(places: Array, samples: Array, values: Array) -> Array:
+    """Linear interpolation of values along their first axis; constant beyond the samples.
 
     Parameters
     ----------
     places
-        (k,) where values are wanted
+        (k,) points or instants to interpolate to
     samples
-        (n,) where they are given, ascending
+        (n,) points or instants of the values, ascending
     values
-        (n, ...)
+        (n, ...) values at the samples
 
     Returns
     -------
     Array
-        (k, ...); a NaN of a sample spoils no place that lies at another sample
+        (k, ...) values at the places. NaN where a neighbouring sample has NaN, except at a place
+        that coincides with the other sample
     """
     sample_above = np.clip(np.searchsorted(samples, places, side="right"), 1, len(samples) - 1)
     sample_below = sample_above - 1
@@ -346,29 +362,32 @@ def _linear(places: Array, samples: Array, values: Array) -> Array:
     return np.where(weight == 0, value_below, interpolated)
 
 
-def _halving(samples: Array, values: Array) -> float:
-    """Estimate the error of linear interpolation between samples: every second one is left out and
-    interpolated from the others; the largest difference is returned, over the largest |value|.
+def _interpolation_error(samples: Array, values: Array) -> float:
+    """Estimate the error of linear interpolation between samples: every second sample is left out
+    and interpolated from the others. Returns the largest difference over the largest |value|; 0 for
+    fewer than four samples.
 
-    Both halves of the samples are left out in turn, since the error at a square-root edge depends
-    on where in an interval it lies.
+    The even and the odd samples are left out in turn, since the error at a square-root edge depends
+    on the place of the edge between two samples.
 
     Parameters
     ----------
     samples
-        (n,) places or instants, ascending
+        (n,) points or instants, ascending
     values
-        (n, ...) at the samples
+        (n, ...) values at the samples
     """
     largest_value = float(np.nanmax(np.abs(values), initial=0.0))
     if len(samples) < 4 or largest_value == 0.0:
         return 0.0
     worst_error = 0.0
-    for first_row_left_out in (1, 2):
-        rows_left_out = np.arange(first_row_left_out, len(samples) - 1, 2)
-        rows_kept = np.delete(np.arange(len(samples)), rows_left_out)
-        interpolated_values = _linear(samples[rows_left_out], samples[rows_kept], values[rows_kept])
-        difference = np.abs(interpolated_values - values[rows_left_out])
+    for first_index in (1, 2):
+        left_out = np.arange(first_index, len(samples) - 1, 2)
+        remaining = np.delete(np.arange(len(samples)), left_out)
+        interpolated_values = _interpolate_linearly(
+            samples[left_out], samples[remaining], values[remaining]
+        )
+        difference = np.abs(interpolated_values - values[left_out])
         worst_error = max(worst_error, float(np.nanmax(difference, initial=0.0)))
     return worst_error / largest_value
 
@@ -385,29 +404,31 @@ class Event:
 
 
 def events(cycle: Cycle, friction: float, first_index: int = 0) -> tuple[Event, ...]:
-    """Six instants of a cycle to be shown, in the order of time, none before the index
-    `first_index`: extremes of P, Q, Q − f P and Q + f P, then those furthest from all chosen.
+    """At most six instants of a cycle for the page to show, in the order of time, none before the
+    index `first_index`. `friction` is the coefficient f.
 
-    All where there are fewer. Without bulk stress and tilt Q − f P is largest where forward slip
-    ends, Q + f P least where reverse slip ends.
+    First come the extremes of P, Q, Q − f P and Q + f P. Then the instant with the largest distance
+    in time from all chosen ones is added, until there are six or no other instant is left. Without
+    bulk stress and tilt Q − f P is largest where forward slip ends, Q + f P least where reverse
+    slip ends.
     """
     labels = _extremes(cycle, friction, first_index)
     if not labels:
         labels[first_index] = "the only instant" if len(cycle.time) == 1 else "between"
-    for _ in range(min(_EVENTS, len(cycle.time) - 1) - len(labels)):
+    for _ in range(min(_N_EVENTS, len(cycle.time) - 1) - len(labels)):
         distance = _distance_in_time(cycle, labels)
         distance[:first_index] = 0.0
-        farthest_row = int(np.argmax(distance))
+        farthest_index = int(np.argmax(distance))
         # instants may share one time, where a result was placed on the path by its loads
-        if distance[farthest_row] <= 0:
+        if distance[farthest_index] <= 0:
             break
-        labels[farthest_row] = "between"
+        labels[farthest_index] = "between"
     return tuple(Event(index, labels[index]) for index in sorted(labels))
 
 
 def first_row(cycle: Cycle, scene: Scene) -> int:
-    """Index of the first instant of a cycle that lies on the rows of a record of loads: the path
-    before it leads from no load to the first row. 0 of other loads.
+    """Index of the first instant of a cycle that lies on the rows of a table of loads over time:
+    the path before it leads from no load to the first row. 0 for loads of another kind.
     """
     if not isinstance(scene.load, TimeSeriesLoad):
         return 0
@@ -416,13 +437,15 @@ def first_row(cycle: Cycle, scene: Scene) -> int:
 
 
 def _extremes(cycle: Cycle, friction: float, first_index: int) -> dict[int, str]:
-    """Instants of a cycle at which P, Q, Q − f P or Q + f P is largest or least, with a label for
-    each: index -> label. Of several equal instants the first counts; instants before `first_index`,
-    and quantities that are constant, are left out.
+    """Instants of a cycle at which P, Q, Q − f P or Q + f P is largest or least: index -> label.
+
+    Where several instants have the extreme value the first counts; an instant that is extreme in
+    two quantities keeps the first label. Left out: instants before `first_index`, and quantities
+    that are constant. `friction` is the coefficient f.
     """
     normal_load = cycle.normal_load[first_index:]
     tangential_load = cycle.tangential_load[first_index:]
-    # With bulk stress or tilt each edge has a law of its own, and slip ends elsewhere.
+    # With bulk stress or tilt slip ends at other instants, another one for each contact edge.
     ends_slip = cycle.tilt is None and cycle.shear_moment is None
     label_of_largest = "forward slip ends" if ends_slip else "Q − f P largest"
     label_of_least = "reverse slip ends" if ends_slip else "Q + f P least"
@@ -434,18 +457,20 @@ def _extremes(cycle: Cycle, friction: float, first_index: int) -> dict[int, str]
         label_of_largest: tangential_load - friction * normal_load,
         label_of_least: -tangential_load - friction * normal_load,
     }
-    scale = float(np.max(np.abs(normal_load)))
+    largest_load = float(np.max(np.abs(normal_load)))
     labels: dict[int, str] = {}
     for label, quantity in quantities.items():
-        if np.ptp(quantity) > 1e-9 * scale:
+        if np.ptp(quantity) > 1e-9 * largest_load:
             # The first instant, to rounding: the end of a cycle repeats its start.
-            is_largest = quantity >= np.max(quantity) - 1e-12 * scale
+            is_largest = quantity >= np.max(quantity) - 1e-12 * largest_load
             labels.setdefault(first_index + int(np.flatnonzero(is_largest)[0]), label)
     return labels
 
 
 def _distance_in_time(cycle: Cycle, instants: Iterable[int]) -> Array:
-    """Distance of each instant to the nearest of `instants`, as a fraction of the cycle, (k,)."""
+    """(k,) time between each instant of a cycle and the nearest of those with the indices
+    `instants`, as a fraction of the cycle.
+    """
     distance = np.abs(cycle.fraction[:, None] - cycle.fraction[list(instants)])
     if cycle.is_whole:  # its end is its start
         distance = np.minimum(distance, 1 - distance)

@@ -14,11 +14,12 @@ from scenes import BodyEffects, ContactSolution, InputError, freeze
 
 
 def effects_between(reference: ContactSolution, result: ContactSolution) -> BodyEffects | None:
-    """What finite bodies add to the displacements of half-planes, (c_t Q, c_n P), where only one of
-    two solutions counts its displacements from the bodies' supports.
+    """The compliances c_t and c_n of the finite bodies of a scene, by which the displacements of
+    half-plane theory are counted from the bodies' supports: U + c_t Q, approach + c_n P.
 
-    With it both can be compared. None where both count alike, and where it is not known: curved
-    faces, coupled materials, bulk stress.
+    With them theory and finite elements can be compared. None where they are not needed, since both
+    solutions count their displacements from the same place. None too where they are not known:
+    curved faces, coupled materials, bulk stress.
     """
     scene = result.scene
     if lacks_datum(reference) == lacks_datum(result) or coupled(scene):
@@ -32,19 +33,21 @@ def effects_between(reference: ContactSolution, result: ContactSolution) -> Body
 
 
 def lacks_datum(solution: ContactSolution) -> bool:
-    """Whether it is theory of half-planes in place of the finite bodies of its scene."""
+    """Whether the displacements of a solution are counted from no support: it is half-plane theory
+    for a scene of finite bodies, without the compliances of these bodies.
+    """
     is_plain_theory = solution.engine == "semi_analytic" and "effects" not in solution.settings
     return is_plain_theory and not solution.scene.bodies.half_planes
 
 
 def from_supports(cycle: Cycle, effects: BodyEffects) -> Cycle:
-    """A cycle of half-planes with displacement and approach as the supports of the bodies see them:
-    U + c_t Q and approach + c_n P.
+    """A cycle of half-plane theory, with tangential displacement and normal approach counted from
+    the supports of the bodies: U + c_t Q and approach + c_n P.
     """
-    of_shear = effects.tangential_compliance.value * cycle.tangential_load
-    of_pressure = effects.normal_compliance.value * cycle.normal_load
+    displacement_of_bodies = effects.tangential_compliance.value * cycle.tangential_load
+    approach_of_bodies = effects.normal_compliance.value * cycle.normal_load
     return replace(
         cycle,
-        tangential_displacement=freeze(cycle.tangential_displacement + of_shear),
-        normal_approach=freeze(cycle.normal_approach + of_pressure),
+        tangential_displacement=freeze(cycle.tangential_displacement + displacement_of_bodies),
+        normal_approach=freeze(cycle.normal_approach + approach_of_bodies),
     )

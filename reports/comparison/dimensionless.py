@@ -15,7 +15,7 @@ from scenes import ContactSolution, EllipseLoad, Materials, Scene
 
 @dataclass(frozen=True)
 class Scales(PythonNumbers):
-    """What makes the comparison dimensionless."""
+    """The quantities by which a comparison is divided."""
 
     # P_ref, mean load of an ellipse, else the largest load of the last cycle [force / thickness]
     normal_load: float
@@ -79,9 +79,14 @@ def energy_scale(scene: Scene, load: float) -> float:
 
 
 def scales(reference: ContactSolution) -> Scales:
-    """The scales that make a comparison dimensionless: P_ref, which is the mean load where P and Q
-    go round an ellipse and else the largest of the last cycle; the reference's half-width a(P_ref),
-    linear in P between its instants; p_ref = 2 P_ref/(pi a_ref); f, 1 of a frictionless scene; A.
+    """The scales that make a comparison dimensionless, from the reference solution:
+
+    - P_ref, the mean normal load where P and Q go round an ellipse, else the largest normal load of
+      the last cycle;
+    - a_ref, the half-width of contact at P_ref, interpolated linearly between the instants;
+    - p_ref = 2 P_ref/(pi a_ref);
+    - f, the friction coefficient, 1 for a frictionless scene;
+    - A = 2/E*, the compliance of the materials.
     """
     load_history = reference.scene.load
     if isinstance(load_history, EllipseLoad):

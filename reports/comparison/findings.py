@@ -30,7 +30,7 @@ from scenes.scene import WORDS
 _BASELINE = "halfplane baseline 2"
 SOLUTION = "halfplane solution 2"
 _FORMAT = re.compile(r"halfplane (baseline|comparison|solution) ([1-9]\d*)")
-_NEWEST = 2
+_NEWEST_VERSION = 2
 # The work that a change of the code moves; what the cache of condensed bodies spares would differ
 # from one run to the next.
 COUNTS = (
@@ -43,7 +43,7 @@ COUNTS = (
     "slip quadratures",
     "quadrature nodes",
 )
-_OF_AN_ENGINE = (
+_KEYS_OF_SOLUTION = (
     "dissipation",
     "loop_work",
     "permanent_stick_half_width",
@@ -51,7 +51,7 @@ _OF_AN_ENGINE = (
     "largest_pressure",
 )
 # The first pattern that fits a key counts. Values of other processors: docs/regression.md.
-_DEFAULTS: tuple[tuple[str, float], ...] = (
+_DEFAULT_TOLERANCES: tuple[tuple[str, float], ...] = (
     # rounding decides whether an increment is halved, and the next ones follow
     ("*.counts.*", 0.05),
     ("metric.*", 1e-6),
@@ -59,7 +59,7 @@ _DEFAULTS: tuple[tuple[str, float], ...] = (
     ("*", 1e-6),
 )
 # Below this share of A f^2 P^2 a dissipation is the rounding of a sum whose truth is 0.
-_NOTHING = 1e-6
+_LEAST_SHARE_OF_ENERGY = 1e-6
 # Verdicts on a figure of two runs.
 SAME = "same"
 DIFFERS = "differs"
@@ -69,12 +69,12 @@ ONLY_B = "only in B"
 
 @dataclass(frozen=True)
 class Findings:
-    """The figures of a run or of a baseline."""
+    """The values of a run or of a baseline."""
 
-    source: str  # where they were read, as the user named it
-    scene: Scene  # the question
+    source: str  # folder or file that they were read from, as the user named it
+    scene: Scene
     # key -> value; None for "no such thing" (a permanent stick zone, say). Discrepancies of a
-    # comparison are "metric.<key>", figures of an engine "<engine>.<quantity>" in the scene's
+    # comparison are "metric.<key>", values of an engine "<engine>.<quantity>" in the scene's
     # units, counts "<engine>.counts.<name>"
     figures: Mapping[str, float | None]
     engines: Mapping[str, Mapping[str, Any]]  # engine -> {"settings": ..., "versions": ...}
@@ -87,13 +87,12 @@ def read_findings(source: str | Path) -> Findings:
     """The values of a run, for comparison with another one: from a run folder, comparison.json,
     <engine>.json, a solution (.nc) or a baseline.
 
-    A folder that holds a comparison is read for that; otherwise for every engine's own answer in
-    it.
+    Of a folder comparison.json is read; without it the solution of every engine (<engine>.json).
 
     Raises
     ------
     InputError
-        Where there is nothing, or something else.
+        Where `source` does not exist, or cannot be read as one of these.
     """
     path = Path(source)
     if not path.exists():
@@ -107,73 +106,74 @@ def read_findings(source: str | Path) -> Findings:
             ) from reason
     file = path / "comparison.json" if path.is_dir() else path
     if file.exists():
-        return of_content(_json(file, source), str(source))
-    return _of_answers(path, source)
+        return of_content(_json_object(file, source), str(source))
+    return _findings_in_folder(path, source)
 
 
-def _of_answers(folder: Path, source: str | Path) -> Findings:
-    """The values of all engines' answers (*.json) in a run folder that holds no comparison.
-    InputError where there is none, where none converged, or where they answer different scenes.
+def _findings_in_folder(folder: Path, source: str | Path) -> Findings:
+    """The values of every engine's solution (*.json) in a run folder that holds no comparison.
+    InputError where there is no solution, where none converged, or where they answer different
+    scenes.
     """
-    contents = [_json(file, file) for file in sorted(folder.glob("*.json"))]
-    answers = [
+    contents = [_json_object(file, file) for file in sorted(folder.glob("*.json"))]
+    solutions = [
         content
         for content in contents
         if str(content.get("format")).startswith("halfplane solution ")
     ]
-    if not answers:
+    if not solutions:
         raise InputError(
             f"{source}: this is no folder of a run: it holds no comparison.json and no answer of an"
             " engine"
         )
     findings_of_engines = [
-        of_content(content, str(source)) for content in answers if content["converged"]
+        of_content(content, str(source)) for content in solutions if content["converged"]
     ]
     if not findings_of_engines:
         raise InputError(
             f"{source}: it holds only the steps before an engine failed:"
-            f" {answers[0].get('message')}"
+            f" {solutions[0].get('message')}"
         )
-    first_physics = _physics(findings_of_engines[0].scene)
-    if any(_physics(finding.scene) != first_physics for finding in findings_of_engines):
+    physical_contents = [_physical_content(findings.scene) for findings in findings_of_engines]
+    if any(content != physical_contents[0] for content in physical_contents):
         raise InputError(
             f"{source}: the engines in this folder answer different scenes; name the file of one of"
             " them"
         )
     figures: dict[str, float | None] = {}
     engines: dict[str, Mapping[str, Any]] = {}
-    for finding in findings_of_engines:
-        figures |= finding.figures
-        engines |= finding.engines
+    for findings in findings_of_engines:
+        figures |= findings.figures
+        engines |= findings.engines
     return Findings(str(source), findings_of_engines[0].scene, figures, engines)
 
 
 def of_content(content: Mapping[str, Any], source: str) -> Findings:
-    """The values in the content of comparison.json, <engine>.json or a baseline; InputError, naming
-    `source`, for another format or version.
+    """The values in the content of comparison.json, <engine>.json or a baseline. InputError, naming
+    `source`, where "format" names another kind of file or another version.
     """
     format_name = content.get("format")
     match = _FORMAT.fullmatch(format_name) if isinstance(format_name, str) else None
     if match is None:
         kinds = "baseline, comparison, solution"
         raise InputError(
-            f"{source}: format is {format_name!r}; it is 'halfplane KIND {_NEWEST}', KIND one of"
-            f" {kinds}"
+            f"{source}: format is {format_name!r}; it is 'halfplane KIND {_NEWEST_VERSION}', KIND"
+            f" one of {kinds}"
         )
-    kind = match[1]
+    kind = match[1]  # baseline, comparison or solution
     version = int(match[2])
-    if version > _NEWEST:
+    if version > _NEWEST_VERSION:
         raise InputError(
             f"{source}: format is {format_name!r}, of a later version; update halfplane, or run the"
             " scene again"
         )
-    if version < _NEWEST:
+    if version < _NEWEST_VERSION:
         raise InputError(
             f"{source}: format is {format_name!r}, of version 0.1; convert it with halfplane 0.3,"
             " or run the scene again"
         )
     try:
-        return _read(kind, content, source)
+        return _findings_of_kind(kind, content, source)
     except (KeyError, TypeError, ValueError, AttributeError) as reason:
         if isinstance(reason, InputError):
             raise
@@ -183,62 +183,70 @@ def of_content(content: Mapping[str, Any], source: str) -> Findings:
         ) from reason
 
 
-def _read(kind: str, content: Mapping[str, Any], source: str) -> Findings:
+def _findings_of_kind(kind: str, content: Mapping[str, Any], source: str) -> Findings:
     """The values of a run in the content of a JSON file of this kind ("baseline", "comparison" or
-    "solution"), by keys such as "metric.dissipation" or "theory.counts.steps", with the engines
-    that made them.
+    "solution"), with the engines that made them. A key of a value is "metric.dissipation" or
+    "semi_analytic.counts.steps_solved", for example.
 
-    Whatever is missing or no number raises KeyError, TypeError or ValueError.
+    An absent entry, or one that is no number, raises KeyError, TypeError or ValueError.
     """
     scene = Scene.model_validate(content["scene"])
     figures: dict[str, float | None] = {}
     tolerances: dict[str, float] = {}
     engines: dict[str, Mapping[str, Any]] = {}
-    answers: dict[str, Mapping[str, Any]] = {}  # name of an engine, or its role -> its answer
+    # name of an engine, or its role ("reference", "result") -> content of its solution
+    solutions: dict[str, Mapping[str, Any]] = {}
     failures: list[str] = []
     if kind == "baseline":
-        figures = {str(key): _number(value) for key, value in content["figures"].items()}
+        figures = {str(key): _number_or_none(value) for key, value in content["figures"].items()}
         tolerances = {str(key): float(value) for key, value in content["tolerances"].items()}
-        engines = {str(key): _made_by(value) for key, value in content["engines"].items()}
+        engines = {
+            str(key): _settings_and_versions(value) for key, value in content["engines"].items()
+        }
     elif kind == "comparison":
         for key, metric in content["metrics"].items():
-            figures[f"metric.{key}"] = _number(metric["value"])
-            # JSON has no NaN: without this a value that is none and one that is no number would
-            # look alike.
+            figures[f"metric.{key}"] = _number_or_none(metric["value"])
+            # JSON has no NaN: without this entry NaN and "no value" would look alike.
             if not metric["finite"]:
                 figures[f"metric.{key}.finite"] = 0.0
         has_same_engine = content["reference"]["engine"] == content["result"]["engine"]
         for role in ("reference", "result"):
-            name = role if has_same_engine else _slug(content[role]["engine"])
-            answers[name] = content[role]
+            name = role if has_same_engine else _key_without_blanks(content[role]["engine"])
+            solutions[name] = content[role]
     else:
-        answers = {_slug(content["engine"]): content}
-    for name, answer in answers.items():
-        keys = (*_OF_AN_ENGINE, *(key for key in OF_UNSYMMETRIC if key in answer))
-        figures |= {f"{name}.{key}": _number(answer[key]) for key in keys}
+        solutions = {_key_without_blanks(content["engine"]): content}
+    for name, solution in solutions.items():
+        keys = (*_KEYS_OF_SOLUTION, *(key for key in OF_UNSYMMETRIC if key in solution))
+        figures |= {f"{name}.{key}": _number_or_none(solution[key]) for key in keys}
+        counts = solution["counts"]
         figures |= {
-            f"{name}.counts.{_slug(key)}": _number(answer["counts"][key])
+            f"{name}.counts.{_key_without_blanks(key)}": _number_or_none(counts[key])
             for key in COUNTS
-            if key in answer["counts"]
+            if key in counts
         }
-        engines[name] = _made_by(answer)
-        if not answer["converged"]:
-            failures.append(f"{name}: {answer['message']}")
+        engines[name] = _settings_and_versions(solution)
+        if not solution["converged"]:
+            failures.append(f"{name}: {solution['message']}")
     return Findings(source, scene, figures, engines, tuple(failures), tolerances)
 
 
 def of_solution(solution: ContactSolution, source: str) -> Findings:
-    """The findings of one answer."""
+    """The values of one solution; `source` names it in messages."""
     from reports.comparison.json_values import solution_content, strict
 
     content = strict(solution_content(solution, ()))
     content["scene"] = solution.scene.model_dump(mode="json")
-    return _read("solution", content, source)
+    return _findings_of_kind("solution", content, source)
 
 
 def write_baseline(findings: Findings, path: Path, tolerances: Mapping[str, float]) -> None:
     """Write the values of a run (`findings`) to `path` as a baseline that later runs are compared
-    with, together with `tolerances` by key. The file is written whole or not at all.
+    with. The file is written completely or not at all.
+
+    Parameters
+    ----------
+    tolerances
+        pattern of keys -> largest admitted difference, stored in the baseline
 
     Raises
     ------
@@ -259,14 +267,14 @@ def write_baseline(findings: Findings, path: Path, tolerances: Mapping[str, floa
 
 
 def is_baseline(path: Path) -> bool:
-    """Whether a file says that it is a baseline, whole or spoilt."""
+    """Whether a file names the format of a baseline near its start, even if it is damaged."""
     if not path.is_file():
         return False
     with path.open(encoding="utf-8", errors="replace") as file:
         return "halfplane baseline " in file.read(200)
 
 
-def _json(path: Path, source: str | Path) -> dict[str, Any]:
+def _json_object(path: Path, source: str | Path) -> dict[str, Any]:
     """The JSON object in a file; InputError for anything else."""
     try:
         content = parsed_json(text_of(path, "the file"))
@@ -279,38 +287,40 @@ def _json(path: Path, source: str | Path) -> dict[str, Any]:
     return content
 
 
-def _made_by(content: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """Settings and versions that an answer was made with."""
+def _settings_and_versions(content: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Settings and versions with which a solution was computed."""
     return {name: dict(content[name]) for name in ("settings", "versions")}
 
 
-def _number(value: Any) -> float | None:
+def _number_or_none(value: Any) -> float | None:
     """A number of JSON, or None; ValueError for anything else."""
     if value is None or (isinstance(value, (int, float)) and not isinstance(value, bool)):
         return value
     raise ValueError(f"{value!r} is not a number")
 
 
-def _slug(text: str) -> str:
-    """A key without blanks, which would have to be quoted on a command line."""
+def _key_without_blanks(text: str) -> str:
+    """A key without blanks, which would have to be quoted on a command line: each run of other
+    characters becomes "_".
+    """
     return re.sub(r"\W+", "_", text)
 
 
-def _physics(scene: Scene) -> dict[str, Any]:
-    """Every number and word of a scene that moves its answer."""
+def _physical_content(scene: Scene) -> dict[str, Any]:
+    """Every entry of a scene that its solution depends on, by its path in the scene file."""
     content = scene.model_dump(mode="json")
-    return _flat({key: value for key, value in content.items() if key not in WORDS})
+    return _flattened({key: value for key, value in content.items() if key not in WORDS})
 
 
-def _flat(value: Any, name: str = "") -> dict[str, Any]:
+def _flattened(value: Any, name: str = "") -> dict[str, Any]:
     """Flatten nested mappings and lists into one mapping: names are joined by dots, places in a
     list stand in brackets. Keys called "file" are left out.
 
-    >>> _flat({"load": {"cycle": [[1.0, 0.5]]}})
+    >>> _flattened({"load": {"cycle": [[1.0, 0.5]]}})
     {'load.cycle[0][0]': 1.0, 'load.cycle[0][1]': 0.5}
     """
     if isinstance(value, Mapping):
-        # The rows of a file are here already; where the file lay says nothing of the answer.
+        # The rows of a file are part of `value`; the path of the file does not change a solution.
         entries = [
             (f"{name}.{key}" if name else str(key), entry)
             for key, entry in value.items()
@@ -322,20 +332,20 @@ def _flat(value: Any, name: str = "") -> dict[str, Any]:
         return {name: value}
     flat_values: dict[str, Any] = {}
     for entry_name, entry in entries:
-        flat_values |= _flat(entry, entry_name)
+        flat_values |= _flattened(entry, entry_name)
     return flat_values
 
 
 # -------------------------------------------------------------------------------------- differences
 @dataclass(frozen=True)
 class Row:
-    """One figure of two findings."""
+    """One value of two runs A and B."""
 
-    key: str  # of the figure
-    # a, b: its values; None for "no such thing"
+    key: str
+    # a, b: the values of A and B; None for "no such thing"
     a: float | None
     b: float | None
-    difference: float | None  # B less A; None where there is nothing to subtract
+    difference: float | None  # B minus A; None where one has no value
     kind: str  # "absolute", or "relative": over the larger of |A| and |B|
     tolerance: float  # largest admitted |difference|
     verdict: str  # same, differs, only in A, only in B
@@ -343,37 +353,39 @@ class Row:
 
 @dataclass(frozen=True)
 class Difference:
-    """Two findings compared: the rows, and what else a reader must know."""
+    """Two runs A and B compared: the rows, and notes that a reader must not miss."""
 
-    a: str
-    b: str
-    scene: str
+    a: str  # folder or file of A
+    b: str  # folder or file of B
+    scene: str  # name of the scene
     rows: tuple[Row, ...]
     notes: tuple[str, ...]
 
     @property
     def same(self) -> bool:
-        """Whether every figure of what both have is in both and within its tolerance."""
+        """Whether the verdict of every row is "same"."""
         return all(row.verdict == SAME for row in self.rows)
 
     def content(self) -> dict[str, Any]:
-        """The table for programs; a tolerance that is infinite becomes null there."""
+        """The table as a mapping for JSON, where an infinite tolerance becomes null."""
         return {"same": self.same, **asdict(self)}
 
 
 def difference(
     a: Findings, b: Findings, tolerances: Mapping[str, float] | None = None
 ) -> Difference:
-    """How far the values of a run `b` are from those of a run `a`: a row for each value that both
-    engines' answers have, and notes on the others.
+    """The differences of the values of a run `b` from those of a run `a`.
+
+    There is a row for each value of an engine that both runs used, and of a comparison if both
+    hold one. Notes name the other engines.
 
     Parameters
     ----------
     a, b
         values of two runs of one scene
     tolerances
-        pattern of keys, with wildcards -> tolerance. These come before those stored in a baseline,
-        which come before the defaults
+        pattern of keys, with wildcards -> tolerance. They have priority over those stored in a
+        baseline, which have priority over the defaults
 
     Raises
     ------
@@ -381,6 +393,7 @@ def difference(
         For different scenes, no common engine, or a pattern that fits no key.
     """
     _refuse_different_scenes(a, b)
+    # a group is an engine, or "metric" for the comparison: the first word of a key
     groups_of_a = set(map(_group, a.figures))
     groups_of_b = set(map(_group, b.figures))
     common_groups = groups_of_a & groups_of_b
@@ -400,12 +413,12 @@ def difference(
         *(tolerances or {}).items(),
         *b.tolerances.items(),
         *a.tolerances.items(),
-        *_DEFAULTS,
+        *_DEFAULT_TOLERANCES,
     ]
     rows = []
     for key in keys:
         fitting_tolerances = (value for pattern, value in patterns if fnmatchcase(key, pattern))
-        rows.append(_row(key, a, b, tolerance=next(fitting_tolerances)))
+        rows.append(_row_of_key(key, a, b, tolerance=next(fitting_tolerances)))
     notes = []
     for letter, groups in (("A", groups_of_a), ("B", groups_of_b)):
         unmatched_groups = sorted(groups - common_groups)
@@ -417,13 +430,13 @@ def difference(
 
 
 def _group(key: str) -> str:
-    """The comparison or the engine that a value belongs to: the first word of its key."""
+    """The first word of a key: "metric" for values of a comparison, else the engine."""
     return key.partition(".")[0]
 
 
 def _refuse_different_scenes(a: Findings, b: Findings) -> None:
-    """InputError where the scenes differ, with the first six keys that do."""
-    differences = _differing_keys(_physics(a.scene), _physics(b.scene))
+    """InputError where the scenes of two runs differ, with the first six keys that differ."""
+    differences = _differing_keys(_physical_content(a.scene), _physical_content(b.scene))
     if not differences:
         return
     sentences = [f"{key} is {of_a} and {of_b}" for key, of_a, of_b in differences[:6]]
@@ -443,8 +456,8 @@ def _notes(a: Findings, b: Findings) -> Iterator[str]:
     converge.
     """
     for engine in sorted(a.engines.keys() & b.engines.keys()):
-        settings_of_a = _flat(a.engines[engine])
-        settings_of_b = _flat(b.engines[engine])
+        settings_of_a = _flattened(a.engines[engine])
+        settings_of_b = _flattened(b.engines[engine])
         for key, value_in_a, value_in_b in _differing_keys(settings_of_a, settings_of_b):
             yield f"{engine}: {key} is {value_in_a} in A and {value_in_b} in B"
     for letter, findings in (("A", a), ("B", b)):
@@ -459,27 +472,27 @@ def patterned_tolerances(texts: Sequence[str]) -> dict[str, float]:
     {'metric.*': 0.0001}
     """
     tolerances = {}
-    for stated_text in texts:
-        key, _, value_in_words = stated_text.rpartition("=")
+    for text in texts:
+        pattern, _, tolerance_as_text = text.rpartition("=")
         try:
-            value = float(value_in_words)
+            tolerance = float(tolerance_as_text)
         except ValueError:
-            value = math.nan
-        if not (key and value >= 0):
+            tolerance = math.nan
+        if not (pattern and tolerance >= 0):
             raise InputError(
-                f"--tolerance {stated_text}: write KEY=VALUE, VALUE a number not below 0 (inf: not"
-                " judged)"
+                f"--tolerance {text}: write KEY=VALUE, VALUE a number not below 0 (inf: not judged)"
             )
-        tolerances[key] = value
+        tolerances[pattern] = tolerance
     return tolerances
 
 
-def _row(key: str, a: Findings, b: Findings, tolerance: float) -> Row:
-    """Compare one value of two runs `a` and `b`: both values, the difference b − a, and whether
-    that is within the tolerance.
+def _row_of_key(key: str, a: Findings, b: Findings, tolerance: float) -> Row:
+    """Compare the value of one key in two runs `a` and `b`: both values, the difference b − a, and
+    whether that is within the tolerance.
 
-    The difference is divided by the larger value; of a metric, which is relative already, it is
-    taken as it is. A value that one run lacks makes the verdict "only in A" or "only in B".
+    The difference is divided by the larger of the two absolute values; a metric is relative
+    already, and its difference is not divided. A key that one run lacks has the verdict "only in A"
+    or "only in B".
     """
     value_of_a = a.figures.get(key)
     value_of_b = b.figures.get(key)
@@ -492,20 +505,20 @@ def _row(key: str, a: Findings, b: Findings, tolerance: float) -> Row:
         return Row(key, value_of_a, value_of_b, None, kind, tolerance, verdict)
     scale = 1.0
     if kind == "relative":
-        scale = max(abs(value_of_a), abs(value_of_b), _least_size(key, a))
+        scale = max(abs(value_of_a), abs(value_of_b), _least_scale(key, a))
     change = value_of_b - value_of_a
     difference = change / scale if change else 0.0
     verdict = SAME if verdict_on(difference, tolerance) is Verdict.WITHIN else DIFFERS
     return Row(key, value_of_a, value_of_b, difference, kind, tolerance, verdict)
 
 
-def _least_size(key: str, findings: Findings) -> float:
-    """The least scale of a relative difference: for energies a share of A f^2 P^2, P by the largest
-    pressure and half-width; else 0.
+def _least_scale(key: str, findings: Findings) -> float:
+    """The smallest number that a difference is divided by: for energies 1e-6 of A f^2 P^2, P being
+    largest pressure times largest half-width; for other values 0.
     """
     engine, _, quantity = key.partition(".")
     if quantity not in ("dissipation", "loop_work", "bulk_work"):
         return 0.0
     pressure = findings.figures[f"{engine}.largest_pressure"] or 0.0
     half_width = findings.figures[f"{engine}.largest_half_width"] or 0.0
-    return _NOTHING * energy_scale(findings.scene, pressure * half_width)
+    return _LEAST_SHARE_OF_ENERGY * energy_scale(findings.scene, pressure * half_width)

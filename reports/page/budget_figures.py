@@ -52,7 +52,7 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
         return None
 
     is_judged = bool(budgets_with_tolerance)
-    rest_name = "unexplained" if budgets[0].half_planes else "idealisation"
+    rest_name = "unexplained" if budgets[0].are_half_planes else "idealisation"
     term_names = [term.name for term in budgets[0].terms]
     names = [*term_names, rest_name]
     stacks = [_stack_of(entry, is_judged) for entry in budgets]
@@ -306,7 +306,7 @@ def mesh_refinement(budget: ErrorBudget) -> Plate | None:
 
     None for two meshes, or where no metric converges.
     """
-    runs = [run for run in budget.refinements.mesh if not run.failure]
+    runs = [run for run in budget.refinements.mesh_runs if not run.failure]
     distances_by_label: dict[str, list[tuple[float, float]]] = {}
     for entry in budget.budgets:
         metric = entry.metric

@@ -8,7 +8,7 @@ from dataclasses import asdict
 from typing import Any
 
 from reports.charts.templating import in_template
-from reports.comparison.budget_words import budget_content, honest
+from reports.comparison.budget_words import budget_content, is_covered
 from reports.comparison.json_values import metric_content, solution_content, strict
 from reports.comparison.laws import derived, expected_content, expected_numbers
 from reports.comparison.words import (
@@ -92,7 +92,7 @@ def whole_content(report: Report, command: str, seconds: Mapping[str, float]) ->
             "A f^2 P_ref^2": scales.dissipation,
         },
         "metrics": {
-            metric.key: metric_content(metric, comparison.scene, honest(budget, metric))
+            metric.key: metric_content(metric, comparison.scene, is_covered(budget, metric))
             for metric in comparison.metrics
         },
         "budget": None if budget is None else budget_content(budget),

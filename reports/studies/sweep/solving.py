@@ -793,10 +793,10 @@ def _pairs_of_runs(
     `evaluation` has the values of `fe_solution`, with which no change was made.
     """
     import halfplane_fe
-    from reports.comparison.budget import coarser, finer_steps
+    from reports.comparison.budget import coarser_settings, settings_with_halved_steps
 
     scene = question.scene
-    coarse_mesh, coarse_solver = coarser(question.mesh, question.solver, 2.0)
+    coarse_mesh, coarse_solver = coarser_settings(question.mesh, question.solver, 2.0)
 
     def values_with(mesh: MeshSettings, solver: SolverSettings = coarse_solver) -> Values:
         """All values of the point with other settings."""
@@ -808,7 +808,7 @@ def _pairs_of_runs(
     if scene.unsymmetric or scene.load.is_driven:
         # Theory has no answer on straight increments for every one of these: halved increments
         # instead, second order.
-        half_increments = values_with(coarse_mesh, finer_steps(coarse_solver))
+        half_increments = values_with(coarse_mesh, settings_with_halved_steps(coarse_solver))
         pairs_of_runs.append((4 / 3, values_with(coarse_mesh), half_increments))
     elif "exact" in question.engines:
         values_on_polygon = evaluate(question, fe_solution, polygon=True).values
@@ -838,11 +838,11 @@ def _uncertainty_by_budget(
     increments and far fields. `question` is the point's scene with settings and the names of values
     asked for.
     """
-    from reports.comparison.budget import climb, error_budget
+    from reports.comparison.budget import error_budget, solve_refinements
 
     comparison = evaluation.comparison
     assert comparison is not None
-    refinements = climb(comparison, question.mesh, question.solver, _silent)
+    refinements = solve_refinements(comparison, question.mesh, question.solver, _silent)
     budgets = error_budget(comparison, refinements, 1.0).budgets
     budget_by_key = {budget.metric.key: budget for budget in budgets}
     values: Values = {}
@@ -852,6 +852,6 @@ def _uncertainty_by_budget(
         values[f"{name}.uncertainty"] = None if budget is None else budget.uncertainty
         if budget is None or budget.uncertainty is None:
             error_terms = budget.terms if budget else ()
-            reasons = [f"{term.name}: {term.how}" for term in error_terms if not term.measured]
+            reasons = [f"{term.name}: {term.how}" for term in error_terms if not term.is_measured]
             notes[f"{name}.uncertainty"] = "; ".join(reasons) or "the budget has no such metric"
     return values
