@@ -334,7 +334,7 @@ def metrics(scene: Scene, stored: Mapping[str, Any]) -> list[Metric]:
             number = math.nan if f"{key}.finite" in stored["frozen"] else value
             metric = METRICS[name]
             measured = Measured(value=number, absolute=name in stored["absolute"])
-            rows.append(metric.with_value(measured, metric.admitted(tolerances)))
+            rows.append(metric.with_value(measured, metric.tolerance_from(tolerances)))
     return rows
 
 

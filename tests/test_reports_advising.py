@@ -85,7 +85,7 @@ def test_a_difference_is_split_by_what_makes_it_and_its_main_cause_named() -> No
     assert [step.words for step in parts] == [*PARTS_OF_BLOCKS, "both together"]
     assert sum(step.change.value for step in why.steps) == pytest.approx(error, rel=1e-12)
     assert (numerical.words, numerical.change.value) == ("mesh and steps", 0.0)
-    assert left.change == why.left
+    assert left.change == why.unexplained
     assert why.explains
     assert why.main_cause == "curvature under Q"
     assert "curvature under Q −2.00 ±" in why.sentence
@@ -166,7 +166,7 @@ def test_coupling_of_unlike_bodies_and_what_kernels_find_are_parts(
     assert list(why.parts) == ["coupling", "finite bodies"]
     assert why.parts["coupling"] == pytest.approx((-0.05, 1e-3))
     assert why.parts["finite bodies"] == pytest.approx((-0.05, 2e-3))
-    assert why.left == pytest.approx((-0.003, 3.5e-3))
+    assert why.unexplained == pytest.approx((-0.003, 3.5e-3))
 
 
 def test_of_arcs_what_kernels_find_is_one_part(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -183,7 +183,7 @@ def test_of_arcs_what_kernels_find_is_one_part(monkeypatch: pytest.MonkeyPatch) 
     run.result = SimpleNamespace(settings={"mesh": asdict(MeshSettings())})
     why = split(run, None)
     assert why.parts == {"finite bodies": pytest.approx((-0.06, 1e-3))}
-    assert why.left == pytest.approx((2e-4, 1.5e-3))
+    assert why.unexplained == pytest.approx((2e-4, 1.5e-3))
 
 
 def test_parts_whose_errors_have_no_estimate_are_not_shown(
@@ -219,7 +219,7 @@ def test_what_kernels_find_explains_finite_elements(scene: Scene, cause: str) ->
     run.result = elements
     why = split(run, None)
     assert why.main_cause == cause
-    assert abs(why.left.value) < 1e-3
+    assert abs(why.unexplained.value) < 1e-3
     assert why.explains
 
 

@@ -250,7 +250,7 @@ def test_a_value_and_its_difference_are_equally_uncertain(paper, key, stated):
     metric = comparison.metric(key)
     metric = replace(metric, stated=(0.0, stated * metric.denominator), uncertainty=None)
     line = error_budget(
-        replace(comparison, metrics=(metric,)), replace(refinements, mesh=runs), 1.0
+        replace(comparison, metrics=(metric,)), replace(refinements, mesh_runs=runs), 1.0
     ).budget(key)
     mesh = line.terms[0]
     by_runs = np.isnan(stated)
@@ -269,7 +269,7 @@ def test_what_was_not_measured_is_not_zero_and_bounds_add_where_scatter_adds_by_
         for run in refinements.mesh_runs[1:]
     )
     line = error_budget(
-        comparison, replace(refinements, mesh=(refinements.mesh_runs[0], *fallen)), 1.0
+        comparison, replace(refinements, mesh_runs=(refinements.mesh_runs[0], *fallen)), 1.0
     ).budget("dissipation")
     mesh = line.terms[0]
     assert (mesh.value, mesh.uncertainty, mesh.is_measured) == (None, None, False)

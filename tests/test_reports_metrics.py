@@ -565,6 +565,13 @@ def test_what_one_of_them_lacks_is_said(case: str) -> None:
     assert metric.absolute is (case in ("no dissipation", "no slip"))
 
 
+def test_a_displacement_without_a_judged_instant_states_that_the_load_is_too_light() -> None:
+    heavy = changed(normal_load=100 * TRUTH.normal_load)
+    metric = compare(TRUTH, TRUTH, scales_from=heavy).metric("tangential_displacement")
+    assert metric.value is None
+    assert metric.note == "no instant carries enough load to be judged"
+
+
 def test_maps_count_both_ways_and_a_stick_edge_that_is_never_there_fails() -> None:
     """Too little contact as too much of it, over what touches in either."""
     half = changed(state=np.where(X > 0, 0, TRUTH.state).astype(np.int8))

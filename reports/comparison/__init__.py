@@ -14,7 +14,8 @@ Offered to the rest of reports, `Comparison` `compare` first; each file imports 
     work_of_loads.py closed integrals of Q dU, P dV and the bulk term: `loop_work` `bulk_work`
                     `normal_work` `bulk_strain` `bulk_strains`
     verdicts.py     `Verdict` `verdict_on`
-    measures.py     one function for each metric: `norm` `over` `shares`
+    measures.py     one function for each metric: `norm` `quotient`
+                    `trapezoidal_weights`
     metrics.py      the metrics, one table of words, reasons, needs, functions, tolerances:
                     `METRICS` `Metric` `missing` `tolerances_of` `WHOLE_CYCLE`
     laws.py         the laws of contact that an answer obeys, whoever is right: `Certificate`

@@ -17,35 +17,39 @@ from scenes.array_types import Array
 
 Mask = NDArray[np.bool_]
 
-# A spike is so many times as large as its neighbours in x and in time, and so many times as large
-# as all other values of its field: a traction may be singular at an edge, but not at one point of
-# one instant alone.
-_OVER_NEIGHBOURS = 5.0
-_OVER_ALL = 3.0
-# Points with a value at the instant of a spike: of a contact of fewer a mesh knows no form.
-_FEWEST_BESIDE = 6
-# The same of differences from the reference, of which noise has large ones by chance: so many times
-# as large as all others, and at least this share of p_ref.
-_DIFFERENCE_OVER_ALL = 5.0
+# A spike is 5 times as large as its neighbours in x and in time, and 3 times as large as all other
+# values of its field: a traction may be singular at an edge, but not at one point of one instant
+# alone.
+_FACTOR_OVER_NEIGHBOURS = 5.0
+_FACTOR_OVER_FIELD = 3.0
+# A spike can be told from a small contact only where more points than these have a value at its
+# instant.
+_FEWEST_POINTS = 6
+# A difference from the reference is isolated if it is 5 times as large as all others and at least a
+# tenth of p_ref: noise has large differences by chance.
+_FACTOR_OF_DIFFERENCE = 5.0
 _LEAST_DIFFERENCE = 0.1
-# Spacings to each side of an edge of contact or stick: there a mesh errs at one node alone.
-_NEAR_EDGE = 2.0
+# Point spacings to each side of an edge of contact or stick in which one node alone may be wrong,
+# since the edge lies within an element.
+_SPACINGS_NEAR_EDGE = 2.0
 
 
 def spikes(values: Array) -> Mask:
-    """Where single values of a field stand out of all others: (n_steps, n_points) -> mask.
+    """Where single values of a field are far larger than all others: (n_steps, n_points) -> mask of
+    the same shape.
 
     >>> field = np.full((1, 9), 2.0)
     >>> field[0, 4] = 900.0
     >>> np.flatnonzero(spikes(field)[0]).tolist()
     [4]
     """
-    return _stands_out(values, _OVER_ALL) & _has_form(values)
+    return _is_far_larger(values, _FACTOR_OVER_FIELD) & _has_enough_points(values)
 
 
-def _stands_out(values: Array, over_all: float) -> Mask:
-    """Which values of a field (k instants, n points) stand alone: each is several times larger than
-    its neighbours in x and in time, and `over_all` times larger than every other value.
+def _is_far_larger(values: Array, factor: float) -> Mask:
+    """(k instants, n points) whether a value of a field is far larger than the others: a local
+    peak, more than 5 times its neighbours in x and in time, and more than `factor` times every
+    value that is no local peak.
     """
     sizes = np.abs(np.nan_to_num(values))
     padded_sizes = np.pad(sizes, 1)
@@ -54,20 +58,20 @@ def _stands_out(values: Array, over_all: float) -> Mask:
     value_before = padded_sizes[:-2, 1:-1]
     value_after = padded_sizes[2:, 1:-1]
     largest_neighbour = np.maximum.reduce([value_left, value_right, value_before, value_after])
-    stands_out = (sizes > 0) & (sizes > _OVER_NEIGHBOURS * largest_neighbour)
-    largest_of_rest = float(np.max(sizes, where=~stands_out, initial=0.0))
-    return np.asarray(stands_out & (sizes > over_all * largest_of_rest))
+    is_local_peak = (sizes > 0) & (sizes > _FACTOR_OVER_NEIGHBOURS * largest_neighbour)
+    largest_other_size = float(np.max(sizes, where=~is_local_peak, initial=0.0))
+    return np.asarray(is_local_peak & (sizes > factor * largest_other_size))
 
 
-def _has_form(values: Array) -> Mask:
-    """(n_steps, 1) instants with enough values that are not 0."""
-    count = np.sum(np.nan_to_num(values) != 0, axis=1, keepdims=True)
-    return np.asarray(count > _FEWEST_BESIDE)
+def _has_enough_points(values: Array) -> Mask:
+    """(n_steps, 1) whether more than six points have a value other than 0 at an instant."""
+    n_points = np.sum(np.nan_to_num(values) != 0, axis=1, keepdims=True)
+    return np.asarray(n_points > _FEWEST_POINTS)
 
 
 def without_spikes(values: Array) -> Array:
     """A field of values (n_steps, n_points) without its spikes, single values that are far larger
-    than all others: in place of each stands the mean of both neighbours in x.
+    than all others: each is replaced by the mean of its neighbours in x that are no spikes.
     """
     is_spike = spikes(values)
     if not is_spike.any():
@@ -84,14 +88,15 @@ def without_spikes(values: Array) -> Array:
 
 
 def isolated_values(result_cycle: Cycle, reference_cycle: Cycle) -> dict[str, Mask]:
-    """Which values of pressure, shear and slip in a result's last cycle stand alone, (k instants, n
-    points) each by name: single values that are far larger than all others; and pressures and
-    shears whose difference from the reference is such a value, away from the edges of contact and
-    stick.
+    """Isolated values in the last cycle of a result, which no neighbour supports: masks (k
+    instants, n points) of "pressure", "shear" and "slip".
 
-    Slip is counted from a datum of its own, so that its difference from the reference is not looked
-    at.
+    A value is isolated if it is far larger than all others. A pressure or shear is isolated too if
+    its difference from the reference is far larger than all other differences, away from the edges
+    of contact and stick. The difference of the slip is not used: each solution counts slip from
+    another origin.
     """
+    # edges (k, 2) at which a difference may be large
     edges = {
         "pressure": [reference_cycle.contact_edges],
         "shear": [reference_cycle.contact_edges, reference_cycle.stick_edges],
@@ -102,21 +107,25 @@ def isolated_values(result_cycle: Cycle, reference_cycle: Cycle) -> dict[str, Ma
         difference = getattr(result_cycle, name) - reference_values
         largest_reference = np.max(np.abs(reference_values), initial=0.0)
         is_large = np.abs(difference) > _LEAST_DIFFERENCE * largest_reference
-        stands_alone = _stands_out(difference, _DIFFERENCE_OVER_ALL)
-        # A pressure of a few points has no form that a single value could stand out of.
-        stands_alone &= _has_form(result_cycle.pressure)
-        is_near_edge = _near(edges_of_field, reference_cycle)
-        masks[name] = masks[name] | (stands_alone & is_large & ~is_near_edge)
+        is_far_larger = _is_far_larger(difference, _FACTOR_OF_DIFFERENCE)
+        # with pressure at a few points only, no value can be told from the others
+        is_isolated = is_far_larger & is_large & _has_enough_points(result_cycle.pressure)
+        is_near_edge = _is_near_edge(edges_of_field, reference_cycle)
+        masks[name] = masks[name] | (is_isolated & ~is_near_edge)
     return masks
 
 
-def _near(edges: Sequence[Array], cycle: Cycle) -> Mask:
-    """(k, n) points within two spacings of one of the edges (k, 2) at their instant."""
-    steps = np.diff(cycle.x)
-    spacing = np.maximum(np.append(steps, steps[-1]), np.insert(steps, 0, steps[0]))
+def _is_near_edge(edges: Sequence[Array], cycle: Cycle) -> Mask:
+    """(k, n) whether a point lies within two point spacings of one of the edges (k, 2) at an
+    instant.
+    """
+    spacings = np.diff(cycle.x)
+    spacing_after = np.append(spacings, spacings[-1])
+    spacing_before = np.insert(spacings, 0, spacings[0])
+    spacing = np.maximum(spacing_after, spacing_before)
     is_near = np.zeros(cycle.pressure.shape, dtype=bool)
     with np.errstate(invalid="ignore"):
-        for left_and_right in edges:
-            for edge in left_and_right.T:
-                is_near |= np.abs(cycle.x - edge[:, None]) <= _NEAR_EDGE * spacing
+        for edge_pair in edges:
+            for edge in edge_pair.T:
+                is_near |= np.abs(cycle.x - edge[:, None]) <= _SPACINGS_NEAR_EDGE * spacing
     return is_near

@@ -31,8 +31,8 @@ def strict(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-# What the JSON of a metric has of it, by the names there.
-_OF_A_METRIC = (
+# Fields of a metric that its JSON holds under the same names.
+_FIELDS_OF_METRIC = (
     "label",
     "value",
     "unit",
@@ -52,28 +52,28 @@ _OF_A_METRIC = (
 )
 
 
-def metric_content(metric: Metric, scene: Scene, honest: bool | None) -> dict[str, Any]:
+def metric_content(metric: Metric, scene: Scene, is_covered: bool | None) -> dict[str, Any]:
     """A metric of a comparison, as JSON values by key: its numbers, verdict and texts; whether its
     value is finite or missing ("finite"); the instant and x/a_ref of its worst error.
 
-    `honest`: whether its stated uncertainty covers its known error, None where that is not known.
+    `is_covered`: whether its stated uncertainty covers its known error, None where that is not known.
     """
     return {
-        **{name: getattr(metric, name) for name in _OF_A_METRIC},
+        **{name: getattr(metric, name) for name in _FIELDS_OF_METRIC},
         "norm": of_stretch(metric.norm, scene),
         "region": of_stretch(metric.region, scene),
         "definition": of_stretch(metric.how, scene),
         "finite": metric.value is None or math.isfinite(metric.value),
-        "honest": honest,
+        "honest": is_covered,
         "worst_at": metric.time,
         "worst_at_x_over_a_ref": metric.place,
     }
 
 
 def solution_content(solution: ContactSolution, checks: tuple[Certificate, ...]) -> dict[str, Any]:
-    """A solution without its fields for JSON: energies, largest half-width and pressure, record of
-    convergence, laws of contact, counts of work, settings. `checks` are the laws of contact as they
-    were checked.
+    """A solution without its fields, for JSON: energies, largest half-width and pressure,
+    convergence, laws of contact, counts of work, settings. `checks` are the results of checking the
+    laws of contact.
     """
     names_of_values = (
         "engine",

@@ -26,13 +26,13 @@ class JudgedPair(Pair):
 
     @property
     def scene(self) -> Scene:
-        """The question."""
+        """The scene that both solutions answer."""
         return self.result.scene
 
     @property
     def verdict(self) -> Verdict | None:
-        """Outside if one metric is, else undecided if one is, else within; None where no tolerance
-        judges any.
+        """Verdict on the whole comparison: outside if one metric is outside, else undecided if one
+        is undecided, else within. None where no metric is judged.
         """
         verdicts = {metric.verdict for metric in self.metrics}
         for candidate in (Verdict.OUTSIDE, Verdict.UNDECIDED, Verdict.WITHIN):
@@ -56,9 +56,9 @@ class JudgedPair(Pair):
 
     @property
     def unscored(self) -> tuple[Metric, ...]:
-        """The metrics that have a tolerance and no value, for want of what they need."""
+        """The metrics with a tolerance and no value, since a solution lacks a field they need."""
         return tuple(
-            metric for metric in self.metrics if metric.lacking and metric.tolerance is not None
+            metric for metric in self.metrics if metric.lacks_field and metric.tolerance is not None
         )
 
     @property

@@ -29,31 +29,32 @@ from scenes.segments import largest_ratio_of
 
 # Algebra in double precision over some hundred steps leaves 1e-12 to 1e-10; a law that is broken
 # shows above 1e-6.
-_LIMIT = 1e-9
-# Of a foreign result: what a file of four printed digits leaves of a law that its code kept to
-# rounding.
-_PRINTED = 1e-3
-# Of theory corrected by what bodies add: paths of straight steps keep the laws at their ends.
-_BY_STEPS = 1e-6
-# Name of what was worked out from other fields of a foreign result -> nothing is checked with it
-# that only repeats how.
+_LIMIT_OF_DOUBLES = 1e-9
+# Limit for an external result: a file of four printed digits leaves such a violation of a law that
+# its code satisfied to round-off.
+_LIMIT_OF_PRINTED_DIGITS = 1e-3
+# Limit for theory corrected by responses of finite bodies: it satisfies the laws at the ends of its
+# straight load steps.
+_LIMIT_OF_STRAIGHT_STEPS = 1e-6
+# Key in `settings` of an external result: names of the fields that were derived from other fields.
+# A law that such a field satisfies by construction is not checked.
 DERIVED = "derived"
 
 
 @dataclass(frozen=True, eq=False)
 class Certificate(PythonNumbers):
-    """One law, checked at every instant of the whole path.
+    """One law of contact, checked at every instant of the whole path.
 
     Attributes
     ----------
     name, source
-        what was checked, and "fields" or "record"
+        the law; "fields" if computed from the fields of the solution, "record" if stated by it
     series
-        (n_steps,), dimensionless violation, 0 is perfect
+        (n_steps,), dimensionless violation, 0 where the law holds exactly
     value, time
-        its largest value and when
+        the largest violation and its instant
     limit
-        largest admitted value
+        largest admitted violation
     """
 
     name: str
@@ -61,7 +62,7 @@ class Certificate(PythonNumbers):
     series: Array
     value: float
     time: float
-    limit: float = _LIMIT
+    limit: float = _LIMIT_OF_DOUBLES
 
     @property
     def label(self) -> str:
@@ -75,46 +76,53 @@ class Certificate(PythonNumbers):
 
 
 def derived(solution: ContactSolution) -> frozenset[str]:
-    """Names of the fields that were worked out from others."""
+    """Names of the fields of an external result that were derived from its other fields."""
     return frozenset(solution.settings.get(DERIVED, ()))
 
 
 def is_corrected(solution: ContactSolution) -> bool:
-    """Whether it is theory with what finite bodies add to half-planes."""
+    """Whether a solution is theory corrected by the responses of finite bodies."""
     return "effects" in solution.settings
 
 
 def certificates(solution: ContactSolution) -> tuple[Certificate, ...]:
-    """How far a solution violates each law of contact (no tension, |q| <= f p, slip with the shear,
-    equilibrium), from its fields and from its record, with the limit admitted.
+    """How far a solution violates each law of contact, with the largest admitted violation.
 
-    Of an external result only those laws are checked that rest on fields of its own, with the limit
-    that printed digits allow. Theory corrected by responses of finite bodies has the limit of its
-    straight load steps.
+    From its fields: no tension, |q| <= f p, slip along the shear, loads as in the scene. From its
+    record: the residuals that the engine states. For an external result a law is left out if the
+    fields were derived from it. The limit allows for printed digits there, and for straight load
+    steps in theory corrected by responses of finite bodies.
     """
-    violations_in_fields = {"tension": _tension(solution)}
+    violations_in_fields = {"tension": _violation_by_tension(solution)}
     if not np.isnan(solution.shear).all():
-        violations_in_fields["cone"] = _cone(solution)  # |q| <= f p
+        violations_in_fields["cone"] = _violation_of_coulomb_limit(solution)
+    derived_fields = derived(solution)
     # states that were derived from the tractions obey the law by construction; loads likewise
-    if "state" not in derived(solution):
-        violations_in_fields["slip"] = _slip(solution)
-    if "normal_load" not in derived(solution):
-        violations_in_fields["loads"] = _loads(solution)
-    limit = _LIMIT
-    if derived(solution):
-        limit = _PRINTED
+    if "state" not in derived_fields:
+        violations_in_fields["slip"] = _violation_in_slip(solution)
+    if "normal_load" not in derived_fields:
+        violations_in_fields["loads"] = _difference_of_loads(solution)
+    limit = _LIMIT_OF_DOUBLES
+    if derived_fields:
+        limit = _LIMIT_OF_PRINTED_DIGITS
     elif is_corrected(solution):
-        limit = _BY_STEPS
-    sources = (("fields", violations_in_fields), ("record", solution.record.certificates))
-    return tuple(
-        _certificate(name, source, np.abs(np.asarray(series, dtype=float)), solution.time, limit)
-        for source, residuals in sources
-        for name, series in residuals.items()
-    )
+        limit = _LIMIT_OF_STRAIGHT_STEPS
+    violations_by_source = {
+        "fields": violations_in_fields,
+        "record": solution.record.certificates,
+    }
+    checks = []
+    for source, violations in violations_by_source.items():
+        for name, series in violations.items():
+            sizes = np.abs(np.asarray(series, dtype=float))
+            checks.append(_certificate(name, source, sizes, solution.time, limit))
+    return tuple(checks)
 
 
 def _certificate(name: str, source: str, series: Array, time: Array, limit: float) -> Certificate:
-    """The check of a law, judged at the instant of its largest residual."""
+    """The check of a law from its violation over `time`, (n_steps,) each: the largest counts, and a
+    NaN as largest.
+    """
     worst_step = int(np.argmax(np.where(np.isnan(series), np.inf, series)))
     return Certificate(
         name.replace("_", " "),
@@ -126,59 +134,62 @@ def _certificate(name: str, source: str, series: Array, time: Array, limit: floa
     )
 
 
-def _tension(solution: ContactSolution) -> Array:
-    """max(-p) over the largest pressure of the path, (n_steps,)."""
+def _violation_by_tension(solution: ContactSolution) -> Array:
+    """Largest tension −p of any point over the largest pressure of the path, (n_steps,)."""
     return np.maximum(-solution.pressure.min(axis=1), 0.0) / _largest_pressure(solution)
 
 
-def _cone(solution: ContactSolution) -> Array:
-    """max(|q| - f p) over f times the largest pressure (over the pressure itself where f = 0),
-    (n_steps,).
+def _violation_of_coulomb_limit(solution: ContactSolution) -> Array:
+    """Violation of the Coulomb limit, (n_steps,): the largest |q| − f p of any point, over f times
+    the largest pressure of the path; over that pressure itself where f = 0.
     """
     friction = solution.scene.friction.coefficient
     excess = np.max(np.abs(solution.shear) - friction * solution.pressure, axis=1)
     return np.maximum(excess, 0.0) / ((friction or 1.0) * _largest_pressure(solution))
 
 
-def _slip(solution: ContactSolution) -> Array:
+def _violation_in_slip(solution: ContactSolution) -> Array:
     """Violation of Coulomb's law in slip, (n_steps,): the largest |q − f p| of points in forward
-    slip, and |q + f p| in reverse slip, over f times the largest pressure.
+    slip, and |q + f p| in reverse slip, over f times the largest pressure of the path; over that
+    pressure itself where f = 0.
     """
     friction = solution.scene.friction.coefficient
+    # 1 forward, -1 reverse, 0 no slip
     slip_direction = (solution.state == SLIP_FORWARD) * 1.0 - (solution.state == SLIP_REVERSE)
-    violation = np.max(
+    largest_excess = np.max(
         np.abs(slip_direction * solution.shear - friction * solution.pressure),
         axis=1,
         where=slip_direction != 0,
         initial=0.0,
     )
-    return np.asarray(violation / ((friction or 1.0) * _largest_pressure(solution)))
+    return np.asarray(largest_excess / ((friction or 1.0) * _largest_pressure(solution)))
 
 
-def _loads(solution: ContactSolution) -> Array:
+def _difference_of_loads(solution: ContactSolution) -> Array:
     """Largest of |P - P(t)| and |Q - Q(t)| over the largest P, P(t) and Q(t) being the scene's,
     (n_steps,).
     """
     normal_load, tangential_load = solution.scene.load.path().at(solution.time)
-    off = np.maximum(
+    difference = np.maximum(
         np.abs(solution.normal_load - normal_load),
         np.abs(solution.tangential_load - tangential_load),
     )
-    return np.asarray(off / np.max(normal_load))
+    return np.asarray(difference / np.max(normal_load))
 
 
 def _largest_pressure(solution: ContactSolution) -> float:
+    """Largest pressure of the path; 1 where there is none."""
     return float(np.max(solution.pressure)) or 1.0
 
 
 # --------------------------------------------------------------------------------- expected numbers
 @dataclass(frozen=True)
 class Finding(PythonNumbers):
-    """An expected number and what was found in its place."""
+    """A number that a scene expects of an engine, beside the engine's own value."""
 
     expected: Expected  # the number, its tolerance, engine and source
-    found: float  # the engine's own; NaN where it has no such thing
-    difference: float  # found less expected, in the measure of the tolerance
+    value: float  # the engine's own; NaN where it has no such thing
+    difference: float  # (value - expected)/scale, the scale being that of the tolerance
 
     @property
     def met(self) -> bool:
@@ -187,7 +198,9 @@ class Finding(PythonNumbers):
 
 
 def _lower_face_displacement(solution: ContactSolution) -> float:
-    """At the largest load; NaN for a half-plane, whose displacement has no datum."""
+    """Displacement along y of the middle of the lower face at the largest load of the last cycle
+    [length]; NaN for a half-plane, whose displacement has no datum.
+    """
     from halfplane_fe import FiniteElementSolution, fields
 
     if (
@@ -195,12 +208,12 @@ def _lower_face_displacement(solution: ContactSolution) -> float:
         or solution.scene.bodies.lower.kind == "half_plane"
     ):
         return math.nan
-    lower_body = fields(solution, [solution.time[_when_largest(solution)]])[0].bodies[0]
+    lower_body = fields(solution, [solution.time[_index_of_largest_load(solution)]])[0].bodies[0]
     return float(lower_body.displacement[np.argmin(np.hypot(*lower_body.points.T)), 1])
 
 
-def _when_largest(solution: ContactSolution) -> int:
-    """The step of the last cycle with the largest P."""
+def _index_of_largest_load(solution: ContactSolution) -> int:
+    """Index of the instant of the last cycle with the largest P."""
     return int(solution.last_cycle[np.argmax(solution.normal_load[solution.last_cycle])])
 
 
@@ -210,14 +223,20 @@ def _largest_half_width(solution: ContactSolution) -> float:
 
 
 def _stick_edges(solution: ContactSolution) -> list[float]:
-    """Ends of what sticks through the whole last cycle [length]; NaN if nothing does."""
+    """Left and right end of the zone that sticks through the whole last cycle [length]; NaN without
+    such a zone.
+    """
     edges = solution.permanent_stick_edges
     return [math.nan, math.nan] if edges is None else [float(edge) for edge in edges]
 
 
-def _moment(solution: ContactSolution) -> float:
-    """At the largest load."""
-    return math.nan if solution.moment is None else float(solution.moment[_when_largest(solution)])
+def _moment_at_largest_load(solution: ContactSolution) -> float:
+    """Moment M at the largest load of the last cycle; NaN where the solution states none."""
+    return (
+        math.nan
+        if solution.moment is None
+        else float(solution.moment[_index_of_largest_load(solution)])
+    )
 
 
 def _bulk_work(solution: ContactSolution) -> float:
@@ -278,7 +297,7 @@ QUANTITIES = {
         "length",
         lambda s: float(np.nanmax(s.contact_edges[s.last_cycle, 1])),
     ),
-    "moment": _Quantity("moment of the pressure about x = 0", "moment", _moment),
+    "moment": _Quantity("moment of the pressure about x = 0", "moment", _moment_at_largest_load),
     "lower_face_displacement": _Quantity(
         "displacement of the lower face's middle along y", "length", _lower_face_displacement
     ),
@@ -296,17 +315,17 @@ OF_UNSYMMETRIC = ("bulk_work", "permanent_stick_left", "permanent_stick_right")
 
 
 def of_unsymmetric(solution: ContactSolution) -> dict[str, float]:
-    """Further values, by name, of a solution with bulk stress, tilt or unequal sides; empty without
-    these.
+    """Values, by name, that only a solution with bulk stress, tilt or unequal sides has; empty for
+    others.
     """
     if solution.permanent_stick_edges is None:
         return {}
     return {key: QUANTITIES[key].of(solution) for key in OF_UNSYMMETRIC}
 
 
-def _scale(expected: Expected, solution: ContactSolution) -> float:
-    """What the tolerance of an expected number is relative to: the number, or where that is 0 the
-    scale of its kind.
+def _scale_of_tolerance(expected: Expected, solution: ContactSolution) -> float:
+    """The number that the tolerance of an expected number is relative to: the expected number
+    itself. Where that is 0, a typical size of its kind of quantity in the solution.
     """
     if expected.value:
         return abs(expected.value)
@@ -334,9 +353,9 @@ def ratio_of_answer(solution: ContactSolution) -> float:
 
 
 def expected_numbers(scene: Scene, solutions: Iterable[ContactSolution]) -> Iterator[Finding]:
-    """The numbers that a scene states as expected of theory or finite elements, each with what
-    `solutions` have instead, in the scene's order. None is expected of theory corrected by
-    responses of finite bodies.
+    """The numbers that a scene expects of theory or finite elements, each beside the value of that
+    engine's solution, in the order of the scene. Engines without a solution are left out, and so is
+    theory corrected by responses of finite bodies.
     """
     solution_by_engine = {
         name_of(solution.engine): solution for solution in solutions if not is_corrected(solution)
@@ -345,19 +364,20 @@ def expected_numbers(scene: Scene, solutions: Iterable[ContactSolution]) -> Iter
         if expected.engine in solution_by_engine:
             solution = solution_by_engine[expected.engine]
             value = QUANTITIES[expected.quantity].of(solution)
-            yield Finding(expected, value, (value - expected.value) / _scale(expected, solution))
+            difference = (value - expected.value) / _scale_of_tolerance(expected, solution)
+            yield Finding(expected, value, difference)
 
 
 def expected_rows(findings: Iterable[Finding]) -> list[tuple[str, ...]]:
-    """Cells of the table of expected numbers that the terminal shows: quantity, engine, expected,
-    found, difference, tolerance, whether it is met.
+    """Cells of the table of expected numbers that the terminal shows: quantity, engine, expected
+    number, value of the engine, difference, tolerance, whether the difference is within it.
     """
     return [
         (
             finding.expected.quantity.replace("_", " "),
             finding.expected.engine,
             f"{finding.expected.value:.5g}",
-            "none" if math.isnan(finding.found) else f"{finding.found:.5g}",
+            "none" if math.isnan(finding.value) else f"{finding.value:.5g}",
             "–" if math.isnan(finding.difference) else minus(f"{finding.difference:+.1e}"),
             f"{finding.expected.tolerance:.3g}",
             "yes" if finding.met else "no",
@@ -370,11 +390,11 @@ EXPECTED_HEADS = ("quantity", "engine", "expected", "found", "off", "limit", "me
 
 
 def expected_content(findings: Iterable[Finding]) -> list[dict[str, Any]]:
-    """The expected numbers of a scene with what was found in their place, for JSON."""
+    """The expected numbers of a scene beside the values of the engines, for JSON."""
     return [
         {
             **finding.expected.model_dump(mode="json"),
-            "found": finding.found,
+            "found": finding.value,
             "difference": finding.difference,
             "met": finding.met,
         }

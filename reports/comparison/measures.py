@@ -1,8 +1,9 @@
-"""The functions that measure: each takes a `Pair` and gives one `Measured`, for one row of the
+"""The functions that measure: each takes a `Pair` and returns one `Measured`, for one row of the
 table in metrics.py.
 
-Every one is a pure function of two last cycles on the same points and instants, dimensionless:
-result − reference over a scale, signed wherever a sign has a meaning.
+Each compares two last cycles, that of the reference and that of the result, on the same points and
+instants. The value is dimensionless: result − reference over a scale, with a sign wherever a sign
+has a meaning.
 
 # notation: ref the reference, E the value of a metric, u its uncertainty
 """
@@ -26,23 +27,24 @@ from scenes import OPEN, ContactSolution
 from scenes.array_types import Array
 from scenes.solution import range_of_slip
 
-# Differences of size that are rounding: engines repeat themselves to 1e-11.
-_ALIKE = 1e-9
-# Below this, in A f^2 P_ref^2, a dissipation of the reference is the rounding of a sum whose truth
-# is 0.
+# Relative difference of two sizes that is round-off: engines repeat themselves to 1e-11.
+_RELATIVE_ROUNDING = 1e-9
+# A dissipation of the reference below this share of A f^2 P_ref^2 is the round-off of a sum whose
+# true value is 0.
 _NO_DISSIPATION = 1e-12
-# Beside its scale, an amount of the reference of this share is nothing.
-_NOTHING = 1e-12
-# Share of theory's own value by which its value on the result's points may miss it: above, these
-# points say nothing of the value.
-_UNRESOLVED = 0.1
-# Of the same share: below, both are the same to the digits of a table.
-_SAME_DIGITS = 1e-6
-# Of the finite elements, over their largest slip: their compliances are factorised.
+# An amount of the reference below this share of its scale counts as 0.
+_NEGLIGIBLE_SHARE = 1e-12
+# On the points of an external result, theory's largest value misses its true largest value by some
+# share. Above this share the points are too few for a comparison.
+_LARGEST_MISS = 0.1
+# Below this share both values have the same digits in a table.
+_LEAST_VISIBLE_MISS = 1e-6
+# Round-off of the slip of finite elements, over their largest slip: compliances are factorised.
 _ROUND_OFF_OF_SLIP = 1e-11
-# Over a_ref: stick edges this close to the contact edges are those.
-_SAME_EDGE = 1e-9
+# Stick edges within this distance of the contact edges, over a_ref, are the contact edges.
+_EDGE_TOLERANCE = 1e-9
 
+_TOO_LIGHT = "no instant carries enough load to be judged"
 _NOT_IN_CONTACT = "no instant has points in contact in both"
 _NO_SLIP_RESOLVED = (
     "no node of the finite elements slips by more than round-off while it is in contact: what"
@@ -55,35 +57,36 @@ _WITH_COMPLIANCES = "with c_t, c_n of these bodies"
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Measured(PythonNumbers):
-    """What the function of a metric measures.
+    """The value of a metric in one comparison, with its place and time, uncertainty and note.
 
     Attributes
     ----------
     value
-        of the last cycle, the worst where there is one at every instant; None where there is
+        of the last cycle; of a metric with a value at every instant, the worst. None where there is
         nothing to compare; not finite where the data is not
     time
-        instant of the worst value; None for a figure of the whole cycle
+        instant of the worst value; None for a value of the whole cycle
     series
         (k,) values at the instants of the last cycle (NaN: nothing to compare), or None
     note
-        what a reader must not miss
+        a text that a reader must not miss; where there is no value, the reason
     elements
         value in local element sizes of the result, where it states one
     absolute
-        whether the value is in the row's absolute unit, the reference's own figure being 0
+        whether the difference is over a fixed scale, since the reference's own value is 0
     place
         where on the surface the worst value is, x/a_ref; None for what has no place
     uncertainty
-        how far the error budget, else the engines' own statement, leaves the value open, in its
-        unit; None where nobody states it
+        of the value, in its unit: by the error budget, else as the engines state it; None where
+        neither states one
     amounts
-        (reference, result) of a row with a quantity, in units of the scene; None for the others
+        (reference, result): the quantity itself in both solutions, such as the largest pressure, in
+        units of the scene; None for a metric that has none
     stated
-        uncertainty that the solution states of either amount, in its unit: 0 exact, NaN no
-        estimate, None from a solution that states nothing
+        uncertainties that reference and result themselves state of their amounts, in the same
+        units: 0 exact, NaN no estimate, None from a solution that states nothing
     denominator
-        what the difference of the two amounts is over, in their unit
+        number that the difference of the two amounts is divided by, in their unit
     """
 
     value: float | None = None
@@ -107,20 +110,21 @@ class Measured(PythonNumbers):
         >>> measured.stated_by_result, measured.stated_by_reference
         (0.05, 0.0)
         """
-        return self._in_its_unit(self.stated[1])
+        return self._in_unit_of_value(self.stated[1])
 
     @property
     def stated_by_reference(self) -> float | None:
-        """That of the reference."""
-        return self._in_its_unit(self.stated[0])
+        """Uncertainty that the reference states of its amount, in the unit of the value; None where
+        it states none.
+        """
+        return self._in_unit_of_value(self.stated[0])
 
     @property
     def is_on_points_of_result(self) -> bool:
-        """Whether `value` is not the difference of the two `amounts` (reference, result) over
-        `denominator`.
+        """Whether `value` compares the result with the reference's value on the result's points and
+        instants, in place of the amount of the reference.
 
-        It is then taken on the points and instants of the result, where the reference has another
-        value than its own.
+        It then differs from (result amount − reference amount)/denominator.
 
         >>> Measured(value=0.0, amounts=(4.0, 3.9), denominator=3.9).is_on_points_of_result
         True
@@ -130,9 +134,10 @@ class Measured(PythonNumbers):
         reference_amount, result_amount = self.amounts
         difference = self.value * self.denominator
         mismatch = abs(result_amount - reference_amount - difference)
-        return mismatch > _SAME_DIGITS * max(abs(reference_amount), abs(result_amount))
+        return mismatch > _LEAST_VISIBLE_MISS * max(abs(reference_amount), abs(result_amount))
 
-    def _in_its_unit(self, uncertainty: float | None) -> float | None:
+    def _in_unit_of_value(self, uncertainty: float | None) -> float | None:
+        """Uncertainty of an amount, in the unit of the value; None where there is no estimate."""
         if uncertainty is None or not math.isfinite(uncertainty) or self.denominator is None:
             return None
         return uncertainty / abs(self.denominator)
@@ -146,98 +151,106 @@ def norm(x: Array, values: Array) -> Array:
     return np.sqrt(np.trapezoid(np.square(values), x, axis=-1))
 
 
-def over(numerator: Array, denominator: Array) -> Array:
+def quotient(numerator: Array, denominator: Array) -> Array:
     """Quotient; 0/0 is NaN ("nothing to compare"), anything else over 0 is infinite."""
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         return np.asarray(numerator / denominator, dtype=float)
 
 
-def shares(positions: Array) -> Array:
+def trapezoidal_weights(positions: Array) -> Array:
     """Weights of the trapezoidal rule on the points or instants `positions`, (n,) -> (n,). Where
-    all of `positions` are equal each weight is 1.
+    all of `positions` are equal, each weight is 1.
 
-    >>> shares(np.array([0.0, 1.0, 3.0])).tolist(), shares(np.array([2.0])).tolist()
+    >>> (
+    ...     trapezoidal_weights(np.array([0.0, 1.0, 3.0])).tolist(),
+    ...     trapezoidal_weights(np.array([2.0])).tolist(),
+    ... )
     ([0.5, 1.5, 1.0], [1.0])
     """
     if positions[-1] == positions[0]:
         return np.ones(len(positions))
-    steps = np.diff(positions)
-    steps_after = np.concatenate([steps, [0.0]])
-    steps_before = np.concatenate([[0.0], steps])
-    return np.asarray(steps_before + steps_after) / 2
+    spacings = np.diff(positions)
+    spacing_after = np.concatenate([spacings, [0.0]])
+    spacing_before = np.concatenate([[0.0], spacings])
+    return np.asarray(spacing_before + spacing_after) / 2
 
 
-def _first_largest(size: Array) -> int:
-    """The first index of what is largest but for rounding.
+def _first_index_of_largest(size: Array) -> int:
+    """The first index at which `size` (k,) is largest, to rounding.
 
     A cycle that is its own mirror image has each difference twice, with both signs: which of them
     is larger is chance.
     """
-    return int(np.argmax(size >= (1 - _ALIKE) * size.max()))
+    is_largest = size >= (1 - _RELATIVE_ROUNDING) * size.max()
+    return int(np.argmax(is_largest))
 
 
-def _worst(series: Array, applies: Mask, places: Array) -> tuple[float | None, float | None]:
+def _worst_value_and_place(
+    series: Array, is_considered: Mask, places: Array
+) -> tuple[float | None, float | None]:
     """The value of largest size in a series, and its place; the first where several are as large. A
-    NaN counts as largest; (None, None) where no value applies.
+    NaN counts as largest; (None, None) where no value is considered.
 
     Parameters
     ----------
     series
         (k,) values
-    applies
-        (k,) which of them are looked at
+    is_considered
+        (k,) whether a value is considered
     places
         (k,) times or places of the values
 
     Examples
     --------
-    >>> _worst(np.array([1.0, -3.0, 9.0]), np.array([True, True, False]), np.array([0.0, 0.5, 1.0]))
+    >>> is_considered = np.array([True, True, False])
+    >>> _worst_value_and_place(np.array([1.0, -3.0, 9.0]), is_considered, np.array([0.0, 0.5, 1.0]))
     (-3.0, 0.5)
     """
-    if not applies.any():
+    if not is_considered.any():
         return None, None
     sizes = np.where(np.isnan(series), np.inf, np.abs(series))
-    worst_index = _first_largest(np.where(applies, sizes, -1.0))
+    worst_index = _first_index_of_largest(np.where(is_considered, sizes, -1.0))
     return float(series[worst_index]), float(places[worst_index])
 
 
-def _at_worst(
-    pair: Pair, series: Array, applies: Mask | None = None, **of_measured: Any
+def _value_at_worst_instant(
+    pair: Pair, series: Array, is_considered: Mask | None = None, **further_fields: Any
 ) -> Measured:
-    """`series` (k,) at the worst of the instants that are judged, or of those that apply."""
-    value, time = _worst(
-        series, pair.is_judged if applies is None else applies, pair.result_cycle.time
-    )
-    return Measured(value=value, time=time, series=series, **of_measured)
+    """A metric with a value at every instant, `series` (k,). Its value is the largest in size at
+    the judged instants, or where `is_considered` (k,). `further_fields` are those of `Measured`.
+    """
+    if is_considered is None:
+        is_considered = pair.is_judged
+    value, time = _worst_value_and_place(series, is_considered, pair.result_cycle.time)
+    return Measured(value=value, time=time, series=series, **further_fields)
 
 
-def _nothing_to_compare(reason: str) -> Measured:
-    """No value, with the reason in words."""
+def _without_value(reason: str) -> Measured:
+    """A metric without a value, with the reason in words."""
     return Measured(value=None, note=reason)
 
 
 # -------------------------------------------------------------------------------- absolute values
 
 
-def _of_amounts(
+def _difference_of_amounts(
     reference_amount: float, result_amount: float, scale: float, **further_fields: Any
 ) -> Measured:
-    """A metric of two amounts of the same quantity: (result - reference)/reference. Where the
-    reference's amount is nothing (below 1e-12 of `scale`) the difference is over `scale` instead,
-    and called absolute.
+    """A metric of two amounts of the same quantity: (result − reference)/reference.
+
+    Where the amount of the reference is below 1e-12 of `scale` the difference is divided by
+    `scale`, and the metric is marked `absolute`.
 
     Parameters
     ----------
-    reference_amount
-        amount of the reference
-    result_amount
-        amount of the result
+    reference_amount, result_amount
+        the quantity in reference and result, in units of the scene
     scale
-        what counts as large of this quantity
+        a typical size of the quantity, in the same units
     further_fields
-        further fields of the metric, such as its times
+        further fields of `Measured`, such as a note
     """
-    is_absolute = abs(reference_amount) <= _NOTHING * scale
+    is_absolute = abs(reference_amount) <= _NEGLIGIBLE_SHARE * scale
     denominator = scale if is_absolute else reference_amount
     return Measured(
         value=(result_amount - reference_amount) / denominator,
@@ -248,7 +261,7 @@ def _of_amounts(
     )
 
 
-def _beside_extremum(
+def _difference_of_extremes(
     extremum: float,
     value_on_points: float,
     value_of_result: float,
@@ -257,114 +270,121 @@ def _beside_extremum(
     is_external: bool,
     note: str = "",
 ) -> Measured:
-    """Compare an extreme value, say the largest pressure, of result and reference: (result −
+    """Compare an extreme value of result and reference, such as the largest pressure: (result −
     reference)/reference.
+
+    An external result has points and instants of its own choice, which may miss the extremum. It is
+    therefore compared with the reference on the same points and instants, and a note says so. There
+    is no value where these points miss more than a tenth of the reference's extremum.
 
     Parameters
     ----------
     extremum, value_on_points
-        extreme value of the reference: its own, and as found on the points and instants of the
-        result
+        extreme value of the reference: over its whole surface and cycle, and on the points and
+        instants of the result
     value_of_result
-        the result's extreme value
+        extreme value of the result
     scale
-        what the difference is divided by where the reference's own is 0
+        typical size of the quantity, which divides the difference where the reference has 0
     is_external
-        whether the result has points and instants of its own choice. Then the difference is that
-        from `value_on_points`, so that what lies between the points drops out, and a note says so.
-        Where `value_on_points` misses the reference's own by too much there is no value
+        whether the result is external
+    note
+        note of the metric where no other note is needed
     """
     amounts = (extremum, value_of_result)
     if math.isinf(extremum) and math.isfinite(value_of_result):
         return Measured(value=None, note="infinite in the reference", amounts=amounts)
     if not is_external:
-        return _of_amounts(extremum, value_of_result, scale, note=note)
-    size = abs(extremum) if abs(extremum) > _NOTHING * scale else scale
-    share_missed = abs(value_on_points - extremum) / size
-    if share_missed > _UNRESOLVED:
+        return _difference_of_amounts(extremum, value_of_result, scale, note=note)
+    denominator = abs(extremum) if abs(extremum) > _NEGLIGIBLE_SHARE * scale else scale
+    share_missed = abs(value_on_points - extremum) / denominator
+    if share_missed > _LARGEST_MISS:
         reason_for_none = (
             "the result's points and instants are too few: on them the reference has"
             f" {value_on_points:.4g}"
             f" in place of {extremum:.4g}"
         )
         return Measured(value=None, note=reason_for_none, amounts=amounts)
-    if share_missed > _SAME_DIGITS:
+    if share_missed > _LEAST_VISIBLE_MISS:
         note = (
             "the difference is that on the result's points and instants, where the reference has"
             f" {value_on_points:.5g}"
         )
-    return replace(_of_amounts(value_on_points, value_of_result, scale, note=note), amounts=amounts)
+    measurement = _difference_of_amounts(value_on_points, value_of_result, scale, note=note)
+    return replace(measurement, amounts=amounts)
 
 
-def _beside_theory(
+def _difference_of_largest_values(
     pair: Pair, name: str, value_on_points: float, value_of_result: float, scale: float
 ) -> Measured:
-    """The metric of a quantity's largest value, (result - reference)/reference.
+    """Compare the largest value of a quantity in result and reference: (result −
+    reference)/reference.
 
-    Half-plane theory knows its largest value (`name` in `pair.largest`) wherever it lies. Of
-    another reference it is the largest on the points and instants that both have.
+    Half-plane theory states its largest value over the whole surface and cycle. Of another
+    reference the largest value at the common points and instants is taken.
 
     Parameters
     ----------
-    pair
-        last cycles of reference and result
+    name
+        the quantity in `pair.theory_extremes`: "pressure", "half_width", "slip" or
+        "dissipation_density"
     value_on_points, value_of_result
-        largest value of the reference on those points, and of the result
+        largest value of the reference and of the result at the common points and instants
     scale
-        what the difference is over where the reference's value is 0
+        typical size of the quantity, which divides the difference where the reference has 0
     """
     extremum = value_on_points
     note = ""
-    if pair.largest is not None:
-        extremum = getattr(pair.largest, name)
-        note = pair.largest.sampled
+    if pair.theory_extremes is not None:
+        extremum = getattr(pair.theory_extremes, name)
+        note = pair.theory_extremes.sampled
     is_external = pair.has_external_result
-    return _beside_extremum(
+    return _difference_of_extremes(
         extremum, value_on_points, value_of_result, scale, is_external=is_external, note=note
     )
 
 
-def _with_stated(pair: Pair, measurement: Measured, name: str, error: str = "") -> Measured:
+def _with_stated_uncertainties(
+    pair: Pair, measurement: Measured, name: str, name_of_error: str = ""
+) -> Measured:
     """A measured metric together with the uncertainties that reference and result themselves state
     of the two amounts that it compares.
 
     Parameters
     ----------
-    pair
-        last cycles of reference and result
     name
-        key of the quantity among the uncertainties that finite elements state
-    error
-        key of the quantity among the relative errors that half-plane theory states; "" of what is
-        exact there
+        the quantity in `uncertainties` of a finite-element solution
+    name_of_error
+        the quantity in `record.errors` of half-plane theory; "" where theory is exact
     """
     if measurement.amounts is None:
         return measurement
     reference_value, result_value = measurement.amounts
     stated_uncertainties = (
-        _uncertainty_stated(pair.plain_reference, reference_value, name, error),
-        _uncertainty_stated(pair.result, result_value, name, error),
+        _stated_uncertainty(pair.plain_reference, reference_value, name, name_of_error),
+        _stated_uncertainty(pair.result, result_value, name, name_of_error),
     )
     return replace(measurement, stated=stated_uncertainties)
 
 
-def _uncertainty_stated(
-    solution: ContactSolution, amount: float, name: str, error: str
+def _stated_uncertainty(
+    solution: ContactSolution, amount: float, name: str, name_of_error: str
 ) -> float | None:
-    """Uncertainty that a solution itself states of an amount, in the amount's unit. NaN: it has no
-    estimate; None: its engine states nothing.
+    """Uncertainty that a solution itself states of an amount, in the unit of the amount. NaN where
+    it has no estimate; None for an external result, which states nothing.
 
     Parameters
     ----------
     amount
         value of the solution, such as its largest pressure
     name
-        key of the amount among the uncertainties of finite elements
-    error
-        key of the amount among the relative errors of half-plane theory; "" where theory is exact
+        the quantity in `uncertainties` of a finite-element solution
+    name_of_error
+        the quantity in `record.errors` of half-plane theory; "" where theory is exact
     """
     if solution.engine == "semi_analytic":
-        return solution.record.errors.get(error, 0.0) * abs(amount)
+        relative_error = solution.record.errors.get(name_of_error, 0.0)
+        return relative_error * abs(amount)
     if solution.engine != "halfplane_fe":
         return None
     if name == "dissipation":
@@ -372,8 +392,8 @@ def _uncertainty_stated(
     return solution.uncertainties.get(name, math.nan)
 
 
-def _place_of_largest(pair: Pair, values: Array) -> float:
-    """x/a_ref of the largest of (n,)."""
+def _place_of_largest_value(pair: Pair, values: Array) -> float:
+    """x/a_ref of the point with the largest of `values` (n,)."""
     return float(pair.result_cycle.x[np.argmax(values)]) / pair.scales.half_width
 
 
@@ -381,37 +401,38 @@ def largest_pressure(pair: Pair) -> Measured:
     """Largest p of the cycle."""
     reference_value = float(pair.reference_cycle.pressure.max())
     result_value = float(pair.result_cycle.pressure.max())
-    beside_theory = _beside_theory(
+    beside_theory = _difference_of_largest_values(
         pair, "pressure", reference_value, result_value, pair.scales.pressure
     )
-    return _with_stated(pair, beside_theory, "largest_pressure", "pressure")
+    return _with_stated_uncertainties(pair, beside_theory, "largest_pressure", "pressure")
 
 
 def largest_half_width(pair: Pair) -> Measured:
     """Largest half distance of the contact edges in the cycle."""
     reference_value = _largest_half_distance(pair.reference_cycle)
     result_value = _largest_half_distance(pair.result_cycle)
-    beside_theory = _beside_theory(
+    beside_theory = _difference_of_largest_values(
         pair, "half_width", reference_value, result_value, pair.scales.half_width
     )
-    return _with_stated(pair, beside_theory, "largest_half_width")
+    return _with_stated_uncertainties(pair, beside_theory, "largest_half_width")
 
 
 def _largest_half_distance(cycle: Cycle) -> float:
+    """Largest half distance of the contact edges in a cycle [length]; 0 without contact."""
     return float(np.nanmax(np.diff(cycle.contact_edges, axis=1), initial=0.0)) / 2
 
 
 def permanent_stick(pair: Pair) -> Measured:
-    """Half-width of what sticks through the whole cycle."""
+    """Half-width of the zone that sticks through the whole cycle, result − reference over a_ref."""
     length = _length_of_stick_zone(pair, _permanent_half_width)
-    return _with_stated(pair, length, "permanent_stick_half_width")
+    return _with_stated_uncertainties(pair, length, "permanent_stick_half_width")
 
 
 def stick_eccentricity(pair: Pair) -> Measured:
-    """Middle of what sticks through the whole cycle."""
+    """Middle x of the zone that sticks through the whole cycle, result − reference over a_ref."""
     distance = _length_of_stick_zone(pair, _middle_of_stick)
     # Half the sum of two edges is as uncertain as half their distance.
-    return _with_stated(pair, distance, "permanent_stick_half_width")
+    return _with_stated_uncertainties(pair, distance, "permanent_stick_half_width")
 
 
 def _permanent_half_width(solution: ContactSolution) -> float:
@@ -425,15 +446,16 @@ def _middle_of_stick(solution: ContactSolution) -> float:
 
 def _length_of_stick_zone(pair: Pair, length_of: Callable[[ContactSolution], float]) -> Measured:
     """A length of the zone that sticks through the whole cycle, result − reference over a_ref.
-    `length_of` takes it from a solution; NaN means that there is no such zone. `pair` holds the
-    last cycles of reference and result.
+
+    `length_of` takes the length from a solution [length]; NaN means that there is no such zone. No
+    value where one solution lacks the zone: the note then names it.
     """
     reference_value = float(length_of(pair.reference))
     result_value = float(length_of(pair.result))
     amounts = (float(length_of(pair.plain_reference)), result_value)
     if math.isnan(reference_value) and math.isnan(result_value):
         engines = f"{name_of(pair.reference.engine)} and {name_of(pair.result.engine)}"
-        return _nothing_to_compare(f"none in {engines}")
+        return _without_value(f"none in {engines}")
     if math.isnan(reference_value):
         return Measured(note=f"none in {name_of(pair.reference.engine)}", amounts=amounts)
     if math.isnan(result_value):
@@ -446,73 +468,75 @@ def _length_of_stick_zone(pair: Pair, length_of: Callable[[ContactSolution], flo
 
 
 def largest_slip(pair: Pair) -> Measured:
-    """Largest range of the slip s that any point has while in contact, result beside reference,
-    each on its own points.
+    """Largest range of the slip s that any point has while in contact, each solution over its own
+    contact: (result − reference)/reference.
 
-    No value where the finite elements slip by no more than round-off and theory does slip. `pair`
-    holds the last cycles of reference and result.
+    No value where the finite elements slip by no more than round-off and theory does slip.
     """
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
     if not pair.result.scene.friction.coefficient:
-        return _nothing_to_compare("nothing resists slip")
-    touches_in_result = result_cycle.state != OPEN
-    touches_in_reference = reference_cycle.state != OPEN
-    if not touches_in_result.any():
-        return _nothing_to_compare(_NOT_IN_CONTACT)
-    range_in_result = range_of_slip(result_cycle.slip, touches_in_result)
-    reference_value = float(range_of_slip(reference_cycle.slip, touches_in_reference).max())
-    result_value = float(range_in_result.max())
-    measurement = _beside_theory(pair, "slip", reference_value, result_value, pair.scales.slip)
-    measurement = _with_stated(pair, measurement, "largest_slip", "slip")
+        return _without_value("nothing resists slip")
+    is_closed_in_result = result_cycle.state != OPEN
+    is_closed_in_reference = reference_cycle.state != OPEN
+    if not is_closed_in_result.any():
+        return _without_value(_NOT_IN_CONTACT)
+    # ranges (n,) of the points
+    ranges_in_reference = range_of_slip(reference_cycle.slip, is_closed_in_reference)
+    ranges_in_result = range_of_slip(result_cycle.slip, is_closed_in_result)
+    reference_value = float(ranges_in_reference.max())
+    result_value = float(ranges_in_result.max())
+    measurement = _difference_of_largest_values(
+        pair, "slip", reference_value, result_value, pair.scales.slip
+    )
+    measurement = _with_stated_uncertainties(pair, measurement, "largest_slip", "slip")
     if pair.result.engine == "halfplane_fe" and measurement.amounts is not None:
-        # Where all slip is round-off, slip is narrower than an element: no value, and the cure.
+        # Where all slip is round-off the slip zone is narrower than an element.
         round_off = _ROUND_OFF_OF_SLIP * float(np.max(np.abs(result_cycle.slip)))
         if result_value <= round_off < measurement.amounts[0]:
             return replace(measurement, value=None, note=_NO_SLIP_RESOLVED)
-    return replace(measurement, place=_place_of_largest(pair, range_in_result))
+    return replace(measurement, place=_place_of_largest_value(pair, ranges_in_result))
 
 
 def largest_slip_common(pair: Pair) -> Measured:
-    """Largest range of the slip s, over the points and instants in contact in both result and
-    reference; the result's relative difference. `pair` holds the last cycles of reference and
-    result.
+    """Largest range of the slip s that any point has, over the points and instants in contact in
+    both solutions: (result − reference)/reference.
     """
-    is_touching = _in_contact_in_both(pair)
-    if not is_touching.any():
-        return _nothing_to_compare(_NOT_IN_CONTACT)
-    range_in_result = range_of_slip(pair.result_cycle.slip, is_touching)
-    reference_value = float(range_of_slip(pair.reference_cycle.slip, is_touching).max())
-    result_value = float(range_in_result.max())
-    return _of_amounts(
-        reference_value,
-        result_value,
+    is_closed = _is_closed_in_both(pair)
+    if not is_closed.any():
+        return _without_value(_NOT_IN_CONTACT)
+    # ranges (n,) of the points
+    ranges_in_reference = range_of_slip(pair.reference_cycle.slip, is_closed)
+    ranges_in_result = range_of_slip(pair.result_cycle.slip, is_closed)
+    return _difference_of_amounts(
+        float(ranges_in_reference.max()),
+        float(ranges_in_result.max()),
         pair.scales.slip,
-        place=_place_of_largest(pair, range_in_result),
+        place=_place_of_largest_value(pair, ranges_in_result),
     )
 
 
-def _in_contact_in_both(pair: Pair) -> Mask:
-    """(k, n) points and instants in contact in both."""
+def _is_closed_in_both(pair: Pair) -> Mask:
+    """(k, n) whether a point is in contact at an instant, in reference and result."""
     return np.asarray((pair.reference_cycle.state != OPEN) & (pair.result_cycle.state != OPEN))
 
 
 def dissipation(pair: Pair) -> Measured:
-    """Difference in the friction work W of the last cycle, (result − reference)/reference. Absolute
-    where the reference dissipates nothing.
+    """Friction work W of the last cycle, (result − reference)/reference. Over A f^2 P_ref^2 and
+    marked `absolute` where the reference dissipates nothing.
 
-    Of an external result the difference is that from the reference's W by the rule and points of
-    the result, `pair.reference`; the table shows the reference's own W, `pair.plain_reference`.
-    `pair` holds the last cycles of reference and result.
+    An external result is compared with W of `pair.reference`, which integrates by the same rule and
+    on the same points as the result. The table shows the reference's own W, that of
+    `pair.plain_reference`.
     """
-    measurement = _beside_extremum(
+    measurement = _difference_of_extremes(
         pair.plain_reference.dissipation,
         pair.reference.dissipation,
         pair.result.dissipation,
         pair.scales.dissipation,
         is_external=pair.plain_reference is not pair.reference,
     )
-    measurement = _with_stated(pair, measurement, "dissipation", "dissipation")
+    measurement = _with_stated_uncertainties(pair, measurement, "dissipation", "dissipation")
     if measurement.absolute:
         note = "the reference dissipates nothing, so the value is absolute"
         return replace(measurement, note=note)
@@ -520,72 +544,77 @@ def dissipation(pair: Pair) -> Measured:
 
 
 def largest_dissipation_density(pair: Pair) -> Measured:
-    """Largest friction work per area w(x) of the last cycle: (result - reference)/reference, with
-    the place of the result's largest value. `pair` holds the last cycles of reference and result.
+    """Largest friction work per area w(x) of the last cycle: (result − reference)/reference, with
+    the place of the result's largest value.
     """
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
     value_on_points = float(reference_cycle.dissipation_density.max())
     largest_value = float(result_cycle.dissipation_density.max())
-    measurement = _beside_theory(
+    measurement = _difference_of_largest_values(
         pair, "dissipation_density", value_on_points, largest_value, pair.scales.density
     )
-    measurement = _with_stated(
+    measurement = _with_stated_uncertainties(
         pair, measurement, "largest_dissipation_density", "dissipation_density"
     )
-    return replace(measurement, place=_place_of_largest(pair, result_cycle.dissipation_density))
+    return replace(
+        measurement, place=_place_of_largest_value(pair, result_cycle.dissipation_density)
+    )
 
 
 def edge_tension(pair: Pair) -> Measured:
-    """Difference in the largest tensile stress along a face at an edge of contact, (result −
-    reference)/reference.
+    """Largest tensile stress along a face at an edge of contact, (result − reference)/reference.
 
-    Its uncertainty is the sum of those that both state. No value without friction, or where either
-    does not know that stress. `pair` holds the last cycles of reference and result.
+    Its uncertainty is the sum of those that both solutions state. No value without friction, or
+    where one solution does not state that stress.
     """
     if not pair.result.scene.friction.coefficient:
-        return _nothing_to_compare("frictionless: nothing stretches the faces")
+        return _without_value("frictionless: nothing stretches the faces")
     tension_of_reference = _largest_tension(pair.plain_reference, pair)
     tension_of_result = _largest_tension(pair.result, pair)
     if tension_of_reference is None or tension_of_result is None:
-        return _one_tension(pair, tension_of_reference, tension_of_result)
+        return _without_both_tensions(pair, tension_of_reference, tension_of_result)
 
     reference_value, reference_uncertainty = tension_of_reference
     result_value, result_uncertainty = tension_of_result
-    measurement = _of_amounts(reference_value, result_value, pair.scales.shear)
+    measurement = _difference_of_amounts(reference_value, result_value, pair.scales.shear)
     scale = pair.scales.shear if measurement.absolute else abs(reference_value)
     relative_uncertainty = (reference_uncertainty + result_uncertainty) / scale
     stated_uncertainties = (reference_uncertainty, result_uncertainty)
     return replace(measurement, uncertainty=relative_uncertainty, stated=stated_uncertainties)
 
 
-def _one_tension(
-    pair: Pair, of_reference: tuple[float, float] | None, of_result: tuple[float, float] | None
+def _without_both_tensions(
+    pair: Pair,
+    tension_of_reference: tuple[float, float] | None,
+    tension_of_result: tuple[float, float] | None,
 ) -> Measured:
-    """The largest tension at an edge of contact and its uncertainty [stress] where the reference or
-    the result, or neither, knows it: nothing to compare, with the value that there is.
+    """The metric of the largest tension where a solution does not state it: no value, and the
+    amount of the other solution. A tension is a pair (value, uncertainty) [stress] or None.
     """
-    unknown = (math.nan, math.nan)
-    reference_value, reference_uncertainty = of_reference or unknown
-    result_value, result_uncertainty = of_result or unknown
-    engines_without_value = [
-        name_of(solution.engine)
-        for solution, tension in ((pair.reference, of_reference), (pair.result, of_result))
-        if tension is None
-    ]
+    unknown_tension = (math.nan, math.nan)
+    reference_value, reference_uncertainty = tension_of_reference or unknown_tension
+    result_value, result_uncertainty = tension_of_result or unknown_tension
+    engines_without_value = []
+    if tension_of_reference is None:
+        engines_without_value.append(name_of(pair.reference.engine))
+    if tension_of_result is None:
+        engines_without_value.append(name_of(pair.result.engine))
     return replace(
-        _nothing_to_compare(f"not known of {' and '.join(engines_without_value)}"),
+        _without_value(f"not known of {' and '.join(engines_without_value)}"),
         amounts=(reference_value, result_value),
         stated=(reference_uncertainty, result_uncertainty),
     )
 
 
 def _largest_tension(solution: ContactSolution, pair: Pair) -> tuple[float, float] | None:
-    """The largest tension at an edge of contact and its uncertainty [stress]."""
+    """Largest tensile stress along a face at an edge of contact, and its uncertainty [stress]; None
+    where the solution does not state it.
+    """
     import halfplane_fe
 
-    if solution.engine == "semi_analytic" and pair.largest is not None:
-        return pair.largest.edge_tension, pair.largest.edge_tension_uncertainty
+    if solution.engine == "semi_analytic" and pair.theory_extremes is not None:
+        return pair.theory_extremes.edge_tension, pair.theory_extremes.edge_tension_uncertainty
     if solution.engine != "halfplane_fe":
         return None
     largest_tension = halfplane_fe.largest_edge_tension(solution)
@@ -596,52 +625,62 @@ def _largest_tension(solution: ContactSolution, pair: Pair) -> tuple[float, floa
 
 
 def peak_pressure(pair: Pair) -> Measured:
-    """Largest p of each instant.
+    """Largest pressure p of an instant, (result − reference)/reference, at the worst instant.
 
-    Both maxima over the same points: where these lie beside the true peak cancels. A reference at
-    its own peak would make every result look too low by up to (h/a)^2/8.
+    Both maxima are over the same points, so that the distance of the points from the true peak
+    cancels. With the reference's true peak every result would look too low, by up to (h/a)^2/8.
     """
     reference_value = pair.reference_cycle.pressure.max(axis=1)
     result_value = pair.result_cycle.pressure.max(axis=1)
-    return _at_worst(pair, over(result_value - reference_value, reference_value))
+    return _value_at_worst_instant(pair, quotient(result_value - reference_value, reference_value))
 
 
 def pressure(pair: Pair) -> Measured:
-    """L2 norm of the difference of the pressure over that of the pressure."""
+    """L2 norm over x of the difference of the pressures, over that of the reference's pressure, at
+    the worst instant.
+    """
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
     x = result_cycle.x
     difference = norm(x, result_cycle.pressure - reference_cycle.pressure)
-    series = over(difference, norm(x, reference_cycle.pressure))
-    return _at_worst(pair, series, stated=_stated_norms(pair, "pressure"), denominator=1.0)
+    series = quotient(difference, norm(x, reference_cycle.pressure))
+    return _value_at_worst_instant(
+        pair, series, stated=_stated_uncertainties_of_norm(pair, "pressure"), denominator=1.0
+    )
 
 
 def shear(pair: Pair) -> Measured:
-    """L2 norm of the difference of the shear over f times that of the pressure."""
+    """L2 norm over x of the difference of the shear tractions, over f times that of the reference's
+    pressure, at the worst instant.
+    """
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
     x = result_cycle.x
     difference = norm(x, result_cycle.shear - reference_cycle.shear)
-    series = over(difference, pair.scales.friction * norm(x, reference_cycle.pressure))
-    return _at_worst(pair, series, stated=_stated_norms(pair, "shear"), denominator=1.0)
+    series = quotient(difference, pair.scales.friction * norm(x, reference_cycle.pressure))
+    return _value_at_worst_instant(
+        pair, series, stated=_stated_uncertainties_of_norm(pair, "shear"), denominator=1.0
+    )
 
 
-def _stated_norms(pair: Pair, name: str) -> tuple[float | None, float | None]:
-    """Uncertainty that the reference and the result state of p or q in L2, as a share."""
+def _stated_uncertainties_of_norm(pair: Pair, name: str) -> tuple[float | None, float | None]:
+    """Relative uncertainty in the L2 norm that reference and result state of a traction, `name`
+    being "pressure" or "shear".
+    """
     return (
-        _uncertainty_stated(pair.plain_reference, 1.0, name, name),
-        _uncertainty_stated(pair.result, 1.0, name, name),
+        _stated_uncertainty(pair.plain_reference, 1.0, name, name),
+        _stated_uncertainty(pair.result, 1.0, name, name),
     )
 
 
 def normal_resultant(pair: Pair) -> Measured:
-    """P that the tractions carry."""
-    return _resultant(pair, _normal_resultant, "normal_load")
+    """P that the tractions of the result carry, minus P that it states, over P."""
+    return _excess_of_resultant(pair, _normal_resultant, "normal_load")
 
 
 def tangential_resultant(pair: Pair) -> Measured:
-    """Q that the tractions carry."""
-    return _resultant(pair, _tangential_resultant, "tangential_load")
+    """Q that the tractions of the result carry, minus Q that it states, over P."""
+    return _excess_of_resultant(pair, _tangential_resultant, "tangential_load")
 
 
 def _normal_resultant(cycle: Cycle, weights: Array, normals: Array) -> Array:
@@ -650,92 +689,96 @@ def _normal_resultant(cycle: Cycle, weights: Array, normals: Array) -> Array:
     Parameters
     ----------
     weights
-        (n,) share of the surface of each point [length]
+        (n,) length of surface that belongs to each point [length]
     normals
-        (2, n) out of the lower body, p acting along it and q across it
+        (2, n) components (x, y) of the unit normal out of the lower body: the pressure acts along
+        it, the shear at right angles to it
     """
     normal_x, normal_y = normals
     resultant = np.asarray(cycle.pressure @ (weights * normal_y))
-    # Zero times no shear, which a pressure alone has, is nothing of P.
+    # On a flat face the shear has no part in P. It may be absent, that is NaN, and NaN times 0 is
+    # NaN.
     if normal_x.any():
         resultant = resultant + cycle.shear @ (weights * normal_x)
     return resultant
 
 
 def _tangential_resultant(cycle: Cycle, weights: Array, normals: Array) -> Array:
-    """Q that the tractions of `cycle` carry, as `_normal_resultant`."""
-    along_face, across_face = normals
-    return np.asarray(
-        cycle.shear @ (weights * across_face) - cycle.pressure @ (weights * along_face)
-    )
+    """Tangential load Q that the tractions of a cycle carry at each instant, (k,)
+    [force / thickness]; `weights` and `normals` as in `_normal_resultant`.
+    """
+    normal_x, normal_y = normals
+    return np.asarray(cycle.shear @ (weights * normal_y) - cycle.pressure @ (weights * normal_x))
 
 
-def _resultant(
+def _excess_of_resultant(
     pair: Pair, resultant_of: Callable[[Cycle, Array, Array], Array], name_of_load: str
 ) -> Measured:
-    """Difference of the load that the result's tractions carry from the load that the result
-    states, over P, at the worst instant: a check of equilibrium.
+    """Load that the result's tractions carry minus load that the result states, over P, at the
+    worst instant: a check of equilibrium.
 
-    With the result's own weights of points nothing of the reference enters. Otherwise tractions are
-    integrated by the trapezoidal rule, and the rule's error, found from the reference, is
-    subtracted.
+    A finite-element result states the weights of its points, the length of surface of each.
+    Otherwise the tractions are integrated by the trapezoidal rule. The error of that rule, known
+    from the reference, is then subtracted.
 
     Parameters
     ----------
-    pair
-        last cycles of reference and result
     resultant_of
         integrates tractions, (cycle, weights, normals) -> (k,)
     name_of_load
-        name of the stated load in a cycle
+        name of the stated load in a cycle, "normal_load" or "tangential_load"
     """
     x = pair.result_cycle.x
     normals_of_flat = np.array([np.zeros_like(x), np.ones_like(x)])
     weights = getattr(pair.result, "weights", None)
     normals = getattr(pair.result, "normals", None)
     note = ""
-    weights_of_points = shares(x) if weights is None else weights
+    weights_of_points = trapezoidal_weights(x) if weights is None else weights
     normals_of_points = normals_of_flat if normals is None else normals
     resultant = resultant_of(pair.result_cycle, weights_of_points, normals_of_points)
     excess = resultant - getattr(pair.result_cycle, name_of_load)
     if weights is None:
-        resultant_of_reference = resultant_of(pair.reference_cycle, shares(x), normals_of_flat)
+        resultant_of_reference = resultant_of(
+            pair.reference_cycle, trapezoidal_weights(x), normals_of_flat
+        )
         error_of_rule = resultant_of_reference - getattr(pair.reference_cycle, name_of_load)
         excess = excess - error_of_rule
         note = (
             "the result states no weights, so by the trapezoidal rule, minus its error for the"
             " reference"
         )
-    return _at_worst(pair, over(excess, pair.result_cycle.normal_load), note=note)
+    return _value_at_worst_instant(pair, quotient(excess, pair.result_cycle.normal_load), note=note)
 
 
 # -------------------------------------------------------------------------- contact, stick and slip
 
 
 def contact_edge(pair: Pair) -> Measured:
-    """Outward shift of the worse contact edge."""
+    """Outward shift of the worse contact edge over a_ref, at the worst instant."""
     shift = _shift_of_worse_edge(
         pair.reference_cycle.contact_edges, pair.result_cycle.contact_edges
     )
-    measurement = _at_worst(pair, shift / pair.scales.half_width)
-    return replace(measurement, elements=_in_elements(pair, measurement.value))
+    measurement = _value_at_worst_instant(pair, shift / pair.scales.half_width)
+    return replace(measurement, elements=_shift_in_elements(pair, measurement.value))
 
 
 def stick_edge(pair: Pair) -> Measured:
-    """Outward shift of the worse edge of the stick zone over a_ref, at instants at which result and
-    reference both have one.
+    """Outward shift of the worse edge of the stick zone over a_ref, at the worst of the instants at
+    which result and reference both have a stick zone.
 
     The note counts the instants at which the two differ in full stick, partial slip or full slip.
-    `pair` holds the last cycles of reference and result.
     """
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
-    length = pair.scales.half_width
-    status_of_reference = _stick_status(reference_cycle, length)
-    status_of_result = _stick_status(result_cycle, length)
+    half_width = pair.scales.half_width
+    # (k,) status of the whole contact: full stick, partial slip, full slip or out of contact
+    status_of_reference = _stick_status(reference_cycle, half_width)
+    status_of_result = _stick_status(result_cycle, half_width)
     shift = _shift_of_worse_edge(reference_cycle.stick_edges, result_cycle.stick_edges)
-    is_compared = pair.is_judged & _with_stick_edges(status_of_reference, status_of_result)
-    measurement = _at_worst(pair, shift / length, is_compared)
+    is_compared = pair.is_judged & _has_comparable_stick_edges(
+        status_of_reference, status_of_result
+    )
+    measurement = _value_at_worst_instant(pair, shift / half_width, is_compared)
 
     n_differing = int((status_of_reference != status_of_result)[pair.is_judged].sum())
     note = ""
@@ -747,28 +790,29 @@ def stick_edge(pair: Pair) -> Measured:
     if measurement.value is None and n_differing:
         reason_for_none = f"no instant has a stick edge in both: {note}"
         return replace(measurement, value=math.nan, note=reason_for_none)
-    return replace(measurement, note=note, elements=_in_elements(pair, measurement.value))
+    return replace(measurement, note=note, elements=_shift_in_elements(pair, measurement.value))
 
 
-def _shift_of_worse_edge(of_reference: Array, of_result: Array) -> Array:
-    """Outward shift of the worse of two edges, (k,) from (k, 2); NaN where either lacks the edge.
+def _shift_of_worse_edge(reference_edges: Array, result_edges: Array) -> Array:
+    """Outward shift of the edge, left or right, that differs more, (k,) from (k, 2); NaN where a
+    solution lacks an edge.
 
     >>> _shift_of_worse_edge(np.array([[-1.0, 1.0]]), np.array([[-1.02, 1.01]])).round(12).tolist()
     [0.02]
     """
-    outward = (of_result - of_reference) * np.array([-1.0, 1.0])
-    worse_side = np.argmax(np.abs(outward), axis=1)
-    return np.asarray(outward[np.arange(len(outward)), worse_side])
+    outward_shift = (result_edges - reference_edges) * np.array([-1.0, 1.0])
+    worse_edge = np.argmax(np.abs(outward_shift), axis=1)
+    return np.asarray(outward_shift[np.arange(len(outward_shift)), worse_edge])
 
 
-def _in_elements(pair: Pair, value: float | None) -> float | None:
-    """An edge's shift in local element sizes of the result, which it states as
-    `settings["element_size"]` [length].
+def _shift_in_elements(pair: Pair, value: float | None) -> float | None:
+    """Shift of an edge in element sizes, from its `value` over a_ref; None without a value, or
+    where the result states no element size.
     """
-    size = pair.result.settings.get("element_size")
-    if not size or value is None:
+    element_size = pair.result.settings.get("element_size")  # [length]
+    if not element_size or value is None:
         return None
-    return value * pair.scales.half_width / float(size)
+    return value * pair.scales.half_width / float(element_size)
 
 
 _FULL_SLIP = 0
@@ -777,29 +821,31 @@ _FULL_STICK = 2
 _OUT_OF_CONTACT = -1
 
 
-def _stick_status(cycle: Cycle, length: float) -> NDArray[np.int8]:
+def _stick_status(cycle: Cycle, half_width: float) -> NDArray[np.int8]:
     """Status of the whole contact at each instant, (k,): full slip, partial slip, full stick, or
     out of contact.
 
-    Full stick: the stick edges are the contact edges (to 1e-9 `length`). Full slip: they are NaN.
+    Full stick: the stick edges are the contact edges (to 1e-9 `half_width`). Full slip: they are
+    NaN.
     """
     distance = np.max(np.abs(cycle.stick_edges - cycle.contact_edges), axis=1)
-    status = np.where(distance <= _SAME_EDGE * length, _FULL_STICK, _PARTIAL_SLIP)
+    status = np.where(distance <= _EDGE_TOLERANCE * half_width, _FULL_STICK, _PARTIAL_SLIP)
     status[np.isnan(distance)] = _FULL_SLIP
-    carries = cycle.pressure.max(axis=1) > 0
-    return np.where(carries, status, _OUT_OF_CONTACT).astype(np.int8)
+    is_in_contact = cycle.pressure.max(axis=1) > 0
+    return np.where(is_in_contact, status, _OUT_OF_CONTACT).astype(np.int8)
 
 
-def _with_stick_edges(
+def _has_comparable_stick_edges(
     status_of_reference: NDArray[np.int8], status_of_result: NDArray[np.int8]
 ) -> Mask:
-    """Instants at which the edges of two stick zones can be compared, (k,), from the status of the
-    whole contact in reference and result: -1 open, 0 full slip, 1 partial slip, 2 full stick.
+    """(k,) whether the edges of two stick zones can be compared at an instant.
 
-    Both must have edges. Left out is an instant by which one of them changes to or from full stick
-    earlier than the other: the edge jumps there, which is an error of time and not of place.
+    The arguments are the status of the whole contact in reference and result, (k,): -1 out of
+    contact, 0 full slip, 1 partial slip, 2 full stick. Neither may be in full slip, which has no
+    edges. Left out too is an instant at which the two differ because one changes its status one
+    instant earlier: the edge jumps there, which is an error of time and not of place.
 
-    >>> _with_stick_edges(
+    >>> _has_comparable_stick_edges(
     ...     np.array([1, 1, 2, 2, 1, 1], dtype=np.int8), np.array([1, 1, 1, 2, 1, 2], dtype=np.int8)
     ... ).tolist()
     [True, True, False, True, True, True]
@@ -807,189 +853,207 @@ def _with_stick_edges(
     both_have_edges = (status_of_reference != _FULL_SLIP) & (status_of_result != _FULL_SLIP)
     is_one_step_late = (
         (status_of_reference != status_of_result)
-        & _is_that_of_a_neighbour(status_of_reference, status_of_result)
-        & _is_that_of_a_neighbour(status_of_result, status_of_reference)
+        & _equals_neighbour_in_time(status_of_reference, status_of_result)
+        & _equals_neighbour_in_time(status_of_result, status_of_reference)
     )
     return np.asarray(both_have_edges & ~is_one_step_late)
 
 
-def _is_that_of_a_neighbour(status: NDArray[np.int8], neighbours: NDArray[np.int8]) -> Mask:
-    """(k,) whether `status` is that of `neighbours` one instant before or after."""
-    return np.asarray((status == np.roll(neighbours, 1)) | (status == np.roll(neighbours, -1)))
+def _equals_neighbour_in_time(status: NDArray[np.int8], other_status: NDArray[np.int8]) -> Mask:
+    """(k,) whether `status` equals `other_status` one instant earlier or later."""
+    is_that_before = status == np.roll(other_status, 1)
+    is_that_after = status == np.roll(other_status, -1)
+    return np.asarray(is_that_before | is_that_after)
 
 
 def state(pair: Pair) -> Measured:
     """Share of the length in contact on which the states (stick, slip, open) of result and
-    reference differ, at each instant; the value is the mean over time of the instants in contact.
-    `pair` holds the last cycles of reference and result.
+    reference differ, at each instant. The value is the mean over the time in contact.
     """
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
-    lengths = np.gradient(result_cycle.x)
-    is_touching = (reference_cycle.state != OPEN) | (result_cycle.state != OPEN)
-    differs = reference_cycle.state != result_cycle.state
-    series = over((differs * lengths).sum(axis=1), (is_touching * lengths).sum(axis=1))
+    lengths = np.gradient(result_cycle.x)  # (n,) of the surface at each point
+    is_closed = (reference_cycle.state != OPEN) | (result_cycle.state != OPEN)
+    has_other_state = reference_cycle.state != result_cycle.state
+    length_in_contact = (is_closed * lengths).sum(axis=1)
+    differing_length = (has_other_state * lengths).sum(axis=1)
+    share = quotient(differing_length, length_in_contact)
     time = result_cycle.time[pair.is_in_contact]
     if not len(time) or time[-1] == time[0]:
-        return Measured(value=None, series=series)
-    mean_share = np.trapezoid(series[pair.is_in_contact], time) / (time[-1] - time[0])
-    return Measured(value=float(mean_share), series=series)
+        return Measured(value=None, series=share)
+    mean_share = np.trapezoid(share[pair.is_in_contact], time) / (time[-1] - time[0])
+    return Measured(value=float(mean_share), series=share)
 
 
 def slip(pair: Pair) -> Measured:
-    """Root mean square of s − s_ref over the range of s_ref, at the worst instant; s is the slip of
-    the points in contact in both.
+    """Root mean square over x of the difference of the slips, s − s_ref, divided by the range of
+    s_ref, at the worst instant. Only points in contact in both solutions count.
 
-    A point that is open is displaced, and nothing slips there. Absolute, over f p_ref a_ref/E*,
-    where the range of s_ref is below 1e-12 of that. `pair` holds the last cycles of reference and
-    result.
+    Where the range of s_ref is below 1e-12 of f p_ref a_ref/E* the difference is divided by that,
+    and the metric is marked `absolute`.
     """
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
-    is_touching = _in_contact_in_both(pair)
-    applies = pair.is_judged & is_touching.any(axis=1)
-    if not applies.any():
-        return _nothing_to_compare(_NOT_IN_CONTACT)
-    range_of_reference = np.ptp(reference_cycle.slip[is_touching])
-    is_absolute = bool(range_of_reference <= _NOTHING * pair.scales.slip)
+    is_closed = _is_closed_in_both(pair)  # at an open point s is a displacement, and no slip
+    is_considered = pair.is_judged & is_closed.any(axis=1)
+    if not is_considered.any():
+        return _without_value(_NOT_IN_CONTACT)
+    range_of_reference = np.ptp(reference_cycle.slip[is_closed])
+    is_absolute = bool(range_of_reference <= _NEGLIGIBLE_SHARE * pair.scales.slip)
     scale = pair.scales.slip if is_absolute else range_of_reference
-    difference = np.where(is_touching, (result_cycle.slip - reference_cycle.slip) / scale, 0.0)
-    length_in_contact = is_touching * shares(result_cycle.x)
-    mean_square = over(
+    difference = np.where(is_closed, (result_cycle.slip - reference_cycle.slip) / scale, 0.0)
+    length_in_contact = is_closed * trapezoidal_weights(result_cycle.x)
+    mean_square = quotient(
         (difference**2 * length_in_contact).sum(axis=1), length_in_contact.sum(axis=1)
     )
-    return _at_worst(pair, np.sqrt(mean_square), applies, absolute=is_absolute)
+    return _value_at_worst_instant(pair, np.sqrt(mean_square), is_considered, absolute=is_absolute)
 
 
 def moment(pair: Pair) -> Measured:
-    """M of each instant."""
-    return _series_of_tilted(pair, "moment", pair.scales.moment)
+    """Moment M, result − reference over P_ref a_ref, at the worst instant."""
+    return _difference_of_series(pair, "moment", pair.scales.moment)
 
 
 def tilt(pair: Pair) -> Measured:
-    """Tilt of each instant."""
-    return _series_of_tilted(pair, "tilt", pair.scales.tilt)
+    """Tilt, result − reference over A P_ref/a_ref, at the worst instant."""
+    return _difference_of_series(pair, "tilt", pair.scales.tilt)
 
 
-def _series_of_tilted(pair: Pair, name: str, scale: float) -> Measured:
-    """A series over time that not every solution states, result − reference."""
+def _difference_of_series(pair: Pair, name: str, scale: float) -> Measured:
+    """Difference, result − reference over `scale`, of a series over time at the worst instant; no
+    value where a solution does not state the series.
+    """
     reference_values = getattr(pair.reference_cycle, name)
     result_values = getattr(pair.result_cycle, name)
     if reference_values is None or result_values is None:
-        return _nothing_to_compare("a solution states none")
-    return _at_worst(pair, (result_values - reference_values) / scale)
+        return _without_value("a solution states none")
+    return _value_at_worst_instant(pair, (result_values - reference_values) / scale)
 
 
 # ---------------------------------------------------------------------------------- work and energy
 
 
 def tangential_displacement(pair: Pair) -> Measured:
-    """Difference of the tangential displacement U, over the range of U_ref in the cycle, at the
+    """Tangential displacement U, result − reference over the range of U_ref in the cycle, at the
     worst instant.
 
-    No value where the two count U from different places, or where the reference does not move
-    sideways. `pair` holds the last cycles of reference and result.
+    No value where the two solutions count U from different places, where U_ref does not vary, or
+    where no instant carries enough load.
     """
     if pair.lacks_common_datum:
-        return _nothing_to_compare(_NO_DATUM)
+        return _without_value(_NO_DATUM)
     reference_values = pair.reference_cycle.tangential_displacement
     result_values = pair.result_cycle.tangential_displacement
     stroke = float(np.ptp(reference_values))
-    least_stroke = _NOTHING * pair.scales.shift
+    least_stroke = _NEGLIGIBLE_SHARE * pair.scales.shift
     if stroke <= least_stroke:
         no_values = np.full_like(reference_values, np.nan)
         note = "the reference does not move sideways"
         return Measured(value=None, series=no_values, note=note)
-    # A stroke that is NaN moves: it must not count as standing still and hide.
+    # A stroke that is NaN must not pass for a stroke of 0: its series is NaN, which fails.
     series = np.full_like(reference_values, np.nan)
     if stroke > least_stroke:
         series = (result_values - reference_values) / stroke
     note = "" if pair.effects is None else _WITH_COMPLIANCES
     if not pair.is_judged.any():
-        note = "the reference does not move sideways"
-    return _at_worst(pair, series, note=note)
+        note = _TOO_LIGHT
+    return _value_at_worst_instant(pair, series, note=note)
 
 
 def displacement_amplitude(pair: Pair) -> Measured:
-    """Half the range of U in the cycle."""
+    """Half the range of the tangential displacement U in the cycle, (result −
+    reference)/reference.
+    """
     return _amplitude(pair, "tangential_displacement", "U does not vary")
 
 
 def approach_amplitude(pair: Pair) -> Measured:
-    """Half the range of the normal approach in the cycle."""
+    """Half the range of the normal approach in the cycle, (result − reference)/reference."""
     return _amplitude(pair, "normal_approach", "the approach does not vary")
 
 
 def _amplitude(pair: Pair, name: str, reason_for_none: str) -> Measured:
-    """Half the range of a displacement in the cycle, over that of the reference, − 1."""
+    """Half the range of a displacement (its `name` in a cycle), (result − reference)/reference;
+    `reason_for_none` is the note where the reference does not vary.
+    """
     reference_value = float(np.ptp(getattr(pair.reference_cycle, name))) / 2
     result_value = float(np.ptp(getattr(pair.result_cycle, name))) / 2
     if not math.isfinite(reference_value + result_value):
-        return _nothing_to_compare("a solution states none")
-    if reference_value <= _NOTHING * pair.scales.shift:
-        return _nothing_to_compare(reason_for_none)
-    return _of_amounts(reference_value, result_value, pair.scales.shift, note=_WITH_COMPLIANCES)
+        return _without_value("a solution states none")
+    if reference_value <= _NEGLIGIBLE_SHARE * pair.scales.shift:
+        return _without_value(reason_for_none)
+    return _difference_of_amounts(
+        reference_value, result_value, pair.scales.shift, note=_WITH_COMPLIANCES
+    )
 
 
 def dissipation_without_steps(pair: Pair) -> Measured:
-    """W of both on the straight lines between the instants: the error of the steps is taken out."""
-    polygon = pair.polygon_reference or pair.reference
-    straight = on_straight_steps(pair.result)
-    return _of_amounts(polygon.dissipation, straight.dissipation, pair.scales.dissipation)
+    """Friction work W, (result − reference)/reference, both for loads that run straight from one
+    instant to the next: the error of the load increments drops out.
+    """
+    reference_on_polygon = pair.polygon_reference or pair.reference
+    result_on_polygon = on_straight_steps(pair.result)
+    return _difference_of_amounts(
+        reference_on_polygon.dissipation, result_on_polygon.dissipation, pair.scales.dissipation
+    )
 
 
 def dissipation_of_steps(pair: Pair) -> Measured:
-    """What straight load increments do to the friction work W of half-plane theory: (W along the
-    result's straight increments − W along the smooth path)/(W along the smooth path).
+    """The error that the load increments of the result make in the friction work W, as half-plane
+    theory shows it: (W on the polygon of the increments − W on the smooth path)/(W on the smooth
+    path).
 
-    Finite elements add work within an increment for the curve of the path. The former W is scaled
-    by that share too. `pair` holds the last cycles of reference and result.
+    Finite elements correct their own W for the curve of the path within an increment. W on the
+    polygon is multiplied by the same factor, so that only the rest of the error is left.
     """
-    reference_on_steps = pair.polygon_reference or pair.reference
-    work_on_steps = on_straight_steps(pair.result).dissipation
-    factor_of_curve = pair.result.dissipation / work_on_steps if work_on_steps else 1.0
-    return _of_amounts(
+    reference_on_polygon = pair.polygon_reference or pair.reference
+    work_on_polygon = on_straight_steps(pair.result).dissipation
+    factor_for_curve = pair.result.dissipation / work_on_polygon if work_on_polygon else 1.0
+    return _difference_of_amounts(
         pair.reference.dissipation,
-        reference_on_steps.dissipation * factor_of_curve,
+        reference_on_polygon.dissipation * factor_for_curve,
         pair.scales.dissipation,
     )
 
 
 def hysteresis(pair: Pair) -> Measured:
-    """Closed integral of Q dU."""
+    """Closed integral of Q dU over the cycle, (result − reference)/reference; no value where the
+    load path is not periodic.
+    """
     if not pair.periodic:
-        return _nothing_to_compare(_NO_LOOP)
-    return _of_amounts(
+        return _without_value(_NO_LOOP)
+    return _difference_of_amounts(
         loop_work(pair.reference_cycle), loop_work(pair.result_cycle), pair.scales.dissipation
     )
 
 
 def bulk_term(pair: Pair) -> Measured:
-    """Work of the bulk stress per cycle, −(closed integral of m_q d(eps)): the result's minus the
-    reference's, over the friction work W of the reference. m_q is the moment of the shear, eps the
-    bulk strain. Where the reference does no friction work it is over A f^2 P_ref^2, A the
-    compliance of both bodies, and marked `absolute`. `pair` holds the last cycles of both.
+    """Work of the bulk stress per cycle, result − reference over the friction work W of the
+    reference.
+
+    The work is −(closed integral of m_q d(eps)), m_q the moment of the shear and eps the bulk
+    strain. Where the reference does no friction work the difference is over A f^2 P_ref^2, and
+    marked `absolute`.
     """
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
     if not pair.periodic:
-        return _nothing_to_compare(_NO_LOOP)
+        return _without_value(_NO_LOOP)
     for cycle, solution in ((reference_cycle, pair.reference), (result_cycle, pair.result)):
         if cycle.shear_moment is None:
-            return _nothing_to_compare(f"{name_of(solution.engine)} states no moment of its shear")
+            return _without_value(f"{name_of(solution.engine)} states no moment of its shear")
     materials = pair.result.scene.material
     difference = bulk_work(result_cycle, materials) - bulk_work(reference_cycle, materials)
-    work = pair.reference.dissipation
-    scale_of_work = pair.scales.dissipation
-    has_no_work = abs(work) <= _NO_DISSIPATION * scale_of_work
-    denominator = scale_of_work if has_no_work else work
-    return Measured(value=difference / denominator, absolute=has_no_work)
+    friction_work = pair.reference.dissipation
+    scale = pair.scales.dissipation
+    is_absolute = abs(friction_work) <= _NO_DISSIPATION * scale
+    denominator = scale if is_absolute else friction_work
+    return Measured(value=difference / denominator, absolute=is_absolute)
 
 
 def drift(pair: Pair) -> Measured:
-    """How far the friction work W still changes from cycle to cycle: the change in the last cycle
-    over W, result − reference. The note states both changes. `pair` holds the last cycles of
-    reference and result.
+    """Change of the friction work W from the cycle before to the last cycle, over W: result −
+    reference. The note states both changes. No value where a solution does not know its change.
     """
     reference_value = pair.reference.dissipation_drift
     result_value = pair.result.dissipation_drift
@@ -1002,15 +1066,16 @@ def drift(pair: Pair) -> Measured:
             sentences.append(f"{name_of(solution.engine)}: {change_in_words} in its last cycle")
     note = "; ".join(sentences)
     if math.isnan(reference_value) or math.isnan(result_value):
-        return _nothing_to_compare(note)
+        return _without_value(note)
     return Measured(value=result_value - reference_value, note=note)
 
 
 def dissipation_density(pair: Pair) -> Measured:
-    """Friction work per area, w(x) − w_ref(x) over the largest w_ref, at the worst point.
+    """Friction work per area of the cycle, w(x) − w_ref(x) over the largest w_ref, at the worst
+    point.
 
-    Absolute, over A f^2 P_ref^2/a_ref, where the reference does no friction work anywhere (a NaN
-    counts as work). `pair` holds the last cycles of reference and result.
+    Over A f^2 P_ref^2/a_ref and marked `absolute` where the reference does no friction work
+    anywhere; a NaN counts as work.
     """
     reference_cycle = pair.reference_cycle
     result_cycle = pair.result_cycle
@@ -1019,15 +1084,17 @@ def dissipation_density(pair: Pair) -> Measured:
     is_absolute = bool(largest_reference <= _NO_DISSIPATION * pair.scales.density)
     scale = pair.scales.density if is_absolute else largest_reference
     difference = (result_cycle.dissipation_density - reference_values) / scale
-    value, x = _worst(difference, np.ones(len(difference), bool), result_cycle.x)
+    value, x = _worst_value_and_place(difference, np.ones(len(difference), bool), result_cycle.x)
     place = None if x is None else x / pair.scales.half_width
     return Measured(value=value, absolute=is_absolute, place=place)
 
 
 def energy_balance(pair: Pair) -> Measured:
-    """From the record of the result, which alone knows what its bodies store."""
+    """Largest residual of the energy balance that the result states in its record; no reference is
+    needed. No value where it states none.
+    """
     balance = pair.result.record.certificates.get("energy_balance")
     if balance is None:
-        return _nothing_to_compare("the result records none")
+        return _without_value("the result records none")
     series = np.asarray(balance, dtype=float)[pair.result.last_cycle]
-    return _at_worst(pair, series, np.ones(len(series), bool))
+    return _value_at_worst_instant(pair, series, np.ones(len(series), bool))

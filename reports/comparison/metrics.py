@@ -20,12 +20,12 @@ from reports.comparison.verdicts import Verdict, verdict_on
 from scenes import ContactSolution, Scene
 from scenes.scene import OWN_TOLERANCES
 
-# What a metric needs beside fields of a solution: a whole cycle, friction.
+# Names in `Metric.needs` that are no field of a solution.
 WHOLE_CYCLE = "whole_cycle"
 FRICTION = "friction"
-# What a contact that carries no shear has no part of.
+# Fields that are 0 or have no meaning where a contact carries no shear.
 OF_FRICTION = ("shear", "slip", "state", "stick_edges", "dissipation", "dissipation_density")
-# Below this, in f p_ref, the shear of the reference is rounding.
+# A shear of the reference below this share of f p_ref is round-off.
 _NO_SHEAR = 1e-9
 
 
@@ -36,41 +36,38 @@ class Metric(Measured):
     Attributes
     ----------
     key, label
-        for programs and for people
+        name in JSON and on the command line; name on the page
     short
-        the label in a narrow table; the whole one where it is ""
+        label for a narrow table; "" where the label itself is short
     how
-        how it is computed
+        how the metric is computed
     why
-        why it is there
+        why the metric is there
     unit
-        what its value is a share of, or its unit where that is 0
+        the number that the difference is divided by, in words
     norm
         how the differences at points and instants become one value
     region
         which points and instants count
     needs
-        fields of a solution without which it can't be had, `WHOLE_CYCLE` and `FRICTION` among
-        them
+        fields that a solution must have, also `WHOLE_CYCLE` and `FRICTION`
     measure
-        the function, of a `Pair`
+        the function that computes it from a `Pair`
     absolute_unit
-        unit where the reference's own figure is 0 and nothing can be relative to it
+        `unit` where the reference's own value is 0
     quantity
-        what its absolute values are: "stress", "length", "slip", "energy", "energy density"; ""
-        for none. A row with a quantity stands in the first table, the others are folded below
-        it
+        kind of the two amounts: "stress", "length", "slip", "energy", "energy density"; "" where
+        there are none. A metric with amounts stands in the page's first table
     signed
         whether its sign has a meaning (result − reference); a norm has none
     judged_by
-        key of the tolerance that judges it; its own where it is ""
+        key of the metric whose tolerance judges this one; "" for its own tolerance
     exists
-        whether a pair has this row at all: not without bulk stress, say
+        whether a pair has this metric at all, for example only with bulk stress; None: always
     tolerance
-        largest |value| admitted, None: not judged. In the table that of the project's own
-        engines
-    lacking
-        whether a solution does not hold what the metric needs; with a tolerance it is then
+        largest |value| admitted; None: not judged. In `METRICS` that of the project's own engines
+    lacks_field
+        whether a solution lacks a field that the metric needs; with a tolerance it is then
         unscored
     """
 
@@ -90,17 +87,17 @@ class Metric(Measured):
     judged_by: str = ""
     exists: Callable[[Pair], bool] | None = field(default=None, repr=False)
     tolerance: float | None = None
-    lacking: bool = False
+    lacks_field: bool = False
 
     @property
     def headline(self) -> bool:
-        """Whether it stands in the first table."""
+        """Whether the metric stands in the page's first table."""
         return bool(self.quantity)
 
     @property
     def verdict(self) -> Verdict | None:
-        """`verdict_on` value, tolerance and uncertainty; None without a tolerance or a value. What
-        is not finite is outside, tolerance or none.
+        """Whether the value lies within the tolerance, by its uncertainty; None without a tolerance
+        or a value. A value that is not finite is outside, with or without a tolerance.
         """
         if self.value is None:
             return None
@@ -116,7 +113,9 @@ class Metric(Measured):
         return None if self.verdict is None else self.verdict is Verdict.WITHIN
 
     def with_value(self, measured: Measured, tolerance: float | None) -> Metric:
-        """The metric with what was measured, in the unit of that, and the tolerance that judges."""
+        """The metric with its value and the tolerance that judges it. Amounts are kept for metrics
+        of the first table only.
+        """
         values = dict(vars(measured))
         if not self.headline:
             values["amounts"] = None
@@ -124,8 +123,10 @@ class Metric(Measured):
         unit = self.absolute_unit if measured.absolute else self.unit
         return replace(self, unit=unit, tolerance=tolerance, **values)
 
-    def admitted(self, tolerances: Mapping[str, float]) -> float | None:
-        """The tolerance that judges it, of those stated: its own, else that of `judged_by`."""
+    def tolerance_from(self, tolerances: Mapping[str, float]) -> float | None:
+        """The tolerance that judges the metric: its own, else that of the metric `judged_by`; None
+        where `tolerances` (key -> |E| admitted) has neither.
+        """
         return tolerances.get(self.key, tolerances.get(self.judged_by))
 
 
@@ -133,9 +134,10 @@ class Metric(Measured):
 
 
 def missing(solution: ContactSolution) -> dict[str, str]:
-    """Quantity -> why the solution does not hold it, of those that a metric needs. An engine that
-    was not asked for a field, and an external result that lacks one, say so alike: in
-    `work.skipped`.
+    """Fields that some metric needs and a solution lacks: name of the field -> reason.
+
+    The solution states them in `work.skipped`, whether its engine was not asked for the field or an
+    external result does not have it.
     """
     needed_fields: set[str] = set()
     for metric in METRICS.values():
@@ -146,32 +148,31 @@ def missing(solution: ContactSolution) -> dict[str, str]:
 
 
 def judge(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric, ...]:
-    """Every metric of the table that a comparison has, in its order, with its value, and its
-    verdict by `tolerances` (key -> |E| admitted).
+    """Every metric that a comparison has, in the order of the table, with its value and the
+    tolerance that judges it, from `tolerances` (key -> |E| admitted).
 
-    A metric that needs what a solution does not hold has the reason for that, and never a guess.
+    A metric that needs a field which a solution lacks has no value, and the reason as its note.
     """
     reasons_by_engine = {
         name_of(solution.engine): missing(solution) for solution in (pair.result, pair.reference)
     }
-    carries_shear = bool(
-        (np.abs(np.nan_to_num(pair.reference_cycle.shear)) > _NO_SHEAR * pair.scales.shear).any()
-    )
+    largest_shear = np.abs(np.nan_to_num(pair.reference_cycle.shear)).max()
+    carries_shear = bool(largest_shear > _NO_SHEAR * pair.scales.shear)
     metrics = []
     for metric in METRICS.values():
         if metric.exists is not None and not metric.exists(pair):
             continue
-        tolerance = metric.admitted(tolerances)
-        reason = _first_lacking(metric, reasons_by_engine)
+        tolerance = metric.tolerance_from(tolerances)
+        reason = _reason_for_none(metric, reasons_by_engine)
         if FRICTION in metric.needs and not pair.result.scene.friction.coefficient:
             note = "frictionless: nothing sticks and nothing resists slip"
             metrics.append(replace(metric, note=note, tolerance=None))
         elif reason:
-            # Of a contact that carries no shear a lacking shear or slip leaves nothing open.
-            is_open = carries_shear or not set(metric.needs) & set(OF_FRICTION)
-            tolerance_of_metric = tolerance if is_open else None
+            # Where the contact carries no shear, a metric of shear or slip has nothing to judge.
+            needs_shear = not set(metric.needs).isdisjoint(OF_FRICTION)
+            tolerance_of_metric = tolerance if carries_shear or not needs_shear else None
             metrics.append(
-                replace(metric, note=reason, tolerance=tolerance_of_metric, lacking=True)
+                replace(metric, note=reason, tolerance=tolerance_of_metric, lacks_field=True)
             )
         else:
             measurement = metric.measure(pair)
@@ -180,29 +181,30 @@ def judge(pair: Pair, tolerances: Mapping[str, float]) -> tuple[Metric, ...]:
     return tuple(metrics)
 
 
-def _first_lacking(metric: Metric, reasons: Mapping[str, Mapping[str, str]]) -> str:
-    """In words, the first quantity that the metric needs and a solution lacks, with the reason; ""
-    where both have all. `reasons`: name of the engine -> quantity -> why it is missing.
+def _reason_for_none(metric: Metric, reasons_by_engine: Mapping[str, Mapping[str, str]]) -> str:
+    """In words, the first field that the metric needs and a solution lacks, with the reason; ""
+    where both solutions have all fields. `reasons_by_engine`: name of the engine -> field -> why it
+    is absent.
     """
-    for engine, reason_of in reasons.items():
-        for quantity in metric.needs:
-            if quantity in reason_of:
-                quantity_in_words = quantity.replace("_", " ")
-                if quantity == "dissipation_density":
-                    quantity_in_words = "pointwise dissipation"
-                return f"{quantity_in_words}: {reason_of[quantity]} ({engine})"
+    for engine, reason_by_field in reasons_by_engine.items():
+        for field_name in metric.needs:
+            if field_name in reason_by_field:
+                field_in_words = field_name.replace("_", " ")
+                if field_name == "dissipation_density":
+                    field_in_words = "pointwise dissipation"
+                return f"{field_in_words}: {reason_by_field[field_name]} ({engine})"
     return ""
 
 
 def tolerances_of(
-    scene: Scene, exact: bool, tolerances: Mapping[str, float] | None = None
+    scene: Scene, is_theory_exact: bool, tolerances: Mapping[str, float] | None = None
 ) -> dict[str, float]:
-    """Metric key -> largest |E| admitted: that of `tolerances`, else the scene's, else the engines'
-    own where theory is `exact` for the bodies.
+    """Key of a metric -> largest |E| admitted: that of `tolerances`, else that of the scene, else
+    that of the project's own engines where theory is exact for the bodies.
 
-    An infinite one leaves the metric unjudged, and out of the answer.
+    A metric whose tolerance is infinite is not judged, and is left out.
     """
-    engine_tolerances = OWN_TOLERANCES if exact else {}
+    engine_tolerances = OWN_TOLERANCES if is_theory_exact else {}
     scene_tolerances = {
         key: value for key, value in scene.tolerances.model_dump().items() if value is not None
     }
@@ -220,8 +222,8 @@ def _cells(cells: tuple[str, ...]) -> str:
     return f"| {' | '.join(cells)} |"
 
 
-# What most rows say: docs/metrics.md states it once, before the table.
-_SHORTER = {
+# Phrases of most rows, which docs/metrics.md explains before the table -> what the table has.
+_SHORT_PHRASES = {
     "value at the worst": "worst",
     "; every point, edges included": "",
     "; every point": "",
@@ -233,10 +235,12 @@ _SHORTER = {
 
 
 def _markdown_rows() -> Iterator[str]:
-    """Rows of the manual's table of metrics: name, how, why, unit, norm and region, tolerance."""
+    """Rows of the manual's table of metrics as Markdown: name, method, reason, unit, norm and
+    region, tolerance.
+    """
     for metric in METRICS.values():
         norm_and_region = f"{metric.norm}; {metric.region}"
-        for phrase, short_phrase in _SHORTER.items():
+        for phrase, short_phrase in _SHORT_PHRASES.items():
             norm_and_region = norm_and_region.replace(phrase, short_phrase)
         if not metric.signed:
             norm_and_region += "; no sign"

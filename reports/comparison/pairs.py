@@ -79,9 +79,9 @@ class Pair:
     lacks_common_datum: bool = field(default=False, kw_only=True)
 
     @cached_property
-    def largest(self) -> Extremes | None:
-        """Theory's own largest values, whatever points it is compared on; None where the reference
-        is no theory.
+    def theory_extremes(self) -> Extremes | None:
+        """Largest pressure, slip, ... of half-plane theory over the whole surface and cycle, not
+        only at the compared points; None where the reference is not theory.
         """
         import semi_analytic
 

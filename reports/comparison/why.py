@@ -24,23 +24,23 @@ from reports.units import minus
 from scenes import Estimate
 from scenes.body_effects import ZERO
 
-# A cause is named where what is left is less than this share of it, and where it is at least this
-# share of the sizes of all parts.
-_LEFT_OF_A_CAUSE = 1 / 3
-_MAIN_SHARE = 1 / 2
+# The main cause is named where the unexplained part is at most a third of it, and where it is at
+# least half of the sum of the sizes of all parts.
+_LARGEST_UNEXPLAINED_SHARE = 1 / 3
+_LEAST_SHARE_OF_MAIN_CAUSE = 1 / 2
 LEFT = "what is left"
 NUMERICAL = "mesh and steps"
 
 
 def in_percent(share: float) -> str:
-    """A share in per cent, two digits behind the point, with its sign unless these are zeros."""
+    """A relative change in per cent with two decimals and its sign; "0.00" has no sign."""
     digits = f"{100 * share:+.2f}"
     return "0.00" if float(digits) == 0 else minus(digits)
 
 
 def percent_of(change: Estimate) -> str:
-    """A relative change in per cent with two decimals and its uncertainty, 0.01 at least; without
-    one where that is 0 or unknown.
+    """A relative change in per cent with two decimals, and its uncertainty, at least 0.01 %.
+    Without the uncertainty where that is 0 or unknown.
 
     >>> percent_of(Estimate(-0.0200, 0.00021)), percent_of(Estimate(0.0004))
     ('−2.00 ± 0.02 %', '+0.04 %')
@@ -53,16 +53,16 @@ def percent_of(change: Estimate) -> str:
 
 
 class Step(NamedTuple):
-    """A step of the way from theory to the finite elements.
+    """One part of the difference of W between theory and finite elements, with its cause.
 
     Attributes
     ----------
     words
-        what makes it
+        the cause
     change
-        share of theory's W, with its uncertainty
+        the part over theory's W, with its uncertainty
     start
-        sum of the steps before
+        sum of the parts before, where its bar in the figure starts
     """
 
     words: str
@@ -77,14 +77,14 @@ class Why(PythonNumbers):
     Attributes
     ----------
     total
-        E and its uncertainty
+        E = finite elements/theory − 1 in W, and its uncertainty
     parts
-        of the bodies, by what makes them, in the order in which they are taken; empty where the
-        difference is not split
+        cause, a property of the bodies -> its part of E, in the order in which they are taken;
+        empty where the difference is not split
     numerical
-        known terms of the budget, mesh and steps; their uncertainty is in that of E
+        the part of mesh and load steps by the error budget; its uncertainty is in that of E
     not_split
-        why it is not; empty where it is
+        why the difference is not split; empty where it is
     """
 
     total: Estimate
@@ -93,7 +93,7 @@ class Why(PythonNumbers):
     not_split: str = ""
 
     @property
-    def left(self) -> Estimate:
+    def unexplained(self) -> Estimate:
         """The part of the difference that no cause explains. Its uncertainty is that of all causes
         and of the difference, which has that of mesh and steps.
         """
@@ -106,17 +106,19 @@ class Why(PythonNumbers):
 
     @property
     def explains(self) -> bool | None:
-        """Whether what is left is within its uncertainty; None where that is not known."""
-        if math.isnan(self.left.uncertainty):
+        """Whether the unexplained part is within its uncertainty; None where that is not known."""
+        if math.isnan(self.unexplained.uncertainty):
             return None
-        return abs(self.left.value) <= self.left.uncertainty
+        return abs(self.unexplained.value) <= self.unexplained.uncertainty
 
     @property
     def steps(self) -> list[Step]:
-        """The parts, what is left, mesh and steps; their sum is E. None where it is not split."""
+        """The parts of the bodies, the unexplained part, and that of mesh and steps; their sum is
+        E. Empty where the difference is not split.
+        """
         if not self.parts:
             return []
-        changes = {**self.parts, LEFT: self.left, NUMERICAL: self.numerical}
+        changes = {**self.parts, LEFT: self.unexplained, NUMERICAL: self.numerical}
         steps = []
         start = 0.0
         for words, change in changes.items():
@@ -126,8 +128,10 @@ class Why(PythonNumbers):
 
     @property
     def main_cause(self) -> str:
-        """In words, what makes most of the difference of W between finite elements and theory; ""
-        where no cause is known to.
+        """In words, the cause of most of the difference of W between finite elements and theory.
+
+        "" where the difference is not resolved, where the largest part has the other sign or is not
+        resolved, where it is less than half of all parts, or where too much is unexplained.
 
         >>> parts = {"tilt": Estimate(0.03, 0.001), "strain": Estimate(-0.004, 0.001)}
         >>> Why(Estimate(0.027, 0.001), parts).main_cause
@@ -142,38 +146,38 @@ class Why(PythonNumbers):
         size = abs(change.value)
         all_sizes = sum(abs(part.value) for part in self.parts.values())
         is_resolved = abs(self.total.value) > 2 * self.total.uncertainty
-        same_sign = math.copysign(1.0, change.value) == math.copysign(1.0, self.total.value)
-        is_main = size >= _MAIN_SHARE * all_sizes and size > 2 * change.uncertainty
-        is_explained = abs(self.left.value) <= _LEFT_OF_A_CAUSE * size
-        return cause if is_resolved and same_sign and is_main and is_explained else ""
+        has_same_sign = math.copysign(1.0, change.value) == math.copysign(1.0, self.total.value)
+        is_main = size >= _LEAST_SHARE_OF_MAIN_CAUSE * all_sizes and size > 2 * change.uncertainty
+        is_explained = abs(self.unexplained.value) <= _LARGEST_UNEXPLAINED_SHARE * size
+        return cause if is_resolved and has_same_sign and is_main and is_explained else ""
 
     @property
     def left_in_percent(self) -> str:
         """The part of the difference that no cause explains, in per cent with its uncertainty."""
-        return percent_of(self.left)
+        return percent_of(self.unexplained)
 
     @property
     def cause_in_percent(self) -> str:
-        """What the main cause makes of W, in per cent without its uncertainty, for a headline."""
+        """The part of the main cause, in per cent of theory's W without its uncertainty."""
         return percent_of(Estimate(self.parts[self.main_cause].value))
 
     @property
     def sentence(self) -> str:
-        """The steps in per cent, or why there are none."""
+        """A sentence: the parts in per cent, or why the difference is not split."""
         if not self.parts:
             return f"Why theory errs is not split: {self.not_split}."
         cells = [f"{words} {percent_of(change)}" for words, change, _ in self.steps]
         return f"Why (finite elements/theory − 1 in W): {', '.join(cells)}."
 
     def rows(self) -> list[tuple[str, str]]:
-        """Cells of a table: what makes it, its share of theory's W; E below."""
+        """Rows (cause, part in per cent of theory's W) of a table, with E in the last row."""
         rows = [(words, percent_of(change)) for words, change, _ in self.steps]
         return [*rows, ("finite elements/theory − 1", percent_of(self.total))]
 
     def content(self) -> dict[str, Any]:
         """The entry "why" of comparison.json: the difference of the dissipation W between finite
-        elements and theory, the change that each cause makes, all as shares of theory's W, the main
-        cause, and why the difference was not split, if so.
+        elements and theory and the part of each cause, over theory's W; the main cause; and why the
+        difference was not split, if so.
         """
         steps = [
             {"cause": cause, "value": change.value, "uncertainty": change.uncertainty}

@@ -1,7 +1,7 @@
-"""What was compared in sentences and cells, and as strict JSON: what page, terminal, notebook and
-comparison.json say alike.
+"""A comparison in sentences and table cells, the same on the page, in the terminal and in a
+notebook.
 
-The sentences are in templates/words.txt; here are the numbers that stand in them.
+The sentences are in templates/words.txt; here are the numbers that fill them.
 """
 
 from __future__ import annotations
@@ -44,23 +44,23 @@ SUPPORT_WORDS = {
 
 # ------------------------------------------------------------------------------------ what is asked
 def stretch(scene: Scene) -> str:
-    """In words, which part of its path the values of a scene are of: the "last cycle" where loads
-    repeat, the "whole record" for rows of loads, else the "whole path".
+    """The part of the load path to which the values of a scene belong, in words: the "last cycle"
+    where loads repeat, the "whole record" for a table of loads over time, else the "whole path".
 
     >>> from scenes import load_scene
     >>> [stretch(load_scene(name)) for name in ("hertz-paper", "time-series", "hertz-normal")]
     ['last cycle', 'whole record', 'whole path']
     """
     load = scene.load
-    # The path of a record has a leg for each row.
+    # asked first, since the path of a table has a load segment for each row
     if isinstance(load, TimeSeriesLoad):
         return "last cycle" if load.repeats else "whole record"
     return "whole path" if load.path().period is None else "last cycle"
 
 
 def of_stretch(text: str, scene: Scene) -> str:
-    """The text of a metric, which speaks of the last cycle, made to fit a scene: where its loads do
-    not repeat, "whole record" or "whole path" takes the place of "last cycle".
+    """A text on the last cycle, as in the table of metrics, for a given scene: where its loads do
+    not repeat, "whole record" or "whole path" replaces "last cycle".
 
     >>> from scenes import load_scene
     >>> (
@@ -98,32 +98,34 @@ def bulk_and_tilt(scene: Scene) -> str:
     'The lower body is under a bulk stress from −50 to 50 MPa along x. The upper body is tilted by
     0.001 rad.'
     """
-    return in_template("bulk_and_tilt", scene.load, partial(_over_time, scene), *units(scene))
+    return in_template("bulk_and_tilt", scene.load, partial(_load_in_words, scene), *units(scene))
 
 
-def _over_time(scene: Scene, name_of_pair: str, index: int, value: Any, of: str = "of") -> str:
+def _load_in_words(
+    scene: Scene, name_of_pair: str, index: int, value: Any, preposition: str = "of"
+) -> str:
     """A bulk stress, tilt or moment over time in words, with a preposition: "of 50", "of 50 + 20
-    cos(t - 30°)", or "from -50 to 50" for anything that is neither a number nor a cosine.
+    cos(t - 30°)", or "from -50 to 50" for a load that is neither a number nor a cosine.
 
     Parameters
     ----------
     name_of_pair, index
-        where a load segment holds it: name of a pair of loads, "bulk" (stresses of the lower and
-        the upper body) or "turning", and 0 or 1
+        attribute of a load segment that holds a pair of loads, and 0 or 1 for the load in it:
+        "bulk" (stresses of the lower and the upper body) or "turning" (tilt or moment)
     value
-        what the scene states of it
-    of
-        the preposition of a number or a cosine
+        the load as the scene states it: a number, a cosine (`Wave`), or values over time
+    preposition
+        stands before a number or a cosine
     """
     if isinstance(value, Wave):
         return (
-            f"{of} {number(value.mean)} + {number(value.amplitude)} cos(t −"
+            f"{preposition} {number(value.mean)} + {number(value.amplitude)} cos(t −"
             f" {number(value.phase_degrees)}°)".replace("− −", "+ ")
         )
     if isinstance(value, int | float):
-        return f"{of} {number(value)}"
+        return f"{preposition} {number(value)}"
     path = scene.load.path()
-    # the repeated cycle; of a path that does not repeat all of it
+    # the cycle that is repeated; the whole path where none is
     segments = [getattr(segment, name_of_pair) for segment in path.cycle or path.initial_loading]
     values = np.concatenate(
         [
@@ -164,14 +166,14 @@ def beyond_theory(comparison: JudgedPair) -> str:
     """A sentence on what the difference holds beside errors of the two solutions; empty where the
     reference is exact for the bodies.
     """
-    if _both_ours(comparison):
+    if _are_both_of_project(comparison):
         return idealisation(comparison.scene)
     if comparison.reference.engine != "semi_analytic" or are_half_planes(comparison.scene):
         return ""
     return in_template("beyond_theory", name_of(comparison.result.engine))
 
 
-def _both_ours(comparison: JudgedPair) -> bool:
+def _are_both_of_project(comparison: JudgedPair) -> bool:
     """Whether reference and result are half-plane theory and finite elements of this program."""
     return {comparison.reference.engine, comparison.result.engine} == {
         "semi_analytic",
@@ -180,21 +182,23 @@ def _both_ours(comparison: JudgedPair) -> bool:
 
 
 # -------------------------------------------------------------------------------- values of metrics
-# A share of the whole that double precision can't tell from none, summed over a cycle's instants;
-# comparison.json has every digit.
+# A relative value below this is round-off of a sum over the instants of a cycle; comparison.json
+# has every digit.
 _ROUNDING = 1e-13
 
 
-def _in_digits(value: float, *, share: bool = True, plus: bool = True, digits: int = 3) -> str:
-    """A value in words to so many significant digits; in per cent if it is a `share` of something,
-    with a plus sign if `plus`. Less than 1e-13 is round-off, written as 0.
+def _in_digits(
+    value: float, *, is_relative: bool = True, plus: bool = True, digits: int = 3
+) -> str:
+    """A value in words to so many significant digits; in per cent if it is relative, with a plus
+    sign if `plus`. A value below 1e-13 is round-off, written as 0.
 
     >>> (
     ...     _in_digits(-0.00123456),
     ...     _in_digits(0.5, plus=False),
     ...     _in_digits(-1.87e-16),
     ...     _in_digits(float("nan")),
-    ...     _in_digits(0.25, share=False),
+    ...     _in_digits(0.25, is_relative=False),
     ... )
     ('−0.123 %', '50 %', '0 %', 'not a number', '+0.25')
     """
@@ -203,68 +207,67 @@ def _in_digits(value: float, *, share: bool = True, plus: bool = True, digits: i
     size = abs(value)
     if size < _ROUNDING:
         size = 0.0
-    if share:
+    if is_relative:
         size *= 100
-    text = minus(f"{size:.{digits}g}" if digits > 2 or size < 99.5 else f"{size:.0f}")
+    # two digits of 100 and more would be a power of ten
+    size_in_words = f"{size:.{digits}g}" if digits > 2 or size < 99.5 else f"{size:.0f}"
     sign = ""
     if size and value < 0:
         sign = "−"
     elif size and plus:
         sign = "+"
-    unit = " %" if share else ""
-    return f"{sign}{text}{unit}"
+    unit = " %" if is_relative else ""
+    return f"{sign}{minus(size_in_words)}{unit}"
 
 
 def amount(value: float, metric: Metric, *, plus: bool = False, digits: int = 2) -> str:
-    """A part of a metric in a cell, in its unit; what is below 1e-11 of it is rounding."""
-    return _in_digits(
-        0.0 if abs(value) < 1e-11 else value, share=not metric.absolute, plus=plus, digits=digits
-    )
+    """A term of a metric as the text of a cell, in the unit of the metric; a value below 1e-11 is
+    round-off, written as 0.
+    """
+    shown_value = 0.0 if abs(value) < 1e-11 else value
+    return _in_digits(shown_value, is_relative=not metric.absolute, plus=plus, digits=digits)
 
 
 def value_of(metric: Metric) -> str:
-    """The value of a metric, in per cent unless it is absolute."""
-    return (
-        "–"
-        if metric.value is None
-        else _in_digits(metric.value, share=not metric.absolute, plus=metric.signed)
-    )
+    """The value of a metric in words, in per cent unless it is absolute; a dash without a value."""
+    if metric.value is None:
+        return "–"
+    return _in_digits(metric.value, is_relative=not metric.absolute, plus=metric.signed)
 
 
 def unit_of(metric: Metric) -> str:
-    """The unit of a metric's value; of an edge with its shift in elements beside it."""
+    """The unit of a metric's value, and for an edge its shift in element sizes in brackets."""
     if metric.elements is None:
         return metric.unit
-    return f"{metric.unit} ({_in_digits(metric.elements, share=False)} elements)"
+    return f"{metric.unit} ({_in_digits(metric.elements, is_relative=False)} elements)"
 
 
 def uncertainty_of(metric: Metric) -> str:
-    """How far the value is open, to two digits: by the error budget, the result or its points;
-    empty where nothing is stated.
-    """
+    """The uncertainty of a metric in words, "± ..." with two digits; empty where none is known."""
     if metric.uncertainty is None:
         return ""
-    return f"± {_in_digits(metric.uncertainty, share=not metric.absolute, plus=False, digits=2)}"
+    uncertainty_in_words = _in_digits(
+        metric.uncertainty, is_relative=not metric.absolute, plus=False, digits=2
+    )
+    return f"± {uncertainty_in_words}"
 
 
 def tolerance_of(metric: Metric) -> str:
-    """The tolerance of a metric, or a dash."""
-    return (
-        "–"
-        if metric.tolerance is None
-        else _in_digits(metric.tolerance, share=not metric.absolute, plus=False)
-    )
+    """The tolerance of a metric in words; a dash where it has none."""
+    if metric.tolerance is None:
+        return "–"
+    return _in_digits(metric.tolerance, is_relative=not metric.absolute, plus=False)
 
 
-# Significant digits of a value that is known better than anybody reads.
+# Most significant digits of a value that is shown.
 _MOST_DIGITS = 8
 
 
 def with_uncertainty(value: float, uncertainty: float | None) -> str:
-    """A text "value ± u" with as many decimals as the uncertainty u leaves: one digit of u, or two
-    where it begins with 1.
+    """A text "value ± u", both with the same decimals: one significant digit of the uncertainty u,
+    or two where it begins with 1.
 
-    Without u (None) three digits of the value.
+    Without u (None) the value has three significant digits.
 
     >>> (
     ...     with_uncertainty(2.8512, 0.0614),
@@ -282,8 +285,9 @@ def with_uncertainty(value: float, uncertainty: float | None) -> str:
     if uncertainty == 0:
         return f"{minus(f'{value:.3g}')} ± 0"
     power = math.floor(math.log10(uncertainty))
-    decimals = max(0, -power + (round(uncertainty / 10**power, 6) < 2))
-    if decimals > 6:  # a row of zeros says less than a power of ten
+    begins_with_one = round(uncertainty / 10**power, 6) < 2
+    decimals = max(0, -power + begins_with_one)
+    if decimals > 6:  # a power of ten is easier to read than many zeros
         significant_digits = 2
         if abs(value) > uncertainty:
             significant_digits = min(
@@ -295,15 +299,15 @@ def with_uncertainty(value: float, uncertainty: float | None) -> str:
 
 # --------------------------------------------------------------------------------------- the answer
 def headline(comparison: JudgedPair) -> str:
-    """The answer in a sentence: how wrong half-plane theory is for these bodies, or how far the two
-    solutions agree.
+    """The comparison in one sentence: how wrong half-plane theory is for these bodies, or how far
+    the two solutions agree.
 
-    Every figure is result/reference − 1, as in the table below it. One that is not twice its
-    uncertainty is called not resolved. Of an external result outside its tolerances the sentence
-    says what is outside.
+    Every number is result/reference − 1. A number that is less than twice its uncertainty is called
+    not resolved. For an external result outside its tolerances the sentence names the metrics that
+    are outside.
     """
     if _is_failed(comparison):
-        return _failure(comparison)
+        return _sentence_of_failure(comparison)
     dissipation = comparison.metric("dissipation")
     # quantities that the sentence names
     keys = ("largest_pressure", "largest_half_width")
@@ -315,15 +319,15 @@ def headline(comparison: JudgedPair) -> str:
         if metric.value is not None and math.isfinite(metric.value)
     ]
     kind_of_sentence = "external"
-    if _both_ours(comparison) and are_half_planes(comparison.scene):
+    if _are_both_of_project(comparison) and are_half_planes(comparison.scene):
         kind_of_sentence = "agree"
-    elif _both_ours(comparison) and comparison.result.engine == "halfplane_fe":
+    elif _are_both_of_project(comparison) and comparison.result.engine == "halfplane_fe":
         kind_of_sentence = "theory"
     if kind_of_sentence == "agree":
-        # half-planes are what theory solves: any difference is an error, without a sense
-        claims = [_agreement(metric) for metric in metrics]
+        # theory is exact for half-planes: any difference is an error, and its sign has no meaning
+        claims = [_claim_of_agreement(metric) for metric in metrics]
     else:
-        claims = [_claim(metric) for metric in metrics]
+        claims = [_claim_of_difference(metric) for metric in metrics]
     stated_errors = None
     if all(metric.uncertainty is None for metric in metrics):
         stated_errors = _stated_errors(comparison)
@@ -332,20 +336,20 @@ def headline(comparison: JudgedPair) -> str:
     )
 
 
-# Metrics that the first sentence names, of those that are not within their tolerance.
-_MOST_NAMED = 2
+# Most metrics outside their tolerance that the headline names.
+_MOST_METRICS_NAMED = 2
 
 
 def _is_failed(comparison: JudgedPair) -> bool:
     """Whether an external result was judged and is outside a tolerance or violates a law of
     contact.
     """
-    if _both_ours(comparison) or comparison.verdict is None:
+    if _are_both_of_project(comparison) or comparison.verdict is None:
         return False
-    return not comparison.accurate or bool(_violated(comparison))
+    return not comparison.accurate or bool(_violated_checks(comparison))
 
 
-def _not_passed(comparison: JudgedPair) -> list[Metric]:
+def _metrics_not_passed(comparison: JudgedPair) -> list[Metric]:
     """The metrics that are not within their tolerance: first those outside it, then those that are
     undecided because their uncertainty is too large.
     """
@@ -357,39 +361,41 @@ def _not_passed(comparison: JudgedPair) -> list[Metric]:
     ]
 
 
-def _failure(comparison: JudgedPair) -> str:
-    """The sentence on an external result that fails: which metrics are outside their tolerance, the
-    one with the largest |value|/tolerance first.
+def _sentence_of_failure(comparison: JudgedPair) -> str:
+    """The sentence on an external result that fails: the metrics outside their tolerance, the one
+    with the largest |value|/tolerance first.
 
-    Where no metric is outside, it names those that are undecided; where none is, which laws of
-    contact are violated.
+    Where no metric is outside, it names those that are undecided. Where none is undecided, it names
+    the laws of contact that are violated.
     """
 
     def multiple_of_tolerance(metric: Metric) -> float:
+        """|value|/tolerance"""
         return abs(metric.value or 0.0) / (metric.tolerance or 1.0)
 
-    # outside before undecided: the first one has the worst verdict
-    metrics_not_passed = _not_passed(comparison)
-    with_worst_verdict = [
+    # outside before undecided: the first metric has the worst verdict
+    metrics_not_passed = _metrics_not_passed(comparison)
+    worst_metrics = [
         metric for metric in metrics_not_passed if metric.verdict is metrics_not_passed[0].verdict
     ]
-    with_worst_verdict.sort(key=multiple_of_tolerance, reverse=True)
-    # a metric that is judged by the tolerance of another would say the same twice
-    with_own_tolerance = [metric for metric in with_worst_verdict if not metric.judged_by]
-    metrics_named = (with_own_tolerance or with_worst_verdict)[:_MOST_NAMED]
+    worst_metrics.sort(key=multiple_of_tolerance, reverse=True)
+    # A metric without a tolerance of its own is close to the metric that lends it the tolerance:
+    # both in one sentence would repeat it.
+    metrics_with_own_tolerance = [metric for metric in worst_metrics if not metric.judged_by]
+    named_metrics = (metrics_with_own_tolerance or worst_metrics)[:_MOST_METRICS_NAMED]
     return in_template(
         "failure",
         comparison,
         _names(comparison),
         comparison.verdict,
-        len(with_worst_verdict),
+        len(worst_metrics),
         _count_of_judged(comparison),
-        [_in_sentence(metric) for metric in metrics_named],
-        [check for _, check in _violated(comparison)],
+        [_texts_of_metric(metric) for metric in named_metrics],
+        [check for _, check in _violated_checks(comparison)],
     )
 
 
-def _violated(comparison: JudgedPair) -> list[tuple[str, Certificate]]:
+def _violated_checks(comparison: JudgedPair) -> list[tuple[str, Certificate]]:
     """(name of the engine, check) for every check of a law of contact that the reference or the
     result does not pass.
     """
@@ -406,7 +412,7 @@ def _violated(comparison: JudgedPair) -> list[tuple[str, Certificate]]:
 
 
 def _count_of_judged(comparison: JudgedPair) -> int:
-    """Metrics with a tolerance and a value."""
+    """Number of metrics with a tolerance and a value."""
     return sum(
         metric.tolerance is not None and metric.value is not None for metric in comparison.metrics
     )
@@ -418,8 +424,8 @@ def _names(comparison: JudgedPair) -> tuple[str, str]:
 
 
 def _stated_errors(comparison: JudgedPair) -> list[tuple[str, str]]:
-    """The relative error that each of two solutions states of its own dissipation W, in words:
-    pairs (name of the engine, per cent). Errors of round-off size are left out.
+    """The relative error of the dissipation W that result and reference state themselves, in words:
+    (name of the engine, per cent) for each. An error below 1e-6 is left out.
     """
     errors = []
     for solution in (comparison.result, comparison.reference):
@@ -431,42 +437,46 @@ def _stated_errors(comparison: JudgedPair) -> list[tuple[str, str]]:
     return errors
 
 
-def _agreement(metric: Metric) -> tuple[str, str, str]:
-    """How far two solutions agree that should be the same: the difference with its uncertainty."""
+def _claim_of_agreement(metric: Metric) -> tuple[str, str, str]:
+    """How far two solutions agree in a metric for which theory is exact, as ("agreement", name, per
+    cent in words): size of the difference plus its uncertainty.
+    """
     difference = abs(metric.value or 0.0) + (metric.uncertainty or 0.0)
-    return "agreement", _name(metric), _in_digits(difference, plus=False, digits=2)
+    return "agreement", _label_in_sentence(metric), _in_digits(difference, plus=False, digits=2)
 
 
-def _claim(metric: Metric) -> tuple[str, str, str]:
-    """A metric as (sense, name, per cent in words): the result has "more", "less" or "none" of it
-    than the reference, or is "equal".
+def _claim_of_difference(metric: Metric) -> tuple[str, str, str]:
+    """The difference in a metric as (kind, name, per cent in words). Kinds: the result has "more"
+    or "less" than the reference, has "none", or is "equal".
 
-    The sense is "open", not resolved, where the uncertainty exceeds half of the value.
+    The kind is "open" (not resolved) where the uncertainty exceeds half of the difference.
     """
     value = metric.value or 0.0
     uncertainty = metric.uncertainty
     percent = None if uncertainty is None else 100 * uncertainty
     if uncertainty is not None and uncertainty > abs(value) / 2:
-        return "open", _name(metric), with_uncertainty(100 * value, percent)
+        return "open", _label_in_sentence(metric), with_uncertainty(100 * value, percent)
     if uncertainty is None and abs(value) < 1e-12:  # round-off error
-        return "equal", _name(metric), ""
+        return "equal", _label_in_sentence(metric), ""
     if value == -1:
-        return "none", _name(metric), ""
-    sense = "more" if value > 0 else "less"
-    return sense, _name(metric), with_uncertainty(100 * abs(value), percent)
+        return "none", _label_in_sentence(metric), ""
+    kind = "more" if value > 0 else "less"
+    return kind, _label_in_sentence(metric), with_uncertainty(100 * abs(value), percent)
 
 
-def _name(metric: Metric) -> str:
-    """A label inside a sentence: its first letter small."""
+def _label_in_sentence(metric: Metric) -> str:
+    """The label of a metric for the middle of a sentence, with a small first letter."""
     return metric.label[:1].lower() + metric.label[1:]
 
 
-def _in_sentence(metric: Metric) -> dict[str, str]:
-    """The texts of a metric that sentences are filled with: name, value, unit, tolerance."""
+def _texts_of_metric(metric: Metric) -> dict[str, str]:
+    """Texts of a metric for the templates of sentences: name, value, "open" (value with
+    uncertainty), unit, tolerance.
+    """
     value = value_of(metric)
     value_and_uncertainty = f"{value} {uncertainty_of(metric)}".strip()
     return {
-        "name": _name(metric),
+        "name": _label_in_sentence(metric),
         "value": value,
         "open": value_and_uncertainty,
         "unit": unit_of(metric),
@@ -475,16 +485,16 @@ def _in_sentence(metric: Metric) -> dict[str, str]:
 
 
 def verdict(comparison: JudgedPair) -> str:
-    """In sentences: which metrics are outside their tolerance, which are undecided, or that all are
-    within; whether the laws of contact hold; what could not be scored.
+    """The verdict in sentences: the metrics outside their tolerance and those undecided, or that
+    all are within; whether the laws of contact hold; the metrics that could not be scored.
     """
-    violated_laws = [f"{check.label} in {name}" for name, check in _violated(comparison)]
-    metrics_by_verdict: dict[Verdict, list[dict[str, str]]] = {state: [] for state in Verdict}
+    violated_laws = [f"{check.label} in {name}" for name, check in _violated_checks(comparison)]
+    metrics_by_verdict: dict[Verdict, list[dict[str, str]]] = {kind: [] for kind in Verdict}
     for metric in comparison.metrics:
         if metric.verdict is not None:
-            metrics_by_verdict[metric.verdict].append(_in_sentence(metric))
-    work = comparison.metric("dissipation")
-    work_in_words = None if work.value is None else value_of(work)
+            metrics_by_verdict[metric.verdict].append(_texts_of_metric(metric))
+    dissipation = comparison.metric("dissipation")
+    dissipation_in_words = None if dissipation.value is None else value_of(dissipation)
     has_no_shear = np.isnan(comparison.result.shear).all()
     isolated_count = sum(int(mask.sum()) for mask in comparison.isolated.values())
     sentences = in_template(
@@ -492,7 +502,7 @@ def verdict(comparison: JudgedPair) -> str:
         _names(comparison),
         metrics_by_verdict,
         _count_of_judged(comparison),
-        work_in_words,
+        dissipation_in_words,
         violated_laws,
         has_no_shear,
         isolated_count,
@@ -501,20 +511,22 @@ def verdict(comparison: JudgedPair) -> str:
 
 
 def verdict_in_short(comparison: JudgedPair) -> str:
-    """The verdict with names only: what is outside, what is undecided, or that all is within. The
-    long `verdict` where a law of contact is violated or points were left out.
+    """The verdict with names of metrics only: those outside, those undecided, or that all are
+    within. The long `verdict` where no metric is judged, a law of contact is violated, or the
+    result has isolated values.
     """
-    certificates = (*comparison.reference_certificates, *comparison.result_certificates)
     has_isolated_points = any(mask.any() for mask in comparison.isolated.values())
     first_words = lead(comparison)
-    if not first_words or has_isolated_points or not all(check.holds for check in certificates):
+    if not first_words or has_isolated_points or not comparison.admissible:
         return f"{first_words} {verdict(comparison)}".strip()
-    # "Undecided." has its names in the next sentence.
+    # "Undecided." is left out: the next sentence starts with that word.
     sentences = [] if standing(comparison) == "undecided" else [first_words]
-    for state, state_in_words in ((Verdict.OUTSIDE, "Outside"), (Verdict.UNDECIDED, "Undecided")):
-        names = [_name(metric) for metric in comparison.metrics if metric.verdict is state]
+    for kind, kind_in_words in ((Verdict.OUTSIDE, "Outside"), (Verdict.UNDECIDED, "Undecided")):
+        names = [
+            _label_in_sentence(metric) for metric in comparison.metrics if metric.verdict is kind
+        ]
         if names:
-            sentences.append(f"{state_in_words}: {'; '.join(names)}.")
+            sentences.append(f"{kind_in_words}: {'; '.join(names)}.")
     sentences += ["Both answers obey the laws of contact.", not_scored(comparison)]
     return " ".join(filter(None, sentences))
 
@@ -523,44 +535,48 @@ def not_scored(comparison: JudgedPair) -> str:
     """A sentence on metrics without a value because a solution lacks what they need: those with a
     tolerance, then others of the first table.
     """
-    names = [_name(metric) for metric in comparison.unscored]
+    names = [_label_in_sentence(metric) for metric in comparison.unscored]
     headlines = [
-        _name(metric)
+        _label_in_sentence(metric)
         for metric in comparison.headlines
-        if metric.lacking and metric.tolerance is None
+        if metric.lacks_field and metric.tolerance is None
     ]
     return in_template("not_scored", names, headlines)
 
 
 def judged_by_size(comparison: JudgedPair) -> list[str]:
-    """Names of the metrics that |E| alone judges: no uncertainty of them is known."""
+    """Names of the metrics that are judged by |E| alone, since their uncertainty is not known."""
     return [
-        _name(metric)
+        _label_in_sentence(metric)
         for metric in comparison.metrics
         if metric.tolerance is not None and metric.value is not None and metric.uncertainty is None
     ]
 
 
 def how_judged(comparison: JudgedPair, *, has_budget: bool) -> str:
-    """A sentence on what the verdicts rest on: sizes and uncertainties, or sizes alone where no
-    uncertainty is known.
+    """A sentence on how the verdicts were reached: by |E| and its uncertainty, or by |E| alone
+    where no uncertainty is known. Empty where no metric is judged.
     """
     is_judged = any(
         metric.tolerance is not None and metric.value is not None for metric in comparison.metrics
     )
     if not is_judged:
         return ""
-    return in_template("how_judged", judged_by_size(comparison), has_budget, _both_ours(comparison))
+    return in_template(
+        "how_judged", judged_by_size(comparison), has_budget, _are_both_of_project(comparison)
+    )
 
 
 def lead(comparison: JudgedPair) -> str:
-    """The verdict in a few words; empty where nothing is judged.
+    """The verdict in a few words; empty where no metric is judged.
 
-    A tolerance missed by answers that obey every law is a finding where theory is an idealisation:
-    real bodies, or half-planes of unlike materials. Of somebody else's result it may be a fault as
-    well.
+    Where theory is an idealisation (real bodies, half-planes of unlike materials) an exceeded
+    tolerance is a finding if both solutions obey every law. In an external result it may be a
+    mistake as well.
     """
-    return in_template("lead", comparison, beyond_theory(comparison), _both_ours(comparison))
+    return in_template(
+        "lead", comparison, beyond_theory(comparison), _are_both_of_project(comparison)
+    )
 
 
 def uncertain_work(comparison: JudgedPair) -> str:
@@ -585,10 +601,10 @@ def uncertain_work(comparison: JudgedPair) -> str:
 
 
 def standing(comparison: JudgedPair) -> Verdict | None:
-    """The verdict as a colour; None where nothing is judged.
+    """The verdict that sets the colour on the page; None where no metric is judged.
 
-    Outside where a law of contact is violated; undecided where all that has a value is within and
-    something with a tolerance has none.
+    It is that of the comparison, with two exceptions. Outside: a law of contact is violated.
+    Undecided: all values are within, and a metric with a tolerance has no value.
     """
     if not comparison.admissible:
         return Verdict.OUTSIDE
@@ -598,7 +614,7 @@ def standing(comparison: JudgedPair) -> Verdict | None:
 
 
 def sentence(text: str) -> str:
-    """`text` with a capital and a full stop; nothing of nothing.
+    """`text` with a capital first letter and a full stop; "" for an empty text.
 
     >>> sentence("to compare"), sentence("Why?"), sentence("")
     ('To compare.', 'Why?', '')
@@ -656,18 +672,18 @@ def shown_unit(scene: Scene, quantity: str) -> tuple[float, str]:
 
 
 def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str, str]]]:
-    """The table that shows what both solutions of a comparison have: its heads, and a row for each
-    quantity, as texts by key. Of an external result that fails, the failing metrics come first.
+    """The table of the values of both solutions of a comparison: column heads, and a row for each
+    metric, as texts by key. For an external result that fails, the failing metrics come first.
 
-    Keys: key, label, short (label), reference, result, place (of the result's value), difference,
-    verdict, tolerance, note.
+    Keys of a row: key, label, short (label), reference, result, place (of the result's value),
+    difference, verdict, tolerance, note.
     """
     solution_names = [
         {"semi_analytic": "theory"}.get(solution.engine, name_of(solution.engine))
         for solution in (comparison.reference, comparison.result)
     ]
     rows = []
-    for metric in _in_first_table(comparison):
+    for metric in _metrics_of_first_table(comparison):
         label = metric.label
         short_label = metric.short or metric.label
         factor = 1.0
@@ -686,8 +702,10 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
                 "key": metric.key,
                 "label": label,
                 "short": short_label,
-                "reference": _with_stated(reference_amount, stated_of_reference, factor),
-                "result": _with_stated(result_amount, stated_of_result, factor),
+                "reference": _value_with_stated_uncertainty(
+                    reference_amount, stated_of_reference, factor
+                ),
+                "result": _value_with_stated_uncertainty(result_amount, stated_of_result, factor),
                 "place": place,
                 "difference": _difference_of(metric),
                 "verdict": metric.verdict or "–",
@@ -698,41 +716,41 @@ def first_table(comparison: JudgedPair) -> tuple[tuple[str, ...], list[dict[str,
     return ("", *solution_names, "difference", "verdict"), rows
 
 
-def _in_first_table(comparison: JudgedPair) -> list[Metric]:
-    """The metrics with absolute values; of somebody else's result that is not within tolerance all
-    that fail, before the others.
+def _metrics_of_first_table(comparison: JudgedPair) -> list[Metric]:
+    """The metrics of the first table, those with amounts of both solutions. For an external result
+    that fails, all metrics that are not within tolerance come first.
     """
     if not _is_failed(comparison):
         return list(comparison.headlines)
-    failing_metrics = _not_passed(comparison)
+    failing_metrics = _metrics_not_passed(comparison)
     return failing_metrics + [
         metric for metric in comparison.headlines if metric not in failing_metrics
     ]
 
 
-# Share of a value below which its uncertainty changes none of eight digits: it is called exact.
-_EXACT = 1e-8
+# A relative uncertainty below this changes none of eight digits: the value is shown as exact.
+_EXACT_SHARE = 1e-8
 
 
-def _with_stated(value: float, uncertainty: float | None, factor: float) -> str:
-    """A value times a factor in words, with the uncertainty that its solution states, or "no
-    estimate".
+def _value_with_stated_uncertainty(value: float, uncertainty: float | None, factor: float) -> str:
+    """A value times a factor in words, with the `uncertainty` that its solution states; "no
+    estimate" where that is NaN.
 
-    Five digits of what is exact (0) and of a solution that states nothing (None); a dash for a
-    value that it does not hold (NaN).
+    The value has five digits where it is exact (uncertainty 0) or its solution states nothing
+    (None). A dash stands for a value that is NaN.
 
     >>> (
-    ...     _with_stated(66.6168, 0.0753, 1.0),
-    ...     _with_stated(1.6725e-4, math.nan, 1e3),
-    ...     _with_stated(66.6168, 0.0, 1.0),
-    ...     _with_stated(0.0020574905, 9.4e-8, 1.0),
+    ...     _value_with_stated_uncertainty(66.6168, 0.0753, 1.0),
+    ...     _value_with_stated_uncertainty(1.6725e-4, math.nan, 1e3),
+    ...     _value_with_stated_uncertainty(66.6168, 0.0, 1.0),
+    ...     _value_with_stated_uncertainty(0.0020574905, 9.4e-8, 1.0),
     ... )
     ('66.62 ± 0.08', '0.16725, no estimate', '66.617', '0.00205749 ± 9e−08')
     """
     if math.isnan(value):
         return "–"
     plain_text = minus(f"{factor * value:.5g}")
-    if uncertainty is None or uncertainty <= _EXACT * abs(value):
+    if uncertainty is None or uncertainty <= _EXACT_SHARE * abs(value):
         return plain_text
     if math.isnan(uncertainty):
         return f"{plain_text}, no estimate"
@@ -745,10 +763,10 @@ def first_cells(
     *,
     with_empty: bool = True,
 ) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """The table that shows what reference and result have, such as dissipation and peak pressure,
-    as column heads and rows of cells: label, both values, difference, verdict.
+    """The table of the values of reference and result, such as dissipation and largest pressure, as
+    column heads and rows of cells: label, both values, difference, verdict.
 
-    `label` chooses long or short labels; rows that neither solution has a value for are left out
+    `label` chooses long or short labels. Rows for which neither solution has a value are left out
     unless `with_empty`.
     """
     heads, rows = first_table(comparison)
@@ -827,8 +845,8 @@ def summary(comparison: JudgedPair) -> str:
 
 
 def in_five_lines(comparison: JudgedPair, kind: str) -> str:
-    """A comparison for an interactive session: who was compared on what, the headline, dissipation
-    and largest pressure of both, the verdict. `kind` is what the object is called.
+    """A comparison in five lines, for an interactive session: engines and scene, headline,
+    dissipation and largest pressure of both, verdict. `kind` is the name of the object's class.
     """
     name = comparison.scene.name or comparison.scene.title or "a scene"
     lines = [
@@ -836,7 +854,7 @@ def in_five_lines(comparison: JudgedPair, kind: str) -> str:
         f"  {headline(comparison)}",
     ]
     heads, rows = first_cells(comparison)
-    for metric, cells in zip(_in_first_table(comparison), rows, strict=True):
+    for metric, cells in zip(_metrics_of_first_table(comparison), rows, strict=True):
         if metric.key in ("dissipation", "largest_pressure"):
             label, *values = cells
             named_values = zip(heads[1:], values, strict=True)
@@ -868,8 +886,8 @@ def summary_csv(comparison: JudgedPair) -> str:
     return table.getvalue()
 
 
-# What LaTeX takes for a command, and signs that its default fonts lack.
-_LATEX = {
+# Signs that LaTeX takes for a command, or that its default fonts lack -> how LaTeX writes them.
+_LATEX_OF_SIGN = {
     **{sign: f"\\{sign}" for sign in "&%$#_{}"},
     "\\": r"\textbackslash{}",
     "~": r"\textasciitilde{}",
@@ -888,7 +906,7 @@ def summary_latex(comparison: JudgedPair) -> str:
     difference and one for the verdict. It needs the LaTeX package booktabs.
     """
     heads, cells = first_cells(comparison)
-    escape_table = str.maketrans(_LATEX)
+    escape_table = str.maketrans(_LATEX_OF_SIGN)
     latex_rows = [
         " & ".join(cell.translate(escape_table) for cell in row) for row in (heads, *cells)
     ]
@@ -907,12 +925,12 @@ def summary_latex(comparison: JudgedPair) -> str:
 
 # ---------------------------------------------------------------------------------- of one solution
 def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
-    """The first rows (label with unit, value) of the summary of a solution: how it ended, its size,
-    largest pressure and half-widths, dissipation.
+    """The first rows (label with unit, value) of the summary of a solution: engine, termination,
+    size, largest pressure and half-widths, dissipation.
     """
     scene = solution.scene
     _, unit_of_length, unit_of_stress = units(scene)
-    dissipation = _or_none(solution.dissipation)
+    dissipation = _digits_or_none(solution.dissipation)
     uncertainty = solution.dissipation_uncertainty
     if not np.isnan(uncertainty):
         share_in_words = ""
@@ -923,10 +941,10 @@ def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
         f"P {solution.normal_load[-1]:.6g}, Q {solution.tangential_load[-1]:.6g} {load_unit(scene)}"
     )
     half_width = f"{np.nanmax(solution.contact_half_width):.8g}"
-    half_width += _stated(solution, "largest_half_width")
-    permanent_stick = _or_none(solution.permanent_stick_half_width)
+    half_width += _stated_uncertainty(solution, "largest_half_width")
+    permanent_stick = _digits_or_none(solution.permanent_stick_half_width)
     if math.isfinite(solution.permanent_stick_half_width):
-        permanent_stick += _stated(solution, "permanent_stick_half_width")
+        permanent_stick += _stated_uncertainty(solution, "permanent_stick_half_width")
     rows = [
         ("engine", name_of(solution.engine)),
         ("how it ended", solution.record.message),
@@ -934,22 +952,24 @@ def first_rows(solution: ContactSolution) -> list[tuple[str, str]]:
         ("last instant", f"time {solution.time[-1]:.6g}, {last_loads}"),
         (
             f"largest pressure at the points [{unit_of_stress}]",
-            f"{np.max(solution.pressure):.8g}{_stated(solution, 'largest_pressure')}",
+            f"{np.max(solution.pressure):.8g}{_stated_uncertainty(solution, 'largest_pressure')}",
         ),
         (f"largest contact half-width [{unit_of_length}]", half_width),
         (f"permanent stick half-width [{unit_of_length}]", permanent_stick),
     ]
-    # an unsymmetric contact has two different ends of permanent stick; empty of others
+    # only an unsymmetric contact has two different ends of permanent stick
     values_of_ends = of_unsymmetric(solution)
     if values_of_ends:
         ends = [values_of_ends[f"permanent_stick_{side}"] for side in ("left", "right")]
-        rows.append((f"ends of permanent stick [{unit_of_length}]", ", ".join(map(_or_none, ends))))
+        rows.append(
+            (f"ends of permanent stick [{unit_of_length}]", ", ".join(map(_digits_or_none, ends)))
+        )
     return [*rows, (f"dissipation of the {stretch(scene)} [{energy_unit(scene)}]", dissipation)]
 
 
-def _stated(solution: ContactSolution, name: str) -> str:
-    """The uncertainty that a solution states of a value, to stand behind it; empty of engines that
-    state none.
+def _stated_uncertainty(solution: ContactSolution, name: str) -> str:
+    """The uncertainty that a solution states of the value `name`, as text to put behind the value;
+    empty where it states none.
     """
     if name not in solution.uncertainties:
         return ""
@@ -958,9 +978,9 @@ def _stated(solution: ContactSolution, name: str) -> str:
 
 
 def row_of_sliding(solution: ContactSolution) -> tuple[str, str]:
-    """How near the loads that were found come to gross sliding."""
-    words = f"largest |Q|/(f P) of the {stretch(solution.scene)}, 1 where all slides"
-    return words, f"{ratio_of_answer(solution):.4g}"
+    """A row (label, value): how near the loads of a solution come to gross sliding."""
+    label = f"largest |Q|/(f P) of the {stretch(solution.scene)}, 1 where all slides"
+    return label, f"{ratio_of_answer(solution):.4g}"
 
 
 def summary_rows(
@@ -984,7 +1004,7 @@ def summary_rows(
     rows += _rows_of_load_cycles(solution)
     rows.append(("laws of contact", _laws_in_words(solution)))
     rows += [("note", note) for note in solution.record.notes]
-    # What the engine counted of its own work is in the file beside it, and on the page.
+    # The counts of the engine's work are in its file and on the page.
     return rows + [
         (f"skipped: {name.replace('_', ' ')}", f"{count}: {reason}")
         for name, (count, reason) in solution.work.skipped.items()
@@ -992,8 +1012,8 @@ def summary_rows(
 
 
 def _rows_of_load_cycles(solution: ContactSolution) -> Iterator[tuple[str, str]]:
-    """Rows (label with unit, value) on the load cycles of a record: their number, the friction work
-    of their mean, and of the last whole one. None of a path that is no record.
+    """Rows (label with unit, value) on the load cycles in a table of loads over time: their number,
+    the friction work W over that number, and W of the last whole cycle. No rows for other loads.
     """
     cycles = load_cycles(solution)
     if not cycles:
@@ -1009,7 +1029,7 @@ def _rows_of_load_cycles(solution: ContactSolution) -> Iterator[tuple[str, str]]
 
 
 def _laws_in_words(solution: ContactSolution) -> str:
-    """How many laws of contact hold, or which are violated, by how much and when."""
+    """In words: that all laws of contact hold, or which are violated, by how much and when."""
     checks = certificates(solution)
     violated_laws = [
         f"{check.label} ({check.value:.1e} at time {check.time:.4g})"
@@ -1040,6 +1060,6 @@ def _loop_rows(solution: ContactSolution) -> Iterator[tuple[str, str]]:
         yield label, f"{work_of_p:.10g}"
 
 
-def _or_none(value: float) -> str:
-    """Ten digits; "none" of what is no number."""
+def _digits_or_none(value: float) -> str:
+    """A value with ten digits; "none" where it is NaN."""
     return "none" if np.isnan(value) else f"{value:.10g}"

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 import halfplane_fe
 import semi_analytic
 from reports.comparison import Comparison
-from reports.comparison.measures import norm, over, shares
+from reports.comparison.measures import norm, quotient, trapezoidal_weights
 from reports.comparison.pairs import are_half_planes
 from reports.comparison.verdicts import Verdict, verdict_on
 from scenes import InputError, Scene
@@ -193,7 +193,7 @@ class Discrepancy:
         pressure_norm = norm(self.x, self.reference_tractions[PRESSURE])
         norms_of_reference = pressure_norm * pair(1, friction)[:, :, 0]
         norms_of_difference = norm(self.x, self.result_tractions - self.reference_tractions)
-        relative_errors = over(norms_of_difference, norms_of_reference)
+        relative_errors = quotient(norms_of_difference, norms_of_reference)
         pressure_error, shear_error = np.nanmax(relative_errors, axis=1, initial=0.0).tolist()
         return pressure_error, shear_error
 
@@ -352,7 +352,11 @@ def discrepancy_of(comparison: Comparison) -> Discrepancy | None:
     if tractions_with_bodies is not None:
         reference_tractions = tractions_with_bodies
         result_tractions = np.where(is_known, result_tractions, reference_tractions)
-    weight = is_known * shares(result_cycle.time[rows])[:, None] * shares(result_cycle.x)
+    weight = (
+        is_known
+        * trapezoidal_weights(result_cycle.time[rows])[:, None]
+        * trapezoidal_weights(result_cycle.x)
+    )
     reference_tractions = np.nan_to_num(reference_tractions)
     return Discrepancy(
         comparison,
