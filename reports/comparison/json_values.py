@@ -56,7 +56,8 @@ def metric_content(metric: Metric, scene: Scene, is_covered: bool | None) -> dic
     """A metric of a comparison, as JSON values by key: its numbers, verdict and texts; whether its
     value is finite or missing ("finite"); the instant and x/a_ref of its worst error.
 
-    `is_covered`: whether its stated uncertainty covers its known error, None where that is not known.
+    `is_covered`: whether its stated uncertainty covers its known error, None where that is not
+    known.
     """
     return {
         **{name: getattr(metric, name) for name in _FIELDS_OF_METRIC},
