@@ -27,7 +27,7 @@ from reports.scoring import calculix_files, field_files, vtk_files
 from reports.scoring.against import diagnosed, score_file
 from reports.scoring.calculix import CalculixMesh
 from reports.scoring.calculix_files import read_dat, read_frd
-from reports.scoring.field_files import read_frames
+from reports.scoring.field_files import FieldPart, joined_mesh, read_frames
 from reports.scoring.mapping import Mapping, load_mapping
 from scenes import InputError
 from score_results import (
@@ -473,7 +473,7 @@ def test_every_file_of_fields_gives_the_tractions_of_the_surface_and_says_how(
     make, mapping, scale, notes = READ[case]
     # these in the process that users have
     if case not in (".vtu, 0.0 deep", ".vtk, 0.25 deep", "a collection"):
-        monkeypatch.setattr(field_files, "_read_apart", read_here)
+        monkeypatch.setattr(field_files, "_read_in_process", read_here)
     surface = result(make(tmp_path), **mapping)
     check(surface, scale)
     all_notes = " ".join(surface.notes)
@@ -489,7 +489,7 @@ def test_every_file_of_fields_gives_the_tractions_of_the_surface_and_says_how(
 def test_instants_come_in_the_order_of_time_and_mapping_shifts_and_scales(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(field_files, "_read_apart", read_here)
+    monkeypatch.setattr(field_files, "_read_in_process", read_here)
     path = collection(tmp_path)
     surface = result(path)
     np.testing.assert_array_equal(surface.time, [0.0, 0.5, 2.0])
@@ -954,7 +954,7 @@ def test_each_fault_of_a_file_is_one_sentence(
 ) -> None:
     make, fact, *mapping = FAULTS[fault]
     if fault not in ("empty VTU", "no VTK", "no such point", "cell of nothing", "cell of less"):
-        monkeypatch.setattr(field_files, "_read_apart", read_here)
+        monkeypatch.setattr(field_files, "_read_in_process", read_here)
     path = make(tmp_path)
     with pytest.raises(InputError, match=re.escape(fact)) as caught:
         result(path, **(mapping[0] if mapping else {}))
@@ -1218,3 +1218,12 @@ def test_a_fault_in_a_file_of_calculix_is_refused_with_its_line(
         or "breaks off" in fact
         or f"{name}: line {line}: expected" in str(caught.value)
     )
+
+
+def test_of_three_parts_the_one_that_differs_is_named() -> None:
+    parts_of_instant = [
+        FieldPart(name, np.zeros((2, 3)), (), {"CPRESS": np.zeros(shape)}, {})
+        for name, shape in (("a.vtu", (2,)), ("b.vtu", (2,)), ("c.vtu", (2, 3)))
+    ]
+    with pytest.raises(InputError, match=r"a\.vtu: CPRESS .* components than in c\.vtu"):
+        joined_mesh(parts_of_instant)

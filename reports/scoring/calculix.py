@@ -149,7 +149,7 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
         File and what is wrong: broken off, not in CalculiX's format, larger than half a GB; no
         contact results and no stress; nodes without coordinates.
     """
-    file = read_frd(path, ("CONTACT",), instead=("STRESS",))
+    file = read_frd(path, ("CONTACT",), substitutes=("STRESS",))
     if not file.blocks:
         raise InputError(
             f"{path}: no block CONTACT and none STRESS; it has {', '.join(file.names) or 'none'}:"
@@ -172,7 +172,7 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
                 )
         face, factors, face_notes = _face_by_contact(mesh, blocks, mapping)
         notes += face_notes
-    if not file.ended:
+    if not file.has_end_mark:
         notes.append(
             "the file has no end (9999): the run goes on or was stopped, and later instants are"
             " missing"
@@ -253,12 +253,12 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
     """
     printed_file = read_dat(path)
     stress_at = {
-        table.time: table for table in printed_file.tables if table.kind == "contact stress"
+        table.time: table for table in printed_file.tables if table.quantity == "contact stress"
     }
     slip_at = {
         table.time: table
         for table in printed_file.tables
-        if table.kind == "relative contact displacement"
+        if table.quantity == "relative contact displacement"
     }
     filled_tables = [table for table in stress_at.values() if len(table.ids)]
     if not filled_tables:

@@ -57,9 +57,9 @@ class FrdBlock:
     line: int  # of its header in the file
 
     def column(self, component: str) -> Array:
-        """(n_records,); KeyError where the block has no such component."""
-        place_of = {name: place for place, name in enumerate(self.components)}
-        return self.values[:, place_of[component]]
+        """Values (n_records,) of a component; KeyError where the block has no such component."""
+        column_by_name = {name: number for number, name in enumerate(self.components)}
+        return self.values[:, column_by_name[component]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,22 +72,24 @@ class FrdFile:
     points: Array  # (n_nodes, 3), before deformation [length]
     elements: tuple[FrdElement, ...]
     times: tuple[float, ...]  # of all frames in the file's order, whatever they hold
-    blocks: tuple[FrdBlock, ...]  # those of the names asked for, in the file's order
+    blocks: tuple[FrdBlock, ...]  # those that were read, in the file's order
     names: tuple[str, ...]  # of all blocks that the file has
-    ended: bool  # whether the file has its end (9999), which CalculiX writes last
+    has_end_mark: bool  # whether the file has its end (9999), which CalculiX writes last
 
 
 def read_frd(
-    path: str | Path, names: Collection[str] = ("CONTACT",), instead: Collection[str] = ()
+    path: str | Path, names: Collection[str] = ("CONTACT",), substitutes: Collection[str] = ()
 ) -> FrdFile:
     """Nodes, elements, and result blocks of a .frd file of CalculiX.
 
     Parameters
     ----------
+    path
+        the file
     names
         names of the result blocks that are read, such as CONTACT
-    instead
-        names of those that are read where the file has none of `names`
+    substitutes
+        names of the result blocks that are read where the file has none of `names`
 
     Raises
     ------
@@ -128,13 +130,13 @@ def read_frd(
                     name, components = lines.components()
                     times[time] = None
                     block_names[name] = None
-                    has_first_choice = bool(blocks) and blocks[0].name in names
                     label_width, records = lines.records(
                         line, f"records of block {name}", header_line
                     )
-                    if name in names and not has_first_choice:
-                        blocks.clear()
-                    if name in names or (name in instead and not has_first_choice):
+                    has_named_block = bool(blocks) and blocks[0].name in names
+                    if name in names and not has_named_block:
+                        blocks.clear()  # of substitutes
+                    if name in names or (name in substitutes and not has_named_block):
                         node_numbers, values = lines.table(records, label_width, len(components))
                         blocks.append(
                             FrdBlock(name, time, components, node_numbers, values, header_line)
@@ -169,18 +171,24 @@ def _check_size(path: Path) -> None:
 
 
 class _Record(NamedTuple):
-    """One record of a block: the number of its line, that line from the node's number on, and its
-    continuations.
+    """One record of a block: the number of its line, the text of that line from the number of the
+    node or element on, and that of its continuations.
     """
 
-    line: int
+    line_number: int
     text: str
     continuations: list[str]
 
 
 class _Lines(Iterator[str]):
-    """Lines of a file without their ends, the number of the last one taken, and what is made of
-    them.
+    """Lines of a CalculiX file, one after the other, and readers of the blocks and numbers in them.
+
+    Attributes
+    ----------
+    path
+        the file, for messages
+    number
+        number of the last line taken, counted from 1
     """
 
     def __init__(self, path: Path, lines: Iterable[str]) -> None:
@@ -193,11 +201,14 @@ class _Lines(Iterator[str]):
         return line.rstrip()
 
     def refusal(self, expected: str, number: int = 0) -> InputError:
-        """The sentence to raise, with file and line."""
+        """The InputError to raise, with file and line; the last line taken where no `number` of a
+        line is given.
+        """
         return InputError(f"{self.path}: line {number or self.number}: expected {expected}")
 
     def records(self, header: str, noun: str, header_line: int) -> tuple[int, list[_Record]]:
-        """Width of a node's number in characters, and the records of a block of a .frd file.
+        """Width of a node's or an element's number in characters, and the records of a block of a
+        .frd file, from the lines below its header.
 
         Parameters
         ----------
@@ -248,14 +259,16 @@ class _Lines(Iterator[str]):
         )
 
     def nodes(self, header: str) -> tuple[Integers, Array]:
-        """Numbers (n,) and places (n, 3) of the nodes in the block of this header."""
-        at = self.number
-        label, records = self.records(header, "nodes", at)
-        nodes, points = self.table(records, label, 3)
+        """Numbers (n,) and coordinates (n, 3) of the nodes in the block below `header` [length].
+        InputError where a number comes twice.
+        """
+        header_line = self.number
+        label_width, records = self.records(header, "nodes", header_line)
+        nodes, points = self.table(records, label_width, 3)
         if len(np.unique(nodes)) < len(nodes):
-            raise self.refusal("every node once: a number comes twice", at + 1)
+            raise self.refusal("every node once: a number comes twice", header_line + 1)
         if not (np.abs(points) <= _FARTHEST).all():
-            raise self.refusal("finite coordinates", at + 1)
+            raise self.refusal("finite coordinates", header_line + 1)
         return nodes, points
 
     def elements(self, header: str) -> Iterator[FrdElement]:
@@ -264,15 +277,17 @@ class _Lines(Iterator[str]):
         """
         header_line = self.number
         label_width, records = self.records(header, "elements", header_line)
-        for line, head, continuations in records:
-            number = self.integer(head[:label_width], "an element's number", line)
-            kind = self.integer(head[label_width:][:5], "its kind", line)
-            number_texts = [
-                node_text[k : k + label_width]
-                for node_text in continuations
-                for k in range(0, len(node_text), label_width)
+        for line_number, record_text, continuations in records:
+            number = self.integer(record_text[:label_width], "an element's number", line_number)
+            kind = self.integer(record_text[label_width:][:5], "its kind", line_number)
+            texts_of_nodes = [
+                continuation[begin : begin + label_width]
+                for continuation in continuations
+                for begin in range(0, len(continuation), label_width)
             ]
-            nodes = tuple(self.integer(word, "a node's number", line + 1) for word in number_texts)
+            nodes = tuple(
+                self.integer(text, "a node's number", line_number + 1) for text in texts_of_nodes
+            )
             if not nodes:
                 raise self.refusal(
                     f"nodes (-2) of every element, found none of element {number}", header_line
@@ -288,12 +303,12 @@ class _Lines(Iterator[str]):
             raise self.refusal(f"the name of a result block (-4), found {line[:40]!r}")
         name = line[5:13].strip()
         components = []
-        count = self.integer(line[13:18], "how many components the block has")
-        for _ in range(count):
+        n_announced = self.integer(line[13:18], "how many components the block has")
+        for _ in range(n_announced):
             line = next(self, "")
             if not line.startswith(" -5"):
                 raise self.refusal(
-                    f"the name of a component (-5), {count} in all, found {line[:40]!r}"
+                    f"the name of a component (-5), {n_announced} in all, found {line[:40]!r}"
                 )
             # ALL, which a viewer works out, is announced and is not in the file
             if line[33:38].strip() != "1":
@@ -308,33 +323,34 @@ class _Lines(Iterator[str]):
         record of another length.
         """
         nodes: list[int] = []
-        number_texts: list[str] = []
-        for line, record_text, continuations in records:
-            numbers_in_text = record_text[label_width:] + "".join(
+        value_texts: list[str] = []
+        for line_number, record_text, continuations in records:
+            text_of_values = record_text[label_width:] + "".join(
                 continuation[label_width:] for continuation in continuations
             )
-            if len(numbers_in_text) != _WIDTH * n_columns:
+            if len(text_of_values) != _WIDTH * n_columns:
                 # a record begins with a key of three characters
                 expected_length = 3 + label_width + _WIDTH * n_columns
-                record_length = 3 + label_width + len(numbers_in_text)
+                record_length = 3 + label_width + len(text_of_values)
                 raise self.refusal(
                     f"{n_columns} numbers of {_WIDTH} characters, {expected_length} in all, found"
                     f" {record_length}: {record_text[:40]!r}",
-                    line,
+                    line_number,
                 )
-            nodes.append(self.integer(record_text[:label_width], "a node's number", line))
-            number_texts += [
-                numbers_in_text[begin : begin + _WIDTH]
-                for begin in range(0, len(numbers_in_text), _WIDTH)
+            nodes.append(self.integer(record_text[:label_width], "a node's number", line_number))
+            value_texts += [
+                text_of_values[begin : begin + _WIDTH]
+                for begin in range(0, len(text_of_values), _WIDTH)
             ]
         try:
-            values = np.array(number_texts, f"S{_WIDTH}").astype(float)
+            values = np.array(value_texts, f"S{_WIDTH}").astype(float)
         except ValueError:  # one of them is not as Python writes it
-            numbers = []
-            for number_index, number_text in enumerate(number_texts):
-                line = records[number_index // n_columns].line
-                numbers.append(self.float(number_text, "a number", line))
-            values = np.array(numbers)
+            values = np.array(
+                [
+                    self.float(text, "a number", records[index // n_columns].line_number)
+                    for index, text in enumerate(value_texts)
+                ]
+            )
         return np.array(nodes, np.int64), values.reshape(len(nodes), n_columns)
 
     def float(self, text: str, noun: str = "a number", line: int = 0) -> float:
@@ -357,10 +373,10 @@ class _Lines(Iterator[str]):
 
 
 # ----------------------------------------------------------------------------------- printed tables
-# The titles: " what (columns) for scope and time 0.5E+00" and " statistics for slave set A, master
-# set B and time 0.5E+00".
+# The titles: " quantity (columns) for scope and time 0.5E+00" and " statistics for slave set A,
+# master set B and time 0.5E+00".
 _TITLE = re.compile(
-    r" ?(?P<what>[a-z][^()]*?) ?\((?P<columns>[^)]*)\) for (?P<scope>.*?) and"
+    r" ?(?P<quantity>[a-z][^()]*?) ?\((?P<columns>[^)]*)\) for (?P<scope>.*?) and"
     r" time\s*(?P<time>\S+)\s*"
 )
 _STATISTICS = re.compile(
@@ -376,7 +392,7 @@ _IDS = {"slave node": 1, "slave element+face": 2}
 class DatTable:
     """One printed table."""
 
-    kind: str  # such as "contact stress", "relative contact displacement", "total force"
+    quantity: str  # such as "contact stress", "relative contact displacement", "total force"
     scope: str  # what it was printed for, such as "set BOTTOM", "all contact elements"
     time: float  # total time
     ids: Integers  # (n_rows, k), numbers of node, or of element and face; k = 0 for totals
@@ -438,64 +454,78 @@ def read_dat(path: str | Path) -> DatFile:
 
 
 def _pair_force(
-    file: _Lines, lines: Sequence[str], title_line: int, title: re.Match[str]
+    reader: _Lines, lines: Sequence[str], title_line: int, title: re.Match[str]
 ) -> PairForce:
     """The resultant force of a contact pair and its mean normal, from the statistics that CalculiX
     prints below a title.
 
     Parameters
     ----------
-    file
-        the .dat file, for messages
+    reader
+        reads numbers, and has the file's path for messages
     lines
-        the lines below the title
+        all lines of the file
     title_line
-        number of the title's line
+        number of the title's line, counted from 1
     title
         match of the title with the names of the pair
     """
 
-    def numbers_below(heading: str) -> Array:
-        """Six numbers on the line after next of a heading."""
-        for line_number, line in enumerate(
-            lines[title_line : title_line + 19], start=title_line + 1
-        ):
-            if line.strip().startswith(heading) and line_number + 1 < len(lines):
-                number_texts = lines[line_number + 1].split()
+    def six_numbers_under(heading: str) -> Array:
+        """The six numbers two lines below the line that begins with `heading`, which comes within
+        19 lines of the title.
+        """
+        lines_of_statistics = lines[title_line : title_line + 19]
+        for heading_line, line in enumerate(lines_of_statistics, start=title_line + 1):
+            if line.strip().startswith(heading) and heading_line + 1 < len(lines):
+                number_texts = lines[heading_line + 1].split()
                 if len(number_texts) != 6:
-                    raise file.refusal(
-                        f"6 numbers under {heading!r}, found {len(number_texts)}", line_number + 2
+                    raise reader.refusal(
+                        f"6 numbers under {heading!r}, found {len(number_texts)}", heading_line + 2
                     )
-                return np.array([file.float(word, line=line_number + 2) for word in number_texts])
-        raise file.refusal(f"{heading!r} below this title: the file breaks off", title_line)
+                return np.array(
+                    [reader.float(text, line=heading_line + 2) for text in number_texts]
+                )
+        raise reader.refusal(f"{heading!r} below this title: the file breaks off", title_line)
 
-    force_and_moment = numbers_below("total surface force")
-    centre_and_normal = numbers_below("center of gravity and mean normal")
+    force_and_moment = six_numbers_under("total surface force")
+    centre_and_normal = six_numbers_under("center of gravity and mean normal")
     return PairForce(
         title["slave"].strip(),
         title["master"].strip(),
-        file.float(title["time"], line=title_line),
+        reader.float(title["time"], line=title_line),
         force=force_and_moment[:3],
         normal=centre_and_normal[3:],
     )
 
 
 def _printed_table(
-    file: _Lines, lines: Sequence[str], title_line: int, title: re.Match[str]
+    reader: _Lines, lines: Sequence[str], title_line: int, title: re.Match[str]
 ) -> DatTable:
     """A table printed in a .dat file: numbers of nodes, elements or faces (n, n_ids), and values
     (n, n_values).
 
-    It begins below the title in line `title_line` and blank lines, and ends before the next blank
-    line or title. InputError for a row of another length.
+    It begins below the title and blank lines, and ends before the next blank line or title.
+    InputError for a row of another length.
+
+    Parameters
+    ----------
+    reader
+        reads numbers, and has the file's path for messages
+    lines
+        all lines of the file
+    title_line
+        number of the title's line, counted from 1
+    title
+        match of the title: what is printed, its columns, for which set and at which time
     """
-    first_line = title_line
-    while first_line < len(lines) and not lines[first_line].strip():
-        first_line += 1
-    end_line = first_line
-    while end_line < len(lines) and lines[end_line].strip() and " time" not in lines[end_line]:
-        end_line += 1
-    table_rows = [words_of_row.split() for words_of_row in lines[first_line:end_line]]
+    begin = title_line  # the line below the title, counted from 0
+    while begin < len(lines) and not lines[begin].strip():
+        begin += 1
+    end = begin
+    while end < len(lines) and lines[end].strip() and " time" not in lines[end]:
+        end += 1
+    rows = [line.split() for line in lines[begin:end]]
     column_names = title["columns"].split(",")
     first_name = column_names[0].strip()
     n_values = len(column_names)
@@ -503,23 +533,22 @@ def _printed_table(
         n_values -= 1
         n_ids = _IDS[first_name]
     else:
-        n_ids = max(len(table_rows[0]) - n_values, 0) if table_rows else 0
+        n_ids = max(len(rows[0]) - n_values, 0) if rows else 0
+    for line_number, row in enumerate(rows, start=begin + 1):
+        if len(row) != n_ids + n_values:
+            raise reader.refusal(
+                f"{n_ids + n_values} numbers ({title['columns']}), found {len(row)}", line_number
+            )
     ids = []
     values = []
-    for line_number, words_of_row in enumerate(table_rows, start=first_line + 1):
-        if len(words_of_row) != n_ids + n_values:
-            raise file.refusal(
-                f"{n_ids + n_values} numbers ({title['columns']}), found {len(words_of_row)}",
-                line_number,
-            )
-    for line_number, words_of_row in enumerate(table_rows, start=first_line + 1):
-        noun = "the number of a node, element or face"
-        ids.append([file.integer(word, noun, line_number) for word in words_of_row[:n_ids]])
-        values.append([file.float(word, line=line_number) for word in words_of_row[n_ids:]])
+    noun = "the number of a node, element or face"
+    for line_number, row in enumerate(rows, start=begin + 1):
+        ids.append([reader.integer(text, noun, line_number) for text in row[:n_ids]])
+        values.append([reader.float(text, line=line_number) for text in row[n_ids:]])
     return DatTable(
-        title["what"],
+        title["quantity"],
         title["scope"].strip(),
-        file.float(title["time"], line=title_line),
-        np.array(ids, np.int64).reshape(len(table_rows), n_ids),
-        np.array(values, float).reshape(len(table_rows), n_values),
+        reader.float(title["time"], line=title_line),
+        np.array(ids, np.int64).reshape(len(rows), n_ids),
+        np.array(values, float).reshape(len(rows), n_values),
     )

@@ -49,8 +49,8 @@ class FieldPart:
     points
         (n_points, 3) [length]
     cells
-        (dimension, (n_cells, n_nodes)) blocks; dimension 0 of vertices, 1 of lines, 2 of faces,
-        3 of solids
+        blocks (dimension, (n_cells, n_nodes) numbers of points); dimension 0 of vertices, 1 of
+        lines, 2 of faces, 3 of solids
     point_fields
         name -> (n_points,) or (n_points, k)
     cell_fields
@@ -88,7 +88,7 @@ def read_frames(path: str | Path) -> list[FieldFrame]:
     """
     path = Path(path)
     if path.suffix.lower() != ".pvd":
-        return [FieldFrame(None, tuple(_parts([path])))]
+        return [FieldFrame(None, tuple(_parts_of_files([path])))]
     entries = _entries(path)
     if not entries:
         raise InputError(f"{path}: the collection is empty")
@@ -100,7 +100,7 @@ def read_frames(path: str | Path) -> list[FieldFrame]:
             )
         if not np.isfinite(time):
             raise InputError(f"{path}: {file.name} has no time in it (timestep)")
-    parts = _parts([file for _, file in entries])
+    parts = _parts_of_files([file for _, file in entries])
     frames: dict[float, list[FieldPart]] = {}
     for (time, _), part in zip(entries, parts, strict=True):
         frames.setdefault(time, []).append(part)
@@ -149,8 +149,8 @@ def _broken(path: Path, reason: str) -> InputError:
     )
 
 
-def _parts(paths: Sequence[Path]) -> list[FieldPart]:
-    """The mesh and the fields of each of some VTK files, in their order. InputError for a suffix
+def _parts_of_files(paths: Sequence[Path]) -> list[FieldPart]:
+    """The mesh and the fields of each of these VTK files, in their order. InputError for a suffix
     that no reader takes, and for a file that is too large.
     """
     for path in paths:
@@ -160,12 +160,12 @@ def _parts(paths: Sequence[Path]) -> list[FieldPart]:
                 f" {', '.join(_SUFFIXES)}"
             )
         _check_size(path)
-    with np.load(io.BytesIO(_read_apart(paths)), allow_pickle=False) as content:
+    with np.load(io.BytesIO(_read_in_process(paths)), allow_pickle=False) as content:
         arrays = {name: content[name] for name in content.files}
-    return [_part(path, f"{number}.", arrays) for number, path in enumerate(paths)]
+    return [_part_of_file(path, f"{number}.", arrays) for number, path in enumerate(paths)]
 
 
-def _read_apart(paths: Sequence[Path]) -> bytes:
+def _read_in_process(paths: Sequence[Path]) -> bytes:
     """Read VTK files in a process of its own, which may crash, need too much memory or take too
     long without harm to this one. Returns the arrays of all files as bytes of an NPZ archive.
     InputError, naming the file, where that fails.
@@ -183,13 +183,14 @@ def _read_apart(paths: Sequence[Path]) -> bytes:
             check=False,
         )
     except subprocess.TimeoutExpired as expiry:
+        path, _ = _file_and_reason(paths, expiry.stderr or b"")
         raise InputError(
-            f"{_last(paths, expiry.stderr or b'')[0]}: reading takes longer than {SECONDS:g} s,"
+            f"{path}: reading takes longer than {SECONDS:g} s,"
             " which is the limit; write the contact surface alone, and fewer instants"
         ) from expiry
     if process.returncode == 0:
         return process.stdout
-    path, reason = _last(paths, process.stderr)
+    path, reason = _file_and_reason(paths, process.stderr)
     if any(phrase in process.stderr.decode(errors="replace") for phrase in _OUT_OF_MEMORY):
         raise InputError(
             f"{path}: unpacked it takes more than {in_words(UNPACKED)} of memory, which is the"
@@ -198,7 +199,7 @@ def _read_apart(paths: Sequence[Path]) -> bytes:
     raise _broken(path, reason or f"VTK's reader ended with code {process.returncode}")
 
 
-def _last(paths: Sequence[Path], output: bytes) -> tuple[Path, str]:
+def _file_and_reason(paths: Sequence[Path], output: bytes) -> tuple[Path, str]:
     """The file that `vtk_files` was reading when it ended, and its reason if it gave one."""
     lines = [
         line
@@ -209,63 +210,65 @@ def _last(paths: Sequence[Path], output: bytes) -> tuple[Path, str]:
     return paths[int(last_line["file"])], str(last_line.get("reason", ""))
 
 
-def _part(path: Path, prefix: str, arrays: dict[str, NDArray[Any]]) -> FieldPart:
+def _part_of_file(path: Path, prefix: str, arrays: dict[str, NDArray[Any]]) -> FieldPart:
     """Mesh and fields of one file, from the arrays that the reader of VTK files has written.
 
     Parameters
     ----------
+    path
+        the file
     prefix
         what the names of this file's arrays begin with, such as "0."
     arrays
         name -> array: points, blocks of cells, values at points and values of cells
     """
     dimensions = arrays[f"{prefix}dimensions"].tolist()
-    blocks = range(len(dimensions))
-    point_names = arrays[f"{prefix}point names"].tolist()
-    cell_names = arrays[f"{prefix}cell names"].tolist()
-    return FieldPart(
-        path.name,
-        arrays[f"{prefix}points"],
-        tuple(
-            (dimension, arrays[f"{prefix}cells.{block_number}"])
-            for block_number, dimension in enumerate(dimensions)
-        ),
-        {
-            name: arrays[f"{prefix}point.{field_number}"]
-            for field_number, name in enumerate(point_names)
-        },
-        {
-            name: tuple(
-                arrays[f"{prefix}cell.{field_number}.{block_number}"] for block_number in blocks
-            )
-            for field_number, name in enumerate(cell_names)
-        },
+    names_of_point_fields = arrays[f"{prefix}point names"].tolist()
+    names_of_cell_fields = arrays[f"{prefix}cell names"].tolist()
+    cells = tuple(
+        (dimension, arrays[f"{prefix}cells.{block_number}"])
+        for block_number, dimension in enumerate(dimensions)
     )
+    point_fields = {
+        name: arrays[f"{prefix}point.{field_number}"]
+        for field_number, name in enumerate(names_of_point_fields)
+    }
+    cell_fields = {}
+    for field_number, name in enumerate(names_of_cell_fields):
+        cell_fields[name] = tuple(
+            arrays[f"{prefix}cell.{field_number}.{block_number}"]
+            for block_number in range(len(dimensions))
+        )
+    return FieldPart(path.name, arrays[f"{prefix}points"], cells, point_fields, cell_fields)
 
 
-def joined(parts: Sequence[FieldPart]) -> FieldPart:
-    """Some parts of an instant as one mesh, with the fields that all of them have.
+def joined_mesh(parts: Sequence[FieldPart]) -> FieldPart:
+    """Parts of one instant, such as the bodies, as one mesh with the fields that all of them have.
 
     Raises
     ------
     InputError
-        Where a field is a scalar in one part and a vector in another.
+        Where a field has other numbers of components in two parts.
     """
     if len(parts) == 1:
         return parts[0]
     common_point_fields = _names_in_all([part.point_fields for part in parts])
     common_cell_fields = _names_in_all([part.cell_fields for part in parts])
     for field in common_point_fields:
-        if len({part.point_fields[field].shape[1:] for part in parts}) > 1:
-            raise InputError(
-                f"{parts[0].name}: {field} has another number of components than in"
-                f" {parts[1].name}; write one form"
-            )
+        form_in_first_part = parts[0].point_fields[field].shape[1:]
+        for part in parts[1:]:
+            if part.point_fields[field].shape[1:] != form_in_first_part:
+                raise InputError(
+                    f"{parts[0].name}: {field} has another number of components than in"
+                    f" {part.name}; write one form"
+                )
     cells = []
-    points_before = 0
+    n_points_before = 0
     for part in parts:
-        cells += [(kind, rows + points_before) for kind, rows in part.cells]
-        points_before += len(part.points)
+        cells += [
+            (dimension, point_numbers + n_points_before) for dimension, point_numbers in part.cells
+        ]
+        n_points_before += len(part.points)
     point_fields = {
         field: np.concatenate([part.point_fields[field] for part in parts])
         for field in common_point_fields

@@ -14,9 +14,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from reports.scoring.field_files import FieldFrame, FieldPart, joined, read_frames
+from reports.scoring.field_files import FieldFrame, FieldPart, joined_mesh, read_frames
 from reports.scoring.mapping import Mapping, Quantity, converted, find_column, listed, stated_times
 from reports.scoring.surface import (
     SAME,
@@ -31,8 +31,8 @@ from scenes.array_types import Array
 from scenes.column_names import plain
 
 Integers = NDArray[np.int64]
-_Components = dict[Quantity, str]
-"""Quantity -> the field at points that it is, or "name:k" for a component of one."""
+_FieldNames = dict[Quantity, str]
+"""Quantity -> name of the field at points that holds it, or "name:k" for a component of one."""
 
 _VECTORS = ("contact_traction", "contacttractions", "traction", "tractions")
 _STRESSES = ("stress", "cauchy_stress", "cauchy_stress_tensor", "stress_tensor", "sigma", "S")
@@ -58,18 +58,21 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
     """
     frames = read_frames(path)
     _require_one_mesh(path, frames)
-    kind, components, source_in_words = _tractions(path, frames[0], mapping)
-    needed_names = [name for quantity, name in components.items() if quantity != "slip"]
-    part_numbers, mesh, notes_on_parts = _parts_with(path, frames[0], mapping, needed_names)
-    if "slip" in components and not _holds(mesh, components["slip"]):
+    kind, field_names, source_in_words = _find_tractions(path, frames[0], mapping)
+    names_of_tractions = [name for quantity, name in field_names.items() if quantity != "slip"]
+    part_numbers, mesh, notes_on_parts = _parts_with_fields(
+        path, frames[0], mapping, names_of_tractions
+    )
+    if "slip" in field_names and not _holds(mesh, field_names["slip"]):
         notes_on_parts.append(
-            f"{components['slip']} is not in all of the files that hold"
-            f" {' and '.join(needed_names)}, and was left out"
+            f"{field_names['slip']} is not in all of the files that hold"
+            f" {' and '.join(names_of_tractions)}, and was left out"
         )
-        del components["slip"]
-    rows, body, surface_notes = _surface(path, mesh, mapping)
+        del field_names["slip"]
+    surface_points, body, notes_on_surface = _surface_points(path, mesh, mapping)
+    # what a value of the file is multiplied by, for its unit and its sign
     factors = {
-        quantity: float(converted(mapping, quantity, np.ones(1))[0]) for quantity in components
+        quantity: float(converted(mapping, quantity, np.ones(1))[0]) for quantity in field_names
     }
     if kind != "fields":
         if mapping.columns.slip is not None:
@@ -83,39 +86,67 @@ def read_fields(path: Path, mapping: Mapping) -> SurfaceResult:
         source_in_words = source_in_words.format(loaded_body)
         is_turned = kind == "vector" and loaded_body == "upper"
         factors |= _factors_of_vector(mapping, is_turned=is_turned)
-    values_of: dict[str, list[Array]] = {quantity: [] for quantity in components}
-    for k, frame in enumerate(frames, start=1):
+    fields: dict[str, ArrayLike | None] = {}
+    values = _values_on_surface(path, frames, part_numbers, field_names, surface_points)
+    for quantity, values_at_instants in values.items():
+        fields[quantity] = np.array([factors[quantity] * row for row in values_at_instants])
+    x = converted(mapping, "x", mesh.points[surface_points, 0])
+    times = _times_of(path, frames, mapping)
+    notes = [source_in_words, *notes_on_parts, *notes_on_surface]
+    return surface_result(str(path), mapping.code, x, fields, {"time": times}, notes)
+
+
+def _values_on_surface(
+    path: Path,
+    frames: Sequence[FieldFrame],
+    part_numbers: Sequence[int],
+    field_names: _FieldNames,
+    surface_points: Integers,
+) -> dict[Quantity, list[Array]]:
+    """Quantity -> its values at the n points of the contact surface, (n,) at each instant, as they
+    stand in the file.
+
+    InputError where an instant has not all the fields of the first one.
+
+    Parameters
+    ----------
+    path
+        the file, for messages
+    frames
+        the instants of the file
+    part_numbers
+        which of the files of an instant are read
+    field_names
+        names of the fields to read
+    surface_points
+        (n,) numbers of the points on the surface, in the mesh of those files
+    """
+    values: dict[Quantity, list[Array]] = {quantity: [] for quantity in field_names}
+    for instant_number, frame in enumerate(frames, start=1):
         try:
-            part = joined([frame.parts[number] for number in part_numbers])
-            surface_values = {
-                quantity: _component(part, name)[rows] for quantity, name in components.items()
-            }
+            mesh = joined_mesh([frame.parts[number] for number in part_numbers])
+            for quantity, name in field_names.items():
+                values[quantity].append(_component(mesh, name)[surface_points])
         except (KeyError, IndexError) as reason:
             raise InputError(
-                f"{path}: instant {k} has no field {reason}, which the first one has"
+                f"{path}: instant {instant_number} has no field {reason}, which the first one has"
             ) from reason
-        for quantity, values in surface_values.items():
-            values_of[quantity].append(factors[quantity] * values)
-    fields = {quantity: np.array(values) for quantity, values in values_of.items()}
-    x = converted(mapping, "x", mesh.points[rows, 0])
-    instants = _times_of(path, frames, mapping)
-    notes = [source_in_words, *notes_on_parts, *surface_notes]
-    return surface_result(str(path), mapping.code, x, dict(fields), {"time": instants}, notes)
+    return values
 
 
 def _require_one_mesh(path: Path, frames: Sequence[FieldFrame]) -> None:
     """InputError where the points of any instant (`frames`) of a field file are not those of the
     first instant.
     """
-    first_points = joined(frames[0].parts).points
+    first_points = joined_mesh(frames[0].parts).points
     tolerance = SAME * extent(first_points)
-    for k, frame in enumerate(frames[1:], start=2):
-        points = joined(frame.parts).points
+    for instant_number, frame in enumerate(frames[1:], start=2):
+        points = joined_mesh(frame.parts).points
         has_same_shape = points.shape == first_points.shape
         if not has_same_shape or np.max(np.abs(points - first_points)) > tolerance:
             raise InputError(
-                f"{path}: the points of instant {k} are not those of the first; give all instants"
-                " on one undeformed mesh"
+                f"{path}: the points of instant {instant_number} are not those of the first; give"
+                " all instants on one undeformed mesh"
             )
 
 
@@ -139,43 +170,49 @@ def _times_of(path: Path, frames: Sequence[FieldFrame], mapping: Mapping) -> Arr
     return None if None in times else converted(mapping, "time", np.array(times, float))
 
 
-def _tractions(path: Path, frame: FieldFrame, mapping: Mapping) -> tuple[str, _Components, str]:
-    """Find the tractions in the first instant (`frame`) of a field file. Three kinds are looked for
-    in this order: "fields" for pressure and shear, a traction "vector", a "stress" tensor.
+def _find_tractions(
+    path: Path, frame: FieldFrame, mapping: Mapping
+) -> tuple[str, _FieldNames, str]:
+    """Find out which fields of a field file hold the tractions, from its first instant (`frame`).
 
-    Returns the kind, the name of the field or component of each quantity (such as "S:3"), and a
-    sentence on it, in which {} stands for the body. InputError where the file holds none. `mapping`
-    states columns, units and signs of the file.
+    Three kinds are looked for in this order: "fields" for pressure and shear, a traction "vector",
+    a "stress" tensor. Returned are the kind, the names of the fields, and a sentence on them, in
+    which {} stands for the body. InputError where the file holds none. `mapping` states columns,
+    units and signs of the file.
     """
     fields = dict(ChainMap(*(part.point_fields for part in frame.parts)))
-    scalars = [name for name, values in fields.items() if values.ndim == 1]
-    arrays = {name: values for name, values in fields.items() if values.ndim == 2}
-    has_names = bool(mapping.columns.pressure or mapping.columns.shear)
-    if has_names or find_column(mapping, "pressure", scalars, str(path)) is not None:
-        names = list(scalars)
-        if has_names:
-            for name, values in arrays.items():
+    names_of_scalars = [name for name, values in fields.items() if values.ndim == 1]
+    # vectors and tensors, (n, components)
+    tensor_fields = {name: values for name, values in fields.items() if values.ndim == 2}
+    mapping_states_names = bool(mapping.columns.pressure or mapping.columns.shear)
+    if (
+        mapping_states_names
+        or find_column(mapping, "pressure", names_of_scalars, str(path)) is not None
+    ):
+        names = list(names_of_scalars)
+        if mapping_states_names:
+            for name, values in tensor_fields.items():
                 names += [f"{name}:{number}" for number in range(values.shape[1])]
-        return _named_tractions(path, names, mapping)
-    for name, values in arrays.items():
+        return _find_named_tractions(path, names, mapping)
+    for name, values in tensor_fields.items():
         if values.shape[1] >= 2 and plain(name) in map(plain, _VECTORS):
-            components: _Components = {"pressure": f"{name}:1", "shear": f"{name}:0"}
+            field_names: _FieldNames = {"pressure": f"{name}:1", "shear": f"{name}:0"}
             source_in_words = f"tractions are the field {name}, taken to act on the {{}} body"
-            return "vector", components, source_in_words
-    for name, values in arrays.items():
+            return "vector", field_names, source_in_words
+    for name, values in tensor_fields.items():
         if values.shape[1] >= 3 and plain(name) in map(plain, _STRESSES):
-            place_of_yy, place_of_xy, components_in_words = _order(path, name, values)
-            components = {"pressure": f"{name}:{place_of_yy}", "shear": f"{name}:{place_of_xy}"}
+            place_of_yy, place_of_xy, order_in_words = _places_of_yy_and_xy(path, name, values)
+            field_names = {"pressure": f"{name}:{place_of_yy}", "shear": f"{name}:{place_of_xy}"}
             source_in_words = (
                 "no contact tractions in the file: p = -sigma_yy and q = sigma_xy of the {} body's"
-                f" nodal {name} (components {components_in_words}), which is extrapolated to the"
+                f" nodal {name} (components {order_in_words}), which is extrapolated to the"
                 " surface and coarser than contact tractions"
             )
-            return "stress", components, source_in_words
-    cell_names = dict(ChainMap(*(part.cell_fields for part in frame.parts)))
+            return "stress", field_names, source_in_words
+    cell_fields = dict(ChainMap(*(part.cell_fields for part in frame.parts)))
     cell_hint = ""
-    if cell_names:
-        names_in_words = listed([*cell_names])
+    if cell_fields:
+        names_in_words = listed([*cell_fields])
         cell_hint = f" (values of cells, {names_in_words}, are not read: average them to points)"
     raise InputError(
         f"{path}: neither contact pressure, nor contact traction, nor stress at points among"
@@ -184,29 +221,34 @@ def _tractions(path: Path, frame: FieldFrame, mapping: Mapping) -> tuple[str, _C
     )
 
 
-def _named_tractions(
+def _find_named_tractions(
     path: Path, names: Sequence[str], mapping: Mapping
-) -> tuple[str, _Components, str]:
-    """Which of the fields `names` are pressure, shear and slip, by the mapping or by known names;
-    the kind "fields" and a sentence on it. Only the pressure must be there.
+) -> tuple[str, _FieldNames, str]:
+    """Which of the fields of these `names` are pressure, shear and slip: by the mapping, or by
+    names that are known for them. InputError where none is the pressure.
+
+    Returned are the kind, "fields", the names of the fields, and a sentence on them.
     """
     quantities: tuple[Quantity, ...] = ("pressure", "shear", "slip")
-    components: _Components = {}
+    field_names: _FieldNames = {}
     for quantity in quantities:
         is_needed = quantity == "pressure"
         name = find_column(mapping, quantity, names, str(path), needed=is_needed)
         if name is not None:
-            components[quantity] = name
-    source_in_words = f"tractions are the fields {components['pressure']}"
+            field_names[quantity] = name
+    source_in_words = f"tractions are the fields {field_names['pressure']}"
     source_in_words += (
-        f" and {components['shear']}" if "shear" in components else ", without a shear"
+        f" and {field_names['shear']}" if "shear" in field_names else ", without a shear"
     )
-    return "fields", components, source_in_words
+    return "fields", field_names, source_in_words
 
 
-def _order(path: Path, name: str, values: Array) -> tuple[int, int, str]:
-    """Places of sigma_yy and sigma_xy among the components of the stress field `name`, `values` (n,
-    components), and that order in words. InputError where so many components are not understood.
+def _places_of_yy_and_xy(path: Path, name: str, values: Array) -> tuple[int, int, str]:
+    """Places of sigma_yy and sigma_xy among the components of the stress field `name`, counted from
+    0, and the order of the components in words.
+
+    `values` (n, components) are those at the points. InputError where no order is known for so many
+    components.
     """
     n_components = values.shape[1]
     if n_components not in _YY_XY:
@@ -220,25 +262,29 @@ def _order(path: Path, name: str, values: Array) -> tuple[int, int, str]:
     return _YY_XY[n_components]
 
 
-def _parts_with(
-    path: Path, frame: FieldFrame, mapping: Mapping, names: list[str]
+def _parts_with_fields(
+    path: Path, frame: FieldFrame, mapping: Mapping, names_of_tractions: list[str]
 ) -> tuple[list[int], FieldPart, list[str]]:
-    """Of the files that make up one instant (`frame`), those that hold all fields `names` and the
-    field that marks the surface: their numbers, all of them joined as one mesh, and a note on each
-    file that is left out.
+    """Of the parts of one instant (`frame`), one for each file, those that hold all fields that are
+    to be read: their numbers, all of them joined as one mesh, and a note on each part left out.
 
-    InputError where no file holds all. `mapping` states columns, units and signs of the file.
+    To be read are the fields `names_of_tractions`, the slip that `mapping` names, and the field by
+    which it marks the contact surface, where any part has that. InputError where no part holds all.
     """
+    needed_names = list(names_of_tractions)
     if isinstance(mapping.columns.slip, str):
-        names = [*names, mapping.columns.slip]
-    marker = str(mapping.surface or "").partition("=")[0]
-    has_marker = [marker in part.point_fields or marker in part.cell_fields for part in frame.parts]
+        needed_names.append(mapping.columns.slip)
+    marking_field = str(mapping.surface or "").partition("=")[0]
+    has_marking_field = [
+        marking_field in part.point_fields or marking_field in part.cell_fields
+        for part in frame.parts
+    ]
     part_numbers = []
     faults_of_parts = []
     for number, part in enumerate(frame.parts):
-        missing_names = [name for name in names if not _holds(part, name)]
-        if any(has_marker) and not has_marker[number]:
-            missing_names.append(marker)
+        missing_names = [name for name in needed_names if not _holds(part, name)]
+        if any(has_marking_field) and not has_marking_field[number]:
+            missing_names.append(marking_field)
         if missing_names:
             faults_of_parts.append(f"{part.name} has no {listed(missing_names)}")
         else:
@@ -247,17 +293,19 @@ def _parts_with(
         raise InputError(
             f"{path}: no file of it has all that is to be read: {'; '.join(faults_of_parts)}"
         )
-    mesh = joined([frame.parts[number] for number in part_numbers])
+    mesh = joined_mesh([frame.parts[number] for number in part_numbers])
     return part_numbers, mesh, [f"{fault}: left out" for fault in faults_of_parts]
 
 
 def _holds(part: FieldPart, name: str) -> bool:
-    """Whether it has the field that `name` is, or is a component of."""
+    """Whether a part has the field `name` at points, or the field of a component "field:k"."""
     return name in part.point_fields or name.rpartition(":")[0] in part.point_fields
 
 
 def _component(part: FieldPart, name: str) -> Array:
-    """(n,) of all points; KeyError where there is no such field."""
+    """Values (n,) at all points of the field `name`, or of a component, "field:k"; KeyError where
+    there is no such field.
+    """
     if name in part.point_fields:
         return part.point_fields[name]
     field, _, k = name.rpartition(":")
@@ -267,32 +315,35 @@ def _component(part: FieldPart, name: str) -> Array:
 
 
 # --------------------------------------------------------------------------- where the surface lies
-def _surface(path: Path, mesh: FieldPart, mapping: Mapping) -> tuple[Integers, str, list[str]]:
-    """Rows of the mesh points on the contact surface, ascending in x; whose face they are ("lower"
-    or "upper"); and notes on how they were found.
+def _surface_points(
+    path: Path, mesh: FieldPart, mapping: Mapping
+) -> tuple[Integers, str, list[str]]:
+    """Numbers of the mesh points on the contact surface, ascending in x; the body whose face this
+    is, "lower" or "upper"; and notes on how they were found.
 
-    They are what the mapping marks, else all of a mesh without cells of a body, else the face at y
-    = y_offset.
+    They are the points that the mapping marks, else all points of a mesh without cells of a body,
+    else those of a body's face at y = y_offset.
     """
     height = mesh.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0)
     bulk_cells = _bulk_cells(mesh)
     tolerance = SAME * extent(mesh.points)
     is_on_face = np.abs(height) <= tolerance
-    is_above = material_above(mesh.points, bulk_cells)
-    rows_of_face = {
-        "lower": np.flatnonzero(is_on_face & (is_above < 0)),
-        "upper": np.flatnonzero(is_on_face & (is_above > 0)),
+    # of the cells at a point: negative at the face of the lower body, NaN without cells
+    material_height = material_above(mesh.points, bulk_cells)
+    points_of_face = {
+        "lower": np.flatnonzero(is_on_face & (material_height < 0)),
+        "upper": np.flatnonzero(is_on_face & (material_height > 0)),
     }
-    bodies = [body for body, rows in rows_of_face.items() if len(rows)]
+    bodies_with_face = [body for body, points in points_of_face.items() if len(points)]
     if mapping.surface is not None:
-        surface_rows = _marked_rows(path, mesh, mapping.surface)
+        surface_points = _marked_points(path, mesh, mapping.surface)
         notes = [f"the surface is what {mapping.surface} marks"]
     elif np.ptp(height) <= tolerance or not bulk_cells:
-        surface_rows = np.arange(len(height))
+        surface_points = np.arange(len(height))
         notes = [f"{mesh.name} is taken for the surface alone, since it has no cells of a body"]
-    elif bodies:
-        body = bodies[0]
-        surface_rows = rows_of_face[body]
+    elif bodies_with_face:
+        body = bodies_with_face[0]
+        surface_points = points_of_face[body]
         notes = [f"the surface is the {body} body's face, found at y = {mapping.y_offset:g}"]
     else:
         raise InputError(
@@ -300,51 +351,53 @@ def _surface(path: Path, mesh: FieldPart, mapping: Mapping) -> tuple[Integers, s
             f" {mesh.points[:, 1].min():.6g} to {mesh.points[:, 1].max():.6g}); say where it lies"
             " by y_offset, or what marks it by surface of a mapping"
         )
-    if np.any(is_above[surface_rows] < 0) and np.any(is_above[surface_rows] > 0):
-        surface_rows = surface_rows[is_above[surface_rows] < 0]
+    height_at_surface = material_height[surface_points]
+    if np.any(height_at_surface < 0) and np.any(height_at_surface > 0):
+        surface_points = surface_points[height_at_surface < 0]
         notes.append("the surface has points of both bodies: those of the lower one were taken")
-    rows, _, plane_notes = one_plane(mesh.points, surface_rows)
-    body = "upper" if np.any(is_above[rows] > 0) else "lower"
-    return rows, body, [*notes, *plane_notes]
+    points_in_plane, _, plane_notes = one_plane(mesh.points, surface_points)
+    body = "upper" if np.any(material_height[points_in_plane] > 0) else "lower"
+    return points_in_plane, body, [*notes, *plane_notes]
 
 
-def _marked_rows(path: Path, mesh: FieldPart, surface: str) -> Integers:
+def _marked_points(path: Path, mesh: FieldPart, surface: str) -> Integers:
     """Numbers of the mesh points that a field of the file marks as the contact surface; a field of
     cells marks all points of its cells. InputError where it marks none.
 
     `surface` is NAME, for where the field is not 0, or NAME=VALUE. In a set that meshio wrote into
     a VTU unmarked points have -1: where -1 occurs, it stands in place of 0.
     """
-    name, equal_sign, value = surface.partition("=")
-    fault = f"{path}: surface = {surface!r}"
-    fields: Fields[str, tuple[Array, ...]] = {
+    name, equal_sign, value_in_words = surface.partition("=")
+    message_start = f"{path}: surface = {surface!r}"
+    # of the points: one block; of the cells: one for each kind
+    blocks_by_field: Fields[str, tuple[Array, ...]] = {
         field_name: (values,) for field_name, values in mesh.point_fields.items()
     }
     points_of_blocks: list[Integers] = [np.arange(len(mesh.points))]
-    if name not in fields:
-        fields = mesh.cell_fields
+    if name not in blocks_by_field:
+        blocks_by_field = mesh.cell_fields
         points_of_blocks = [cells for _, cells in mesh.cells]
-    if name not in fields:
+    if name not in blocks_by_field:
         raise InputError(
-            f"{fault} of the mapping names no field of it"
+            f"{message_start} of the mapping names no field of it"
             f" ({listed([*mesh.point_fields, *mesh.cell_fields]) or 'none'}); NAME or NAME=VALUE"
         )
-    blocks = fields[name]
+    blocks = blocks_by_field[name]
     if any(block.ndim != 1 for block in blocks):
-        raise InputError(f"{fault}: {name} is a vector and can't mark a surface")
+        raise InputError(f"{message_start}: {name} is a vector and can't mark a surface")
     try:
-        marking_value = float(value) if equal_sign else None
+        marking_value = float(value_in_words) if equal_sign else None
     except ValueError as reason:
-        raise InputError(f"{fault}: {value!r} is no number") from reason
+        raise InputError(f"{message_start}: {value_in_words!r} is no number") from reason
     value_outside = -1.0 if any(np.any(block == -1) for block in blocks) else 0.0
     marked_points = []
     for points_of_block, block in zip(points_of_blocks, blocks, strict=True):
         is_marked = block != value_outside if marking_value is None else block == marking_value
         marked_points.append(points_of_block[is_marked].ravel())
-    rows = np.unique(np.concatenate(marked_points))
-    if not len(rows):
-        raise InputError(f"{fault} marks nothing in it")
-    return rows
+    point_numbers = np.unique(np.concatenate(marked_points))
+    if not len(point_numbers):
+        raise InputError(f"{message_start} marks nothing in it")
+    return point_numbers
 
 
 def _bulk_cells(mesh: FieldPart) -> list[Integers]:
