@@ -32,7 +32,7 @@ from reports.field_output.files import write_fields
 from reports.report import Report
 from reports.scoring.against import score_file, score_surface
 from reports.scoring.diagnosis import diagnose
-from reports.scoring.history import matched
+from reports.scoring.history import history_of_result
 from reports.scoring.loops import MeasuredLoop, score_loop
 from reports.scoring.mapping import Mapping
 from reports.scoring.mesh_folder import score_folder
@@ -124,7 +124,7 @@ def _on_path(name: str, time: np.ndarray, noise: float = 0.0) -> np.ndarray:
     normal, tangential = normal * (1 + draw[0]), tangential + np.max(normal) * draw[1]
     empty = np.zeros((len(time), 3))
     loads = {"normal_load": normal, "tangential_load": tangential}
-    return matched(
+    return history_of_result(
         SurfaceResult("loads.csv", "", np.linspace(-1.0, 1.0, 3), empty, empty, **loads), scene
     ).time
 

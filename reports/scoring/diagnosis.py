@@ -103,7 +103,7 @@ def _finding_beyond_coulomb_limit(discrepancy: Discrepancy) -> Iterator[Diagnosi
     if not discrepancy.has_shear or all(check.holds for check in checks if check.name == "cone"):
         return
     judgement = Judgement(discrepancy, Search(discrepancy, Predictions(discrepancy)))
-    fit = judgement.of_cone()
+    fit = judgement.fit_of_shear_factor()
     if fit is not None:
         yield from _findings_of_fit(judgement, Verdict(fit), has_trace=False)
 

@@ -42,11 +42,21 @@ _BACK = 3000.0
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """Times of the scene's path, (n_steps,), with P and Q there, sentences on how they were found,
-    and what was guessed.
+    """Where the instants of a result lie on the scene's load path.
 
-    `either_sign`: the shear itself told the instants, and turned round it would have told others,
-    as well.
+    Attributes
+    ----------
+    time
+        (n_steps,) times on the path
+    normal_load, tangential_load
+        (n_steps,) P and Q of the path there [force / thickness]
+    notes
+        sentences on how the times were found
+    guess
+        a sentence where the times of the file were not used; else empty
+    has_either_sign
+        whether the times follow from the shear, and with its sign changed it would lie on the path
+        as well
     """
 
     time: Array
@@ -54,7 +64,7 @@ class History:
     tangential_load: Array
     notes: tuple[str, ...]
     guess: str = ""
-    either_sign: bool = False
+    has_either_sign: bool = False
 
 
 def resultants(surface: SurfaceResult) -> Loads:
@@ -73,7 +83,9 @@ def without_tangential_load(scene: Scene) -> bool:
     return float(np.max(np.abs(tangential_load))) <= _SAME * float(np.max(normal_load))
 
 
-def matched(surface: SurfaceResult, scene: Scene, *, sure_of_times: bool = True) -> History:
+def history_of_result(
+    surface: SurfaceResult, scene: Scene, *, sure_of_times: bool = True
+) -> History:
     """Find the instants of an external result (`surface`) on the load path of a scene: by its
     times, else by the loads that it states, else by the integrals of its tractions.
 
@@ -88,12 +100,12 @@ def matched(surface: SurfaceResult, scene: Scene, *, sure_of_times: bool = True)
     """
     if surface.time is not None:
         try:
-            return _by_time(surface, surface.time, scene, sure=sure_of_times)
+            return _history_by_time(surface, surface.time, scene, sure_of_times=sure_of_times)
         except InputError as fault:
             if sure_of_times:
                 raise
             try:
-                history = matched(replace(surface, time=None), scene)
+                history = history_of_result(replace(surface, time=None), scene)
             except InputError:
                 raise fault from None
             reason = str(fault).removeprefix(f"{surface.source}: ").split(";", maxsplit=1)[0]
@@ -103,14 +115,16 @@ def matched(surface: SurfaceResult, scene: Scene, *, sure_of_times: bool = True)
             return replace(history, guess=guess)
     if surface.normal_load is not None and surface.tangential_load is not None:
         loads = (surface.normal_load, surface.tangential_load)
-        return _by_loads(surface, scene, loads, _STATED, "the loads that it states")
-    return _by_resultants(surface, scene)
+        return _history_by_loads(surface, scene, loads, _STATED, "the loads that it states")
+    return _history_by_resultants(surface, scene)
 
 
-def _by_resultants(surface: SurfaceResult, scene: Scene) -> History:
+def _history_by_resultants(surface: SurfaceResult, scene: Scene) -> History:
     """Find the instants of an external result (`surface`) on the load path by its resultants, the
     integrals of its tractions over x. The error of the trapezoidal rule, found from theory at these
     instants, is subtracted, and they are found again.
+
+    InputError where the resultants do not follow the path with either sign of the shear.
     """
     source_in_words = "the integrals of its pressure and shear over x"
     if not surface.sheared and not without_tangential_load(scene):
@@ -126,33 +140,24 @@ def _by_resultants(surface: SurfaceResult, scene: Scene) -> History:
     if surface.normal_load is not None:
         normal_force = surface.normal_load
 
-    def history_with_shear(shear_sign: float, words: str) -> History | None:
-        """The history of the result's instants on the load path, found from its integrated loads,
-        with the shear multiplied by `shear_sign` (1 or -1).
-
-        None where these loads do not follow the path of the scene. `words` says where the loads
-        come from.
+    def history_with_sign(sign: float, origin_in_words: str) -> History | None:
+        """The history found with the shear multiplied by `sign`, 1 or -1; None where the loads do
+        not follow the path then. `origin_in_words` says where the loads come from.
         """
+        loads = (normal_force, sign * tangential_force)
         try:
-            return _by_loads(
-                surface,
-                scene,
-                (normal_force, shear_sign * tangential_force),
-                _INTEGRATED,
-                words,
-            )
+            return _history_by_loads(surface, scene, loads, _INTEGRATED, origin_in_words)
         except InputError:
             return None
 
     shear_sign = 1.0
+    loads = (normal_force, tangential_force)
     try:
-        history = _by_loads(
-            surface, scene, (normal_force, tangential_force), _INTEGRATED, source_in_words
-        )
+        history = _history_by_loads(surface, scene, loads, _INTEGRATED, source_in_words)
     except InputError:
         # Shear on the other body: matched all the same, scored as it is, and named by the oddities.
         shear_sign = -1.0
-        turned_history = history_with_shear(shear_sign, f"{source_in_words}, the latter turned")
+        turned_history = history_with_sign(shear_sign, f"{source_in_words}, the latter turned")
         if turned_history is None:
             raise
         history = turned_history
@@ -164,10 +169,10 @@ def _by_resultants(surface: SurfaceResult, scene: Scene) -> History:
             corrected_normal = normal_force - normal_error
         corrected_tangential = shear_sign * tangential_force - tangential_error
         loads = (corrected_normal, corrected_tangential)
-        history = _by_loads(surface, scene, loads, _INTEGRATED, corrected_in_words)
+        history = _history_by_loads(surface, scene, loads, _INTEGRATED, corrected_in_words)
     has_shear = float(np.max(np.abs(tangential_force))) > _INTEGRATED * float(np.max(normal_force))
-    either_sign = has_shear and history_with_shear(-shear_sign, source_in_words) is not None
-    return replace(history, either_sign=either_sign)
+    has_either_sign = has_shear and history_with_sign(-shear_sign, source_in_words) is not None
+    return replace(history, has_either_sign=has_either_sign)
 
 
 def _errors_of_rule(surface: SurfaceResult, scene: Scene, history: History) -> tuple[Array, Array]:
@@ -184,12 +189,14 @@ def _errors_of_rule(surface: SurfaceResult, scene: Scene, history: History) -> t
     return normal_force - history.normal_load, tangential_force - history.tangential_load
 
 
-def _by_time(surface: SurfaceResult, stated_time: Array, scene: Scene, *, sure: bool) -> History:
-    """Loads and places on the scene's path of a result's instants, by the times that its file
+def _history_by_time(
+    surface: SurfaceResult, stated_time: Array, scene: Scene, *, sure_of_times: bool
+) -> History:
+    """Where the instants of a result lie on the scene's load path, by the times that its file
     states.
 
-    InputError where these times are not on the path, or where loads and sums of pressure there are
-    not the scene's; `sure` sets how closely the sums must agree.
+    InputError where these times are not on the path, or where loads and integrals of the pressure
+    there are not the scene's.
 
     Parameters
     ----------
@@ -197,9 +204,11 @@ def _by_time(surface: SurfaceResult, stated_time: Array, scene: Scene, *, sure: 
         the external result
     stated_time
         (n_steps,) times in the file
-    sure
-        whether they are known to be the scene's; else the integrals of the pressure may differ more
-        from P
+    scene
+        the scene that it is a result of
+    sure_of_times
+        whether the times are known to be the scene's; the integrals of the pressure may then differ
+        more from P
     """
     path = scene.load.path()
     if path.period is None:
@@ -234,7 +243,7 @@ def _by_time(surface: SurfaceResult, stated_time: Array, scene: Scene, *, sure: 
             "the integral of the pressure",
             integral,
             normal_load,
-            _INTEGRATED_AT_TIMES if sure else _UNSURE,
+            _INTEGRATED_AT_TIMES if sure_of_times else _UNSURE,
         ),
     ):
         if result_values is None:
@@ -292,7 +301,7 @@ def _constant_ratio(result_values: Array, scene_values: Array, largest_load: flo
 
 
 # --------------------------------------------------------------------------- by the loads, in order
-def _by_loads(
+def _history_by_loads(
     surface: SurfaceResult, scene: Scene, loads: Loads, limit: float, source_in_words: str
 ) -> History:
     """Find the instants of an external result (`surface`) by their loads P and Q, in order along
@@ -423,8 +432,8 @@ def _times_in_order(
     """
     normal_load, tangential_load = path.at(times)
     squared_distances = [
-        _squares(normal_load - row_p, tangential_load - row_q) / largest_load**2
-        for row_p, row_q in zip(*loads, strict=True)
+        _squared_distances(normal_load - instant_p, tangential_load - instant_q) / largest_load**2
+        for instant_p, instant_q in zip(*loads, strict=True)
     ]
     least_squares = [float(squares_of_instant.min()) for squares_of_instant in squared_distances]
     largest_misfit = max(least_squares) + _SAME**2
@@ -432,7 +441,7 @@ def _times_in_order(
     mean_step = duration / len(squared_distances)
     step_back = (path.period or duration) / _BACK
     # of each instant
-    places = [_nearest(squares_of_instant) for squares_of_instant in squared_distances]
+    places = [_nearest_samples(squares_of_instant) for squares_of_instant in squared_distances]
     cost = _AHEAD * (times[places[0]] - times[0]) / duration
     predecessors: list[Places] = []  # of each place of an instant, the best of the one before
     for number_of_instant, places_of_instant in enumerate(places):
@@ -462,11 +471,11 @@ def _times_in_order(
     )
 
 
-def _nearest(squares: Array) -> Places:
+def _nearest_samples(squares: Array) -> Places:
     """Indices of the samples of a load path at which the squared distance from an instant's loads
     (`squares`, (n,)) is least among its neighbours; of these at most the 64 nearest.
 
-    >>> _nearest(np.array([4.0, 1.0, 1.0, 4.0, 1.5])).tolist()
+    >>> _nearest_samples(np.array([4.0, 1.0, 1.0, 4.0, 1.5])).tolist()
     [1, 4]
     """
     square_before = np.append(np.inf, squares[:-1])
@@ -476,7 +485,7 @@ def _nearest(squares: Array) -> Places:
     return np.sort(minima[nearest_first[:_PLACES]])
 
 
-def _chords(p_difference: Array, q_difference: Array) -> tuple[Array, Array]:
+def _nearest_on_chords(p_difference: Array, q_difference: Array) -> tuple[Array, Array]:
     """The point nearest to the origin on each chord between neighbouring samples of a path.
 
     Parameters
@@ -487,31 +496,37 @@ def _chords(p_difference: Array, q_difference: Array) -> tuple[Array, Array]:
     Returns
     -------
     share, square
-        (..., n - 1) place of the point as a share of the chord, and its squared distance
+        (..., n - 1) share of the chord up to the point, and squared distance of the point
+
+    Examples
+    --------
+    >>> share, square = _nearest_on_chords(np.array([-1.0, 3.0]), np.array([2.0, 2.0]))
+    >>> share.tolist(), square.tolist()
+    ([0.25], [4.0])
     """
-    start_x = p_difference[..., :-1]
-    start_y = q_difference[..., :-1]
-    chord_x = np.diff(p_difference)
-    chord_y = np.diff(q_difference)
-    square_of_length = chord_x**2 + chord_y**2
+    start_p = p_difference[..., :-1]
+    start_q = q_difference[..., :-1]
+    chord_p = np.diff(p_difference)
+    chord_q = np.diff(q_difference)
+    square_of_length = chord_p**2 + chord_q**2
     divisor = np.where(square_of_length > 0, square_of_length, 1.0)
-    share_at_foot = np.clip(-(start_x * chord_x + start_y * chord_y) / divisor, 0.0, 1.0)
-    foot_x = start_x + share_at_foot * chord_x
-    foot_y = start_y + share_at_foot * chord_y
-    return share_at_foot, foot_x**2 + foot_y**2
+    share = np.clip(-(start_p * chord_p + start_q * chord_q) / divisor, 0.0, 1.0)
+    nearest_p = start_p + share * chord_p
+    nearest_q = start_q + share * chord_q
+    return share, nearest_p**2 + nearest_q**2
 
 
-def _squares(p_difference: Array, q_difference: Array) -> Array:
+def _squared_distances(p_difference: Array, q_difference: Array) -> Array:
     """Squared distance of the origin from the path at each of its samples (n,): from the nearer of
     the chords that meet there.
 
     From the samples themselves it would be their luck on which of two branches, to and fro on one
     line, an instant lies.
     """
-    _, of_chord = _chords(p_difference, q_difference)
-    of_chord_before = np.insert(of_chord, 0, of_chord[0])
-    of_chord_after = np.append(of_chord, of_chord[-1])
-    return np.minimum(of_chord_after, of_chord_before)
+    _, squares = _nearest_on_chords(p_difference, q_difference)
+    square_of_chord_before = np.insert(squares, 0, squares[0])
+    square_of_chord_after = np.append(squares, squares[-1])
+    return np.minimum(square_of_chord_after, square_of_chord_before)
 
 
 def _refined_times(times: Array, chosen_places: Places, path: LoadPath, loads: Loads) -> Array:
@@ -529,7 +544,7 @@ def _refined_times(times: Array, chosen_places: Places, path: LoadPath, loads: L
         step = (time_above - time_below) / 20
         fine_times = time_below[:, None] + step[:, None] * np.arange(21)
         normal_load, tangential_load = path.at(fine_times)
-        share, square = _chords(
+        share, square = _nearest_on_chords(
             normal_load - loads[0][:, None], tangential_load - loads[1][:, None]
         )
         nearest_place = np.argmin(square, axis=1)
@@ -540,8 +555,8 @@ def _refined_times(times: Array, chosen_places: Places, path: LoadPath, loads: L
 
 
 def _distance(path: LoadPath, time: Array, loads: Loads) -> Array:
-    """Distance of the loads from those of the path at these times, (n_steps,) [force /
-    thickness].
+    """Distances (n_steps,) in the plane of P and Q of the loads from those of the path at these
+    times [force / thickness].
     """
     normal_load, tangential_load = path.at(time)
     return np.hypot(normal_load - loads[0], tangential_load - loads[1])

@@ -106,7 +106,7 @@ class Judgement:
     search
         the fits of causes to it
     reason_by_cause
-        key of a cause -> what in the rows excludes it, filled while causes are tried
+        key of a cause -> what in the result excludes it, in words; filled while causes are tried
     """
 
     discrepancy: Discrepancy
@@ -137,10 +137,10 @@ class Judgement:
         explanations_of_both: list[Fit] = []
         fits_of_pressure_alone: list[Fit] = []
         for pressure_fit in pressure_fits:
-            fits_of_both = self._with_shear(pressure_fit)
+            fits_of_both = self._fits_with_shear(pressure_fit)
             explanations_of_both += fits_of_both
             if not fits_of_both:
-                fits_of_pressure_alone += self._named_alone(pressure_fit)
+                fits_of_pressure_alone += self._explanations_of_pressure_alone(pressure_fit)
         if not explanations_of_both:
             explanations_of_both += self._explanations_with_small_body(fits_of_pressure_alone)
         explanations_of_both += self._joint_fits(pressure_fits, explanations_of_both)
@@ -155,29 +155,31 @@ class Judgement:
             fit
             for fit in candidates
             if fit.keys != best_fit.keys
-            and not self._told_apart(fit, best_fit)
+            and not self._is_apart(fit, best_fit)
             and fit.n_parameters <= best_fit.n_parameters
         )
         return Verdict(best_fit, rivals, is_shear_unexplained=not explanations_of_both)
 
     def _rank(self, fit: Fit, least_fit: Fit) -> tuple[bool, int, int, float]:
-        """For sorting: what does as well as the best first, of these the fewest causes, then the
-        fewest sizes.
+        """Key to sort fits by, the best first: fits that leave no more than `least_fit` but for
+        chance, of these the fewest causes, then the fewest sizes.
         """
-        told_apart = self._told_apart(fit, least_fit)
-        return told_apart, len(fit.causes), fit.n_parameters, fit.square(self.channels)
+        is_apart = self._is_apart(fit, least_fit)
+        return is_apart, len(fit.causes), fit.n_parameters, fit.square(self.channels)
 
-    def _named_alone(self, pressure_fit: Fit) -> list[Fit]:
-        """Causes of the pressure, with what they make of the shear, that are named though the shear
-        differs for a reason that is not found; none where they leave much of the pressure.
+    def _explanations_of_pressure_alone(self, pressure_fit: Fit) -> list[Fit]:
+        """The fit of the causes of the pressure, in a list, to be named though the shear differs
+        for a reason that is not found; empty where they leave much of the pressure. The fit is to
+        pressure and shear, at the sizes of `pressure_fit`.
         """
         if not pressure_fit.causes:
             return []
         fit = self.search.fit(pressure_fit.causes, self.channels, known_sizes=pressure_fit.sizes)
         if fit is None:  # with these causes the contact slides: the shear has no theory
             return [pressure_fit]
-        left = share_left(pressure_fit, self.no_cause, (PRESSURE,))
-        return [fit] if left <= _ALONE or self.is_right(pressure_fit, PRESSURE) else []
+        share_of_pressure_left = share_left(pressure_fit, self.no_cause, (PRESSURE,))
+        is_explained = share_of_pressure_left <= _ALONE or self.is_right(pressure_fit, PRESSURE)
+        return [fit] if is_explained else []
 
     def _explanations_with_small_body(self, pressure_fits: Sequence[Fit]) -> list[Fit]:
         """Explanations of pressure and shear by bodies that are too small. They are tried in place
@@ -192,7 +194,7 @@ class Judgement:
         causes = (SMALL_BODY, *_without_width_causes(fits_with_modulus[0]))
         explanations = []
         for fit_of_pressure in self._explanations([causes], self.no_cause, (PRESSURE,)):
-            explanations += self._with_shear(fit_of_pressure)
+            explanations += self._fits_with_shear(fit_of_pressure)
         return explanations
 
     def _joint_fits(self, pressure_fits: Sequence[Fit], explanations: Sequence[Fit]) -> list[Fit]:
@@ -246,22 +248,22 @@ class Judgement:
         if self.is_right(fit_without_cause, PRESSURE) and self.discrepancy.is_within(PRESSURE):
             return [fit_without_cause]
         causes_of_pressure = [cause for cause in CAUSES if cause.channel == PRESSURE]
-        quickly_predicted = [cause for cause in causes_of_pressure if cause not in _MODEL_FAULTS]
-        single_fits = self._explanations_of_pressure([(cause,) for cause in quickly_predicted])
+        quick_causes = [cause for cause in causes_of_pressure if cause not in _MODEL_FAULTS]
+        single_fits = self._explanations_of_pressure([(cause,) for cause in quick_causes])
         if self._needs_no_pair(single_fits):
-            return self._near_the_best(single_fits) or [fit_without_cause]
+            return self._fits_near_best(single_fits) or [fit_without_cause]
         fits_of_pairs = self._explanations_of_pressure(
-            self._pairs_worth_trying(single_fits, quickly_predicted)
+            self._pairs_worth_trying(single_fits, quick_causes)
         )
         # A single cause may be refused since few values show no more than chance. A pair must do
         # better than that cause even so.
-        best_single_fit = self._best_single_fit(quickly_predicted)
+        best_single_fit = self._best_single_fit(quick_causes)
         if best_single_fit is not None:
             fits_of_pairs = [
-                fit for fit in fits_of_pairs if self._better(fit, best_single_fit, (PRESSURE,))
+                fit for fit in fits_of_pairs if self._is_better(fit, best_single_fit, (PRESSURE,))
             ]
         fits_of_pairs = [fit for fit in fits_of_pairs if self._needs_both(fit)]
-        return self._near_the_best(fits_of_pairs or single_fits) or [fit_without_cause]
+        return self._fits_near_best(fits_of_pairs or single_fits) or [fit_without_cause]
 
     def _needs_no_pair(self, single_fits: Sequence[Fit]) -> bool:
         """Whether one cause of the pressure difference, or none, explains it so well that pairs of
@@ -305,7 +307,7 @@ class Judgement:
         helpful_causes = [cause for cause in quick_causes if self._helps(cause)]
         pairs = list(itertools.combinations(helpful_causes, 2))
         if helpful_causes:
-            best_cause = min(helpful_causes, key=self._left_alone)
+            best_cause = min(helpful_causes, key=self._share_left_by_cause)
             pairs += [(best_cause, cause) for cause in quick_causes if cause not in helpful_causes]
         for fit in single_fits:
             if not fit.causes[0].has_size:
@@ -318,9 +320,9 @@ class Judgement:
         """
         if cause.key == "coarse_edge":
             return self.search.fit((cause,), (PRESSURE,)) is not None
-        return self._left_alone(cause) < _NO_HELP
+        return self._share_left_by_cause(cause) < _NO_HELP
 
-    def _left_alone(self, cause: Cause) -> float:
+    def _share_left_by_cause(self, cause: Cause) -> float:
         """Share of the pressure's difference that a cause leaves alone."""
         fit = self.search.fit((cause,), (PRESSURE,))
         return np.inf if fit is None else share_left(fit, self.no_cause, (PRESSURE,))
@@ -342,7 +344,7 @@ class Judgement:
     def _needs_both(self, pair: Fit) -> bool:
         """Whether neither cause of a pair does as well alone."""
         fits_alone = [self.search.fit((cause,), (PRESSURE,)) for cause in pair.causes]
-        return all(fit is None or self._better(pair, fit, (PRESSURE,)) for fit in fits_alone)
+        return all(fit is None or self._is_better(pair, fit, (PRESSURE,)) for fit in fits_alone)
 
     def _choices_with_model_fault(self, fits: Sequence[Fit]) -> list[tuple[Cause, ...]]:
         """Combinations of causes to try next: a fault of the model in place of the cause of a wrong
@@ -364,9 +366,9 @@ class Judgement:
             return []
         return [(cause, *_without_width_causes(best_fit)) for cause in _MODEL_FAULTS]
 
-    def _near_the_best(self, fits: Sequence[Fit]) -> list[Fit]:
-        """Of fits with the best first, the few that the pressure does not tell apart from it."""
-        near_fits = [fit for fit in fits if not self._told_apart(fit, fits[0], (PRESSURE,))]
+    def _fits_near_best(self, fits: Sequence[Fit]) -> list[Fit]:
+        """Of fits with the best first, the few that leave as little of the pressure as that one."""
+        near_fits = [fit for fit in fits if not self._is_apart(fit, fits[0], (PRESSURE,))]
         return near_fits[:_MOST_OF_PRESSURE]
 
     def _explanations(
@@ -468,14 +470,12 @@ class Judgement:
         return True
 
     # --------------------------------------------------------------------------------- the shear
-    def of_cone(self) -> Fit | None:
-        """A factor of the shear that is within its tolerance and breaks |q| <= f p; None where it
-        leaves more than noise.
-        """
+    def fit_of_shear_factor(self) -> Fit | None:
+        """The fit of a wrong factor of the shear alone; None where it leaves more than noise."""
         fits = self._explanations_of_shear([(SHEAR_FACTOR,)], self.no_cause)
         return fits[0] if fits and self.is_right(fits[0], SHEAR) else None
 
-    def _with_shear(self, pressure_fit: Fit) -> list[Fit]:
+    def _fits_with_shear(self, pressure_fit: Fit) -> list[Fit]:
         """Fits of causes (known faults) to pressure and shear, the best first, that begin with a
         fit to the pressure alone; its causes keep the sizes fitted there.
 
@@ -504,7 +504,7 @@ class Judgement:
             fits_of_pairs = self._explanations_by_shear_causes(fit_before, 2)
             if explanations:
                 fits_of_pairs = [
-                    fit for fit in fits_of_pairs if self._better(fit, explanations[0], (SHEAR,))
+                    fit for fit in fits_of_pairs if self._is_better(fit, explanations[0], (SHEAR,))
                 ]
             explanations = fits_of_pairs or explanations
         return explanations
@@ -602,17 +602,23 @@ class Judgement:
         """Whether a fit leaves nothing of either traction but noise."""
         return all(self.is_right(fit, channel) for channel in self.channels)
 
-    def _better(self, fit: Fit, than: Fit, channels: Sequence[int] | None = None) -> bool:
-        """Whether more causes leave so much less that they are called for."""
+    def _is_better(self, fit: Fit, simple_fit: Fit, channels: Sequence[int] | None = None) -> bool:
+        """Whether `fit` leaves less of the difference than `simple_fit`; where it has more causes,
+        so much less that these are called for. All channels count where `channels` is None.
+        """
         channels_compared = self.channels if channels is None else channels
-        if len(fit.causes) <= len(than.causes):
-            return fit.square(channels_compared) < than.square(channels_compared)
-        gain = fit.square(channels_compared) <= _PAIR_GAIN * than.square(channels_compared)
-        is_significant = by_chance(fit, than, channels_compared) < CHANCE
-        return is_significant and (gain or not than.is_noise(channels_compared))
+        square = fit.square(channels_compared)
+        square_of_simple = simple_fit.square(channels_compared)
+        if len(fit.causes) <= len(simple_fit.causes):
+            return square < square_of_simple
+        is_large_gain = square <= _PAIR_GAIN * square_of_simple
+        is_significant = by_chance(fit, simple_fit, channels_compared) < CHANCE
+        return is_significant and (is_large_gain or not simple_fit.is_noise(channels_compared))
 
-    def _told_apart(self, fit: Fit, best_fit: Fit, channels: Sequence[int] | None = None) -> bool:
-        """Whether `fit` leaves so much more than `best_fit` that it is out."""
+    def _is_apart(self, fit: Fit, best_fit: Fit, channels: Sequence[int] | None = None) -> bool:
+        """Whether `fit` leaves so much more than `best_fit` that it is no rival of it. All channels
+        count where `channels` is None.
+        """
         channels_compared = self.channels if channels is None else channels
         return are_apart(
             fit.square(channels_compared),

@@ -196,7 +196,7 @@ def _closed_at_end(
 
 def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
     """Area W of a measured loop of load Q over displacement U, per cycle [energy per thickness]:
-    that of the fitted loop plus what the rows enclose beside it, with its errors.
+    that of the fitted loop plus the area between this loop and the rows, with its errors.
 
     A row that lies beside the loop by (dU, dQ) represents the loop from half-way to its neighbours:
     dW = integral of dQ dU - dU dQ, to first order in the distance. Scatter moves each row, and with
@@ -209,7 +209,7 @@ def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
     fit
         its parameters with their interval, and the distances of the rows from it
     cycles
-        how many the rows cover
+        number of cycles that the rows cover
     """
     place_on_loop = fit.distances.place
     order_on_loop = np.argsort(place_on_loop, kind="stable")
@@ -255,18 +255,24 @@ def _error_by_scatter(loop: MasingLoop, fit: MasingFit, area_per_sigma: Array) -
     """
     from scipy.stats import t as student
 
+    # (7,) by the parameters of the loop
     area_by_parameters = loop.area_by_parameters + area_per_sigma @ fit.distances.derivatives
-    # by the m residuals of the fit, (m,): `influence` (7, m) gives the parameters' change by each
-    area_by_residual = area_by_parameters @ fit.influence
-    area_by_residual[: len(area_per_sigma)] += area_per_sigma
-    # The scatter is at least what the digits of the rows leave: sigma is no smaller.
+    # (m,) by the residuals of the fit, of which those of the n rows come first: `influence` (7, m)
+    # is the change of the parameters by each residual
+    area_by_residuals = area_by_parameters @ fit.influence
+    area_by_residuals[: len(area_per_sigma)] += area_per_sigma
+    # `freedom`: degrees of freedom of the fit. The scatter is at least what the digits of the rows
+    # leave: sigma is no smaller.
     variance = max(float(fit.distances.value @ fit.distances.value) / fit.freedom, 1.0)
     # rows that deviate alike count as fewer rows
     widening = max(fit.misfit.widening, 1.0)
-    area_scatter = math.sqrt(variance * float(area_by_residual @ area_by_residual)) * widening
-    error_by_scatter = _CHOSEN_BY_ROWS * float(student.ppf(0.975, fit.freedom)) * area_scatter
+    sum_of_squares = float(area_by_residuals @ area_by_residuals)
+    sigma_of_area = math.sqrt(variance * sum_of_squares) * widening
+    student_factor = float(student.ppf(0.975, fit.freedom))
+    error_by_scatter = _CHOSEN_BY_ROWS * student_factor * sigma_of_area
     # W of a thin loop is no straight function of the rows: over the interval of f it changes more.
-    # A loop without an upper limit of f may be a line.
+    # `ends`: parameters at both ends of the interval. A loop without an upper limit of f may be a
+    # line.
     for parameters_at_end in fit.ends:
         area_at_end = 0.0
         if parameters_at_end is not None:

@@ -55,12 +55,12 @@ class Branches:
     Attributes
     ----------
     phase
-        (n,) cycles since a lowest Q, by the share of the branch that Q has passed; grows with
-        the rows but for noise
+        (n,) number of cycles since a lowest Q, with the share of the branch that Q has passed;
+        grows with the rows but for noise
     rising
         (n,) whether Q grows along the row's branch
     highest, lowest
-        turning points
+        turning points of Q
     load_noise
         sigma of Q, as far as neighbouring rows show it
     """
@@ -73,7 +73,7 @@ class Branches:
 
     @property
     def cycles(self) -> float:
-        """How many the rows cover."""
+        """Number of cycles that the rows cover, with a fraction."""
         return float(self.phase[-1] - self.phase[0])
 
 
@@ -91,11 +91,11 @@ def find_branches(
     shift: Array, load: Array, time: Array, resolution: float, source: str
 ) -> Branches:
     """Divide a measured loop into its branches: for each row whether it lies on the branch on which
-    Q rises, and how many cycles have passed there; with the turning points of Q.
+    Q rises, and the number of cycles up to it; with the turning points of Q.
 
-    A crossing is where Q passes the middle of its range. One turning point lies between each two.
-    A record of less than two cycles is repeated once, so that each turning point has a crossing on
-    both of its sides.
+    A crossing is where Q passes the middle of its range. One turning point lies between each two
+    crossings. Rows of less than two cycles are laid end to end twice, so that each turning point
+    has a crossing on both of its sides.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def find_branches(
     noise = max(row_noise(load), resolution / math.sqrt(12))
     range_of_load = _range(load, noise)
     _refuse_scatter(load, noise, range_of_load, source)
-    record = _record_with_three_crossings(shift, load, time, noise, range_of_load, source)
+    record = _record_of_two_cycles(shift, load, time, noise, range_of_load, source)
     crossing_times = _crossing_times(
         record.load, record.time, record.rows_before, record.rows_after, sum(range_of_load) / 2
     )
@@ -130,17 +130,24 @@ def find_branches(
         # The two turning points in the middle of a record that was repeated are known best: they
         # are taken again in the two periods before and after. The list now begins with the second
         # turning point of the record, which is of the other kind.
-        turn_times = np.concatenate([turn_times[1:3] + record.period * lap for lap in range(-2, 3)])
+        turn_times = np.concatenate(
+            [turn_times[1:3] + n_periods * record.period for n_periods in range(-2, 3)]
+        )
         first_turn_is_top = not first_turn_is_top
-    branch = np.asarray(np.searchsorted(turn_times, time, side="right") - 1)
-    begins_at_top = (branch % 2 == 0) == first_turn_is_top
+    branch_number = np.asarray(np.searchsorted(turn_times, time, side="right") - 1)
+    begins_at_top = (branch_number % 2 == 0) == first_turn_is_top
     load_at_begin = np.where(begins_at_top, highest_turn.load, lowest_turn.load)
-    share_of_branch = np.clip(
-        np.abs(load - load_at_begin) / (highest_turn.load - lowest_turn.load), 0.0, 1.0
+    change_since_begin = np.abs(load - load_at_begin)
+    share_of_branch = np.clip(change_since_begin / (highest_turn.load - lowest_turn.load), 0.0, 1.0)
+    # an even number at each lowest turning point; which of them is 0 does not matter
+    branches_since_bottom = branch_number + share_of_branch + (1 if first_turn_is_top else 0)
+    return Branches(
+        phase=branches_since_bottom / 2,
+        rising=~begins_at_top,
+        highest=highest_turn,
+        lowest=lowest_turn,
+        load_noise=noise,
     )
-    # an integer at each lowest turning point; which of them is 0 does not matter
-    branches_since_bottom = branch + share_of_branch + (1 if first_turn_is_top else 0)
-    return Branches(branches_since_bottom / 2, ~begins_at_top, highest_turn, lowest_turn, noise)
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,7 +190,7 @@ def _refuse_scatter(
         )
 
 
-def _record_with_three_crossings(
+def _record_of_two_cycles(
     shift: Array,
     load: Array,
     time: Array,
@@ -191,8 +198,9 @@ def _record_with_three_crossings(
     range_of_load: tuple[float, float],
     source: str,
 ) -> _Record:
-    """The rows as they are where they hold two cycles; else their first cycle, laid end to end
-    twice. InputError naming `source` where they hold less than one cycle.
+    """The rows as they are where they have three crossings of the middle of Q's range; else their
+    first cycle, laid end to end twice. InputError naming the file, `source`, where they cover less
+    than one cycle.
 
     Parameters
     ----------
@@ -233,23 +241,25 @@ def _mean_turning_point(
     record: _Record, crossing_times: Array, is_top: bool, noise: float
 ) -> tuple[TurningPoint, float]:
     """The highest (`is_top`) or the lowest turning point of Q, in the mean over all of them in the
-    record; and how much later it comes than the centre of the two crossings beside it.
+    record; and how much later it comes than the centre of the two crossings beside it [time].
 
     Parameters
     ----------
+    record
+        Q and time of the rows, with the crossings of the middle of Q's range
     crossing_times
         (k,) times at which Q passes the middle of its range
     noise
         sigma of Q
     """
     centres = (crossing_times[1:] + crossing_times[:-1]) / 2
-    # after a crossing at which Q rises comes a highest one
-    is_of_kind = record.rises_at_crossing[:-1] == is_top
+    # after a crossing at which Q rises comes a highest turning point
+    has_turning_point = record.rises_at_crossing[:-1] == is_top
     return _turning_point(
         record.load,
         record.time,
-        centres[is_of_kind],
-        np.diff(crossing_times)[is_of_kind],
+        centres[has_turning_point],
+        np.diff(crossing_times)[has_turning_point],
         is_top,
         noise,
         2 if record.is_repeated else 1,
@@ -420,21 +430,20 @@ def _closing_row(
     runs_of_rows = np.split(np.arange(len(load)), rows_before + 1)
     is_high_at_begin = not bool(rises_at_crossing[0])
     loads_of_first_run = load[runs_of_rows[0]]
-    # whether Q first moves away from the middle of its range
     if is_high_at_begin:
-        goes_outwards = np.max(loads_of_first_run) > load[0] + 4 * noise
+        leaves_middle_at_begin = np.max(loads_of_first_run) > load[0] + 4 * noise
     else:
-        goes_outwards = np.min(loads_of_first_run) < load[0] - 4 * noise
-    is_rising_at_begin = bool(goes_outwards) == is_high_at_begin
+        leaves_middle_at_begin = np.min(loads_of_first_run) < load[0] - 4 * noise
+    is_rising_at_begin = bool(leaves_middle_at_begin) == is_high_at_begin
     # The branch of the first row begins again at the first lowest Q behind a highest one, or the
     # other way round.
     index_of_turning_run = 1 if is_rising_at_begin == is_high_at_begin else 2
     if len(runs_of_rows) <= index_of_turning_run:
         return None
-    rows_of_run = runs_of_rows[index_of_turning_run]
-    loads_of_run = load[rows_of_run]
-    row_of_run = np.argmin(loads_of_run) if is_rising_at_begin else np.argmax(loads_of_run)
-    turning_row = int(rows_of_run[row_of_run])
+    turning_run = runs_of_rows[index_of_turning_run]
+    loads_of_run = load[turning_run]
+    place_in_run = np.argmin(loads_of_run) if is_rising_at_begin else np.argmax(loads_of_run)
+    turning_row = int(turning_run[place_in_run])
     # Behind the next turning point rows lie on the other branch, which is nearer than a step.
     loads_behind_turn = load[turning_row:]
     if is_rising_at_begin:
@@ -451,11 +460,11 @@ def _closing_row(
     distance_across_loop = shift_from_first - np.ptp(shift) / np.ptp(load) * load_from_first
     is_near_in_load = np.abs(load_from_first) <= 2 * largest_load_step + 4 * noise
     is_near_across_loop = np.abs(distance_across_loop) <= largest_shift_step + 5 * row_noise(shift)
-    is_near = is_near_in_load & is_near_across_loop
-    if not np.any(is_near):
+    is_near_first = is_near_in_load & is_near_across_loop
+    if not np.any(is_near_first):
         return None
     relative_distance = np.hypot(load_from_first / np.ptp(load), shift_from_first / np.ptp(shift))
-    return turning_row + int(np.argmin(np.where(is_near, relative_distance, math.inf)))
+    return turning_row + int(np.argmin(np.where(is_near_first, relative_distance, math.inf)))
 
 
 def _crossing_times(
@@ -501,12 +510,12 @@ def _turning_point(
     n_copies: int,
 ) -> tuple[TurningPoint, float]:
     """Highest (or lowest) Q with its standard error, in the mean over all cycles, and how long
-    after the centre between two crossings it is reached. The cycles are laid over each other in
-    time.
+    after the centre between two crossings it is reached [time]. The cycles are laid over each other
+    in time.
 
     A crossing is where Q passes the middle of its range. Two parabolas that meet at the turning
-    point describe a wave that is round there as well as one with a vertex. The window around it
-    grows as long as they describe the rows to within the noise.
+    point describe a wave that is round there as well as one with a vertex. They are fitted to the
+    rows in a window around it, which grows as long as they describe the rows to within the noise.
 
     Parameters
     ----------
@@ -519,62 +528,87 @@ def _turning_point(
     noise
         standard deviation of Q
     n_copies
-        how often the record repeats each turning point; copies add no information
+        how often each measured turning point is in the rows: 2 where one cycle was laid end to end
+        twice; copies do not make the error smaller
     """
     sign = 1.0 if is_top else -1.0
-    n_turns = len(centres)
+    height = sign * load  # Q, or -Q where the lowest Q is sought
     half_length = float(np.median(lengths)) / 2
-    first_row_at_ends = np.searchsorted(
-        time, np.concatenate([centres - half_length, centres + half_length])
-    )
-    rows_in_half_length = (
-        float(np.mean(first_row_at_ends[n_turns:] - first_row_at_ends[:n_turns])) / 2
-    )
-    nearest_centre = np.zeros(len(time), dtype=int)
-    if n_turns > 1:
-        centre_after = np.clip(np.searchsorted(centres, time), 1, max(n_turns - 1, 1))
-        time_since_last_centre = time - centres[centre_after - 1]
-        time_until_next_centre = centres[centre_after] - time
-        nearest_centre = np.where(
-            time_since_last_centre < time_until_next_centre, centre_after - 1, centre_after
-        )
-    time_from_centre = (time - centres[nearest_centre]) / half_length  # -1 and 1 at the crossings
-    # Q, or -Q where the lowest Q is sought
-    height_of_rows = sign * load
-    # Where the turning point is: the middle of the rows that are nearly as high as any.
-    is_between_crossings = np.abs(time_from_centre) < 1
-    largest_height = np.max(height_of_rows[is_between_crossings])
-    is_near_top = is_between_crossings & (
-        height_of_rows >= largest_height - 0.05 * np.ptp(height_of_rows) - 2 * noise
-    )
-    middle_time_near_top = float(np.median(time_from_centre[is_near_top]))
+    rows_before_begin = np.searchsorted(time, centres - half_length)
+    rows_before_end = np.searchsorted(time, centres + half_length)
+    rows_in_half_length = float(np.mean(rows_before_end - rows_before_begin)) / 2
+    # from the nearest centre: -1 and 1 at the crossings
+    scaled_time = _time_from_nearest(centres, time) / half_length
+
+    # First guess of the turning point: the middle of the rows that are nearly as high as any.
+    is_between_crossings = np.abs(scaled_time) < 1
+    largest_height = float(np.max(height[is_between_crossings]))
+    least_height = largest_height - 0.05 * np.ptp(height) - 2 * noise
+    is_near_top = is_between_crossings & (height >= least_height)
+    guessed_time = float(np.median(scaled_time[is_near_top]))
+
+    fits: list[_FitOfTop] = []
     rows_in_half_window = float(_WINDOW)
-    fits: list[tuple[float, float, float]] = []
     while rows_in_half_window < max(rows_in_half_length, _WINDOW + 0.5):
         half_window = (rows_in_half_window + 0.5) / rows_in_half_length
-        is_in_window = np.abs(time_from_centre - middle_time_near_top) <= half_window
-        x = (time_from_centre[is_in_window] - middle_time_near_top) / half_window
-        y = height_of_rows[is_in_window]
-        fit = _two_parabolas(x, y)
-        if fit is not None:
-            height, time_of_top, residual_rms = fit
-            # a longer window no longer describes the rows: the last one counts
+        is_in_window = np.abs(scaled_time - guessed_time) <= half_window
+        time_in_window = (scaled_time[is_in_window] - guessed_time) / half_window
+        parabolas = _two_parabolas(time_in_window, height[is_in_window])
+        if parabolas is not None:
+            top_height, top_time_in_window, residual_rms = parabolas
+            # this window is too long for parabolas: the one before counts
             if fits and residual_rms > _AS_NOISE * noise:
                 break
-            fits.append(
-                (height, middle_time_near_top + time_of_top * half_window, rows_in_half_window)
-            )
+            top_time = guessed_time + top_time_in_window * half_window
+            fits.append(_FitOfTop(top_height, top_time, rows_in_half_window))
         rows_in_half_window *= _GROWTH
+
     if not fits:
-        error_of_row = float(noise + np.ptp(height_of_rows) / rows_in_half_length)
-        turning_point = TurningPoint(sign * float(largest_height), error_of_row)
-        return turning_point, middle_time_near_top * half_length
-    height, time_of_top, rows_in_half_window = fits[-1]
-    height_by_shorter_window = fits[-2][0] if len(fits) > 1 else float(largest_height)
-    n_measured_turns = max(n_turns // n_copies, 1)
-    error_by_noise = noise * math.sqrt(_AT_JOINT / (rows_in_half_window * n_measured_turns))
-    error = math.hypot(error_by_noise, height - height_by_shorter_window)
-    return TurningPoint(sign * height, error), time_of_top * half_length
+        error_of_row = float(noise + np.ptp(height) / rows_in_half_length)
+        return TurningPoint(sign * largest_height, error_of_row), guessed_time * half_length
+    longest_fit = fits[-1]
+    height_by_shorter_window = fits[-2].height if len(fits) > 1 else largest_height
+    n_measured_turns = max(len(centres) // n_copies, 1)
+    n_rows = longest_fit.rows_in_half_window * n_measured_turns
+    error_by_noise = noise * math.sqrt(_AT_JOINT / n_rows)
+    error = math.hypot(error_by_noise, longest_fit.height - height_by_shorter_window)
+    turning_point = TurningPoint(sign * longest_fit.height, error)
+    return turning_point, longest_fit.scaled_time * half_length
+
+
+class _FitOfTop(NamedTuple):
+    """Two parabolas fitted to the rows in a window around a turning point.
+
+    Attributes
+    ----------
+    height
+        largest value of the parabolas: Q, or -Q of a lowest turning point
+    scaled_time
+        its time from the centre of two crossings, over half of the time between them
+    rows_in_half_window
+        number of rows on each side of the middle of the window, in one cycle
+    """
+
+    height: float
+    scaled_time: float
+    rows_in_half_window: float
+
+
+def _time_from_nearest(centres: Array, time: Array) -> Array:
+    """Times (n,) counted from the nearest of k centres in time, negative before it.
+
+    >>> _time_from_nearest(np.array([0.0, 10.0]), np.array([-1.0, 4.0, 6.0])).tolist()
+    [-1.0, 4.0, -4.0]
+    """
+    if len(centres) == 1:
+        return np.asarray(time - centres[0])
+    number_after = np.clip(np.searchsorted(centres, time), 1, len(centres) - 1)
+    time_since_centre_before = time - centres[number_after - 1]
+    time_until_centre_after = centres[number_after] - time
+    nearest_number = np.where(
+        time_since_centre_before < time_until_centre_after, number_after - 1, number_after
+    )
+    return np.asarray(time - centres[nearest_number])
 
 
 def _two_parabolas(x: Array, y: Array) -> tuple[float, float, float] | None:

@@ -78,8 +78,16 @@ class Weights(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class LoopRows:
-    """What a fit rests on: rows of U and Q (n,), their branches, and the compliance of the rig,
-    None where it is fitted.
+    """Rows of a measured loop.
+
+    Attributes
+    ----------
+    shift, load
+        (n,) U [length] and Q [force / thickness]
+    branches
+        whether each row lies on the rising or on the falling branch, and the turning points of Q
+    compliance
+        C of the rig [1/stress], or None where it is fitted
     """
 
     shift: Array
@@ -89,7 +97,7 @@ class LoopRows:
 
     @property
     def sizes(self) -> Array:
-        """Typical sizes of Q_max, Q_min, C and U0."""
+        """Typical sizes of Q_max, Q_min, C and U0, (4,): steps of a fit are counted in them."""
         range_of_load = float(np.ptp(self.load))
         range_of_shift = float(np.ptp(self.shift))
         return np.array(
@@ -110,12 +118,12 @@ class LoopRows:
             (n,) which of the rows count; all of them by default
         """
         is_used = np.ones(len(displacement), dtype=bool) if rows is None else rows
-        displacement_of_rig = (self.shift - displacement)[is_used]
+        rig_displacement = (self.shift - displacement)[is_used]
         load = self.load[is_used]
         if self.compliance is not None:
-            return self.compliance, float(np.mean(displacement_of_rig - self.compliance * load))
-        columns = np.column_stack([load, np.ones_like(displacement_of_rig)])
-        compliance, origin = np.linalg.lstsq(columns, displacement_of_rig, rcond=None)[0]
+            return self.compliance, float(np.mean(rig_displacement - self.compliance * load))
+        columns = np.column_stack([load, np.ones_like(rig_displacement)])
+        compliance, origin = np.linalg.lstsq(columns, rig_displacement, rcond=None)[0]
         return float(compliance), float(origin)
 
 
@@ -134,7 +142,8 @@ class LoopFit:
     shift_noise, load_noise
         sigma of U and of Q
     misfit
-        what the distances of the rows show
+        what the distances of the rows show beside scatter: correlation of neighbours, and the
+        part that is systematic
     """
 
     friction: float
@@ -193,62 +202,72 @@ class LoopsOverFriction:
 
     @property
     def range_of_load(self) -> float:
-        """Of the scene's Q."""
+        """Range of the scene's Q, largest minus least [force / thickness]."""
         return float(np.ptp(self.load))
 
     def scale(self, highest: float, lowest: float) -> float:
-        """r between these turning points of the file."""
+        """Factor r of the file's Q over the scene's, from the turning points of the file's Q."""
         return (highest - lowest) / self.range_of_load
 
     def least_friction(self, highest: float, lowest: float) -> float:
-        """f of gross sliding between these turning points."""
+        """f of gross sliding between these turning points of the file's Q."""
         return self.sliding * self.scale(highest, lowest)
 
     def first_frictions(self, highest: float, lowest: float) -> Array:
-        """The f to try first: those for which one solution is enough."""
+        """(k,) f to try first, ascending, for turning points of the file's Q: values for each of
+        which one solution of theory is enough.
+        """
         roots = np.linspace(math.sqrt(_ABOVE), math.sqrt(math.log(_WIDEST)), _TRIALS)
         roots = _ROOT_STEP * np.round(roots / _ROOT_STEP)
         return self.least_friction(highest, lowest) * np.exp(roots**2)
 
     def _solved_at(self, step: int) -> Array:
-        """U (m,) at a step of the root; it is even in the root."""
+        """U (m,) of the scene with f = sliding exp(root^2), the root being `step` times
+        `_ROOT_STEP`; U is even in the root.
+        """
         step = abs(step)
         if step not in self.solved:
             self.solved[step] = self.solve(self.sliding * math.exp((_ROOT_STEP * step) ** 2))
         return self.solved[step]
 
     def shift(self, friction: float) -> Array:
-        """U of the scene with this f (m,)."""
-        place = self._place(friction)
-        step = round(place)
-        if abs(place - step) < 1e-9:
+        """U (m,) of the scene with this f [length]."""
+        root = self._root_in_steps(friction)
+        step = round(root)
+        if abs(root - step) < 1e-9:
             return self._solved_at(step)
-        values, _ = _cubic_weights(place - math.floor(place))
-        return np.asarray(values @ self._solved_around(place))
+        weights, _ = _cubic_weights(root - math.floor(root))
+        return np.asarray(weights @ self._solved_around(root))
 
     def shift_by_log_friction(self, friction: float) -> Array:
-        """Derivative of U by ln f (m,)."""
+        """Derivative (m,) of U by ln f [length]."""
         # The root has no derivative at gross sliding itself: that just above is taken.
-        place = max(self._place(friction), 1e-3)
-        _, rates = _cubic_weights(place - math.floor(place))
-        return np.asarray(rates @ self._solved_around(place)) / (2 * _ROOT_STEP**2 * place)
+        root = max(self._root_in_steps(friction), 1e-3)
+        _, weights_of_derivative = _cubic_weights(root - math.floor(root))
+        shift_by_step = np.asarray(weights_of_derivative @ self._solved_around(root))
+        return shift_by_step / (2 * _ROOT_STEP**2 * root)
 
-    def _place(self, friction: float) -> float:
-        """sqrt(ln(f/sliding)) in steps; below gross sliding U is that of sliding."""
+    def _root_in_steps(self, friction: float) -> float:
+        """sqrt(ln(f/sliding)) in steps of `_ROOT_STEP`; 0 below gross sliding, where U is that of
+        sliding.
+        """
         return math.sqrt(max(math.log(friction / self.sliding), 0.0)) / _ROOT_STEP
 
-    def _solved_around(self, place: float) -> Array:
-        """U at the two steps on each side of a place (4, m)."""
-        step = math.floor(place)
-        return np.array([self._solved_at(step + k) for k in (-1, 0, 1, 2)])
+    def _solved_around(self, root: float) -> Array:
+        """U (4, m) at the two steps on each side of a root, which is counted in steps."""
+        step = math.floor(root)
+        return np.array([self._solved_at(step + neighbour) for neighbour in (-1, 0, 1, 2)])
 
-    def turns(self, *, rising: bool) -> tuple[int, int]:
-        """First and last instant of a branch, counted on beyond the end of the cycle."""
-        count = len(self.load) - 1
-        bottom = int(np.argmin(self.load[:-1]))
-        top = int(np.argmax(self.load[:-1]))
-        begin, end = (bottom, top) if rising else (top, bottom)
-        return begin, end if end > begin else end + count
+    def ends_of_branch(self, *, rising: bool) -> tuple[int, int]:
+        """Numbers of the first and the last instant of a branch of the cycle; beyond the end of the
+        cycle they count on.
+        """
+        n_instants = len(self.load) - 1
+        lowest_instant = int(np.argmin(self.load[:-1]))
+        highest_instant = int(np.argmax(self.load[:-1]))
+        begin = lowest_instant if rising else highest_instant
+        end = highest_instant if rising else lowest_instant
+        return begin, end if end > begin else end + n_instants
 
     @functools.cached_property
     def branch_parts(self) -> dict[bool, list[Indices]]:
@@ -262,14 +281,12 @@ class LoopsOverFriction:
         n_instants = len(load_of_cycle)
         parts = {}
         for rising in (True, False):
-            begin, end = self.turns(rising=rising)
-            first_beside = begin - self._count_beside(
-                load_of_cycle[(begin - np.arange(1, n_instants // 2)) % n_instants]
-            )
-            last_beside = end + self._count_beside(
-                load_of_cycle[(end + np.arange(1, n_instants // 2)) % n_instants]
-            )
-            spans_of_instants = ((begin, end), (first_beside, begin), (end, last_beside))
+            begin, end = self.ends_of_branch(rising=rising)
+            instants_before = (begin - np.arange(1, n_instants // 2)) % n_instants
+            instants_behind = (end + np.arange(1, n_instants // 2)) % n_instants
+            first_near_begin = begin - self._count_near_turn(load_of_cycle[instants_before])
+            last_near_end = end + self._count_near_turn(load_of_cycle[instants_behind])
+            spans_of_instants = ((begin, end), (first_near_begin, begin), (end, last_near_end))
             parts[rising] = [
                 np.arange(first_instant, last_instant + 1)
                 for first_instant, last_instant in spans_of_instants
@@ -277,14 +294,16 @@ class LoopsOverFriction:
             ]
         return parts
 
-    def _count_beside(self, load: Array) -> int:
-        """How many instants behind a turning point come before Q is no longer near to an end of its
-        range.
+    def _count_near_turn(self, loads_from_turn: Array) -> int:
+        """How many instants pass, from a turning point on, before Q is no longer near to an end of
+        its range. `loads_from_turn` is Q at the instants, from the turning point away.
         """
         margin = _BESIDE_TURN * self.range_of_load
-        to_end = np.minimum(load - self.load.min(), self.load.max() - load)
-        away = np.flatnonzero(to_end > margin)
-        return int(away[0]) if len(away) else len(load)
+        distance_to_end = np.minimum(
+            loads_from_turn - self.load.min(), self.load.max() - loads_from_turn
+        )
+        instants_beyond = np.flatnonzero(distance_to_end > margin)
+        return int(instants_beyond[0]) if len(instants_beyond) else len(loads_from_turn)
 
     def start_of_rig(
         self, rows: LoopRows, friction: float, highest_load: float, lowest_load: float
@@ -311,7 +330,7 @@ class LoopsOverFriction:
         shift_at_rows = np.empty(len(rows.load))
         for rising in (True, False):
             is_on_branch = rows.branches.rising == rising
-            begin, end = self.turns(rising=rising)
+            begin, end = self.ends_of_branch(rising=rising)
             instants = np.arange(begin, end + 1) % n_instants
             instants_by_load = instants if rising else instants[::-1]
             ascending_loads = np.maximum.accumulate(self.load[instants_by_load])
@@ -361,7 +380,7 @@ class LoopsOverFriction:
         return NearestPoints(*nearest)
 
     def distances(self, rows: LoopRows, friction: float, terms: Array, weights: Weights) -> Array:
-        """Of the rows from their branches in sigma (n,)."""
+        """Distances (n,) of the rows from their branches of theory's loop, in sigma."""
         return self.nearest_points(rows, friction, terms, weights).distance
 
     def distances_with_derivatives(
@@ -382,39 +401,35 @@ class LoopsOverFriction:
         highest_load, lowest_load, compliance, _ = terms.tolist()
         # r: range of Q of these turning points over that of the scene
         scale = self.scale(highest_load, lowest_load)
-        points_on_loop = self.nearest_points(rows, friction, terms, weights)
-        shift_of_scene = self.shift(friction / scale)
-        shift_by_log = self.shift_by_log_friction(friction / scale)
-        instants = np.arange(len(self.load))
+        nearest_points = self.nearest_points(rows, friction, terms, weights)
         # place of the nearest point in the scene's cycle, as a number of instants
-        place = np.mod(points_on_loop.place, len(self.load) - 1)
-        fraction_of_range = (
-            np.interp(place, instants, self.load - self.load.min()) / self.range_of_load
-        )
-        shift_at_place = np.interp(place, instants, shift_of_scene)
+        place = np.mod(nearest_points.place, len(self.load) - 1)
+        instants = np.arange(len(self.load))
+        load_above_lowest = np.interp(place, instants, self.load - self.load.min())
+        fraction_of_range = load_above_lowest / self.range_of_load
+        shift_at_place = np.interp(place, instants, self.shift(friction / scale))
+        shift_by_log = self.shift_by_log_friction(friction / scale)
         shift_by_log_at_place = scale * np.interp(place, instants, shift_by_log)
-        load_at_place = lowest_load + (highest_load - lowest_load) * fraction_of_range
-        # Of the loop's point: the nearest place moves along the loop only, across which the
-        # distance is measured. U depends on r by r U(tau; f/r).
+        # Derivatives of U and Q of the nearest point. It moves along the loop too; the distance,
+        # measured across the loop, does not change by that. U depends on r by r U(tau; f/r).
         shift_by_range = (shift_at_place - shift_by_log_at_place / scale) / self.range_of_load
         shift_derivatives = np.column_stack(
             [
                 shift_by_log_at_place,
                 shift_by_range + compliance * fraction_of_range,
                 -shift_by_range + compliance * (1 - fraction_of_range),
-                load_at_place,
+                lowest_load + (highest_load - lowest_load) * fraction_of_range,
                 np.ones_like(fraction_of_range),
             ]
         )
         load_derivatives = np.zeros_like(shift_derivatives)
-        # Q of the point by highest and lowest Q
         load_derivatives[:, 1] = fraction_of_range
         load_derivatives[:, 2] = 1 - fraction_of_range
         derivatives = (
-            -points_on_loop.shift_part[:, None] * shift_derivatives / weights.shift
-            - points_on_loop.load_part[:, None] * load_derivatives / weights.load
+            -nearest_points.shift_part[:, None] * shift_derivatives / weights.shift
+            - nearest_points.load_part[:, None] * load_derivatives / weights.load
         )
-        return points_on_loop.distance, derivatives
+        return nearest_points.distance, derivatives
 
 
 def _cubic_weights(x: float) -> tuple[Array, Array]:
@@ -507,10 +522,12 @@ def nearest_on_polyline(points: Array, polyline: Array) -> Array:
     )
 
 
-def _nearest_corner(rows: Array, corners: Array) -> Indices:
-    """Which of some corners (2, n or 1, k) is nearest to each row (2, n)."""
-    distance_squared = (rows[0][:, None] - corners[0]) ** 2
-    distance_squared += (rows[1][:, None] - corners[1]) ** 2
+def _nearest_corner(points: Array, corners: Array) -> Indices:
+    """Index (n,) of the nearest to each of n points (2, n), among k corners of its own (2, n, k) or
+    of all (2, 1, k).
+    """
+    distance_squared = (points[0][:, None] - corners[0]) ** 2
+    distance_squared += (points[1][:, None] - corners[1]) ** 2
     return np.asarray(np.argmin(distance_squared, axis=1))
 
 
@@ -527,11 +544,14 @@ class _Search:
     sliding_friction: float  # f of gross sliding between the turning points of the rows
 
     def residuals(self, friction: float, terms: Array) -> Array:
-        """Of the rows, then of the two turning points, each over its sigma: (n + 2,)."""
+        """Distances of the rows from theory's loop, then of the two turning points from those that
+        the rows of Q show, each over its sigma: (n + 2,). `terms` are Q_max, Q_min, C and U0.
+        """
         distances = self.model.distances(self.rows, friction, terms, self.weights)
-        return np.concatenate([distances, self._turns(terms)])
+        return np.concatenate([distances, self._residuals_of_turns(terms)])
 
-    def _turns(self, terms: Array) -> Array:
+    def _residuals_of_turns(self, terms: Array) -> Array:
+        """(2,) of Q_max and Q_min, over the standard errors of the turning points."""
         top = self.rows.branches.highest
         bottom = self.rows.branches.lowest
         return np.array(
@@ -542,20 +562,23 @@ class _Search:
         self, friction: float, terms: Array, model: LoopsOverFriction
     ) -> tuple[Array, Array]:
         """The residuals (n + 2,), and their derivatives by ln f and the terms (n + 2, 5)."""
-        of_rows = model.distances_with_derivatives(self.rows, friction, terms, self.weights)
-        of_turns = np.zeros((2, 5))
-        of_turns[0, 1] = 1 / self.rows.branches.highest.error
-        of_turns[1, 2] = 1 / self.rows.branches.lowest.error
-        residuals = np.concatenate([of_rows[0], self._turns(terms)])
-        return residuals, np.concatenate([of_rows[1], of_turns])
+        distances, derivatives_of_distances = model.distances_with_derivatives(
+            self.rows, friction, terms, self.weights
+        )
+        derivatives_of_turns = np.zeros((2, 5))
+        derivatives_of_turns[0, 1] = 1 / self.rows.branches.highest.error
+        derivatives_of_turns[1, 2] = 1 / self.rows.branches.lowest.error
+        residuals = np.concatenate([distances, self._residuals_of_turns(terms)])
+        return residuals, np.concatenate([derivatives_of_distances, derivatives_of_turns])
 
     def start(self, friction: float) -> Array:
-        """Terms from which a fit at this f begins."""
-        top = self.rows.branches.highest.load
-        bottom = self.rows.branches.lowest.load
-        return np.array([top, bottom, *self.model.start_of_rig(self.rows, friction, top, bottom)])
+        """Terms from which a fit at this f begins: Q_max, Q_min, C and U0, (4,)."""
+        highest_load = self.rows.branches.highest.load
+        lowest_load = self.rows.branches.lowest.load
+        rig = self.model.start_of_rig(self.rows, friction, highest_load, lowest_load)
+        return np.array([highest_load, lowest_load, *rig])
 
-    def first_fit(self, trials: Array) -> tuple[float, Array]:
+    def first_fit(self, trial_frictions: Array) -> tuple[float, Array]:
         """f and the four terms of the best fit (highest Q, lowest Q, and C and U0 of the rig). It
         is searched from those trial values of f at which the sum of squares is smaller than at both
         neighbours.
@@ -564,14 +587,14 @@ class _Search:
 
         Parameters
         ----------
-        trials
+        trial_frictions
             (k,) values of f, ascending
         """
-        starts = [self.start(friction) for friction in trials.tolist()]
+        starts = [self.start(friction) for friction in trial_frictions.tolist()]
         sums_of_squares = np.array(
             [
                 np.sum(self.residuals(friction, start) ** 2)
-                for friction, start in zip(trials.tolist(), starts, strict=True)
+                for friction, start in zip(trial_frictions.tolist(), starts, strict=True)
             ]
         )
         sums_with_walls = np.concatenate([[math.inf], sums_of_squares, [math.inf]])
@@ -579,7 +602,10 @@ class _Search:
             (sums_of_squares <= sums_with_walls[:-2]) & (sums_of_squares <= sums_with_walls[2:])
         )
         lowest_minima = local_minima[np.argsort(sums_of_squares[local_minima])][:_MINIMA]
-        fits = [self.best(float(trials[k]), starts[k]) for k in lowest_minima.tolist()]
+        fits = [
+            self.best(float(trial_frictions[number]), starts[number])
+            for number in lowest_minima.tolist()
+        ]
         _, friction, terms = min(fits, key=lambda fit: fit[0])
         return friction, terms
 
@@ -587,26 +613,26 @@ class _Search:
         """Least sum of squares at this f, and Q_max, Q_min, C, U0 that give it, from a start near
         them.
         """
-        total, _, terms = self._least(friction, start, friction_fitted=False)
-        return total, terms
+        sum_of_squares, _, terms = self._least_squares(friction, start, fits_friction=False)
+        return sum_of_squares, terms
 
     def best(self, friction: float, start: Array) -> tuple[float, float, Array]:
         """Least sum of squares, and f and the four terms that give it, from a start near them."""
-        return self._least(friction, start, friction_fitted=True)
+        return self._least_squares(friction, start, fits_friction=True)
 
-    def _least(
-        self, friction: float, start: Array, *, friction_fitted: bool
+    def _least_squares(
+        self, friction: float, start: Array, *, fits_friction: bool
     ) -> tuple[float, float, Array]:
         """Least sum of squares between measured rows and theory's loop, and the friction
         coefficient f and terms that give it, by Levenberg and Marquardt's method from `start`.
 
         The terms are highest Q, lowest Q, compliance C of the rig and origin U0 of the
-        displacement, (4,). f keeps its value unless `friction_fitted`; C keeps it where the rig's
+        displacement, (4,). f keeps its value unless `fits_friction`; C keeps it where the rig's
         compliance is stated.
         """
         from scipy.optimize import least_squares
 
-        is_free = np.array([friction_fitted, True, True, self.rows.compliance is None, True])
+        is_free = np.array([fits_friction, True, True, self.rows.compliance is None, True])
         typical_sizes = np.array([1.0, *self.rows.sizes])[is_free]
         start_parameters = np.array([math.log(friction), *start])
         lowest_log = math.log(self.sliding_friction) - _BELOW
@@ -658,6 +684,7 @@ class _Search:
         return self._with_rising(np.where(is_moved, rising_if_moved, is_rising))
 
     def _with_rising(self, rising: NDArray[np.bool_]) -> _Search:
+        """The same search with rows on other branches, `rising` (n,) where Q rises."""
         branches = replace(self.rows.branches, rising=rising)
         return replace(self, rows=replace(self.rows, branches=branches))
 
@@ -728,7 +755,8 @@ def fit_loop(
     model
         theory's loops for any f
     resolution
-        smallest differences of U and Q that the digits of the rows show
+        smallest differences of U [length] and Q [force / thickness] that the digits of the rows
+        show
     error_of_theory
         error of a fitted f, over f, since theory's loops are interpolated between samples
     """

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from reports.comparison.isolated import without_spikes
 from reports.comparison.laws import DERIVED, derived
 from reports.comparison.metrics import WHOLE_CYCLE, missing
-from reports.scoring.history import History, matched, resultants
+from reports.scoring.history import History, history_of_result, resultants
 from reports.scoring.mapping import Mapping
 from reports.scoring.surface import TOUCHES, SurfaceResult
 from scenes import (
@@ -103,7 +103,7 @@ def contact_solution(
     )
     if history.guess:
         guesses = (*guesses, history.guess)
-    if history.either_sign and mapping.signs.shear is None:  # nothing in the file can tell
+    if history.has_either_sign and mapping.signs.shear is None:  # nothing in the file can tell
         guesses = (
             *guesses,
             (
@@ -225,7 +225,7 @@ def _placed_on_path(
         smooth_fields[name] = without_spikes(values)
     smooth_surface = replace(surface, **smooth_fields)
     converted_surface, guesses = _in_our_units(smooth_surface, mapping, theory)
-    history = matched(converted_surface, theory.scene, sure_of_times=sure_of_times)
+    history = history_of_result(converted_surface, theory.scene, sure_of_times=sure_of_times)
     if not surface.outliers:
         return converted_surface, history, guesses
     spiked_fields = {name: getattr(converted_surface, name).copy() for name in fields}
