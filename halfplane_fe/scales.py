@@ -477,7 +477,7 @@ def _with_extreme_rows(scene: Scene) -> Scene:
     rows = load.rows.values[first_row:row_beyond] if load.has_bulk_or_tilt else load.kept_rows()
     further_columns = {
         name: np.array(getattr(load, name)[first_row:row_beyond])
-        for name in load.further
+        for name in load.optional_column_kinds
         if isinstance(getattr(load, name), tuple)
     }
     safe_load = np.maximum(rows[:, 1], _LEAST_LOAD_RATIO * rows[:, 1].max())
@@ -494,7 +494,7 @@ def _with_extreme_rows(scene: Scene) -> Scene:
         },
         **{
             name: getattr(load, name)
-            for name in load.further
+            for name in load.optional_column_kinds
             if name not in further_columns and getattr(load, name) is not None
         },
     )

@@ -863,7 +863,7 @@ class TimeSeriesLoad(StraightLoad, FromFile):
 
     table = "rows"
     quantities: ClassVar[dict[str, Kind]] = {"time": "time", "P": "load", "Q": "load"}
-    further: ClassVar[dict[str, Kind]] = {
+    optional_column_kinds: ClassVar[dict[str, Kind]] = {
         "bulk_stress_lower": "stress",
         "bulk_stress_upper": "stress",
         "tilt": "angle",

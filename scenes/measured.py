@@ -262,7 +262,7 @@ class FromFile(Frozen):
     """Name of the key that holds the rows."""
     quantities: ClassVar[dict[str, Kind]]
     """Columns of the rows in their order, and the kind of unit of each."""
-    further: ClassVar[dict[str, Kind]] = {}
+    optional_column_kinds: ClassVar[dict[str, Kind]] = {}
     """Keys that are lists, an entry for each row, which may be columns of the file too, where
     `columns` names them; and the kind of unit of each.
     """
@@ -302,7 +302,9 @@ class FromFile(Frozen):
             units = _DEFAULT_UNITS
         stated_columns = getattr(self, "columns", None)
         optional_names = self._optional_columns_in(stated_columns)
-        kinds = self.column_kinds | {name: self.further[name] for name in optional_names}
+        kinds = self.column_kinds | {
+            name: self.optional_column_kinds[name] for name in optional_names
+        }
         table = self._table_of(path, tuple(kinds), stated_columns)
         # (what, how) for the key `read_as`
         descriptions = layout_in_words(path, table)
@@ -477,7 +479,7 @@ class FromFile(Frozen):
     @classmethod
     def _optional_columns_in(cls, columns: Frozen | None) -> list[str]:
         """Names of the optional columns, such as a bulk stress, that the key `columns` states."""
-        return [name for name in _stated_columns(columns) if name in cls.further]
+        return [name for name in _stated_columns(columns) if name in cls.optional_column_kinds]
 
     def merged(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         """Keys of this part of the scene that the user gave, with `changes` (key -> new value)

@@ -92,8 +92,8 @@ class Ellipse(NamedTuple):
     origin: float
 
     def largest_at(self, combination: Combination) -> float:
-        """Time [rad] at which a combination c_P P + c_Q Q of the loads on this ellipse is largest;
-        it is so again every 2 pi.
+        """Time [rad] at which a combination c_P P + c_Q Q of the loads on this ellipse is largest,
+        as it is again every 2 pi later.
 
         The combination is a constant plus the real part of F exp(i (t - origin)), F the sum of the
         phasors of P and Q. It is largest where t - origin is minus the phase of F.
@@ -829,16 +829,16 @@ class ChebyshevSegment(LoadSegment):
         A load that starts from 0 is computed as its change since the start: small loads there keep
         their digits.
         """
-        normal_load, tangential_load = (
-            (
-                self.change_of(combination, time, self.start)
-                if starts_from_zero
-                else np.asarray(chebyshev.chebval(self._series_variable(time), series))
-            )
-            for combination, series, starts_from_zero in zip(
-                (NORMAL_LOAD, TANGENTIAL_LOAD), self._series, self._starts_from_zero, strict=True
-            )
-        )
+        loads: list[Array] = []
+        for combination, coefficients, starts_from_zero in zip(
+            (NORMAL_LOAD, TANGENTIAL_LOAD), self._series, self._starts_from_zero, strict=True
+        ):
+            if starts_from_zero:
+                loads.append(self.change_of(combination, time, self.start))
+            else:
+                u = self._series_variable(time)
+                loads.append(np.asarray(chebyshev.chebval(u, coefficients)))
+        normal_load, tangential_load = loads
         return normal_load, tangential_load
 
     def rate_of(self, combination: Combination, time: ArrayLike) -> Array:

@@ -544,10 +544,10 @@ def last_whole_cycle(
     """Find the last whole cycle of a periodic load path among the instants of a solution: indices
     (k,) of the cycle's instants, and whether it is whole, with an instant at both of its ends.
 
-    It is the last cycle of the path that ends by the last instant. If no instant lies at one of its
-    ends, the last period before the last instant is tried. If none lies at the begin of that, the
-    instants within the former are returned, and it is not whole. An instant may miss an end by
-    round-off or by 2 % of the shorter step beside it.
+    It is the last cycle of the path that has ended at the last instant. If no instant lies at one
+    of its ends, the period up to the last instant is tried. If no instant lies at the begin of that
+    period either, the instants within the last cycle of the path are returned, as not whole. An
+    instant may miss an end by round-off or by 2 % of the shorter step beside it.
 
     Parameters
     ----------
@@ -563,19 +563,19 @@ def last_whole_cycle(
     >>> indices.tolist(), is_whole
     ([0, 1, 2], True)
     """
-    rounding = 1e-9 * period
-    n_cycles = np.floor((time[-1] - cycle_start + rounding) / period)
+    round_off = 1e-9 * period
+    n_cycles = np.floor((time[-1] - cycle_start + round_off) / period)
     end_of_last_cycle = cycle_start + n_cycles * period
     for end in (end_of_last_cycle, time[-1]):
-        begin_index = _instant_at(time, end - period, rounding)
-        end_index = _instant_at(time, end, rounding)
+        begin_index = _instant_at(time, end - period, round_off)
+        end_index = _instant_at(time, end, round_off)
         if begin_index is not None and end_index is not None and begin_index < end_index:
             # Instants within round-off of an end belong to the cycle too.
-            first_index = np.searchsorted(time, time[begin_index] - rounding, side="left")
-            index_beyond = np.searchsorted(time, time[end_index] + rounding, side="right")
+            first_index = np.searchsorted(time, time[begin_index] - round_off, side="left")
+            index_beyond = np.searchsorted(time, time[end_index] + round_off, side="right")
             return np.arange(first_index, index_beyond), True
-    is_after_begin = time >= end_of_last_cycle - period - rounding
-    is_before_end = time <= end_of_last_cycle + rounding
+    is_after_begin = time >= end_of_last_cycle - period - round_off
+    is_before_end = time <= end_of_last_cycle + round_off
     return np.flatnonzero(is_after_begin & is_before_end), False
 
 
@@ -584,14 +584,14 @@ def last_whole_cycle(
 _MISSED_SHARE = 0.02
 
 
-def _instant_at(time: Array, target: float, rounding: float) -> int | None:
-    """Index of the instant at the time `target`, which it may miss by `rounding` (a time) or by 2 %
+def _instant_at(time: Array, target: float, round_off: float) -> int | None:
+    """Index of the instant at the time `target`, which it may miss by `round_off` (a time) or by 2 %
     of the shorter step to a neighbouring instant; None where there is none.
     """
     nearest_index = int(np.argmin(np.abs(time - target)))
     steps = np.diff(time[max(nearest_index - 1, 0) : nearest_index + 2])
     shorter_step = float(steps.min()) if len(steps) else 0.0
-    largest_distance = max(rounding, _MISSED_SHARE * shorter_step)
+    largest_distance = max(round_off, _MISSED_SHARE * shorter_step)
     is_there = abs(time[nearest_index] - target) <= largest_distance
     return nearest_index if is_there else None
 

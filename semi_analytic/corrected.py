@@ -394,7 +394,8 @@ class _Route:
         """Instants at which the load path is cut into straight steps, with the loads P and Q there:
         `time` (n,) and the ends of the cycles.
 
-        Of two instants nearer than 1e-12 of the path's duration one goes; the end of a cycle stays.
+        Of two instants nearer than 1e-12 of the path's duration one is left out, never the end of
+        a cycle.
         Where the bodies are pulled apart, P < 0, the load of the contact is 0.
 
         Raises
@@ -1398,21 +1399,26 @@ def series_at(question: Question, bodies: PathSeries, row_numbers: Indices) -> d
 
 
 def grids_at(
-    question: Question, points: PointFields, distance: Array, row_numbers: Indices
+    question: Question, point_fields: PointFields, distance: Array, row_numbers: Indices
 ) -> dict[str, NDArray[Any]]:
     """Fields of the answer at instants and points, by their names, (n, k) each: pressure and shear
     [stress], slip [length] and state of contact.
 
-    A field that was not asked for is NaN; its state is "open".
+    A field that was not asked for is NaN everywhere, the state then OPEN.
 
     Parameters
     ----------
-    points
+    point_fields
         fields of the followed path at `distance`
     distance
         (k,) |x| [length] from the middle of contact
     row_numbers
         (n,) numbers of the instants of the path
+
+    Raises
+    ------
+    InputError
+        Where the pressure is negative somewhere: the contact would split.
     """
     shape = (len(row_numbers), len(distance))
     fields: dict[str, NDArray[Any]] = {
@@ -1420,15 +1426,15 @@ def grids_at(
     }
     fields["state"] = np.broadcast_to(np.int8(OPEN), shape)
     if question.wants("pressure"):
-        fields["pressure"] = points.pressure(row_numbers)
+        fields["pressure"] = point_fields.pressure(row_numbers)
         if np.any(fields["pressure"] < 0):
             raise splits()
     if question.wants("shear"):
-        fields["shear"] = points.shear(row_numbers)
+        fields["shear"] = point_fields.shear(row_numbers)
     if question.wants("slip"):
-        fields["slip"] = points.slip(row_numbers)
+        fields["slip"] = point_fields.slip(row_numbers)
     if question.wants("state"):
-        fields["state"] = _states(points, distance, row_numbers)
+        fields["state"] = _states(point_fields, distance, row_numbers)
     return fields
 
 

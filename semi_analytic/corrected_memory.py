@@ -1101,6 +1101,8 @@ def follow(
     [0.632455532, 0.632455532]
     """
     rows = _columns_of_path(table, normal_load, tangential_load, curvatures)
+    # T_22: the second moment of the shear adds to the curvature of the faces under Q. The path of
+    # half-planes gives that moment.
     if curvatures.tangential_mixed:
         if half_planes is None:
             half_planes = follow(table, friction, normal_load, tangential_load, Curvatures())
@@ -1208,6 +1210,7 @@ def _follow(table: PunchTable, friction: float, columns: Array) -> Followed:
 
 def followed_of(memory: MemoryCurve, columns: Array, steps: Sequence[Step]) -> Followed:
     """Arrays over the n instants of a load path, from the single steps that were taken along it.
+    Fields that end in `_s` are half-widths as the coordinate s of the table of flat punches.
 
     Parameters
     ----------

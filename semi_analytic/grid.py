@@ -487,6 +487,8 @@ class Grid:
         is_touching_in_zone = is_inside[grid_rows, columns]
         limit_in_zone = np.where(is_touching_in_zone, friction_limit[grids_and_columns], 0.0)
         tolerance = _ROUNDING * friction_limit.max()
+        # q_0: by Q with the same displacement of all cells, and by what keeps each cell at its slip
+        # before the increment
         shear_in_full_stick = (
             force / self.step / zone.total_per_shift * zone.traction_per_shift
             + free_slip @ zone.stiffness

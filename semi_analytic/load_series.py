@@ -211,8 +211,8 @@ class Recorder:
         slipped: tuple[float, float] = (0.0, 0.0),
         level_rise: float = 0.0,
     ) -> None:
-        """Store the numbers of one part of a load step, in which the stick edge moves along one
-        line of the memory curve: those of `Records`, but for the step's, and of `LineTable`.
+        """Store one part of a load step, in which the stick edge moves along one line of the memory
+        curve: as numbers in the order of `Records`, without that of the step, and `LineTable`.
 
         Parameters
         ----------
@@ -222,7 +222,7 @@ class Recorder:
         direction
             of slip: s = 1 forward, -1 in reverse, 0 for none
         begin, end
-            P, Q and the share of the step that is over, at both ends of the part
+            P, Q and the fraction of the step that is over, at both ends of the part
         slipped
             P - P_c at both ends, P_c the load at the stick edge
         level_rise
@@ -231,16 +231,16 @@ class Recorder:
         if self._add_line is not None:
             self._add_line(line)
         _, top, force_at_top, length, line_rise, _ = line or _OPEN
-        load, _, _ = begin
-        load_after, _, share_at_end = end
+        load_at_begin, _, _ = begin
+        load_at_end, _, fraction_at_end = end
         self._add_numbers(
             (
                 direction,
-                load,
-                load_after,
+                load_at_begin,
+                load_at_end,
                 *slipped,
                 level_rise,
-                share_at_end,
+                fraction_at_end,
                 top,
                 force_at_top,
                 length,

@@ -292,12 +292,13 @@ def strokes_in_phase(scene: Scene) -> tuple[Stroke, Stroke] | None:
 
 
 def work_by_loads(strokes: tuple[Stroke, Stroke]) -> float:
-    """Friction work of a cycle from its loads, the closed integral of Q dU - m_q d eps, by parts
-    [energy per thickness]: a second route to W, without slip.
+    """Friction work of a cycle from its loads [energy per thickness]: the closed integral of Q dU -
+    m_q d eps, by parts, with the displacement U and the moment m_q = int x q dx of the shear. It is
+    a second route to W, without slip.
     """
     nodes, weights = _end_root_quadrature(STROKE_NODES)
-    u = np.append(nodes, 1.0)
-    change_at_begin = np.zeros((2, 1))
+    u = np.append(nodes, 1.0)  # fractions of a stroke, its end the last
+    change_at_begin = np.zeros((2, 1))  # of U and m_q since the begin of the cycle
     loop_work = 0.0
     for stroke in strokes:
         displacement, moment = change_at_begin + stroke.displacement_and_moment_change(u)

@@ -388,11 +388,13 @@ class _LogTable(NamedTuple):
     slope: Array
 
     def first_guess(self, log_load: Array) -> tuple[Array, Array, Array]:
-        """First guess of the inverse d(P) at the logarithms of loads, and bounds of d from below
-        and above.
+        """First guess of d(P), the inverse of the contact law, at loads P given by their logarithm,
+        and bounds of d from below and above; (n,) each [length].
 
-        By a cubic of ln d over ln P; beyond the ends of the table d is a power of the load.
+        Inside the table the guess is a cubic of ln d over ln P, and the bounds are the d of the
+        rows beside it. Beyond its ends d is a power of the load.
         """
+        # ln P minus that of the first row or the last row of the table, 0 between them
         log_below = np.minimum(log_load - self.log_load[0], 0.0)
         log_above = np.maximum(log_load - self.log_load[-1], 0.0)
         log_d_in_table = self.cubic(log_load - log_below - log_above)

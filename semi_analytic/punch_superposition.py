@@ -257,7 +257,8 @@ class PunchSuperposition:
 
     def slip_integral(self, x: ArrayLike, load: ArrayLike) -> Array:
         """Slip integral S(x, P) = int arccosh(|x|/a(eta)) d eta over loads eta < min(P, P_x) [force
-        per thickness]; times A/pi it is the gap at x beside all flat punches narrower than |x|.
+        per thickness]. (A/pi) S is the displacement of the surface at the middle of the contact
+        minus that at x, so that it is h(x) inside the contact.
 
         a(eta) is the contact half-width under the load eta, P_x the load at which the edge of
         contact reaches x, A = 2/E*. First loading by Q = f (P - P_c) makes
@@ -775,23 +776,23 @@ class PunchSuperposition:
     def _primitive_of_band(
         self, kind: Kind, load_power: int, x: Array, advance: Array
     ) -> tuple[Array, Array]:
-        """An integral over flat punches at points `x`, up to advances a - a_0 of the edge of
-        contact that lie close enough for one stored primitive; with its error.
+        """An integral over flat punches at points `x`, up to the `advance` a - a_0 of the edge of
+        contact, and its error. `x` and `advance` broadcast; an advance may be 0.
 
-        `kind` names the integral; with `load_power` 1 the load eta stands in front of the
-        integrand. Advances may be 0 too. `x` and `advance` broadcast. Many points are taken in
-        chunks.
+        The advances are those of one band: their ratio is small enough for one stored primitive,
+        the integral as a function of the advance. `kind` names the integral; with `load_power` 1
+        the load eta stands in front of the integrand.
         """
-        if (
-            np.ndim(x) and np.shape(x)[-1] > _POINTS_OF_PRIMITIVE
-        ):  # a primitive takes some kilobytes a point
+        n_points = np.shape(x)[-1] if np.ndim(x) else 1
+        # A primitive takes some kilobytes a point: many points are taken in chunks.
+        if n_points > _POINTS_OF_PRIMITIVE:
             advance_of_points = np.broadcast_to(
                 advance, np.broadcast_shapes(np.shape(x), np.shape(advance))
             )
             integrals = []
             errors = []
-            for k in range(0, np.shape(x)[-1], _POINTS_OF_PRIMITIVE):
-                chunk = slice(k, k + _POINTS_OF_PRIMITIVE)
+            for first_point in range(0, n_points, _POINTS_OF_PRIMITIVE):
+                chunk = slice(first_point, first_point + _POINTS_OF_PRIMITIVE)
                 integral, error = self._primitive(
                     kind, load_power, x[..., chunk], advance_of_points[..., chunk]
                 )
