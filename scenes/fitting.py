@@ -244,7 +244,7 @@ def _levelled_trace(x: Array, h: Array, request: FitRequest) -> _Trace:
     tilt_is_fitted = request.tilt is None and not is_one_sided and not is_parabola_of_any_middle
     first_middle = _lowest_place(x, levelled_heights) if known_middle is None else known_middle
     if request.first_guess is not None and known_middle is None:
-        first_middle = request.first_guess[0]
+        first_middle, _ = request.first_guess
     elif tilt_is_fitted and known_middle is None and not x[0] < first_middle < x[-1]:
         # The tilt is so large that the parabola is lowest beyond the points.
         first_middle = float(x[0] + x[-1]) / 2
@@ -431,7 +431,8 @@ def _fit_about(
     )
     first_half_length = None
     if request.first_guess is not None:
-        first_half_length = request.first_guess[1] / length_unit
+        _, half_length = request.first_guess
+        first_half_length = half_length / length_unit
     fit = scaled_rows.fit(scaled_noise, request.smoothing_weight, first_half_length)
     # A straight line through the points bends by round-off alone.
     if np.ptp(fit.shape_heights) < _LEAST_BEND or abs(fit.middle) > _LONGEST_HALF_LENGTH:

@@ -1013,9 +1013,9 @@ def _first_row_with_numbers(lines: list[Line], columns: Sequence[int]) -> FirstR
         )
 
     for separator in SEPARATORS:
-        for k, (row, next_row) in enumerate(pairwise([text for _, text in lines])):
+        for index, (row, next_row) in enumerate(pairwise([text for _, text in lines])):
             if has_numbers(row, separator) and has_numbers(next_row, separator):
-                return k, separator, _cells(row, separator)
+                return index, separator, _cells(row, separator)
     return None
 
 
@@ -1240,23 +1240,23 @@ def _read_rows_cell_by_cell(
             _values_of_row(path, text_since_last_row[0], layout, has_decimal_comma, clock)
         values.extend(_values_of_row(path, (line_number, text), layout, has_decimal_comma, clock))
         line_numbers.append(line_number)
-    if not line_numbers:  # text alone: the same
+    if not line_numbers:  # a table of text alone: reading it as a row raises too
         _values_of_row(path, text_since_last_row[0], layout, has_decimal_comma, clock)
-    left_out = []
+    lines_left_out = []  # in words
     if lines_with_headings:
         numbers_in_words = ", ".join(map(str, lines_with_headings[:5]))
-        left_out.append(f"line {numbers_in_words}: the headings once more")
+        lines_left_out.append(f"line {numbers_in_words}: the headings once more")
     if text_since_last_row:
         first_line, first_text = text_since_last_row[0]
         n_lines = len(text_since_last_row)
         count_in_words = "1 line" if n_lines == 1 else f"{n_lines} lines"
-        left_out.append(
+        lines_left_out.append(
             f"{count_in_words} behind the rows, from line {first_line} on: {shown(first_text)}"
         )
     return _Rows(
         np.array(values).reshape(-1, len(layout.columns_read)),
         np.array(line_numbers, dtype=np.int64),
-        tuple(left_out),
+        tuple(lines_left_out),
         clock.first_text,
     )
 

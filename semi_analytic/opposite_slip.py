@@ -215,8 +215,10 @@ class OppositeSlip(TiltedProfile):
 
     @cached_property
     def _stick_edges(self) -> tuple[Pieces, Pieces]:
-        """Left and right stick edges b1 and b2 as functions of P - eta, from the centre of contact,
-        over a: e = eps pi a/(2 A f P), since A P = pi a^2/(2 R).
+        """Left and right stick edges as functions of the unloading P - eta [force per thickness]:
+        their distances b1/a and b2/a from the centre of contact, b1 < b2.
+
+        They need -e and Q/(f P) per unloading. With A P = pi a^2/(2 R), e = eps pi a/(2 A f P).
         """
         largest_load, _, half_width = self._contact
         force_per_unloading = (
