@@ -163,7 +163,7 @@ class Search:
     def _new_fit(
         self, causes: tuple[Cause, ...], channels: tuple[int, ...], known_sizes: tuple[float, ...]
     ) -> Fit | None:
-        """The fit of `fit`, done anew: each combination of starting sizes is tried, and the best
+        """The fit of `fit`, made again: each combination of starting sizes is tried, and the best
         ones are refined by least squares. None where theory has no solution for any.
         """
         searched_causes = causes[len(known_sizes) :]
