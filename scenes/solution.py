@@ -585,8 +585,8 @@ _MISSED_SHARE = 0.02
 
 
 def _instant_at(time: Array, target: float, round_off: float) -> int | None:
-    """Index of the instant at the time `target`, which it may miss by `round_off` (a time) or by 2 %
-    of the shorter step to a neighbouring instant; None where there is none.
+    """Index of the instant at the time `target`, which it may miss by `round_off` (a time) or by 2
+    % of the shorter step to a neighbouring instant; None where there is none.
     """
     nearest_index = int(np.argmin(np.abs(time - target)))
     steps = np.diff(time[max(nearest_index - 1, 0) : nearest_index + 2])
