@@ -639,7 +639,7 @@ def _mesh_term(metric: Metric, comparison: Comparison, refinements: Refinements)
     """The error that the mesh makes in a metric: value of the run minus its limit for size zero.
 
     The limit comes from the coarser meshes. Where the run states an uncertainty of the value
-    itself, three cases are told apart:
+    itself, three cases are distinguished:
 
     - the error by the coarser meshes is larger than that: both error and uncertainty are theirs;
     - their uncertainty is larger than that of the run: no error, and the uncertainty of the run;
