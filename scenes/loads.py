@@ -1123,7 +1123,8 @@ class TimeSeriesLoad(StraightLoad, FromFile):
         """Numbers, from 0, of the first row of the record that is used and of the one after the
         last, by the keys `start` and `end`.
 
-        Each key is a time, or the number of a row from 1, and belongs to the rows that are used.
+        Each key is a time, or the number of a row from 1. The rows at both are used too; a key that
+        is not stated leaves out no row.
         """
         time = self.rows.values[:, 0]
         first_row = 0

@@ -1000,10 +1000,14 @@ class Members:
     loads: LoadArrays
 
     def shape_groups(self) -> Iterator[ShapeGroup]:
-        """The members in groups by the shape of their profiles."""
+        """The members in groups by the shape of their profiles: one normal contact, with its own
+        units of length and load, serves a group. Members that have the same profile are one group.
+        """
         if self.contact is not None:
             all_numbers = np.arange(len(self.is_mirrored))
-            yield ShapeGroup(all_numbers, self.contact, self.ellipses, 1.0, 1.0)
+            yield ShapeGroup(
+                all_numbers, self.contact, self.ellipses, load_unit=1.0, length_unit=1.0
+            )
             return
         for numbers, ratios, length_unit, height_unit in _members_by_shape(
             self.kind, self.parameters

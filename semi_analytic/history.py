@@ -472,8 +472,11 @@ def slip_directions(
     merged_parts: list[tuple[float, float, int]] = []
     for begin_of_part, end_of_part, direction in parts:
         merged_begin = begin_of_part
-        if merged_parts and merged_parts[-1][2] == direction:
-            merged_begin, _, _ = merged_parts.pop()
+        if merged_parts:
+            begin_of_last, _, direction_of_last = merged_parts[-1]
+            if direction_of_last == direction:
+                merged_begin = begin_of_last
+                merged_parts.pop()
         merged_parts.append((merged_begin, end_of_part, direction))
     return merged_parts
 

@@ -116,8 +116,8 @@ class Stroke:
         return np.asarray(self.friction * pressure * self.slip_rate(x, u))
 
     def slip_rate(self, x: Array, u: Array) -> Array:
-        """d ds/du >= 0 at points x outside the stick zone and fractions u of the stroke, arrays
-        that broadcast [length].
+        """Rate of slip s in the direction d of slip, d ds/du >= 0, at points x outside the stick
+        zone and fractions u of the stroke, arrays that broadcast [length].
         """
         m, c = self.stick(u)
         load_rate, tilt_rate = self.rates

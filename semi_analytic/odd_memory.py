@@ -324,15 +324,15 @@ class _Strokes:
     span_before: Span | None
     next_span: Span | None
 
-    def matrix(self, points: int, panels: int) -> Array:
+    def matrix(self, n_points: int, n_panels: int) -> Array:
         """Symmetric matrix (4, 4) of the friction work that tilt and bulk strain add, over o =
         (alpha_P, alpha_Q, e_P, e_Q), their values per normal and per tangential load: work = o .
         matrix o.
 
         It is the sum over all spans of slip, the kinks of the memory curve M(eta) that their stick
         edges pass, and the smooth ends of strokes. M(eta) is the tangential force of the flat
-        punches up to the load eta. `points` are quadrature nodes of a span, `panels` those of the
-        loads that a stroke's end leaves.
+        punches up to the load eta. `n_points` are the quadrature nodes of a span, `n_panels` the
+        panels of the loads that a stroke's end leaves.
         """
         work_matrix = np.zeros((4, 4))
         spans_with_neighbours = (self.span_before, *self.spans, self.next_span)
@@ -344,10 +344,10 @@ class _Strokes:
             if span_before is not None:
                 _refuse_return_to_limit(span_before, span, self.radius)
                 work_matrix += _work_at_kink(span_before, span, self.radius)
-            work_matrix += _work_in_span(span, self.radius, points)
-            work_matrix += _work_at_passed_end(span, self.radius, panels)
+            work_matrix += _work_in_span(span, self.radius, n_points)
+            work_matrix += _work_at_passed_end(span, self.radius, n_panels)
             if next_span is None or next_span.direction != span.direction:
-                work_matrix += _work_at_stroke_end(span, self.radius, panels)
+                work_matrix += _work_at_stroke_end(span, self.radius, n_panels)
         return work_matrix
 
     def require_no_limit_in_stick(self) -> None:
@@ -499,14 +499,14 @@ def _slope_derivative(piece: Piece, eta: Array) -> Array:
 
 
 # ---------------------------------------------------------------------------------- terms of work
-def _gauss_times(span: Span, points: int) -> tuple[Array, Array]:
-    """Times of Gauss' rule in a span, and their weights in time, (points,) each."""
-    nodes, weights = np.polynomial.legendre.leggauss(points)
+def _gauss_times(span: Span, n_points: int) -> tuple[Array, Array]:
+    """Times of Gauss' rule in a span, and their weights in time, (n_points,) each."""
+    nodes, weights = np.polynomial.legendre.leggauss(n_points)
     half_duration = (span.end.time - span.begin.time) / 2
     return span.begin.time + half_duration * (1 + nodes), half_duration * weights
 
 
-def _work_in_span(span: Span, radius: float, points: int) -> Array:
+def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
     """Matrix (4, 4) of the friction work that tilt and strain add while both edges slip in one
     direction s, in a span of time: work = o . matrix o, o = (alpha_P, alpha_Q, e_P, e_Q).
 
@@ -515,13 +515,13 @@ def _work_in_span(span: Span, radius: float, points: int) -> Array:
 
     D is the centre of stick minus that of contact, v the shift in `_StickEdge`. The second integral
     is there where the memory at the stick edge was set in stick; alpha' and eps' are then their
-    derivatives along that memory, by eta. Both are taken by Gauss' rule of `points` nodes in time;
-    `radius` is R of the parabola.
+    derivatives along that memory, by eta. Both are taken by Gauss' rule of `n_points` nodes in
+    time; `radius` is R of the parabola.
     """
     piece = span.sticking_piece
     if piece is None:
         raise Declined("the contact slides as a whole")
-    time, weights = _gauss_times(span, points)
+    time, weights = _gauss_times(span, n_points)
     slip_zone_load = span.slipped(time)
     stick_edge = _stick_edge_at(span, piece, time, slip_zone_load, radius)
     combination = slip_combination(span.direction, span.friction)
@@ -651,14 +651,14 @@ class _SmoothEnd:
     edge_load: float
     tilt_rate_form: Array
 
-    def loads_left(self, panels: int) -> tuple[Array, Array]:
+    def loads_left(self, n_panels: int) -> tuple[Array, Array]:
         """Loads eta (n,), and the tangential load that the end leaves on flat punches next to each,
-        T P/eta d eta, over R a_s'^2/N'', (n,). `panels` divide P_c < eta < P.
+        T P/eta d eta, over R a_s'^2/N'', (n,). `n_panels` divide P_c < eta < P.
         """
         stick_ratio = float(np.sqrt(self.edge_load / self.load))
         if stick_ratio < _LEAST_STICK:
             raise Declined("all but the middle of the contact slides")
-        left = loads_left_at_stroke_end(stick_ratio, panels)
+        left = loads_left_at_stroke_end(stick_ratio, n_panels)
         eta = self.load * left.half_width**2
         # d eta/eta is 2 dc'/c'
         return eta, 2 * self.load * left.force * left.width / left.half_width
@@ -703,31 +703,31 @@ def _smooth_end_at_anchor(
     return _smooth_end(stroke, anchor.time, piece.bottom, radius)
 
 
-def _work_at_stroke_end(span: Span, radius: float, panels: int) -> Array:
+def _work_at_stroke_end(span: Span, radius: float, n_panels: int) -> Array:
     """Matrix (4, 4) of the friction work that tilt and strain add at the smooth end of the stroke
     that ends with a `span` of slip, over (alpha_P, alpha_Q, e_P, e_Q); zero at a vertex of the load
     path.
 
     The two sides of the slip zone stop one after the other, which leaves tangential loads dT on
-    flat punches at loads eta. Their work is f int (P - eta) dT. `panels` are those of this
+    flat punches at loads eta. Their work is f int (P - eta) dT. `n_panels` are those of this
     integral; `radius` is R of the parabola.
     """
     edge_load = span.end.normal - float(span.slipped(span.end.time))
     smooth_end = _smooth_end(span, span.end.time, edge_load, radius)
     if smooth_end is None:
         return np.zeros((4, 4))
-    eta, load_left_at_eta = smooth_end.loads_left(panels)
+    eta, load_left_at_eta = smooth_end.loads_left(n_panels)
     integral = float(np.sum(load_left_at_eta * (smooth_end.load - eta)))
     return np.asarray(span.friction * integral * smooth_end.tilt_rate_form)
 
 
-def _work_at_passed_end(span: Span, radius: float, panels: int) -> Array:
+def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
     """Matrix (4, 4) of the friction work that tilt and strain add in a `span` of slip where its
     stick edge passes the tangential loads that an earlier, opposite stroke left at its smooth end.
 
     It is over (alpha_P, alpha_Q, e_P, e_Q). A load dT left at eta adds f (P - eta) dT, P being the
-    normal load when the stick edge passes eta. `panels` are those of this integral; `radius` is R
-    of the parabola.
+    normal load when the stick edge passes eta. `n_panels` are those of this integral; `radius` is
+    R of the parabola.
     """
     piece = span.sticking_piece
     if piece is None or not is_at_coulomb_limit(piece, -span.direction, span.friction):
@@ -735,7 +735,7 @@ def _work_at_passed_end(span: Span, radius: float, panels: int) -> Array:
     smooth_end = _smooth_end_at_anchor(piece, -span.direction, span.friction, radius)
     if smooth_end is None:
         return np.zeros((4, 4))
-    eta, load_left_at_eta = smooth_end.loads_left(panels)
+    eta, load_left_at_eta = smooth_end.loads_left(n_panels)
     edge_load_at_end = span.end.normal - float(span.slipped(span.end.time))
     edge_load_at_begin = span.begin.normal - float(span.slipped(span.begin.time))
     is_passed = (eta < edge_load_at_begin) & (eta >= edge_load_at_end)
