@@ -31,42 +31,49 @@ from scenes.array_types import Array
 if TYPE_CHECKING:
     from reports.scoring.study import Study
 
-# Height of a row [units of a drawing]; one that is so many times as long as the middle one is cut
-# off, so that others can be read.
+# Height of the row of a bar [pixels].
 _BAR_HEIGHT = 44.0
+# A bar that is so many times as long as the median of the bars is cut off, so that others can be
+# read.
 _LONGEST_OVER_MEDIAN = 3.0
 
 
 def budget_bars(budget: ErrorBudget) -> Plate | None:
     """A figure with a stacked bar for each metric that has a tolerance: what each source of error
-    adds to the difference E of the metric, over its tolerance.
+    (a term of the budget: mesh, load steps, ...) adds to the metric's difference E, over the
+    tolerance.
 
-    Contributions that add lie right of zero, those that subtract lie left; their sum is E. Where no
+    Terms that add to E lie right of zero, those that subtract lie left; their sum is E. Where no
     metric has a tolerance, the metrics of the page's first table are drawn in per cent. None where
     there are none.
     """
-    budgets_with_tolerance = [entry for entry in budget.budgets if entry.metric.tolerance]
-    headlines = [entry for entry in budget.budgets if entry.metric.headline]
-    budgets = budgets_with_tolerance or headlines
+    budgets_with_tolerance = [
+        budget_of_metric for budget_of_metric in budget.budgets if budget_of_metric.metric.tolerance
+    ]
+    budgets_of_first_table = [
+        budget_of_metric for budget_of_metric in budget.budgets if budget_of_metric.metric.headline
+    ]
+    budgets = budgets_with_tolerance or budgets_of_first_table
     if not budgets:
         return None
 
     is_judged = bool(budgets_with_tolerance)
     rest_name = "unexplained" if budgets[0].are_half_planes else "idealisation"
     term_names = [term.name for term in budgets[0].terms]
-    names = [*term_names, rest_name]
-    stacks = [_stack_of(entry, is_judged) for entry in budgets]
+    block_names = [*term_names, rest_name]
+    stacks = [_stack_of(budget_of_metric, is_judged) for budget_of_metric in budgets]
     axis_end = _half_width_of_bars(stacks, is_judged)
 
     marks: list[Mark] = []
     for row_number, stack in enumerate(stacks):
         lower_edge = float(len(stacks) - row_number - 1)
         marks += _limits_of_bar(lower_edge, is_judged)
-        marks += _blocks_of_bar(lower_edge, stack, names, is_judged)
+        marks += _blocks_of_bar(lower_edge, stack, block_names, is_judged)
         marks += _marks_of_total(lower_edge, stack.total, stack.uncertainty, axis_end)
-        cut_off = ", cut off" if stack.reach > axis_end else ""
-        text = f"{stack.budget.metric.label}: {value_of(stack.budget.metric)}{cut_off}"
-        marks.append(Note(-axis_end, lower_edge + 0.7, text, "tick over", shift=(6.0, 0.0)))
+        metric = stack.budget.metric
+        cut_in_words = ", cut off" if stack.largest_distance > axis_end else ""
+        label = f"{metric.label}: {value_of(metric)}{cut_in_words}"
+        marks.append(Note(-axis_end, lower_edge + 0.7, label, "tick over", shift=(6.0, 0.0)))
 
     panel = broad_panel(
         "budget",
@@ -77,10 +84,10 @@ def budget_bars(budget: ErrorBudget) -> Plate | None:
         _BAR_HEIGHT * len(budgets) + 60,
         room=(20.0, 12.0, 20.0, 46.0),
     )
-    is_drawn = np.any([stack.shares != 0 for stack in stacks], axis=0)
+    is_drawn = np.any([stack.lengths != 0 for stack in stacks], axis=0)
     keys = [
         Key(f"term-{index}", name, patch=True)
-        for index, name in enumerate(names)
+        for index, name in enumerate(block_names)
         if is_drawn[index]
     ]
     table = _budget_table(budgets, term_names, rest_name)
@@ -94,13 +101,13 @@ def _axis_of_bars(is_judged: bool) -> str:
 
 def waterfall(why: Why) -> Plate | None:
     """A waterfall figure of the dissipation W: from half-plane theory, at zero, a bar for each
-    cause leads to the finite elements, in per cent of theory's W. None where the difference is not
-    split into causes.
+    cause of the difference leads to the finite elements, in per cent of theory's W. None where the
+    difference is not split into causes.
     """
-    steps = why.steps
-    if not steps:
+    causes = why.steps
+    if not causes:
         return None
-    ends_of_bars = [100 * (step.start + step.change.value) for step in steps]
+    ends_of_bars = [100 * (cause.start + cause.change.value) for cause in causes]
     total_change = 100 * why.total.value
     uncertainty = 100 * why.total.uncertainty
     if not math.isfinite(uncertainty):
@@ -111,17 +118,17 @@ def waterfall(why: Why) -> Plate | None:
     axis = Axis(least_value - margin, largest_value + margin, "change of W, per cent", count=8)
     marks: list[Mark] = []
     labels: list[Mark] = []  # on top of all lines
-    n_rows = len(steps) + 1
-    for step_number, step in enumerate(steps):
-        lower_edge = float(n_rows - step_number - 1)
-        label = f"{step.words}: {percent_of(step.change)}"
-        ends_of_bar = (100 * step.start, ends_of_bars[step_number])
-        marks += _bar_of_cause(ends_of_bar, lower_edge, f"term-{step_number} edge", label)
+    n_rows = len(causes) + 1
+    for cause_number, cause in enumerate(causes):
+        lower_edge = float(n_rows - cause_number - 1)
+        label = f"{cause.words}: {percent_of(cause.change)}"
+        ends_of_bar = (100 * cause.start, ends_of_bars[cause_number])
+        marks += _bar_of_cause(ends_of_bar, lower_edge, f"term-{cause_number} edge", label)
         labels.append(Note(axis.low, lower_edge + 0.7, label, "tick over", shift=(6.0, 0.0)))
     marks.append(Segments(np.array([[[0.0, 0.06], [0.0, 0.56]]]), "zero"))
     marks += _marks_of_total(0.0, total_change, uncertainty, max(-axis.low, axis.high))
-    label = f"finite elements/theory − 1: {percent_of(why.total)}"
-    labels.append(Note(axis.low, 0.7, label, "tick over", shift=(6.0, 0.0)))
+    label_of_total = f"finite elements/theory − 1: {percent_of(why.total)}"
+    labels.append(Note(axis.low, 0.7, label_of_total, "tick over", shift=(6.0, 0.0)))
     marks += labels
     panel = broad_panel(
         "waterfall",
@@ -133,9 +140,9 @@ def waterfall(why: Why) -> Plate | None:
         room=(20.0, 12.0, 20.0, 46.0),
     )
     table: Table = {
-        "cause": [step.words for step in steps],
-        "change of W": [step.change.value for step in steps],
-        "u": [step.change.uncertainty for step in steps],
+        "cause": [cause.words for cause in causes],
+        "change of W": [cause.change.value for cause in causes],
+        "u": [cause.change.uncertainty for cause in causes],
     }
     return figure_with_texts("waterfall", [panel], table, columns=1)
 
@@ -151,9 +158,9 @@ def _bar_of_cause(
     ends_of_bar
         sum of the changes before this cause, and with it [per cent]
     lower_edge
-        height at which the row of the bar begins
-    css
-        look of the bar
+        height at which the row of the bar begins; a row has height 1
+    css, label
+        class of the bar in the style sheet, and its text
     """
     start_of_bar, end_of_bar = ends_of_bar
     yield Segments(np.array([[[0.0, lower_edge + 0.06], [0.0, lower_edge + 0.56]]]), "zero")
@@ -170,19 +177,29 @@ def _bar_of_cause(
 
 
 class _Stack(NamedTuple):
-    """The budget of a metric as shares of its tolerance, or in per cent."""
+    """The stacked bar of a metric; lengths are over the metric's tolerance, or per cent.
+
+    Attributes
+    ----------
+    budget
+        the error budget of the metric
+    lengths
+        (k,) of the blocks: one for each term of the budget, then what no term explains; with sign
+    total, uncertainty
+        difference E of the metric, and its uncertainty
+    """
 
     budget: Budget
-    shares: Array  # (k,) of each term, then of what no term explains
-    total: float  # E
-    uncertainty: float  # of E
+    lengths: Array
+    total: float
+    uncertainty: float
 
     @property
-    def reach(self) -> float:
-        """How far its bar goes from zero, on the longer side."""
-        right = float(self.shares[self.shares > 0].sum())
-        left = float(-self.shares[self.shares < 0].sum())
-        return max(right, left, abs(self.total) + self.uncertainty)
+    def largest_distance(self) -> float:
+        """How far the bar with its whisker goes from zero, on the longer side."""
+        right_length = float(self.lengths[self.lengths > 0].sum())
+        left_length = float(-self.lengths[self.lengths < 0].sum())
+        return max(right_length, left_length, abs(self.total) + self.uncertainty)
 
 
 def _stack_of(budget: Budget, is_judged: bool) -> _Stack:
@@ -205,17 +222,17 @@ def _stack_of(budget: Budget, is_judged: bool) -> _Stack:
 
 
 def _half_width_of_bars(stacks: Sequence[_Stack], is_judged: bool) -> float:
-    """Half the width of the axis: the longest bar, or where one is far longer than the middle one
-    a multiple of that; the limits at 1 are always on it.
+    """Half the width of the axis: that of the longest bar, at most three times the median of the
+    bars. The limits of the tolerance at ±1 are always on it.
     """
-    reaches = [stack.reach for stack in stacks]
-    longest_bar = min(max(reaches), _LONGEST_OVER_MEDIAN * float(np.median(reaches))) or 1.0
+    distances = [stack.largest_distance for stack in stacks]
+    longest_bar = min(max(distances), _LONGEST_OVER_MEDIAN * float(np.median(distances))) or 1.0
     return 1.08 * max(1.05 if is_judged else 0.0, longest_bar)
 
 
 def _limits_of_bar(lower_edge: float, is_judged: bool) -> Iterator[Mark]:
-    """Zero, and the limits of the tolerance, beside the bar alone: on a phone labels reach across
-    them.
+    """Lines at zero and, where `is_judged`, at the limits ±1 of the tolerance. They end beside the
+    bar: on a phone labels would cross them.
     """
     lines = [(0.0, "zero")]
     if is_judged:
@@ -225,7 +242,7 @@ def _limits_of_bar(lower_edge: float, is_judged: bool) -> Iterator[Mark]:
 
 
 def _blocks_of_bar(
-    lower_edge: float, stack: _Stack, names: Sequence[str], is_judged: bool
+    lower_edge: float, stack: _Stack, block_names: Sequence[str], is_judged: bool
 ) -> Iterator[Mark]:
     """The blocks of a stacked bar, one for each source of error: to the right of zero those that
     add, to the left those that subtract. A block without length is left out.
@@ -233,16 +250,16 @@ def _blocks_of_bar(
     Parameters
     ----------
     lower_edge
-        height at which the bar begins
+        height at which the row of the bar begins; a row has height 1
     stack
-        lengths of the blocks, in the order of `names`
+        lengths of the blocks, in the order of `block_names`
     is_judged
         whether lengths are over the tolerance; else they are per cent
     """
     right_end = 0.0
     left_end = 0.0
     unit = "of the tolerance" if is_judged else "%"
-    for index, (length, name) in enumerate(zip(stack.shares.tolist(), names, strict=True)):
+    for index, (length, name) in enumerate(zip(stack.lengths.tolist(), block_names, strict=True)):
         if length > 0:
             start = right_end
             right_end += length
@@ -261,14 +278,14 @@ def _budget_table(budgets: Sequence[Budget], term_names: Sequence[str], rest_nam
     column `rest_name`), and uncertainty u. NaN where there is no value.
     """
     columns: dict[str, list[float | None]] = {
-        "tolerance": [row.metric.tolerance for row in budgets],
-        "E": [row.total for row in budgets],
+        "tolerance": [budget.metric.tolerance for budget in budgets],
+        "E": [budget.total for budget in budgets],
     }
     for index, name in enumerate(term_names):
-        columns[name] = [row.terms[index].value for row in budgets]
-    columns[rest_name] = [row.rest for row in budgets]
-    columns["u"] = [row.uncertainty for row in budgets]
-    table: dict[str, Any] = {"metric": [row.metric.key for row in budgets]}
+        columns[name] = [budget.terms[index].value for budget in budgets]
+    columns[rest_name] = [budget.rest for budget in budgets]
+    columns["u"] = [budget.uncertainty for budget in budgets]
+    table: dict[str, Any] = {"metric": [budget.metric.key for budget in budgets]}
     for name, values in columns.items():
         table[name] = [math.nan if value is None else value for value in values]
     return table
@@ -277,9 +294,9 @@ def _budget_table(budgets: Sequence[Budget], term_names: Sequence[str], rest_nam
 def _marks_of_total(
     lower_edge: float, total: float, uncertainty: float, axis_end: float
 ) -> Iterator[Mark]:
-    """The total drawn over a stacked bar: an upright line at its value with a whisker for its
-    uncertainty. An arrow head at an end of the axis, which runs from −`axis_end` to `axis_end`,
-    shows that they reach beyond it.
+    """What is drawn for a total over a stacked bar: an upright line at its value and a whisker for
+    its uncertainty. The axis goes from −`axis_end` to `axis_end`; an arrow head at its end shows
+    that line or whisker goes beyond. `lower_edge` is the height at which the row of the bar begins.
     """
     height_of_whisker = lower_edge + 0.32
     if abs(total) <= axis_end:
@@ -301,15 +318,15 @@ def _marks_of_total(
 
 def mesh_refinement(budget: ErrorBudget) -> Plate | None:
     """A figure of how the metrics of the page's first table converge with the mesh, from the runs
-    of an error budget: distance of each metric from its extrapolated value at element size zero,
-    over the element size.
+    of an error budget: |metric − its extrapolated value at element size zero| over the element
+    size, relative to that of the run itself.
 
-    None for two meshes, or where no metric converges.
+    None for fewer than three meshes, or where no metric converges monotonically.
     """
     runs = [run for run in budget.refinements.mesh_runs if not run.failure]
     distances_by_label: dict[str, list[tuple[float, float]]] = {}
-    for entry in budget.budgets:
-        metric = entry.metric
+    for budget_of_metric in budget.budgets:
+        metric = budget_of_metric.metric
         points_of_runs = [(run.size, run.values.get(metric.key)) for run in runs]
         known_points = [
             (size, float(value))
@@ -327,15 +344,16 @@ def mesh_refinement(budget: ErrorBudget) -> Plate | None:
                 for size, value in known_points
                 if value != limit.value
             ]
-    axes = "element size, over that of the run", "distance from the value at size zero"
-    return _convergence("mesh_refinement", axes, distances_by_label, [run.size for run in runs])
+    words_of_axes = "element size, over that of the run", "distance from the value at size zero"
+    sizes_of_runs = [run.size for run in runs]
+    return _convergence("mesh_refinement", words_of_axes, distances_by_label, sizes_of_runs)
 
 
 def study_convergence(study: Study) -> Plate | None:
-    """A figure, for a mesh study of external results, of the distance of the headline metrics from
-    their limits at size zero, over the element size.
+    """A figure, for external results on several meshes, of how the metrics of the page's first
+    table converge: |metric − its limit at element size zero| over the element size.
 
-    None for two meshes, or where no metric converges.
+    None for fewer than three meshes, or where no metric converges monotonically.
     """
     sizes = [level.size for level in study.levels]
     distances_by_label: dict[str, list[tuple[float, float]]] = {}
@@ -346,8 +364,8 @@ def study_convergence(study: Study) -> Plate | None:
         distances_by_label[row.metric.label] = [
             (size, abs(value - limit)) for size, value in zip(sizes, row.values, strict=True)
         ]
-    axes = "element size at the contact", "distance from the value at h = 0"
-    return _convergence("study", axes, distances_by_label, sizes)
+    words_of_axes = "element size at the contact", "distance from the value at h = 0"
+    return _convergence("study", words_of_axes, distances_by_label, sizes)
 
 
 def _is_positive(points: Sequence[tuple[float, float]]) -> bool:
@@ -357,23 +375,26 @@ def _is_positive(points: Sequence[tuple[float, float]]) -> bool:
 
 def _convergence(
     name: str,
-    axes: tuple[str, str],
-    distances: Mapping[str, list[tuple[float, float]]],
+    words_of_axes: tuple[str, str],
+    distances_by_label: Mapping[str, list[tuple[float, float]]],
     element_sizes: Sequence[float],
 ) -> Plate | None:
-    """A figure of distances from the limit over the element size, both logarithmic, beside lines of
-    order 1 and 2; None for fewer than three meshes, or where no metric has a distance above 0.
+    """A figure of the distances of metrics from their limits over the element size, both
+    logarithmic, beside lines of order 1 and 2.
+
+    None for fewer than three meshes, or where all distances are 0.
 
     Parameters
     ----------
-    axes
-        words of the two axes
-    distances
-        label of a metric -> (element size, distance); one that is 0 everywhere is left out
+    words_of_axes
+        words of the horizontal and of the vertical axis
+    distances_by_label
+        label of a metric -> (element size, distance) of each mesh; a metric whose distances are all
+        0 is left out
     element_sizes
-        of all meshes
+        those of all meshes
     """
-    curves = {label: points for label, points in distances.items() if _is_positive(points)}
+    curves = {label: points for label, points in distances_by_label.items() if _is_positive(points)}
     if len(element_sizes) < 3 or not curves:
         return None
 
@@ -398,7 +419,7 @@ def _convergence(
                 marks.append(Dot(size, distance, f"{css} knot", 3.2))
         keys.append(Key(css, label))
 
-    words_across, words_up = axes
+    words_across, words_up = words_of_axes
     x_axis = Axis(0.8 * float(sizes.min()), 1.25 * float(sizes.max()), words_across, log=True)
     # Below a millionth of the largest distance a curve is round-off.
     least_distance = max(min(positive_distances), 1e-6 * largest_distance)

@@ -40,14 +40,15 @@ def as_json(report: Report, command: str = "", seconds: Mapping[str, float] | No
 
 
 def common_content(report: Report) -> dict[str, Any]:
-    """The texts that the page and comparison.json both state, by their names there: headline,
-    table, question, bodies, idealisation.
+    """What the page and comparison.json both hold, by its names there: the headline, the rows of
+    the first table, and sentences on the question, the bodies and the idealisation.
     """
     comparison = report.comparison
     scene = comparison.scene
+    _, table_rows = first_table(comparison)
     return {
         "headline": report.opening,
-        "table": first_table(comparison)[1],
+        "table": table_rows,
         "claim": in_template("claim"),
         "question": question(scene),
         "bodies": bodies_in_words(scene),
@@ -58,13 +59,14 @@ def common_content(report: Report) -> dict[str, Any]:
 
 def whole_content(report: Report, command: str, seconds: Mapping[str, float]) -> dict[str, Any]:
     """All that comparison.json holds, by its names; numbers may be numpy's and not finite.
-    `command` and `seconds` say how the report came about.
+
+    `command` reproduces the report; `seconds` holds the wall time of each stage.
     """
     comparison = report.comparison
     budget = report.budget
     scales = comparison.scales
-    # The solutions that hold every instant of the scene: beside a foreign result both have its few
-    # only.
+    # The solutions that hold every instant of the scene. An external result may have few instants,
+    # and then the reference beside it is solved at these alone.
     complete_solutions: tuple[ContactSolution, ...] = ()
     if not derived(comparison.result):
         complete_solutions = (comparison.reference, comparison.result)

@@ -25,9 +25,9 @@ ZERO = Rule(0.0, "zero")
 
 
 class EngineView(NamedTuple):
-    """One engine in the figures."""
+    """One engine in the figures: class of its lines in the style sheet, last cycle, and name."""
 
-    look: str  # of its lines
+    line_css: str
     cycle: Cycle
     name: str
 
@@ -40,14 +40,14 @@ class CycleView:
     reference_cycle, result_cycle
         the last cycle of each solution, on the points of the result
     engines
-        looks, cycle and name of the reference and of the result
+        class of lines, cycle and name of the reference and of the result
     keys
         their entries of a legend
     chosen_events
         the instants that have a number in every figure
     shown_instant
-        of these the one that a page shows first: with most points slipping, of equal ones the
-        most loaded
+        index of the one that a page shows first: that with most points slipping, of equal ones
+        that of the largest P
     time, time_words
         the axis of figures through the last cycle
     stretch, noun
@@ -58,8 +58,8 @@ class CycleView:
     """
 
     def __init__(self, comparison: Comparison) -> None:
-        """Take the last cycle of both solutions of a comparison, and choose the instants that
-        figures number, the one that they show first, and the axes that they share.
+        """Take the last cycle of both solutions of a comparison. Choose the instants that have a
+        number in figures, the instant that is shown first, and the range of x that is drawn.
         """
         self.comparison = comparison
         self.scene = comparison.scene
@@ -68,19 +68,19 @@ class CycleView:
         self.noun = self.stretch.split()[-1]
         self.reference_cycle = comparison.reference_cycle
         self.result_cycle = comparison.result_cycle
-        # r and f: how lines of the reference and of the result look
+        # "r" and "f": the classes of the style sheet for reference and result
         self.engines = (
             EngineView("r", self.reference_cycle, name_of(comparison.reference.engine)),
             EngineView("f", self.result_cycle, name_of(comparison.result.engine)),
         )
-        self.keys = [Key(f"{engine.look} p", engine.name) for engine in self.engines]
+        self.keys = [Key(f"{engine.line_css} p", engine.name) for engine in self.engines]
         self.chosen_events = events(
             self.result_cycle,
             self.scene.friction.coefficient,
             first_row(self.result_cycle, self.scene),
         )
         chosen_instants = [event.index for event in self.chosen_events]
-        self.shown_instant = max(chosen_instants, key=self._slip_and_load)
+        self.shown_instant = max(chosen_instants, key=self._slip_points_and_load)
         self.time = self.result_cycle.time
         self.time_words = "time"
         if self.scene.load.path().period is not None and self.result_cycle.is_whole:
@@ -89,7 +89,7 @@ class CycleView:
         self.x = self.result_cycle.x / self.scales.half_width
         self.largest_x = self._largest_distance() / self.scales.half_width
 
-    def _slip_and_load(self, instant: int) -> tuple[int, float]:
+    def _slip_points_and_load(self, instant: int) -> tuple[int, float]:
         """How many points slip at an instant, and P there."""
         n_slipping = int((self.result_cycle.state[instant] >= 2).sum())
         return n_slipping, float(self.result_cycle.normal_load[instant])
@@ -111,31 +111,33 @@ class CycleView:
         return Axis(-self.largest_x, self.largest_x, words)
 
     def difference_over_time(self, difference: Array, unit: str) -> str:
-        """The numbers of a difference over time."""
+        """Root mean square and largest value of a difference (k,) over time, in words, with the
+        time of the largest; `unit` follows each value.
+        """
         words_of_place = "t/T = {}" if "period" in self.time_words else "t = {}"
         return difference_in_words(difference, self.time, words_of_place, unit)
 
 
 def difference_in_words(
     difference: Array,
-    along: Array,
-    place_template: str,
+    positions: Array,
+    position_template: str,
     unit: str = "",
-    counts: NDArray[np.bool_] | None = None,
+    is_compared: NDArray[np.bool_] | None = None,
 ) -> str:
     """The size of a difference along x or time, in words: its root mean square, its largest value,
-    and the place of that.
+    and where that is.
 
     Parameters
     ----------
-    difference, along
-        (n,) the difference, and the places or times that it is at
-    place_template
-        how the place is written, with {} for its number
+    difference, positions
+        (n,) the difference, and the x or times at which it is given
+    position_template
+        text of a position, with {} for its number
     unit
-        written behind each value
-    counts
-        (n,) False where the difference is left out
+        written behind each value of the difference
+    is_compared
+        (n,) False where the difference is left out; None: it counts everywhere
 
     Examples
     --------
@@ -145,18 +147,18 @@ def difference_in_words(
     ... )
     'rms 1.7 %, largest −3 % at x = 1 a_ref'
     """
-    is_known = np.isfinite(difference) & (True if counts is None else counts)
+    is_known = np.isfinite(difference) & (True if is_compared is None else is_compared)
     if not is_known.any():
         return "nothing to compare"
-    lengths = np.gradient(along) if len(along) > 1 else np.ones(1)
+    lengths = np.gradient(positions) if len(positions) > 1 else np.ones(1)
     weights = np.maximum(lengths[is_known], 1e-300)
     rms = np.sqrt(np.average(difference[is_known] ** 2, weights=weights))
     worst_index = int(np.argmax(np.where(is_known, np.abs(difference), -1.0)))
-    place = place_template.format(minus(f"{along[worst_index] + 0.0:.3g}"))
+    worst_position = position_template.format(minus(f"{positions[worst_index] + 0.0:.3g}"))
     largest_difference = difference[worst_index] + 0.0
     rms_text = f"rms {_two_digits(rms)}{unit}"
     largest_text = f"largest {_two_digits(largest_difference)}{unit}"
-    return minus(f"{rms_text}, {largest_text} at ") + place
+    return minus(f"{rms_text}, {largest_text} at ") + worst_position
 
 
 def _two_digits(value: float) -> str:
@@ -185,9 +187,9 @@ def permanent_edges(solution: ContactSolution) -> Array:
 
 
 def slip_points(comparison: Comparison, count: int = 4) -> list[int]:
-    """Indices of up to `count` points of the result at which the page shows slip over time: evenly
-    from the edge of the permanent stick zone (or the middle) to just outside the largest contact,
-    on the right-hand side.
+    """Indices of up to `count` points of the result at which the page shows slip over time. They
+    lie evenly from the right edge of the permanent stick zone (or the middle) to just inside the
+    right edge of the largest contact.
     """
     edges = comparison.reference_cycle.contact_edges
     x = comparison.result_cycle.x
@@ -204,13 +206,18 @@ def slip_points(comparison: Comparison, count: int = 4) -> list[int]:
 
 
 def sheared_displacement(cycle: Cycle) -> Array:
-    """Shift less the mean slope times Q and less its mean: the loop keeps its area and opens."""
-    shift = cycle.tangential_displacement - loop_compliance(cycle) * cycle.tangential_load
-    return np.asarray(shift - shift.mean())
+    """V = U - k Q minus its mean, (k,) [length]: the displacement without its elastic part, k being
+    the compliance dU/dQ of the loop. Q over V encloses the area of Q over U, in an open loop.
+    """
+    elastic_part = loop_compliance(cycle) * cycle.tangential_load
+    displacement = cycle.tangential_displacement - elastic_part
+    return np.asarray(displacement - displacement.mean())
 
 
 def loop_compliance(cycle: Cycle) -> float:
-    """Slope dU/dQ of the straight line through the loop, least squares; 0 where Q stands still."""
-    load = cycle.tangential_load - cycle.tangential_load.mean()
-    square = float(load @ load)
-    return float(load @ cycle.tangential_displacement) / square if square > 0 else 0.0
+    """Slope dU/dQ of the straight line through the loop by least squares; 0 where Q is constant."""
+    load_about_mean = cycle.tangential_load - cycle.tangential_load.mean()
+    sum_of_squares = float(load_about_mean @ load_about_mean)
+    if sum_of_squares > 0:
+        return float(load_about_mean @ cycle.tangential_displacement) / sum_of_squares
+    return 0.0

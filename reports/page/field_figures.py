@@ -51,7 +51,7 @@ _MOST_STATES = 500_000
 def traction_keys(view: CycleView) -> tuple[Key, ...]:
     """Legend: p and q of each engine, then the differences."""
     keys = [
-        Key(f"{engine.look} {letter}", f"{letter}, {engine.name}")
+        Key(f"{engine.line_css} {letter}", f"{letter}, {engine.name}")
         for engine in view.engines
         for letter in "pq"
     ]
@@ -59,8 +59,8 @@ def traction_keys(view: CycleView) -> tuple[Key, ...]:
 
 
 def tractions(view: CycleView) -> Plate:
-    """A figure of pressure p and shear q of both engines at the numbered instants, their difference
-    beneath. `view` holds the last cycles of both solutions.
+    """A figure of pressure p and shear q of both engines over x, two panels for each numbered
+    instant: the tractions, and their difference. `view` holds the last cycles of both solutions.
     """
     instants = [event.index for event in view.chosen_events]
     cells = []
@@ -79,31 +79,33 @@ def tractions(view: CycleView) -> Plate:
         "x": np.tile(view.result_cycle.x, len(instants)),
         "x/a_ref": np.tile(view.x, len(instants)),
     }
-    units_of = {"p": "p_ref", "q": "(f p_ref)"}
-    for letter, (field, size) in _traction_fields(view).items():
+    name_of_scale = {"p": "p_ref", "q": "(f p_ref)"}
+    for letter, (field, scale) in _traction_fields(view).items():
         for role, cycle in (("reference", view.reference_cycle), ("result", view.result_cycle)):
-            column_name = f"{letter}_{role}/{units_of[letter]}"
-            table[column_name] = (getattr(cycle, field)[instants] / size).ravel()
+            column_name = f"{letter}_{role}/{name_of_scale[letter]}"
+            table[column_name] = (getattr(cycle, field)[instants] / scale).ravel()
     return figure_with_texts("tractions", cells, table, traction_keys(view), columns=3)
 
 
 def _traction_fields(view: CycleView) -> dict[str, tuple[str, float]]:
-    """Letter -> name of the field, and what it is drawn over."""
+    """By letter p or q: the name of the traction's field, and the scale that it is divided by,
+    p_ref or f p_ref [stress].
+    """
     return {"p": ("pressure", view.scales.pressure), "q": ("shear", view.scales.shear)}
 
 
 def traction_panels(
     view: CycleView,
     instant: int,
-    instants: Sequence[int],
+    instants_of_axes: Sequence[int],
     name: str,
     size: tuple[float, float],
     title: str = "",
     *,
-    live: bool = False,
+    moves_with_slider: bool = False,
 ) -> tuple[Panel, Panel]:
-    """Two panels for one instant: pressure p and shear q of both engines over x, and below it the
-    difference of the engines in per cent.
+    """Two panels for one instant: pressure p and shear q of both engines over x; and below it the
+    difference, result minus reference, in per cent of p_ref and f p_ref.
 
     Parameters
     ----------
@@ -111,33 +113,35 @@ def traction_panels(
         last cycles of reference and result, and the range of x that figures share
     instant
         index of the instant that is drawn
-    instants
-        indices of those whose values the axes must hold, so that panels can be compared
+    instants_of_axes
+        indices of the instants whose tractions fit on the axes, the same for all panels of a figure
     name
         name of the upper panel
     size
         width and height of the upper panel [pixels]
     title
         title of the upper panel
-    live
-        whether the page's slider moves the curves
+    moves_with_slider
+        whether the curves change to the instant that the page's slider chooses
     """
     width, height = size
-    x, traction_pairs = _tractions_at(view, (instant, *instants))
+    x, traction_pairs = _tractions_at(view, (instant, *instants_of_axes))
     differences = {
         letter: 100 * (result_values - reference_values)
         for letter, (reference_values, result_values) in traction_pairs.items()
     }
 
     def curve_of(values: Array, css: str, label: str, field: str) -> Curve:
-        return Curve(x, values.copy(), css, label, {"field": field} if live else {})
+        data_of_slider = {"field": field} if moves_with_slider else {}
+        return Curve(x, values.copy(), css, label, data_of_slider)
 
-    # row 0 is the instant that is drawn
+    # Row 0 is the instant that is drawn. Its curves are copies of the row: a view would keep the
+    # tractions of all instants in memory.
     traction_marks: list[Mark] = [ZERO]
     for engine_number, engine in enumerate(view.engines):
         for letter in "pq":
             values = traction_pairs[letter][engine_number][0]
-            css = f"{engine.look} {letter}"
+            css = f"{engine.line_css} {letter}"
             label = f"{letter}, {engine.name}"
             traction_marks.append(curve_of(values, css, label, f"{letter}{engine_number}"))
     all_values = [values for pair in traction_pairs.values() for values in pair]
@@ -161,8 +165,8 @@ def traction_panels(
         values = differences[letter][0]
         label = f"difference of {letter}, %"
         difference_marks.append(curve_of(values, f"d {letter}", label, f"d{letter}"))
-        numbers = difference_in_words(values, x, "x = {} a_ref", " %", is_touching)
-        notes.append(f"{letter}: {numbers}")
+        size_in_words = difference_in_words(values, x, "x = {} a_ref", " %", is_touching)
+        notes.append(f"{letter}: {size_in_words}")
     lower_panel = Panel(
         f"{name}-difference",
         view.over_x(),
@@ -183,35 +187,41 @@ def traction_panels(
 def _tractions_at(
     view: CycleView, instants: Sequence[int]
 ) -> tuple[Array, dict[str, tuple[Array, Array]]]:
-    """Points over a_ref that are drawn, (n,); and there, by letter p or q, the tractions of the
-    reference and of the result over their units, (k, n) each, for each of the `instants` once.
+    """The x/a_ref of the points that are drawn, (n,); and by letter, "p" or "q", a pair of arrays
+    (k, n): p/p_ref or q/(f p_ref) of the reference and of the result at these points.
+
+    The k instants are `instants` in their order, without repetitions.
     """
     is_drawn = np.abs(view.x) <= view.largest_x * 1.02
-    # A line copies its row of these, or it would keep all in memory.
-    rows = np.array(list(dict.fromkeys(instants)))
-    grid = np.ix_(rows, np.flatnonzero(is_drawn))
+    different_instants = np.array(list(dict.fromkeys(instants)))
+    grid = np.ix_(different_instants, np.flatnonzero(is_drawn))
     traction_pairs = {}
-    for letter, (field, unit) in _traction_fields(view).items():
-        reference_values = getattr(view.reference_cycle, field)[grid] / unit
-        result_values = getattr(view.result_cycle, field)[grid] / unit
+    for letter, (field, scale) in _traction_fields(view).items():
+        reference_values = getattr(view.reference_cycle, field)[grid] / scale
+        result_values = getattr(view.result_cycle, field)[grid] / scale
         traction_pairs[letter] = (reference_values, result_values)
     return view.x[is_drawn], traction_pairs
 
 
 def moving_instant(view: CycleView) -> Plate:
-    """The figure that the slider moves: p and q of both engines at the instant with most slip, and
-    their states along x. Its axes hold the whole cycle, so that nothing leaves them. `view` holds
-    the last cycles of both solutions.
+    """The figure that the slider moves: p and q of both engines over x at one instant, their
+    difference, and their states along x. At first it shows the instant with most slip. Its axes fit
+    the whole cycle. `view` holds the last cycles of both solutions.
     """
     width = 560.0
     every_instant = range(len(view.result_cycle.time))
-    traction_panel, difference = traction_panels(
-        view, view.shown_instant, every_instant, "now", (width, 300.0), live=True
+    traction_panel, difference_panel = traction_panels(
+        view,
+        view.shown_instant,
+        every_instant,
+        "now",
+        (width, 300.0),
+        moves_with_slider=True,
     )
     marks: list[Mark] = []
-    for strip, engine in enumerate(view.engines):
-        marks += _strip_of_states(view, engine, strip)
-    strips = Panel(
+    for strip_number, engine in enumerate(view.engines):
+        marks += _strip_of_states(view, engine, strip_number)
+    state_panel = Panel(
         "zones",
         view.over_x(""),
         Axis(84.0, 0.0, ""),
@@ -233,7 +243,7 @@ def moving_instant(view: CycleView) -> Plate:
         "U_result": view.result_cycle.tangential_displacement,
         "points_where_states_differ": states_differ.sum(axis=1).astype(np.int64),
     }
-    panels = (traction_panel, strips, difference)
+    panels = (traction_panel, state_panel, difference_panel)
     return figure_with_texts("cycle", panels, table, traction_keys(view), columns=1)
 
 
@@ -241,7 +251,8 @@ def _strip_of_states(view: CycleView, engine: EngineView, strip_number: int) -> 
     """What is drawn for one engine's contact states at the instant shown: a strip along x, coloured
     by open, stick and slip, with the engine's name. The page's slider recolours it.
 
-    `strip_number` is its number from the top. `view` holds the last cycles of both solutions.
+    `strip_number` counts from 0 at the top. `view` holds the last cycles of both solutions. Heights
+    are in pixels.
     """
     top_y = 20.0 + 40.0 * strip_number
     bottom_y = top_y + 16
@@ -269,8 +280,8 @@ def state_map(view: CycleView) -> Plate:
     states_of_reference = view.reference_cycle.state
     states_of_result = view.result_cycle.state
     metric = view.comparison.metric("state")
-    # The metric's own number: points crowd at the edges, so that counting them would give another,
-    # larger share.
+    # The share of points that differ is that of the metric, weighted by lengths. Points crowd at
+    # the edges, so that counting them would give a larger share.
     share_in_words = "" if metric.value is None else value_of(metric)
     reference_engine, result_engine = view.engines
     difference_title = f"they differ: {share_in_words}".rstrip(": ")
@@ -328,7 +339,9 @@ def state_map(view: CycleView) -> Plate:
 
 
 def _pixels(view: CycleView) -> tuple[NDArray[np.int_], ...]:
-    """For each row and column of a map the instant and the point nearest to it; time goes up."""
+    """Index arrays that pick from values (k instants, n points) those of the rows and columns of a
+    map: of the instant and of the point nearest to each. Time goes up.
+    """
     places = np.linspace(-view.largest_x, view.largest_x, _MAP_COLUMNS)
     points = np.abs(view.x[:, None] - places).argmin(axis=0)
     times = np.linspace(view.time[-1], view.time[0], _MAP_ROWS)
@@ -337,15 +350,15 @@ def _pixels(view: CycleView) -> tuple[NDArray[np.int_], ...]:
 
 
 def dissipation_density(view: CycleView) -> Plate | None:
-    """A figure of the friction work per area w(x) of the last cycle, both engines, and their
-    difference beside it. None where nothing is dissipated anywhere. `view` holds the last cycles of
-    both solutions.
+    """A figure of the friction work per area w(x) of the last cycle, both engines, and of their
+    difference in per cent of the largest w of the reference. None where nothing is dissipated.
+    `view` holds the last cycles of both solutions.
     """
     x = view.x
     scales = view.scales
-    unit = scales.dissipation / scales.half_width
-    density_of_reference = view.reference_cycle.dissipation_density / unit
-    density_of_result = view.result_cycle.dissipation_density / unit
+    scale_of_density = scales.dissipation / scales.half_width
+    density_of_reference = view.reference_cycle.dissipation_density / scale_of_density
+    density_of_result = view.result_cycle.dissipation_density / scale_of_density
     if not (np.any(density_of_reference) or np.any(density_of_result)):
         return None
 
@@ -384,12 +397,12 @@ def dissipation_density(view: CycleView) -> Plate | None:
         "Difference of the dissipation density",
         notes=[note],
     )
-    unit_in_table = "(A f^2 P_ref^2/a_ref)"
+    scale_in_words = "(A f^2 P_ref^2/a_ref)"
     table = {
         "x": view.result_cycle.x,
         "x/a_ref": x,
-        f"w_reference/{unit_in_table}": density_of_reference,
-        f"w_result/{unit_in_table}": density_of_result,
+        f"w_reference/{scale_in_words}": density_of_reference,
+        f"w_result/{scale_in_words}": density_of_result,
     }
     return figure_with_texts(
         "dissipation_density",

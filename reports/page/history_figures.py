@@ -44,18 +44,19 @@ from scenes import Scene, sampled
 from scenes.array_types import Array
 from scenes.scene import OWN_TOLERANCES
 
-_MOST_TOLERANCES = 8.0  # that an axis of discrepancies holds
+# Discrepancies over their tolerance are drawn up to this ratio; larger ones are cut off.
+_LARGEST_DRAWN_RATIO = 8.0
 # Of load path and loops, which stand one under the other beside the tractions [units of a
 # drawing].
 _LOOP_HEIGHT = 220.0
 
 
 def half_widths(view: CycleView) -> Plate:
-    """A figure of the contact edges and stick edges of both engines through the cycle, and beside
-    it the difference of the half-widths, result minus reference, per cent of a_ref. `view` holds
-    the last cycles of both solutions.
+    """A figure of the contact edges and stick edges of both engines through the cycle. Beside it
+    stand the differences of the half-widths of contact and stick zone, result minus reference, per
+    cent of a_ref. `view` holds the last cycles of both solutions.
     """
-    half_width = view.scales.half_width
+    a_ref = view.scales.half_width
     curves: list[Curve] = []
     keys: list[Key] = []
     table = {"time": view.result_cycle.time}
@@ -64,17 +65,17 @@ def half_widths(view: CycleView) -> Plate:
         for kind, css in (("contact", "p"), ("stick", "q")):
             edges = getattr(engine.cycle, f"{kind}_edges")
             left_edge, right_edge = edges.T
-            key = Key(f"{engine.look} {css}", f"{kind} edge, {engine.name}")
+            key = Key(f"{engine.line_css} {css}", f"{kind} edge, {engine.name}")
             keys.append(key)
-            curves.append(Curve(view.time, left_edge / half_width, key.css, key.text))
-            curves.append(Curve(view.time, right_edge / half_width, key.css, key.text))
-            half_widths_of[kind].append((right_edge - left_edge) / 2 / half_width)
+            curves.append(Curve(view.time, left_edge / a_ref, key.css, key.text))
+            curves.append(Curve(view.time, right_edge / a_ref, key.css, key.text))
+            half_widths_of[kind].append((right_edge - left_edge) / 2 / a_ref)
             table[f"left_{kind}_edges_{role}"] = left_edge
             table[f"right_{kind}_edges_{role}"] = right_edge
     upper_panel = Panel(
         "edges",
         view.over_time(),
-        Axis(*limits(*(line.y for line in curves)), X_OVER_A),
+        Axis(*limits(*(curve.y for curve in curves)), X_OVER_A),
         curves,
         f"Contact and stick edges through the {view.noun}",
         time="x",
@@ -105,7 +106,7 @@ def half_widths(view: CycleView) -> Plate:
         notes=notes,
         time="x",
     )
-    spacing = _spacing_at_the_edge(view.result_cycle) / half_width
+    spacing = _spacing_at_the_edge(view.result_cycle) / a_ref
     legend = (*keys, Key("d p", "difference, contact"), Key("d q", "difference, stick"))
     return figure_with_texts(
         "half_widths",
@@ -118,61 +119,61 @@ def half_widths(view: CycleView) -> Plate:
 
 
 def _spacing_at_the_edge(cycle: Cycle) -> float:
-    """The middle distance of points about the contact edges [length]; NaN where nothing
-    touches.
+    """The median distance of neighbouring points about the contact edges [length]; NaN where
+    nothing touches.
     """
     outer_edge = float(np.nanmax(np.abs(cycle.contact_edges), initial=0.0))
     if not outer_edge:
         return math.nan
-    about_the_edge = np.abs(np.abs(cycle.x[1:]) - outer_edge) < 0.3 * outer_edge
-    return float(np.median(np.diff(cycle.x)[about_the_edge]))
+    is_about_edge = np.abs(np.abs(cycle.x[1:]) - outer_edge) < 0.3 * outer_edge
+    return float(np.median(np.diff(cycle.x)[is_about_edge]))
 
 
 def discrepancies(view: CycleView) -> Plate:
-    """A figure of the differences through the cycle: of each metric with a tolerance the absolute
-    difference at each instant, over its tolerance.
+    """A figure of the discrepancies of both engines through the cycle: for each metric that has a
+    tolerance, |result − reference| at each instant over that tolerance.
 
-    Where no metric has a tolerance it shows, in per cent, those that comparisons between
-    half-planes are judged by. `view` holds the last cycles of both solutions.
+    Where no metric has a tolerance, the metrics by which half-planes are judged are drawn in per
+    cent. `view` holds the last cycles of both solutions.
     """
     metrics = [metric for metric in view.comparison.metrics if metric.series is not None]
     metrics_with_tolerance = [metric for metric in metrics if metric.tolerance is not None]
-    is_judged = bool(metrics_with_tolerance)
+    has_tolerances = bool(metrics_with_tolerance)
     drawn_metrics = metrics_with_tolerance or [
         metric for metric in metrics if metric.key in OWN_TOLERANCES
     ]
     marks: list[Mark] = []
-    if is_judged:
+    if has_tolerances:
         marks.append(Rule(1.0, "limit"))
     keys = []
     largest_ratio = 0.0
     for metric, css in zip(drawn_metrics, LINE_LOOKS, strict=False):
-        unit_of_ratio = (metric.tolerance or 1.0) if is_judged else 0.01
+        unit_of_ratio = (metric.tolerance or 1.0) if has_tolerances else 0.01
         ratios = np.abs(np.asarray(metric.series)) / unit_of_ratio
-        # At a light load errors relative to the small traction measure the mesh only.
+        # Instants at a light load are not judged: errors relative to the small traction measure
+        # the mesh only.
         judged_ratios = np.where(view.comparison.is_judged, ratios, np.nan)
         worst_instant = int(np.nanargmax(judged_ratios)) if np.isfinite(judged_ratios).any() else 0
         largest_ratio = max(largest_ratio, float(np.nanmax(judged_ratios, initial=0.0)))
         marks.append(Curve(view.time, judged_ratios, css, metric.label))
-        per_cent = "" if is_judged else " %"
+        per_cent = "" if has_tolerances else " %"
         text = (
             f"{metric.label}: {judged_ratios[worst_instant]:.2g}{per_cent} at"
             f" {view.time[worst_instant]:.3g}"
         )
         keys.append(Key(css, minus(text)))
-    if is_judged:
+    if has_tolerances:
         last_time = float(view.time[-1])
         marks.append(Note(last_time, 1.0, "tolerance", anchor="end", shift=(-4.0, -5.0)))
-    if is_judged:
-        largest_drawn = min(max(1.0, largest_ratio), _MOST_TOLERANCES)
+        largest_drawn_ratio = min(max(1.0, largest_ratio), _LARGEST_DRAWN_RATIO)
         axis_words = "|discrepancy| / tolerance"
     else:
-        largest_drawn = largest_ratio or 1.0
+        largest_drawn_ratio = largest_ratio or 1.0
         axis_words = "|discrepancy|, %"
     panel = broad_panel(
         "errors",
         view.over_time(8),
-        Axis(0.0, 1.08 * largest_drawn, axis_words),
+        Axis(0.0, 1.08 * largest_drawn_ratio, axis_words),
         marks,
         f"Discrepancy through the {view.noun}",
         time="x",
@@ -185,39 +186,37 @@ def discrepancies(view: CycleView) -> Plate:
         table,
         keys,
         columns=1,
-        judged=is_judged,
-        cut=is_judged and largest_ratio > _MOST_TOLERANCES,
+        judged=has_tolerances,
+        cut=has_tolerances and largest_ratio > _LARGEST_DRAWN_RATIO,
         stretch=view.stretch,
     )
 
 
 def slip_histories(view: CycleView) -> Plate:
-    """A figure of the slip of a few points through the cycle, both engines, counted from where each
-    point stood at its start. `view` holds the last cycles of both solutions.
+    """A figure of the slip of a few points over time, by both engines: the slip since the start of
+    the cycle. `view` holds the last cycles of both solutions.
     """
     points = slip_points(view.comparison)
     unit_of_length = units(view.scene)[1]
-    names = [f"x = {view.x[point]:.3f} a_ref" for point in points]
+    places = [f"x = {view.x[point]:.3f} a_ref" for point in points]
     slips = [engine.cycle.slip[:, points] - engine.cycle.slip[0, points] for engine in view.engines]
     curves = []
-    for look, slip_of_engine, engine in zip(("wide", "thin"), slips, view.engines, strict=True):
-        for number, name in enumerate(names):
-            css = f"{look} point-{number}"
-            curves.append(
-                Curve(view.time, slip_of_engine[:, number], css, f"{name}, {engine.name}")
-            )
-    reference_values, result_values = slips
+    for line_width, slip, engine in zip(("wide", "thin"), slips, view.engines, strict=True):
+        for column, place in enumerate(places):
+            css = f"{line_width} point-{column}"
+            curves.append(Curve(view.time, slip[:, column], css, f"{place}, {engine.name}"))
+    slip_of_reference, slip_of_result = slips
     table = {"time": view.result_cycle.time}
-    for number, point in enumerate(points):
-        place_in_words = f"(x = {view.result_cycle.x[point]:.6g}) [{unit_of_length}]"
-        table[f"slip_reference{place_in_words}"] = reference_values[:, number]
-        table[f"slip_result{place_in_words}"] = result_values[:, number]
+    for column, point in enumerate(points):
+        place_with_unit = f"(x = {view.result_cycle.x[point]:.6g}) [{unit_of_length}]"
+        table[f"slip_reference{place_with_unit}"] = slip_of_reference[:, column]
+        table[f"slip_result{place_with_unit}"] = slip_of_result[:, column]
 
-    difference = result_values - reference_values
-    worst_point = int(np.argmax(np.nanmax(np.abs(np.nan_to_num(difference)), axis=0)))
+    difference = slip_of_result - slip_of_reference
+    worst_column = int(np.argmax(np.nanmax(np.abs(np.nan_to_num(difference)), axis=0)))
     notes = [
-        f"result − reference at {names[worst_point]}, where it is largest:",
-        view.difference_over_time(difference[:, worst_point], f" {unit_of_length}"),
+        f"result − reference at {places[worst_column]}, where it is largest:",
+        view.difference_over_time(difference[:, worst_column], f" {unit_of_length}"),
     ]
     least_slip = 1e-12 * view.scales.half_width
     panel = broad_panel(
@@ -233,20 +232,20 @@ def slip_histories(view: CycleView) -> Plate:
         notes=notes,
         time="x",
     )
-    keys = [Key(f"point-{number}", name) for number, name in enumerate(names)]
+    keys = [Key(f"point-{column}", place) for column, place in enumerate(places)]
     return figure_with_texts("slip_history", [panel], table, keys, columns=1, stretch=view.stretch)
 
 
 def cumulative_work(view: CycleView) -> Plate | None:
-    """A figure of the friction work so far through a measured record of loads, by both engines;
-    None for other loads. `view` holds the last cycles of both solutions.
+    """A figure of the friction work from the start of a measured record of loads to each instant,
+    by both engines; None for other loads.
     """
     solutions = (view.comparison.reference, view.comparison.result)
     series = []
     for key, solution in zip(view.keys, solutions, strict=True):
-        cycles = load_cycles(solution)
-        if cycles is not None:
-            series.append((key, cycles.time, cycles.cumulative))
+        cycles_with_work = load_cycles(solution)
+        if cycles_with_work is not None:
+            series.append((key, cycles_with_work.time, cycles_with_work.cumulative))
     if not series:
         return None
     every_time = np.unique(np.concatenate([time for _, time, _ in series]))
@@ -281,9 +280,10 @@ def load_path(view: CycleView) -> Plate:
     holds the last cycles of both solutions.
     """
     cycle = view.result_cycle
-    friction = view.comparison.result.scene.friction.coefficient
-    unit = load_unit(view.comparison.result.scene)
-    parts = _parts_of_path(view.comparison.result.scene)
+    scene = view.comparison.result.scene
+    friction = scene.friction.coefficient
+    unit = load_unit(scene)
+    parts = _parts_of_path(scene)
     normal_load = np.concatenate([part.normal_load for part in parts])
     tangential_load = np.concatenate([part.tangential_load for part in parts])
     largest_normal = 1.08 * float(normal_load.max())
@@ -292,31 +292,33 @@ def load_path(view: CycleView) -> Plate:
     marks: list[Mark] = []
     if friction:
         for sign in (1, -1):
-            limit = sign * largest_normal * friction
-            marks.append(Curve([0, largest_normal], [0, limit], "cone", "|Q| = f P"))
-    marks += [Curve(part.normal_load, part.tangential_load, part.look, part.name) for part in parts]
-    lowest_load = min(-0.3 * largest_tangential, 1.25 * float(tangential_load.min()))
+            friction_limit = sign * largest_normal * friction
+            marks.append(Curve([0, largest_normal], [0, friction_limit], "cone", "|Q| = f P"))
+    marks += [
+        Curve(part.normal_load, part.tangential_load, part.line_css, part.name) for part in parts
+    ]
+    least_tangential = min(-0.3 * largest_tangential, 1.25 * float(tangential_load.min()))
     panel = Panel(
         "load-path",
         Axis(0.0, largest_normal, f"normal load P  [{unit}]"),
-        Axis(lowest_load, largest_tangential, f"tangential load Q  [{unit}]"),
+        Axis(least_tangential, largest_tangential, f"tangential load Q  [{unit}]"),
         marks,
         "Load path in the plane of P and Q",
         height=_LOOP_HEIGHT,
     )
-    marks += _events(panel, cycle.normal_load, cycle.tangential_load, view.chosen_events)
-    instant_shown = view.shown_instant
+    marks += _numbered_dots(panel, cycle.normal_load, cycle.tangential_load, view.chosen_events)
+    shown_instant = view.shown_instant
     marks.append(
-        _follower(
-            "P", cycle.normal_load[instant_shown], cycle.tangential_load[instant_shown], "now"
+        _slider_ring(
+            "P", cycle.normal_load[shown_instant], cycle.tangential_load[shown_instant], "now"
         )
     )
 
-    keys = [Key(part.look, part.name) for part in reversed(parts)]
+    keys = [Key(part.line_css, part.name) for part in reversed(parts)]
     if friction:
         keys.append(Key("cone", "|Q| = f P"))
     panels = [panel]
-    for name, title, lines_of_panel in _beside_the_forces(view):
+    for name, title, lines_of_panel in _lines_of_bulk_and_tilt(view):
         panels.append(_panel_beneath_path(view, name, title, lines_of_panel))
         keys += [Key(line.css, line.text) for line in lines_of_panel]
     table: Table = {
@@ -332,17 +334,17 @@ def load_path(view: CycleView) -> Plate:
 
 
 def _panel_beneath_path(view: CycleView, name: str, title: str, lines: Sequence[_Line]) -> Panel:
-    """A low panel of some series over time (bulk stress, tilt or moment), beneath the load path;
-    `title` is the title of its vertical axis. `view` holds the last cycles of both solutions.
+    """A low panel with lines over time (bulk stress, tilt or moment), beneath the load path. `name`
+    is that of the panel, `title` that of its vertical axis. `view` holds the axis of time.
     """
-    curves: list[Mark] = [ZERO]
-    curves += [Curve(view.time, line.values, line.css, line.text) for line in lines]
-    series = [line.values for line in lines]
+    marks: list[Mark] = [ZERO]
+    marks += [Curve(view.time, line.values, line.css, line.text) for line in lines]
+    values_of_lines = [line.values for line in lines]
     return Panel(
         name,
         view.over_time(),
-        Axis(*limits(*series, with_zero=True, margin=0.12), title, count=3),
-        curves,
+        Axis(*limits(*values_of_lines, with_zero=True, margin=0.12), title, count=3),
+        marks,
         f"{title} over time",
         height=190.0,
         time="x",
@@ -350,18 +352,20 @@ def _panel_beneath_path(view: CycleView, name: str, title: str, lines: Sequence[
 
 
 class _PathPart(NamedTuple):
-    """Initial loading or cycle of a load path, at many instants."""
+    """Initial loading or cycle of a load path, at k instants: its name, the class of its line in
+    the style sheet, and time, P and Q, (k,) each.
+    """
 
     name: str
-    look: str  # of its line
+    line_css: str
     time: Array
     normal_load: Array
     tangential_load: Array
 
 
 def _parts_of_path(scene: Scene) -> list[_PathPart]:
-    """Initial loading and cycle of a scene's load path, each as P and Q at many instants; one part
-    where nothing repeats.
+    """Initial loading and cycle of a scene's load path, each as P and Q at many instants. Where
+    nothing repeats, the whole path is one part.
     """
     path = scene.load.path()
     named_parts = [("path", "loop", path.initial_loading)]
@@ -371,12 +375,14 @@ def _parts_of_path(scene: Scene) -> list[_PathPart]:
             ("cycle", "loop", path.cycle),
         ]
     parts = []
-    for name, look, segments in named_parts:
+    for name, line_css, segments in named_parts:
         if segments:
             time = np.concatenate([sampled(segment, 257) for segment in segments])
             normal_load, tangential_load = path.at(time)
             parts.append(
-                _PathPart(name, look, time, np.asarray(normal_load), np.asarray(tangential_load))
+                _PathPart(
+                    name, line_css, time, np.asarray(normal_load), np.asarray(tangential_load)
+                )
             )
     return parts
 
@@ -389,10 +395,10 @@ class _Line(NamedTuple):
     values: Array
 
 
-def _beside_the_forces(view: CycleView) -> Iterator[tuple[str, str, list[_Line]]]:
-    """What acts beside P and Q over the cycle: for bulk stress, tilt and moment, as far as the
-    scene has them, the name of a panel, the title of its axis with the unit, and its lines over
-    time. `view` holds the last cycles of both solutions.
+def _lines_of_bulk_and_tilt(view: CycleView) -> Iterator[tuple[str, str, list[_Line]]]:
+    """Lines over the cycle for what acts beside P and Q: bulk stress, tilt and moment, as far as
+    the scene has them. Each comes as name of a panel, title of its axis with the unit, and lines.
+    `view` holds the last cycles of both solutions.
     """
     unit_of_force, _, stress_unit = units(view.scene)
     cycle = view.result_cycle
@@ -413,33 +419,34 @@ def _beside_the_forces(view: CycleView) -> Iterator[tuple[str, str, list[_Line]]
         )
 
 
-def _events(
+def _numbered_dots(
     panel: Panel, x_values: Array, y_values: Array, events: Sequence[Event]
 ) -> Iterator[Mark]:
-    """Dots on a closed loop at chosen instants, with numbers that stand outside the loop. A number
-    that would lie on another one is left out.
+    """Dots on a closed loop at chosen instants, each with its number beside it, outside the loop. A
+    number that would lie on another one is left out.
 
     Parameters
     ----------
     panel
         in which the loop is drawn
     x_values, y_values
-        (k,) coordinates of the loop at all instants
+        (k,) coordinates of the loop at all instants, in the units of the panel's axes
     events
         the chosen instants, in the order of their numbers
     """
-    x = panel.frame.x.place(x_values)
+    x = panel.frame.x.place(x_values)  # in pixels, as is y
     y = panel.frame.y.place(y_values)
-    number_places: list[Array] = []  # places of those that are drawn
+    label_places: list[Array] = []  # of the numbers that are drawn
     for event_number, event in enumerate(events, start=1):
         instant = event.index
         event_data = {"event": instant}
         dot_place = np.array([x[instant], y[instant]])
-        shift = _within(13 * _outward(x, y, instant), dot_place, panel.frame.box)
-        place = dot_place + shift
+        wanted_shift = 13 * _direction_from_middle(x, y, instant)
+        shift = _shift_into_box(wanted_shift, dot_place, panel.frame.box)
+        label_place = dot_place + shift
         yield Dot(float(x_values[instant]), float(y_values[instant]), "event", 3.4, data=event_data)
-        if all(np.hypot(*(place - number)) > 11 for number in number_places):
-            number_places.append(place)
+        if all(np.hypot(*(label_place - drawn_place)) > 11 for drawn_place in label_places):
+            label_places.append(label_place)
             yield Note(
                 float(x_values[instant]),
                 float(y_values[instant]),
@@ -451,63 +458,70 @@ def _events(
             )
 
 
-def _outward(x: Array, y: Array, place: int) -> Array:
-    """Unit vector across a line at the place of this index, pointing away from the middle of the
-    line. `x`, `y` are the coordinates of its places, (n,) each.
+def _direction_from_middle(x: Array, y: Array, index: int) -> Array:
+    """Unit vector (2,) normal to a curve at one of its points, pointing away from the mean of all
+    points. Zero where the curve is a single point.
+
+    `x` and `y` are the coordinates of the curve's points, (n,) each; `index` names the point.
     """
-    place_before = max(place - 1, 0)
-    place_after = min(place + 1, len(x) - 1)
-    normal_direction = np.array(
-        [y[place_before] - y[place_after], x[place_after] - x[place_before]]
-    )
-    vector_from_middle = np.array([x[place] - x.mean(), y[place] - y.mean()])
-    if not np.all(np.isfinite(normal_direction)) or not np.hypot(*normal_direction):
-        normal_direction = vector_from_middle
-    if normal_direction @ vector_from_middle < 0:
-        normal_direction = -normal_direction
-    return np.asarray(normal_direction / (np.hypot(*normal_direction) or 1.0))
+    index_before = max(index - 1, 0)
+    index_after = min(index + 1, len(x) - 1)
+    normal_vector = np.array([y[index_before] - y[index_after], x[index_after] - x[index_before]])
+    vector_from_middle = np.array([x[index] - x.mean(), y[index] - y.mean()])
+    if not np.all(np.isfinite(normal_vector)) or not np.hypot(*normal_vector):
+        normal_vector = vector_from_middle
+    if normal_vector @ vector_from_middle < 0:
+        normal_vector = -normal_vector
+    return np.asarray(normal_vector / (np.hypot(*normal_vector) or 1.0))
 
 
-# Half the width and half the height of a number [units of a drawing].
-_HALF_NUMBER = np.array([5.0, 7.0])
+# Half the width and half the height of a label, a number of one or two digits [pixels].
+_HALF_LABEL = np.array([5.0, 7.0])
 
 
-def _within(shift: Array, dot_place: Array, box: tuple[float, float, float, float]) -> Array:
-    """Change the shift of a number from its dot so that the number stays in the box.
+def _shift_into_box(
+    wanted_shift: Array, dot_place: Array, box: tuple[float, float, float, float]
+) -> Array:
+    """The shift (2,) of a label from its dot that keeps the label in the box, next to the wanted
+    shift: that itself, or mirrored, or else shortened. All in pixels.
 
     Parameters
     ----------
-    shift
-        (2,) wanted distance of the number from the dot [pixels]; it is mirrored, or else shortened
+    wanted_shift
+        (2,) place of the label minus that of the dot
     dot_place
         (2,) place of the dot
     box
         left, top, right and bottom end of the box
     """
     left_x, top_y, right_x, bottom_y = box
-    lower_corner = np.array([left_x, top_y]) + _HALF_NUMBER
-    upper_corner = np.array([right_x, bottom_y]) - _HALF_NUMBER
-    for sign in ([1, 1], [1, -1], [-1, 1], [-1, -1]):
-        number_place = dot_place + sign * shift
-        if np.all((lower_corner <= number_place) & (number_place <= upper_corner)):
-            return np.asarray(sign * shift)
-    return np.asarray(np.clip(dot_place + shift, lower_corner, upper_corner) - dot_place)
+    least_place = np.array([left_x, top_y]) + _HALF_LABEL
+    largest_place = np.array([right_x, bottom_y]) - _HALF_LABEL
+    for signs in ([1, 1], [1, -1], [-1, 1], [-1, -1]):
+        label_place = dot_place + signs * wanted_shift
+        if np.all((least_place <= label_place) & (label_place <= largest_place)):
+            return np.asarray(signs * wanted_shift)
+    place_in_box = np.clip(dot_place + wanted_shift, least_place, largest_place)
+    return np.asarray(place_in_box - dot_place)
 
 
-def _follower(x: str, x_values: float, y_values: float, css: str) -> Dot:
-    """A ring that the slider moves along Q over another series."""
+def _slider_ring(x_series: str, x_value: float, y_value: float, css: str) -> Dot:
+    """A ring at the instant shown, which the slider moves along the curve of Q over another series
+    of the page's script (`x_series`, such as "P" or "U0").
+    """
     return Dot(
-        float(x_values),
-        float(y_values),
+        float(x_value),
+        float(y_value),
         f"follow {css}",
         6.5,
-        data={"series_x": x, "series_y": "Q"},
+        data={"series_x": x_series, "series_y": "Q"},
     )
 
 
 def hysteresis(view: CycleView) -> Plate | None:
-    """A figure of the loop of Q over the tangential displacement U through the cycle, both engines;
-    and beside it Q over V = U - k Q, whose loop is wide open, k being the compliance of the loop.
+    """A figure of the loop of Q over the tangential displacement U through the cycle, both engines.
+    Beside it stands Q over V = U − k Q: with the elastic part taken out (k is the mean slope dU/dQ)
+    the slim loop opens, and its area stays the same.
 
     None where neither load nor displacement moves, or the result holds no displacement. `view`
     holds the last cycles of both solutions.
@@ -547,8 +561,8 @@ def hysteresis(view: CycleView) -> Plate | None:
         "U_reference": displacements_u[0],
         "U_result": displacements_u[1],
     }
-    # P works too where it varies and the approach hangs on Q as well.
-    constant_load = np.ptp(view.result_cycle.normal_load) == 0 and view.result_cycle.tilt is None
+    # A varying P does work too, where the normal approach depends on Q.
+    has_constant_p = np.ptp(view.result_cycle.normal_load) == 0 and view.result_cycle.tilt is None
     return figure_with_texts(
         "hysteresis",
         panels,
@@ -558,15 +572,15 @@ def hysteresis(view: CycleView) -> Plate | None:
         slopes=" and ".join(signed(loop_compliance(cycle)) for cycle in cycles),
         unit=f"{unit_of_length} per {load_unit(scene)}",
         periodic=scene.load.path().period is not None,
-        alone=are_half_planes(scene) or constant_load,
+        alone=are_half_planes(scene) or has_constant_p,
         works=_works_in_words(comparison),
         datum=_datum_in_words(comparison),
     )
 
 
 def _datum_in_words(comparison: JudgedPair) -> str:
-    """In words, which place the displacement U of half-planes is counted from, beside finite
-    bodies; "" where there is nothing to say.
+    """In words, what the displacement U of half-planes means beside that of finite bodies: with the
+    compliances of these bodies, or counted from another point; "" where there is nothing to add.
     """
     if comparison.effects is not None:
         return "that of half-planes with c_t, c_n of these bodies"
@@ -576,7 +590,7 @@ def _datum_in_words(comparison: JudgedPair) -> str:
 
 
 def _loop_panel(
-    view: CycleView, name: str, displacement: tuple[str, list[Array]], title: str
+    view: CycleView, name: str, letter_and_displacements: tuple[str, list[Array]], title: str
 ) -> Panel:
     """A panel of the tangential load Q over a displacement through the cycle, a loop for each
     engine.
@@ -584,14 +598,14 @@ def _loop_panel(
     Parameters
     ----------
     view
-        last cycles of reference and result, and the instants that figures number
-    displacement
-        letter of the displacement, U or V = U − k Q, by which the slider moves a dot; its values in
+        last cycles of reference and result, and the instants that have a number in figures
+    letter_and_displacements
+        letter of the displacement, U or V = U − k Q (without its elastic part); and its values in
         the reference and in the result, (k,) each
     title
-        words of the axis
+        words of the axis of the displacement
     """
-    letter, (reference_values, result_values) = displacement
+    letter, (reference_values, result_values) = letter_and_displacements
     loads = [view.reference_cycle.tangential_load, view.result_cycle.tangential_load]
     range_of_displacement = float(np.ptp(reference_values)) or 1.0
     difference_in_percent = 100 * (result_values - reference_values) / range_of_displacement
@@ -599,7 +613,7 @@ def _loop_panel(
     numbers_and_place = difference_in_words(difference_in_percent, fraction, "{}", " %")
     difference_note = numbers_and_place.rpartition(" at ")[0]
     if letter == "U" and view.comparison.lacks_common_datum:
-        difference_note = ""  # the distance of two places from which U is counted
+        difference_note = ""  # the engines count U from two different points
     loop_extent = "stroke" if letter == "U" else "width"
     marks: list[Mark] = []
     for key, values, loads_of_engine in zip(
@@ -615,43 +629,44 @@ def _loop_panel(
         height=_LOOP_HEIGHT,
         notes=[f"{difference_note}, of the {loop_extent}"] if difference_note else [],
     )
-    marks += _events(panel, result_values, loads[1], view.chosen_events)
-    instant_shown = view.shown_instant
+    marks += _numbered_dots(panel, result_values, loads[1], view.chosen_events)
+    shown_instant = view.shown_instant
     marks.append(
-        _follower(
-            f"{letter}0", reference_values[instant_shown], loads[0][instant_shown], "now pale"
+        _slider_ring(
+            f"{letter}0", reference_values[shown_instant], loads[0][shown_instant], "now pale"
         )
     )
     marks.append(
-        _follower(f"{letter}1", result_values[instant_shown], loads[1][instant_shown], "now")
+        _slider_ring(f"{letter}1", result_values[shown_instant], loads[1][shown_instant], "now")
     )
     return panel
 
 
 def _works_in_words(comparison: JudgedPair) -> tuple[str, ...]:
-    """For the caption of the loop of Q over U under bulk stress: its area, the work of the bulk
-    stress and the friction work W, each "reference and result"; and their unit. Empty without bulk
-    stress.
+    """For the caption of the loop of Q over U under bulk stress, four texts: its area, the work of
+    the bulk stress and the friction work W, each as "reference and result"; and their unit. Empty
+    without bulk stress.
     """
     if not comparison.has_bulk_stress:
         return ()
     scene = comparison.scene
     cycles = (comparison.reference_cycle, comparison.result_cycle)
-    works_of_cycle = (
+    works = (
         [loop_work(cycle) for cycle in cycles],
         [bulk_work(cycle, scene.material) for cycle in cycles],
         [comparison.reference.dissipation, comparison.result.dissipation],
     )
     works_in_words = [
         f"{minus(f'{work_of_reference:.5g}')} and {minus(f'{work_of_result:.5g}')}"
-        for work_of_reference, work_of_result in works_of_cycle
+        for work_of_reference, work_of_result in works
     ]
     return (*works_in_words, energy_unit(scene))
 
 
 def _bulk_loop_panel(view: CycleView) -> Panel:
-    """A panel of the moment of the shear over the bulk strain, both engines: the area of this loop
-    is the work of the bulk stress. `view` holds the last cycles of both solutions.
+    """A panel of the moment of the shear traction about x = 0 over the bulk strain, both engines.
+    The area of this loop is the work of the bulk stress. `view` holds the last cycles of both
+    solutions.
     """
     unit_of_force, _, _ = units(view.scene)
     cycles = (view.reference_cycle, view.result_cycle)

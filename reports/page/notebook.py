@@ -40,9 +40,9 @@ def scene_html(scene: Scene) -> str:
         (normal_words, f"{normal_range[0]:.6g} to {normal_range[1]:.6g}"),
         (tangential_words, f"{tangential_range[0]:.6g} to {tangential_range[1]:.6g}"),
     ]
-    beside_forces = bulk_and_tilt(scene)
-    if beside_forces:
-        rows.append(("beside P and Q", beside_forces))
+    bulk_and_tilt_in_words = bulk_and_tilt(scene)
+    if bulk_and_tilt_in_words:
+        rows.append(("beside P and Q", bulk_and_tilt_in_words))
     rows.append(("units", scene.units))
     return template("notebook.html").render(title=scene.title or scene.name or "Scene", rows=rows)
 
@@ -53,8 +53,13 @@ def solution_html(solution: ContactSolution) -> str:
     return template("notebook.html").render(title=title, rows=first_rows(solution))
 
 
-# Of the states 0 to 3, on white: open, stick, forward slip, reverse slip; apart in grey too.
-_STATES = ("#f2f2f2", "#9db4c0", "#d95f02", "#4b2e83")
+# On white, and different in grey too.
+_OPEN_COLOUR = "#f2f2f2"
+_STICK_COLOUR = "#9db4c0"
+_FORWARD_COLOUR = "#d95f02"
+_REVERSE_COLOUR = "#4b2e83"
+# Of the states 0 to 3.
+_STATE_COLOURS = (_OPEN_COLOUR, _STICK_COLOUR, _FORWARD_COLOUR, _REVERSE_COLOUR)
 
 
 def solution_figure(solution: ContactSolution, time: float | None = None) -> Figure:
@@ -68,22 +73,22 @@ def solution_figure(solution: ContactSolution, time: float | None = None) -> Fig
     InputError
         For a time outside the solution, and a solution without pressure.
     """
-    cycle = solution.last_cycle
-    step = _step_shown(solution, time)
+    instant = _shown_instant(solution, time)
     figure, (tractions_axes, states_axes) = _axes(2, (7.0, 6.5))
-    _draw_tractions(tractions_axes, solution, step)
-    if len(solution.x) > 1 and len(cycle) > 1:
+    _draw_tractions(tractions_axes, solution, instant)
+    if len(solution.x) > 1 and len(solution.last_cycle) > 1:
         _draw_states(states_axes, solution)
-        states_axes.axhline(solution.time[step], color="black", linewidth=0.8)
+        states_axes.axhline(solution.time[instant], color="black", linewidth=0.8)
     _, length, _ = solution.scene.unit_words
     states_axes.set_ylabel("time")
     states_axes.set_xlabel(f"x [{length}]")
     return figure
 
 
-def _step_shown(solution: ContactSolution, time: float | None) -> int:
-    """Index of the stored instant next to `time`; without `time` that of the largest |Q| of the
-    last cycle. InputError for a time outside the solution, and a solution without pressure.
+def _shown_instant(solution: ContactSolution, time: float | None) -> int:
+    """Index of the instant that is shown: the stored one nearest to `time`; without `time` that of
+    the largest |Q| of the last cycle. InputError for a time outside the solution, and a solution
+    without pressure.
     """
     stored_times = solution.time
     if not np.isfinite(solution.pressure).any():
@@ -92,8 +97,8 @@ def _step_shown(solution: ContactSolution, time: float | None) -> int:
             " least"
         )
     if time is None:
-        cycle = solution.last_cycle
-        return int(cycle[np.argmax(np.abs(solution.tangential_load[cycle]))])
+        instants = solution.last_cycle
+        return int(instants[np.argmax(np.abs(solution.tangential_load[instants]))])
     if not stored_times.min() <= time <= stored_times.max():
         raise InputError(
             f"plot: time = {time:g} lies outside the solution, which goes from"
@@ -102,23 +107,25 @@ def _step_shown(solution: ContactSolution, time: float | None) -> int:
     return int(np.argmin(np.abs(stored_times - time)))
 
 
-def _draw_tractions(axes: Axes, solution: ContactSolution, step: int) -> None:
-    """Draw pressure p, shear q and the Coulomb limit f p over x at one step, into matplotlib
-    `axes`.
+def _draw_tractions(axes: Axes, solution: ContactSolution, instant: int) -> None:
+    """Draw pressure p, shear traction q and the Coulomb limit ±f p over x into matplotlib `axes`,
+    at the instant of that index.
     """
     scene = solution.scene
     x = solution.x
-    pressure = solution.pressure[step]
+    pressure = solution.pressure[instant]
     marker = "o" if len(x) == 1 else ""
     axes.plot(x, pressure, color="black", marker=marker, label="pressure p")
-    axes.plot(x, solution.shear[step], color=_STATES[2], marker=marker, label="shear traction q")
+    axes.plot(
+        x, solution.shear[instant], color=_FORWARD_COLOUR, marker=marker, label="shear traction q"
+    )
     if scene.friction.coefficient:
         limit = scene.friction.coefficient * pressure
         axes.plot(x, limit, color="0.6", linestyle=":", label="Coulomb limit ±f p")
         axes.plot(x, -limit, color="0.6", linestyle=":")
     _, _, stress = scene.unit_words
     axes.set_ylabel(f"p, q [{stress}]")
-    axes.set_title(f"{scene.title or scene.name}, time {solution.time[step]:.4g}", loc="left")
+    axes.set_title(f"{scene.title or scene.name}, time {solution.time[instant]:.4g}", loc="left")
     axes.legend(frameon=False)
 
 
@@ -129,38 +136,38 @@ def _draw_states(axes: Axes, solution: ContactSolution) -> None:
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
-    cycle = solution.last_cycle
+    instants = solution.last_cycle
     axes.pcolormesh(
         solution.x,
-        solution.time[cycle],
-        solution.state[cycle],
-        cmap=ListedColormap(list(_STATES)),
+        solution.time[instants],
+        solution.state[instants],
+        cmap=ListedColormap(list(_STATE_COLOURS)),
         vmin=-0.5,
         vmax=3.5,
         shading="nearest",
         rasterized=True,
     )
-    names = [state.name.lower().replace("_", " ") for state in SurfaceState]
-    entries = [
+    state_names = [state.name.lower().replace("_", " ") for state in SurfaceState]
+    patches = [
         Patch(facecolor=colour, edgecolor="0.5", label=name)
-        for colour, name in zip(_STATES, names, strict=True)
+        for colour, name in zip(_STATE_COLOURS, state_names, strict=True)
     ]
     axes.legend(
-        handles=entries, ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False
+        handles=patches, ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False
     )
 
 
 def loop_figure(solution: ContactSolution) -> Figure:
-    """A matplotlib figure of Q over U through the last cycle, with the friction work that the loop
-    encloses.
+    """A matplotlib figure of the loop of Q over the relative tangential displacement U through the
+    last cycle, with the friction work W in its title.
 
     Raises
     ------
     InputError
         For a solution without displacement.
     """
-    cycle = solution.last_cycle
-    displacement = solution.tangential_displacement[cycle]
+    instants = solution.last_cycle
+    displacement = solution.tangential_displacement[instants]
     if not np.isfinite(displacement).any():
         raise InputError(
             "plot_loop: the solution holds no relative tangential displacement; solve it with that"
@@ -169,11 +176,11 @@ def loop_figure(solution: ContactSolution) -> Figure:
     scene = solution.scene
     figure, (axes,) = _axes(1, (5.5, 4.5))
     force, length, _ = scene.unit_words
-    axes.plot(displacement, solution.tangential_load[cycle], color="black")
-    axis_in_words = f"relative tangential displacement U [{length}]"
+    axes.plot(displacement, solution.tangential_load[instants], color="black")
+    words_of_axis = f"relative tangential displacement U [{length}]"
     if scene.bodies.half_planes or lacks_datum(solution):
-        axis_in_words += f", datum length {scene.profile.datum_length:g} {length}"
-    axes.set_xlabel(axis_in_words)
+        words_of_axis += f", datum length {scene.profile.datum_length:g} {length}"
+    axes.set_xlabel(words_of_axis)
     axes.set_ylabel(f"Q [{force}/{length}]")
     title = scene.title or scene.name
     if np.isfinite(solution.dissipation):
@@ -187,14 +194,14 @@ def loop_figure(solution: ContactSolution) -> Figure:
     return figure
 
 
-def _axes(rows: int, size: tuple[float, float]) -> tuple[Figure, list[Axes]]:
-    """A matplotlib figure with `rows` axes one above the other. It is closed in a notebook, which
-    shows what a cell returns and would show it twice.
+def _axes(n_axes: int, size: tuple[float, float]) -> tuple[Figure, list[Axes]]:
+    """A matplotlib figure of that width and height [inches] with `n_axes` axes one above the other.
+    It is closed in a notebook, which shows what a cell returns and would show it twice.
     """
     import matplotlib.pyplot as plt
 
     figure, grid_of_axes = plt.subplots(
-        rows, 1, figsize=size, sharex=rows > 1, squeeze=False, layout="constrained"
+        n_axes, 1, figsize=size, sharex=n_axes > 1, squeeze=False, layout="constrained"
     )
     if "inline" in plt.get_backend():
         plt.close(figure)

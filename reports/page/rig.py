@@ -41,12 +41,13 @@ from scenes import ContactSolution, Scene
 from scenes.array_types import Array, Indices
 
 _WIDTH = 900.0
-# Share of f P from which on the contact counts as sliding as a whole, where P varies within a step.
-_AT_LIMIT = 1e-6
-# Share of the stroke below which slip of the middle is none.
-_NO_SLIDE = 1e-6
-# Share of a half-width within which two are the same.
-_SAME = 1e-9
+# The contact counts as sliding as a whole where |Q| is this near to f P, over f P: P may vary
+# within a step.
+_LIMIT_TOLERANCE = 1e-6
+# Slip of the middle below this counts as none, over the stroke of the actuator.
+_LEAST_SLIDE = 1e-6
+# Two half-widths that differ by less, over one of them, are the same.
+_WIDTH_TOLERANCE = 1e-9
 
 
 class Motion(enum.IntEnum):
@@ -59,7 +60,7 @@ class Motion(enum.IntEnum):
     BACK = 4
 
 
-_MOTIONS = {
+_CSS_AND_WORDS = {
     Motion.APART: ("state-0", "apart"),
     Motion.STICK: ("state-1", "sticks"),
     Motion.PARTIAL: ("pale-stick", "partial slip"),
@@ -70,67 +71,72 @@ _MOTIONS = {
 
 @dataclass(frozen=True, eq=False)
 class RigMotion:
-    """What a rig and its contact do in the last cycle, or on the path where there is none.
+    """What a rig and its contact do under a prescribed displacement, at k instants: those of the
+    last cycle, or of the whole path where nothing repeats.
 
     Attributes
     ----------
     scene
-        as stated, with displacements
+        as stated, with displacements of the actuator
     solution
-        under the loads that follow from them
+        under the loads that follow from them, by theory or by finite elements
     inputs
-        what the stated uncertainties of the inputs make of the answer; None where none is stated
-    beside
-        the finite elements' answer where `solution` is theory's; None without one
+        uncertainties that those of the inputs give to the solution; None where none is stated
+    solution_by_elements
+        that of finite elements where `solution` is theory's; None where they were not solved
     """
 
     scene: Scene
     solution: ContactSolution
     inputs: InputEffects | None = None
-    beside: ContactSolution | None = None
+    solution_by_elements: ContactSolution | None = None
 
     @cached_property
-    def elements(self) -> RigMotion | None:
+    def motion_by_elements(self) -> RigMotion | None:
         """What the rig does by finite elements, where they were solved beside theory; else None."""
-        return RigMotion(self.scene, self.beside) if self.beside is not None else None
+        if self.solution_by_elements is None:
+            return None
+        return RigMotion(self.scene, self.solution_by_elements)
 
     @property
-    def noun(self) -> str:
+    def part_of_path(self) -> str:
         """Which part of the path is shown: the "last cycle" or the "path"."""
         return "path" if self.solution.scene.load.path().period is None else "last cycle"
 
     @cached_property
-    def rows(self) -> Indices:
-        """(k,) steps that are shown."""
+    def instants(self) -> Indices:
+        """(k,) indices of the instants that are shown."""
         return self.solution.last_cycle
 
     @property
     def time(self) -> Array:
-        """(k,) instants."""
-        return self.solution.time[self.rows]
+        """Times of the instants, (k,)."""
+        return self.solution.time[self.instants]
 
     @property
     def normal_load(self) -> Array:
         """P, (k,)."""
-        return self.solution.normal_load[self.rows]
+        return self.solution.normal_load[self.instants]
 
     @property
     def tangential_load(self) -> Array:
         """Q, (k,)."""
-        return self.solution.tangential_load[self.rows]
+        return self.solution.tangential_load[self.instants]
 
     @property
-    def actuator(self) -> Array:
-        """U_act, (k,) [length]."""
+    def actuator_displacement(self) -> Array:
+        """Displacement U_act of the actuator, (k,) [length]."""
         return np.asarray(self.scene.load.path_of_actuators().at(self.time)[1])
 
     @property
-    def contact(self) -> Array:
-        """U of the contact, (k,) [length]: that of the actuator without the spring."""
+    def contact_displacement(self) -> Array:
+        """Displacement U of the contact, (k,) [length]: U = U_act - Q/k_s, k_s the stiffness of a
+        spring between actuator and bodies.
+        """
         stiffness = self.scene.rig.tangential_stiffness
         if stiffness is None:
-            return self.actuator
-        return np.asarray(self.actuator - self.tangential_load / stiffness)
+            return self.actuator_displacement
+        return np.asarray(self.actuator_displacement - self.tangential_load / stiffness)
 
     @cached_property
     def motions(self) -> Indices:
@@ -140,46 +146,47 @@ class RigMotion:
         """
         normal_load = self.normal_load
         tangential_load = self.tangential_load
-        stick_half_width = self.solution.stick_half_width[self.rows]
-        contact_half_width = self.solution.contact_half_width[self.rows]
+        stick_half_width = self.solution.stick_half_width[self.instants]
+        contact_half_width = self.solution.contact_half_width[self.instants]
         is_apart = normal_load <= 0
-        limit = self.scene.friction.coefficient * normal_load * (1 - _AT_LIMIT)
+        friction_limit = self.scene.friction.coefficient * normal_load
+        is_at_limit = np.abs(tangential_load) >= friction_limit * (1 - _LIMIT_TOLERANCE)
         # no stick zone, and all of f P is used: the bodies slide as a whole
-        slide_direction = np.where(
-            ~is_apart & np.isnan(stick_half_width) & (np.abs(tangential_load) >= limit),
-            np.sign(tangential_load),
-            0,
-        )
-        sticks = stick_half_width >= contact_half_width * (1 - _SAME)
+        slides = ~is_apart & np.isnan(stick_half_width) & is_at_limit
+        slide_direction = np.where(slides, np.sign(tangential_load), 0)
+        sticks = stick_half_width >= contact_half_width * (1 - _WIDTH_TOLERANCE)
+
+        # A step sticks, or slides, where the contact does so at both ends of the step.
+        instant_before = np.maximum(np.arange(len(normal_load)) - 1, 0)
+        direction_before = slide_direction[instant_before]
         motions = np.full(len(normal_load), Motion.PARTIAL, dtype=np.int64)
-        row_before = np.maximum(np.arange(len(normal_load)) - 1, 0)
-        motions[sticks & (slide_direction[row_before] == 0)] = Motion.STICK
-        motions[(slide_direction > 0) & (slide_direction[row_before] > 0)] = Motion.FORWARD
-        motions[(slide_direction < 0) & (slide_direction[row_before] < 0)] = Motion.BACK
-        motions[is_apart | is_apart[row_before]] = Motion.APART
+        motions[sticks & (direction_before == 0)] = Motion.STICK
+        motions[(slide_direction > 0) & (direction_before > 0)] = Motion.FORWARD
+        motions[(slide_direction < 0) & (direction_before < 0)] = Motion.BACK
+        motions[is_apart | is_apart[instant_before]] = Motion.APART
         return motions
 
     @cached_property
-    def way(self) -> Array:
+    def slip_of_middle(self) -> Array:
         """Slip of the middle of the contact since the first instant, (k,) [length]: where it moves,
         the bodies slide as a whole.
         """
         middle = int(np.argmin(np.abs(self.solution.x)))
-        slip = self.solution.slip[self.rows, middle]
+        slip = self.solution.slip[self.instants, middle]
         return np.asarray(slip - slip[0])
 
-    def share(self, motion: Motion) -> float:
-        """Share of the time with that motion."""
+    def time_fraction(self, motion: Motion) -> float:
+        """Time with that motion over the whole time."""
         duration = np.diff(self.time)
         return float(np.sum(duration[self.motions[1:] == motion]) / np.sum(duration))
 
-    def distance(self, motion: Motion) -> float:
-        """Way of the middle of the contact in that motion, whatever its sign [length]."""
-        steps = np.abs(np.diff(self.way))
-        return float(np.sum(steps[self.motions[1:] == motion]))
+    def slide_distance(self, motion: Motion) -> float:
+        """Distance that the middle of the contact slips in that motion [length], never negative."""
+        slips_in_steps = np.abs(np.diff(self.slip_of_middle))
+        return float(np.sum(slips_in_steps[self.motions[1:] == motion]))
 
-    def stretches(self) -> Iterator[tuple[Motion, float, float]]:
-        """Each motion with the instants between which it lasts."""
+    def intervals(self) -> Iterator[tuple[Motion, float, float]]:
+        """Each motion with the times at which it begins and ends."""
         motions = self.motions[1:]
         changes = np.flatnonzero(np.diff(motions)) + 1
         begins = [0, *changes.tolist()]
@@ -189,32 +196,41 @@ class RigMotion:
 
 
 # ------------------------------------------------------------------------------------------ figures
-def _loop(rig: RigMotion) -> Plate:
-    """A figure of the tangential load Q over the displacement of the contact; over that of the
-    actuator too where a spring is between. `rig` holds the solved motion under a prescribed
-    displacement.
+def _loop(rig_motion: RigMotion) -> Plate:
+    """A figure of the tangential load Q over the displacement U of the contact, and over that of
+    the actuator where a spring is between. Finite elements are drawn too where they were solved.
     """
-    unit_of_length = units(rig.scene)[1]
-    unit_of_load = load_unit(rig.scene)
-    motions = [motion for motion in (rig, rig.elements) if motion is not None]
-    columns: dict[str, list[Any]] = {"engine": []}
-    for motion in motions:
-        columns["engine"] += [_engine(motion)] * len(motion.time)
-    for name, values in (
-        ("time", [motion.time for motion in motions]),
-        (f"P [{unit_of_load}]", [motion.normal_load for motion in motions]),
-        (f"Q [{unit_of_load}]", [motion.tangential_load for motion in motions]),
-        (f"U of the contact [{unit_of_length}]", [motion.contact for motion in motions]),
-        (f"U of the actuator [{unit_of_length}]", [motion.actuator for motion in motions]),
+    unit_of_length = units(rig_motion.scene)[1]
+    unit_of_load = load_unit(rig_motion.scene)
+    rig_motions = [rig_motion]
+    if rig_motion.motion_by_elements is not None:
+        rig_motions.append(rig_motion.motion_by_elements)
+    table: dict[str, list[Any]] = {"engine": []}
+    for motion_by_engine in rig_motions:
+        engine_name = name_of(motion_by_engine.solution.engine)
+        table["engine"] += [engine_name] * len(motion_by_engine.time)
+    for column, attribute in (
+        ("time", "time"),
+        (f"P [{unit_of_load}]", "normal_load"),
+        (f"Q [{unit_of_load}]", "tangential_load"),
+        (f"U of the contact [{unit_of_length}]", "contact_displacement"),
+        (f"U of the actuator [{unit_of_length}]", "actuator_displacement"),
     ):
-        columns[name] = np.concatenate(values).tolist()
-    has_spring = rig.scene.rig.tangential_stiffness is not None
+        values = [getattr(motion_by_engine, attribute) for motion_by_engine in rig_motions]
+        table[column] = np.concatenate(values).tolist()
+    has_spring = rig_motion.scene.rig.tangential_stiffness is not None
     keys = _KEYS_OF_LOOP if has_spring else _KEYS_OF_LOOP[:1]
-    if rig.elements is not None:
+    if rig_motion.motion_by_elements is not None:
         keys = (*keys, _KEY_OF_ELEMENTS)
-    panel = _loop_panel(rig, "rig-loop", _WIDTH, 380.0)
+    panel = _loop_panel(rig_motion, "rig-loop", _WIDTH, 380.0)
     return figure_with_texts(
-        "rig_loop", [panel], columns, keys, columns=1, noun=rig.noun, has_spring=has_spring
+        "rig_loop",
+        [panel],
+        table,
+        keys,
+        columns=1,
+        noun=rig_motion.part_of_path,
+        has_spring=has_spring,
     )
 
 
@@ -222,36 +238,31 @@ _KEYS_OF_LOOP = (Key("c0 bold", "contact"), Key("c1 dash", "actuator"))
 _KEY_OF_ELEMENTS = Key("c2 dash", "contact, finite elements")
 
 
-def _engine(rig: RigMotion) -> str:
-    return name_of(rig.solution.engine)
-
-
-def _loop_panel(rig: RigMotion, name: str, width: float, height: float, title: str = "") -> Panel:
-    """A panel of Q over the displacement U through the motion of a rig: U of the contact, and of
-    the actuator where a spring is between; by finite elements too where they were solved. `rig`
-    holds the solved motion under a prescribed displacement.
+def _loop_panel(
+    rig_motion: RigMotion, name: str, width: float, height: float, title: str = ""
+) -> Panel:
+    """A panel of Q over the displacement U of the contact, and over that of the actuator where a
+    spring is between. Finite elements are drawn too where they were solved. `width` and `height`
+    are in pixels.
     """
     key_of_contact, key_of_actuator = _KEYS_OF_LOOP
-    curves = [Curve(rig.contact, rig.tangential_load, key_of_contact.css, key_of_contact.text)]
-    if rig.scene.rig.tangential_stiffness is not None:
-        curves.append(
-            Curve(rig.actuator, rig.tangential_load, key_of_actuator.css, key_of_actuator.text)
+    tangential_load = rig_motion.tangential_load
+    displacements = [(rig_motion.contact_displacement, tangential_load, key_of_contact)]
+    if rig_motion.scene.rig.tangential_stiffness is not None:
+        displacements.append((rig_motion.actuator_displacement, tangential_load, key_of_actuator))
+    by_elements = rig_motion.motion_by_elements
+    if by_elements is not None:
+        displacements.append(
+            (by_elements.contact_displacement, by_elements.tangential_load, _KEY_OF_ELEMENTS)
         )
-    if (elements := rig.elements) is not None:
-        key_of_elements = _KEY_OF_ELEMENTS
-        curves.append(
-            Curve(
-                elements.contact,
-                elements.tangential_load,
-                key_of_elements.css,
-                key_of_elements.text,
-            )
-        )
+    curves = [
+        Curve(displacement, load, key.css, key.text) for displacement, load, key in displacements
+    ]
     x_limits = limits(*(curve.x for curve in curves))
     return Panel(
         name,
-        Axis(*x_limits, f"displacement U  [{units(rig.scene)[1]}]"),
-        Axis(*limits(*(curve.y for curve in curves)), f"Q  [{load_unit(rig.scene)}]"),
+        Axis(*x_limits, f"displacement U  [{units(rig_motion.scene)[1]}]"),
+        Axis(*limits(*(curve.y for curve in curves)), f"Q  [{load_unit(rig_motion.scene)}]"),
         [Rule(0.0, "zero"), *curves],
         "Loop of the tangential load over the displacement",
         width,
@@ -261,44 +272,43 @@ def _loop_panel(rig: RigMotion, name: str, width: float, height: float, title: s
     )
 
 
-def loops(rigs: Sequence[RigMotion]) -> Plate:
+def loops(rig_motions: Sequence[RigMotion]) -> Plate:
     """Loops of several rigs, two beside each other."""
-    panels = [
-        _loop_panel(rig, f"loop-{rig.scene.name}", 440.0, 300.0, rig.scene.name) for rig in rigs
-    ]
-    columns: dict[str, list[Any]] = {"scene": [], "U of the contact": [], "Q": []}
-    for rig in rigs:
-        columns["scene"] += [rig.scene.name] * len(rig.time)
-        columns["U of the contact"] += rig.contact.tolist()
-        columns["Q"] += rig.tangential_load.tolist()
-    return figure_with_texts("rig_loops", panels, columns, _KEYS_OF_LOOP)
+    panels = []
+    table: dict[str, list[Any]] = {"scene": [], "U of the contact": [], "Q": []}
+    for rig_motion in rig_motions:
+        name = rig_motion.scene.name
+        panels.append(_loop_panel(rig_motion, f"loop-{name}", 440.0, 300.0, name))
+        table["scene"] += [name] * len(rig_motion.time)
+        table["U of the contact"] += rig_motion.contact_displacement.tolist()
+        table["Q"] += rig_motion.tangential_load.tolist()
+    return figure_with_texts("rig_loops", panels, table, _KEYS_OF_LOOP)
 
 
-def _over_time(rig: RigMotion) -> Plate:
-    """A figure of a rig over time in two panels. The upper one has Q between the limits of
-    friction, on colours that show what the contact does. The lower one has the displacements of
-    actuator and contact, and the distance that the bodies slide. `rig` holds the solved motion
-    under a prescribed displacement.
+def _over_time(rig_motion: RigMotion) -> Plate:
+    """A figure of a rig over time in two panels. The upper one has Q between the limits of friction
+    ±f P, on colours that show what the contact does. The lower one has the displacements of
+    actuator and contact, and the distance that the bodies slide as a whole.
     """
-    unit_of_length = units(rig.scene)[1]
-    unit_of_load = load_unit(rig.scene)
-    friction_limit = rig.scene.friction.coefficient * rig.normal_load
+    unit_of_length = units(rig_motion.scene)[1]
+    unit_of_load = load_unit(rig_motion.scene)
+    friction_limit = rig_motion.scene.friction.coefficient * rig_motion.normal_load
     force_range = limits(friction_limit, -friction_limit)
     force_marks: list[Mark] = [
-        Block((begin, end), force_range, _MOTIONS[motion][0])
-        for motion, begin, end in rig.stretches()
+        Block((begin, end), force_range, _CSS_AND_WORDS[motion][0])
+        for motion, begin, end in rig_motion.intervals()
     ]
     force_marks += [
-        Curve(rig.time, friction_limit, "cone", "f P"),
-        Curve(rig.time, -friction_limit, "cone", "−f P"),
-        Curve(rig.time, rig.tangential_load, "c5 bold", "Q"),
+        Curve(rig_motion.time, friction_limit, "cone", "f P"),
+        Curve(rig_motion.time, -friction_limit, "cone", "−f P"),
+        Curve(rig_motion.time, rig_motion.tangential_load, "c5 bold", "Q"),
     ]
     displacement_curves = [
-        Curve(rig.time, rig.actuator, "c1 dash", "U of the actuator"),
-        Curve(rig.time, rig.contact, "c0", "U of the contact"),
-        Curve(rig.time, rig.way, "c2 bold", "way that the bodies slide"),
+        Curve(rig_motion.time, rig_motion.actuator_displacement, "c1 dash", "U of the actuator"),
+        Curve(rig_motion.time, rig_motion.contact_displacement, "c0", "U of the contact"),
+        Curve(rig_motion.time, rig_motion.slip_of_middle, "c2 bold", "way that the bodies slide"),
     ]
-    time_axis = Axis(float(rig.time[0]), float(rig.time[-1]), "time")
+    time_axis = Axis(float(rig_motion.time[0]), float(rig_motion.time[-1]), "time")
 
     def panel_of(name: str, y_axis: Axis, marks: Sequence[Mark], alt: str) -> Panel:
         return Panel(name, time_axis, y_axis, marks, alt, _WIDTH, 300.0, css="broad", time="x")
@@ -319,138 +329,152 @@ def _over_time(rig: RigMotion) -> Plate:
     ]
     keys = [Key("c5 bold", "Q"), Key("cone", "±f P")]
     keys += [Key(curve.css, curve.label) for curve in displacement_curves]
-    motions_shown = {motion for motion, _, _ in rig.stretches()}
-    keys += [Key(*_MOTIONS[motion], patch=True) for motion in Motion if motion in motions_shown]
-    columns: Table = {
-        "time": rig.time,
-        f"Q [{unit_of_load}]": rig.tangential_load,
+    drawn_motions = {motion for motion, _, _ in rig_motion.intervals()}
+    keys += [
+        Key(*_CSS_AND_WORDS[motion], patch=True) for motion in Motion if motion in drawn_motions
+    ]
+    motion_before = [_CSS_AND_WORDS[Motion(code)][1] for code in rig_motion.motions.tolist()]
+    table: Table = {
+        "time": rig_motion.time,
+        f"Q [{unit_of_load}]": rig_motion.tangential_load,
         f"f P [{unit_of_load}]": friction_limit,
-        f"way that the bodies slide [{unit_of_length}]": rig.way,
-        "motion in the step before": [_MOTIONS[Motion(code)][1] for code in rig.motions.tolist()],
+        f"way that the bodies slide [{unit_of_length}]": rig_motion.slip_of_middle,
+        "motion in the step before": motion_before,
     }
-    return figure_with_texts("rig_over_time", panels, columns, keys, columns=1, noun=rig.noun)
+    return figure_with_texts(
+        "rig_over_time", panels, table, keys, columns=1, noun=rig_motion.part_of_path
+    )
 
 
 # ------------------------------------------------------------------------------------------ numbers
-def rows_of(rig: RigMotion) -> list[tuple[str, str]]:
-    """Rows (label with unit, value) of the first table of a rig: strokes, loads, dissipation, and
-    how long the contact sticks or slides. `rig` holds the solved motion under a prescribed
-    displacement.
+def rows_of(rig_motion: RigMotion) -> list[tuple[str, str]]:
+    """Rows (label with unit, value) of the first table of a rig: strokes (largest minus least
+    displacement), loads, dissipation, and how long the contact sticks or slides.
     """
-    unit_of_length = units(rig.scene)[1]
-    unit_of_load = load_unit(rig.scene)
-    dissipation = rig.solution.dissipation
-    least_load = float(np.min(rig.normal_load))
-    largest_load = float(np.max(rig.normal_load))
-    loads = f"{least_load:.6g} to {largest_load:.6g}"
+    scene = rig_motion.scene
+    unit_of_length = units(scene)[1]
+    unit_of_load = load_unit(scene)
+    actuator_stroke = np.ptp(rig_motion.actuator_displacement)
+    contact_stroke = np.ptp(rig_motion.contact_displacement)
+    least_normal = float(np.min(rig_motion.normal_load))
+    largest_normal = float(np.max(rig_motion.normal_load))
+    normal_in_words = f"{least_normal:.6g} to {largest_normal:.6g}"
+    if least_normal == largest_normal:
+        normal_in_words = f"{largest_normal:.6g}"
+    least_tangential = np.min(rig_motion.tangential_load)
+    largest_tangential = np.max(rig_motion.tangential_load)
     rows = [
-        (f"stroke of the actuator [{unit_of_length}]", f"{np.ptp(rig.actuator):.6g}"),
-        (f"stroke of the contact [{unit_of_length}]", f"{np.ptp(rig.contact):.6g}"),
-        (f"P [{unit_of_load}]", f"{largest_load:.6g}" if least_load == largest_load else loads),
-        (
-            f"Q [{unit_of_load}]",
-            minus(f"{np.min(rig.tangential_load):.6g} to {np.max(rig.tangential_load):.6g}"),
-        ),
-        *([row_of_sliding(rig.solution)] if rig.scene.friction.coefficient else []),
-        (f"dissipation W of the {rig.noun} [{energy_unit(rig.scene)}]", f"{dissipation:.6g}"),
+        (f"stroke of the actuator [{unit_of_length}]", f"{actuator_stroke:.6g}"),
+        (f"stroke of the contact [{unit_of_length}]", f"{contact_stroke:.6g}"),
+        (f"P [{unit_of_load}]", normal_in_words),
+        (f"Q [{unit_of_load}]", minus(f"{least_tangential:.6g} to {largest_tangential:.6g}")),
     ]
+    if scene.friction.coefficient:
+        rows.append(row_of_sliding(rig_motion.solution))
+    label_of_work = f"dissipation W of the {rig_motion.part_of_path} [{energy_unit(scene)}]"
+    rows.append((label_of_work, f"{rig_motion.solution.dissipation:.6g}"))
     for motion in Motion:
-        share_of_time = rig.share(motion)
-        if not share_of_time:
+        time_fraction = rig_motion.time_fraction(motion)
+        if not time_fraction:
             continue
-        time_in_words = f"{100 * share_of_time:.3g} % of the time"
+        time_in_words = f"{100 * time_fraction:.3g} % of the time"
         if motion in (Motion.FORWARD, Motion.BACK):
-            time_in_words += f", over {rig.distance(motion):.6g} {unit_of_length}"
-        rows.append((_MOTIONS[motion][1], time_in_words))
-    if rig.elements is not None:
-        rows += _rows_of_elements(rig, rig.elements)
+            time_in_words += f", over {rig_motion.slide_distance(motion):.6g} {unit_of_length}"
+        rows.append((_CSS_AND_WORDS[motion][1], time_in_words))
+    if rig_motion.motion_by_elements is not None:
+        rows += _rows_of_elements(rig_motion, rig_motion.motion_by_elements)
     return rows
 
 
-def _rows_of_elements(rig: RigMotion, elements: RigMotion) -> list[tuple[str, str]]:
-    """Rows (label with unit, value) on the finite elements' answer for a rig: dissipation with its
-    difference from theory's, range of Q, sliding distance. `rig` holds the solved motion under a
-    prescribed displacement.
+def _rows_of_elements(by_theory: RigMotion, by_elements: RigMotion) -> list[tuple[str, str]]:
+    """Rows (label with unit, value) on a rig by finite elements: dissipation with its difference
+    from theory's, range of Q, and the sliding distance where the bodies slide as a whole.
     """
-    unit_of_load = load_unit(rig.scene)
-    unit_of_length = units(rig.scene)[1]
-    dissipation = elements.solution.dissipation
-    uncertainty = getattr(elements.solution, "dissipation_uncertainty", math.nan)
+    unit_of_load = load_unit(by_theory.scene)
+    unit_of_length = units(by_theory.scene)[1]
+    dissipation = by_elements.solution.dissipation
+    dissipation_of_theory = by_theory.solution.dissipation
+    uncertainty = getattr(by_elements.solution, "dissipation_uncertainty", math.nan)
     work_in_words = f"{dissipation:.6g}"
     if math.isfinite(uncertainty):
         work_in_words += f" ± {uncertainty:.1g}"
-    if rig.solution.dissipation:
-        work_in_words += f" ({100 * (dissipation / rig.solution.dissipation - 1):+.3g} %)"
-    tangential_load = elements.tangential_load
+    if dissipation_of_theory:
+        work_in_words += f" ({100 * (dissipation / dissipation_of_theory - 1):+.3g} %)"
+    tangential_load = by_elements.tangential_load
     rows = [
-        (f"W by finite elements [{energy_unit(rig.scene)}]", minus(work_in_words)),
+        (f"W by finite elements [{energy_unit(by_theory.scene)}]", minus(work_in_words)),
         (
             f"Q by finite elements [{unit_of_load}]",
             minus(f"{np.min(tangential_load):.6g} to {np.max(tangential_load):.6g}"),
         ),
     ]
-    # Of few increments one begins to slide within another: the middle slips only where all do.
-    sliding_distance = float(np.sum(np.abs(np.diff(elements.way))))
-    if sliding_distance > _NO_SLIDE * float(np.ptp(elements.actuator)):
+    # Sliding may begin within an increment, which `motions` does not count as sliding. The middle
+    # of the contact is the last to slip, so its slip is all of the sliding.
+    sliding_distance = float(np.sum(np.abs(np.diff(by_elements.slip_of_middle))))
+    if sliding_distance > _LEAST_SLIDE * float(np.ptp(by_elements.actuator_displacement)):
         rows.append((f"slide by finite elements [{unit_of_length}]", f"{sliding_distance:.6g}"))
     return rows
 
 
-def may_slide(rig: RigMotion) -> bool:
+def may_slide(rig_motion: RigMotion) -> bool:
     """Whether bodies that do not slide as a whole may do so by the uncertainty of the inputs."""
-    if rig.inputs is None or rig.inputs.sliding is None:
+    if rig_motion.inputs is None or rig_motion.inputs.sliding is None:
         return False
-    return rig.inputs.sliding.is_in_reach
+    return rig_motion.inputs.sliding.is_in_reach
 
 
-def _sentence(rig: RigMotion) -> str:
-    """The first sentence on a rig: whether the bodies slide as a whole, how far, and the
-    dissipation W. `rig` holds the solved motion under a prescribed displacement.
+def _sentence(rig_motion: RigMotion) -> str:
+    """The first sentences on a rig: whether the bodies slide as a whole and how far, and the
+    dissipation W.
     """
-    unit_of_length = units(rig.scene)[1]
-    sliding_distance = rig.distance(Motion.FORWARD) + rig.distance(Motion.BACK)
+    unit_of_length = units(rig_motion.scene)[1]
+    part_of_path = rig_motion.part_of_path
+    forward_distance = rig_motion.slide_distance(Motion.FORWARD)
+    sliding_distance = forward_distance + rig_motion.slide_distance(Motion.BACK)
     if sliding_distance:
-        sentence_on_slides = (
+        sentence_on_sliding = (
             f"The bodies slide as a whole by {sliding_distance:.6g} {unit_of_length} in the"
-            f" {rig.noun}."
+            f" {part_of_path}."
         )
-    elif may_slide(rig):
-        sentence_on_slides = (
-            f"Nothing slides as a whole in the {rig.noun}, but with these inputs the bodies may."
+    elif may_slide(rig_motion):
+        sentence_on_sliding = (
+            f"Nothing slides as a whole in the {part_of_path}, but with these inputs the bodies"
+            " may."
         )
     else:
-        sentence_on_slides = f"Nothing slides as a whole in the {rig.noun}."
-    return f"{sentence_on_slides} W = {rig.solution.dissipation:.6g} {energy_unit(rig.scene)}."
+        sentence_on_sliding = f"Nothing slides as a whole in the {part_of_path}."
+    dissipation = rig_motion.solution.dissipation
+    return f"{sentence_on_sliding} W = {dissipation:.6g} {energy_unit(rig_motion.scene)}."
 
 
-def _notes_of(rig: RigMotion) -> Iterator[str]:
+def _notes_of(rig_motion: RigMotion) -> Iterator[str]:
     """Notes of theory's solution and of the finite elements' for a rig."""
-    yield from rig.solution.record.notes
-    if rig.beside is not None:
-        for note in rig.beside.record.notes:
+    yield from rig_motion.solution.record.notes
+    if rig_motion.solution_by_elements is not None:
+        for note in rig_motion.solution_by_elements.record.notes:
             yield f"finite elements: {note}"
 
 
-def write(rig: RigMotion, out: str | Path, command: str, remarks: Sequence[str]) -> Path:
-    """Write the page of a rig and the CSV of each figure to the folder that holds the solution;
-    returns the path of the page. `remarks` are sentences on which engine takes the scene. `rig`
-    holds the solved motion under a prescribed displacement.
+def write(rig_motion: RigMotion, out: str | Path, command: str, remarks: Sequence[str]) -> Path:
+    """Write the page of a rig and the CSV of each figure to the folder `out`, which holds the
+    solutions. Returns the path of the page. `remarks` are sentences on which engines can solve the
+    scene.
     """
     page_script, script_hash = script()
-    plates = (_loop(rig), _over_time(rig))
-    summary = summary_rows(rig.solution)
+    plates = (_loop(rig_motion), _over_time(rig_motion))
+    summary = summary_rows(rig_motion.solution)
     with filled(out, fresh=("report.html", "figures/")) as folder:
         write_tables(plates, folder)
         page = template("rig.html").render(
-            title=rig.scene.title or rig.scene.name,
-            scene=rig.scene,
-            sentence=_sentence(rig),
-            is_open=may_slide(rig),
-            rows=rows_of(rig),
+            title=rig_motion.scene.title or rig_motion.scene.name,
+            scene=rig_motion.scene,
+            sentence=_sentence(rig_motion),
+            is_open=may_slide(rig_motion),
+            rows=rows_of(rig_motion),
             summary=[row for row in summary if row[0] != "note"],
-            notes=(*_notes_of(rig), *remarks),
+            notes=(*_notes_of(rig_motion), *remarks),
             drawings=plates,
-            inputs=rig.inputs,
+            inputs=rig_motion.inputs,
             input_words=input_words,
             command=command,
             script=page_script,
