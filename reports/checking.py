@@ -13,7 +13,7 @@ import numpy as np
 
 from reports.charts.templating import in_template
 from reports.comparison.work_of_loads import bulk_strains
-from reports.record_parts import sliding_in_words
+from reports.record_parts import sliding_rows_in_words
 from reports.units import load_unit, number, units
 from scenes import (
     Block,
@@ -208,7 +208,7 @@ def _cure_of_record(load: TimeSeriesLoad, friction: float, time: float) -> str:
             f"{row_in_words}. Rows of so little load are noise where it is: write"
             f" load.least_normal_load = {least_load:.6g}"
         )
-    if sliding := sliding_in_words(load, friction):
+    if sliding := sliding_rows_in_words(load, friction):
         return f"{row_in_words}. {sliding}"
     return (
         f"{row_in_words}. To leave rows out, write load.start or load.end: a time, or"

@@ -1,5 +1,5 @@
-"""A profile fitted to measured rows: what it rests on in words, and what the noise of the rows
-leaves open in W, a and p0.
+"""A profile fitted to measured rows: in words what was fitted to which rows, and the uncertainty of
+W, a and p0 by the noise of the rows.
 """
 
 from __future__ import annotations
@@ -26,23 +26,22 @@ from scenes import (
 )
 from scenes.profiles import Fitted
 
-# Other measurements that the noise could have given. Twice their standard deviation is known to 7
-# %, and a normal spread lies within it in 95 %.
+# Number of simulated measurements. They give twice the standard deviation to 7 %, within which 95 %
+# of normal values lie.
 _RESAMPLES = 100
-# Fewer of a load that is no ellipse, each of which takes a march of its own; none of a longer
-# record.
-_MARCHES = 30
+# Fewer where W takes a march along the load path for each; no W for records of more rows.
+_MOST_MARCHED_RESAMPLES = 30
 _MOST_ROWS = 2_000
-# Of residuals over the noise: chance alone gives so much in one case of 1,000, as a share of the
-# expected spread.
-_CHANCE = 3.3
-# Of the change by a spline: it follows other shapes, but for some per cent of them.
-_SPLINE = 1.25
+# A test value of white noise exceeds its expectation by so many of its standard deviations in one
+# case of 1,000.
+_LARGEST_BY_CHANCE = 3.3
+# Factor on the change by a smoothing spline, which follows other shapes to some per cent only.
+_SPLINE_FACTOR = 1.25
 # Residuals over the range of h below which they are round-off error of the fit, which has a pattern
 # of its own.
 _ROUND_OFF = 1e-9
-# Rows that stand out, in a sentence.
-_SPIKES_SHOWN = 5
+# Spikes, rows that stand out from the fit, that a sentence names.
+_MOST_SHOWN_SPIKES = 5
 
 
 @dataclass(frozen=True)
@@ -55,17 +54,27 @@ class Spread:
 
 @dataclass(frozen=True)
 class FitUncertainty:
-    """What the noise of the rows leaves open."""
+    """Values under a fitted profile, each with its uncertainty by the noise of the rows.
 
-    dissipation: Spread | None  # W of the last whole cycle; None where it was not resampled
-    # half_width, peak_pressure: at the largest load
+    Attributes
+    ----------
+    dissipation
+        W of the last whole cycle; None where it was not computed, for long records
+    half_width, peak_pressure
+        a and p0 at the largest load
+    resamples, failed
+        number of simulated measurements that were fitted, and of those among them whose fit cannot
+        carry the load: it does not bend up, or is too narrow
+    seed
+        of the random numbers
+    """
+
+    dissipation: Spread | None
     half_width: Spread
     peak_pressure: Spread
-    # resamples, failed: how many other measurements were fitted, and how many of those did not bend
-    # up or were too narrow
     resamples: int
     failed: int
-    seed: int  # of the random numbers
+    seed: int
 
 
 def fit_of(scene: Scene) -> Fitted | None:
@@ -79,21 +88,21 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
     """Dissipation W, half-width a and peak pressure p0 under a profile that was fitted to measured
     rows, each with the 95 % uncertainty that the noise of the rows leaves.
 
-    The fit is repeated with other noise added to the fitted curve. The uncertainty is twice the
-    standard deviation of the values so found, plus their mean change; or in place of the mean, if
-    it is larger, the change by a tenth of the smoothing, since the fitted curve has lost already
-    what smoothing takes from the rows.
+    Measurements are simulated: random noise is added to the fitted curve, and the curve is fitted
+    again. The uncertainty is twice the standard deviation of the values under these fits, plus a
+    bias, their mean change. Of a smoothing spline the change by a tenth of the smoothing is the
+    bias where it is larger, since the fitted curve has already lost what smoothing takes.
 
-    Residuals with a pattern along x are no noise. Then each repeated fit gets them too, moved along
-    x, and the change by a smoothing spline through the same rows, with a tilt of its own, is added:
-    it follows shapes that this kind of profile does not have.
+    Residuals with a pattern along x are no noise. Then each simulated measurement gets this pattern
+    too, moved along x. The change by a smoothing spline through the same rows is added as well: it
+    follows shapes that this kind of profile does not have.
 
     Parameters
     ----------
     resamples
-        how many fits with other noise
+        largest number of simulated measurements; fewer where W takes a march for each
     seed
-        of the random numbers
+        seed of the random numbers
 
     Raises
     ------
@@ -107,27 +116,27 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
         )
     from scenes.fitting import fitted_again, fitted_by_spline
 
-    method_for_work = _way_to_work(scene)
-    count = min(resamples, _MARCHES) if method_for_work is _Work.MARCHED else resamples
-    pattern = _pattern(scene)
-    values_of_fit = _values(scene, method_for_work)
-    values_of_resamples = _values_with_other_noise(
-        scene, fit, pattern, method_for_work, count, seed
+    work_method = _work_method_of(scene)
+    count = (
+        min(resamples, _MOST_MARCHED_RESAMPLES) if work_method is _WorkMethod.MARCHED else resamples
     )
+    pattern = _pattern(scene)
+    values_of_fit = _values(scene, work_method)
+    values_of_resamples = _values_with_other_noise(scene, fit, pattern, work_method, count, seed)
     changes = values_of_resamples - values_of_fit
-    # The mean is what the fit itself errs by at this noise: a curve that may not bend down, or is
-    # smoothed, has some.
+    # The mean change is the error that the fit makes by itself at this noise: a curve that may not
+    # bend down, or is smoothed, has one.
     bias = np.abs(np.mean(changes, axis=0))
-    # a smoothing spline: with less smoothing it loses less of the rows
-    if fit.weight:
-        less_smoothed = fitted_again(scene.profile, smoothing=0.1)
-        values_less_smoothed = _values_of_another_fit(scene, less_smoothed, method_for_work)
+    is_smoothing_spline = bool(fit.weight)
+    if is_smoothing_spline:
+        less_smoothed_profile = fitted_again(scene.profile, smoothing=0.1)
+        values_less_smoothed = _values_of_another_fit(scene, less_smoothed_profile, work_method)
         if values_less_smoothed is not None:
             bias = np.maximum(bias, np.abs(values_less_smoothed - values_of_fit))
     uncertainty = 2 * np.std(changes, axis=0) + bias
     if pattern is not None and fit.kind != "smoothing_spline":
         values_of_spline = _values_of_another_fit(
-            scene, fitted_by_spline(scene.profile), method_for_work
+            scene, fitted_by_spline(scene.profile), work_method
         )
         if values_of_spline is None:
             raise InputError(
@@ -135,51 +144,51 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
                 " rows carries the load: state another kind of fit, or fewer rows by its key"
                 " extent"
             )
-        uncertainty += _SPLINE * np.abs(values_of_spline - values_of_fit)
+        uncertainty += _SPLINE_FACTOR * np.abs(values_of_spline - values_of_fit)
     work, half_width, peak_pressure = map(Spread, values_of_fit.tolist(), uncertainty.tolist())
     return FitUncertainty(
-        None if method_for_work is _Work.LEFT_OUT else work,
-        half_width,
-        peak_pressure,
-        count,
-        count - len(values_of_resamples),
-        seed,
+        dissipation=None if work_method is _WorkMethod.LEFT_OUT else work,
+        half_width=half_width,
+        peak_pressure=peak_pressure,
+        resamples=count,
+        failed=count - len(values_of_resamples),
+        seed=seed,
     )
 
 
-class _Work(Enum):
-    """How the dissipation of a resampled profile is computed."""
+class _WorkMethod(Enum):
+    """How the dissipation under another fit of the profile is computed, and for which loads."""
 
     IN_BATCH = "an ellipse without bulk stress or tilt"
     MARCHED = "along its path"
     LEFT_OUT = "the record is too long"
 
 
-def _way_to_work(scene: Scene) -> _Work:
-    """How the dissipation of another fit of a scene's profile is found: in one batch, by marching
-    along the path, or left out for long records.
+def _work_method_of(scene: Scene) -> _WorkMethod:
+    """How the dissipation under another fit of a scene's profile is computed: by the quick formula
+    for elliptical load paths, by marching along the path, or not at all for long records.
     """
     load = scene.load
     if isinstance(load, EllipseLoad) and not load.has_bulk_or_tilt:
-        return _Work.IN_BATCH
+        return _WorkMethod.IN_BATCH
     if isinstance(load, TimeSeriesLoad) and len(load.rows) > _MOST_ROWS:
-        return _Work.LEFT_OUT
-    return _Work.MARCHED
+        return _WorkMethod.LEFT_OUT
+    return _WorkMethod.MARCHED
 
 
 def _values_of_another_fit(
-    scene: Scene, profile_keys: dict[str, Any] | None, method_for_work: _Work
+    scene: Scene, profile_keys: dict[str, Any] | None, work_method: _WorkMethod
 ) -> NDArray[np.float64] | None:
     """Dissipation, largest half-width and peak pressure, (3,), of the scene with another fit of its
-    profile. None where there is no such fit (`profile_keys` None), or where its contact would be
-    wider than the rows.
+    profile, whose keys are `profile_keys`. None where there is no such fit (`profile_keys` None),
+    and where the scene then has no solution: its contact would be wider than the rows.
 
-    `method_for_work` says how the dissipation is computed, or that it is left out.
+    `work_method` says how the dissipation is computed, or that it is left out, as 0.
     """
     if profile_keys is None:
         return None
     try:
-        return _values(scene.vary(profile={**profile_keys, "fitted": None}), method_for_work)
+        return _values(scene.vary(profile={**profile_keys, "fitted": None}), work_method)
     except InputError:
         return None
 
@@ -188,21 +197,24 @@ def _values_with_other_noise(
     scene: Scene,
     fit: Fitted,
     pattern: NDArray[np.float64] | None,
-    method_for_work: _Work,
+    work_method: _WorkMethod,
     count: int,
     seed: int,
 ) -> NDArray[np.float64]:
-    """Dissipation, half-width and peak pressure, (n, 3), of fits to `count` simulated measurements:
-    the fitted curve with other noise, and a `pattern` of the residuals moved along x.
+    """Dissipation, half-width and peak pressure, (n, 3), under fits to `count` simulated
+    measurements: the fitted curve with other noise.
 
-    n is less than `count` where a fit can't carry the load; InputError where half of them can't.
+    n is less than `count` where fits cannot carry the load; InputError where half of them cannot.
 
     Parameters
     ----------
-    method_for_work
+    pattern
+        residuals (m,) of the m fitted rows where they have a pattern along x, which is added at
+        another place; None: they are noise
+    work_method
         how the dissipation is computed, or that it is left out
     seed
-        of the random numbers
+        seed of the random numbers
     """
     from scenes.fitting import fitted_again
 
@@ -210,7 +222,8 @@ def _values_with_other_noise(
     values_of_resamples = []
     for _ in range(count):
         noise = _noise(random, fit, pattern)
-        values = _values_of_another_fit(scene, fitted_again(scene.profile, noise), method_for_work)
+        profile_keys = fitted_again(scene.profile, noise)
+        values = _values_of_another_fit(scene, profile_keys, work_method)
         if values is not None:
             values_of_resamples.append(values)
     if len(values_of_resamples) < max(2, count // 2):
@@ -223,11 +236,12 @@ def _values_with_other_noise(
 
 
 def _pattern(scene: Scene) -> NDArray[np.float64] | None:
-    """Residuals of a profile's fitted rows, (n,), row minus curve minus their mean, where they have
-    a pattern along x; None where they may be noise.
+    """Residuals of a profile's n fitted rows about their mean, (n,) row minus curve [length], where
+    they have a pattern along x; None where they may be white noise.
 
-    Of white noise neighbouring residuals are not correlated, and the mean of m of them has a
-    variance m times less. Chance alone misses either in one case of 1,000.
+    White noise has two properties. Neighbouring values are not correlated, and the mean of m of
+    them has a variance m times smaller. A pattern is a departure from either that noise shows by
+    chance in one case of 1,000.
     """
     fit = fit_of(scene)
     assert fit is not None
@@ -243,10 +257,10 @@ def _pattern(scene: Scene) -> NDArray[np.float64] | None:
     block_size = int(np.sqrt(n_rows))
     n_blocks = n_rows // block_size
     block_means = residuals[: n_blocks * block_size].reshape(n_blocks, block_size).mean(axis=1)
-    # variance of the blocks' means over that of white noise, minus 1
+    # variance of the means of blocks over that of white noise, minus 1
     excess_variance = block_size * float(np.mean(block_means**2)) / (sum_of_squares / n_rows) - 1
-    is_correlated = correlation * np.sqrt(n_rows) > _CHANCE
-    varies_over_blocks = excess_variance > _CHANCE * np.sqrt(2 / n_blocks)
+    is_correlated = correlation * np.sqrt(n_rows) > _LARGEST_BY_CHANCE
+    varies_over_blocks = excess_variance > _LARGEST_BY_CHANCE * np.sqrt(2 / n_blocks)
     has_pattern = is_correlated or varies_over_blocks
     return residuals if has_pattern else None
 
@@ -254,23 +268,24 @@ def _pattern(scene: Scene) -> NDArray[np.float64] | None:
 def _noise(
     random: np.random.Generator, fit: Fitted, pattern: NDArray[np.float64] | None
 ) -> NDArray[np.float64]:
-    """Noise (n,) of another measurement over that of the fit, with the pattern of the residuals
-    moved along x.
+    """Noise (n,) of a simulated measurement, over the standard deviation of the measured noise. The
+    pattern of the residuals is added where there is one: moved along x, and at random reversed in x
+    and in sign.
     """
     noise = random.standard_normal(len(fit.used_rows()))
     if pattern is None:
         return noise
-    shifted_pattern = np.roll(pattern, random.integers(len(pattern)))[:: random.choice([-1, 1])]
-    return np.asarray(noise + random.choice([-1.0, 1.0]) * shifted_pattern / fit.noise)
+    moved_pattern = np.roll(pattern, random.integers(len(pattern)))[:: random.choice([-1, 1])]
+    return np.asarray(noise + random.choice([-1.0, 1.0]) * moved_pattern / fit.noise)
 
 
-def _values(scene: Scene, way: _Work) -> NDArray[np.float64]:
-    """W, a, p0; 0 in place of W where that is left out."""
+def _values(scene: Scene, work_method: _WorkMethod) -> NDArray[np.float64]:
+    """Dissipation W, largest half-width a and peak pressure p0, (3,); W is 0 where left out."""
     contact = largest_contact(scene, scene.name)
     work = 0.0
-    if way is _Work.MARCHED:
+    if work_method is _WorkMethod.MARCHED:
         work = semi_analytic.solve(scene, x=0.0, fields="dissipation").dissipation
-    elif way is _Work.IN_BATCH:
+    elif work_method is _WorkMethod.IN_BATCH:
         work = _work_of_ellipse(scene)
     return np.array([work, contact.half_width, contact.peak_pressure])
 
@@ -298,34 +313,33 @@ def _work_of_ellipse(scene: Scene) -> float:
 
 
 def fit_in_words(scene: Scene, half_width: float) -> list[str]:
-    """Sentences on a fitted profile: what was fitted to which rows, how well, and how far the rows
-    reach; none for a profile that is not fitted.
+    """Sentences on a fitted profile: which curve was fitted to which rows, its residuals and noise,
+    and warnings; none for a profile that is not fitted.
 
     Parameters
     ----------
     half_width
-        of the largest contact
+        half-width of the largest contact [length]
     """
     fit = fit_of(scene)
     if fit is None:
         return []
     _, unit_of_length, _ = units(scene)
-    how_centred = "fitted" if fit.centre_fitted else "given"
-    centre = f"Its middle, {how_centred}, is x = {number(fit.centre)} {unit_of_length}"
+    centre_source = "fitted" if fit.centre_fitted else "given"
+    centre_in_words = f"Its middle, {centre_source}, is x = {number(fit.centre)} {unit_of_length}"
     if fit.tilt_fitted:
-        centre += f", and its tilt, fitted and taken out, is {number(fit.tilt)} rad"
+        centre_in_words += f", and its tilt, fitted and taken out, is {number(fit.tilt)} rad"
     elif fit.tilt:
-        centre += f", and a tilt of {number(fit.tilt)} rad was taken out"
-    left_out_in_words = f", {fit.left_out} beyond the extent left out" if fit.left_out else ""
-    left_out_in_words += _spikes_in_words(fit)
+        centre_in_words += f", and a tilt of {number(fit.tilt)} rad was taken out"
+    omissions_in_words = f", {fit.left_out} beyond the extent left out" if fit.left_out else ""
+    omissions_in_words += _spikes_in_words(fit)
     noise_source = "stated" if fit.noise_stated else "taken from these residuals"
-    # the rows that were fitted
-    rows = len(fit.used_rows())
+    n_fitted_rows = len(fit.used_rows())
     return [
         (
-            f"The profile is {_shape_in_words(scene)}, fitted to {rows} rows of"
-            f" {fit.source}{left_out_in_words}. {centre}. Residuals are {fit.residual:.3g}"
-            f" {unit_of_length}"
+            f"The profile is {_shape_in_words(scene)}, fitted to {n_fitted_rows} rows of"
+            f" {fit.source}{omissions_in_words}. {centre_in_words}. Residuals are"
+            f" {fit.residual:.3g} {unit_of_length}"
             f" (root mean square), the noise is {fit.noise:.3g} {unit_of_length} ({noise_source})."
         ),
         *fit_warnings(scene, half_width),
@@ -333,14 +347,16 @@ def fit_in_words(scene: Scene, half_width: float) -> list[str]:
 
 
 def _spikes_in_words(fit: Fitted) -> str:
-    """Rows that stand out, some of them by number; empty without one."""
+    """How many rows that stand out were left out of the fit, and the numbers of the first of them;
+    "" where there are none.
+    """
     if not fit.spikes:
         return ""
-    count = len(fit.spikes)
-    numbers = ", ".join(f"{row:,}" for row in fit.spikes[:_SPIKES_SHOWN])
-    remainder = ", ..." if count > _SPIKES_SHOWN else ""
-    rows = "one that stands out" if count == 1 else f"{count} that stand out"
-    return f", {rows} left out (row {numbers}{remainder})"
+    n_spikes = len(fit.spikes)
+    row_numbers = ", ".join(f"{row:,}" for row in fit.spikes[:_MOST_SHOWN_SPIKES])
+    ellipsis = ", ..." if n_spikes > _MOST_SHOWN_SPIKES else ""
+    spikes_in_words = "one that stands out" if n_spikes == 1 else f"{n_spikes} that stand out"
+    return f", {spikes_in_words} left out (row {row_numbers}{ellipsis})"
 
 
 def _shape_in_words(scene: Scene) -> str:
@@ -363,13 +379,14 @@ def _shape_in_words(scene: Scene) -> str:
 
 
 def fit_warnings(scene: Scene, half_width: float) -> list[str]:
-    """Sentences on what is wrong with a fit: residuals that are no noise or not the stated one, a
-    contact wider than the rows; none if nothing is.
+    """Sentences on what is wrong with a fitted profile: residuals that have a pattern or do not
+    agree with the stated noise, a contact wider than the rows. None where all is well, and for a
+    profile that is not fitted.
 
     Parameters
     ----------
     half_width
-        of the largest contact
+        half-width of the largest contact [length]
     """
     fit = fit_of(scene)
     if fit is None:
@@ -385,9 +402,11 @@ def fit_warnings(scene: Scene, half_width: float) -> list[str]:
             " the change that a smoothing spline makes."
         )
     n_rows = len(fit.used_rows())
-    # of the residuals' variance over that of the noise
+    # Variance of the residuals over that of the noise. With `freedom` degrees of freedom it is 1
+    # with standard deviation sqrt(2/freedom).
     variance_ratio = (fit.residual / fit.noise) ** 2 * n_rows / fit.freedom
-    if fit.noise_stated and abs(variance_ratio - 1) > _CHANCE * np.sqrt(2 / fit.freedom):
+    largest_by_chance = _LARGEST_BY_CHANCE * np.sqrt(2 / fit.freedom)
+    if fit.noise_stated and abs(variance_ratio - 1) > largest_by_chance:
         cause = "the noise is smaller than stated, or the rows were smoothed before"
         if variance_ratio > 1:
             cause = "this kind of profile does not describe the rows, or the noise is larger"
@@ -412,28 +431,29 @@ def _uncertainty_in_words(scene: Scene, uncertainty: FitUncertainty) -> str:
     """
     _, unit_of_length, unit_of_stress = units(scene)
 
-    def with_share(spread: Spread) -> str:
+    def with_per_cent(spread: Spread) -> str:
+        """A value ± its uncertainty in per cent of it."""
         if not spread.value:
             return "0"
         return f"{spread.value:.6g} ± {100 * spread.uncertainty / spread.value:.2g} %"
 
     work_in_words = (
-        f"W = {with_share(uncertainty.dissipation)}, " if uncertainty.dissipation else ""
+        f"W = {with_per_cent(uncertainty.dissipation)}, " if uncertainty.dissipation else ""
     )
-    words_of_failed = f", {uncertainty.failed} of them unfit" if uncertainty.failed else ""
+    failures_in_words = f", {uncertainty.failed} of them unfit" if uncertainty.failed else ""
     return (
         f"The noise of the rows leaves open (95 %): {work_in_words}a ="
-        f" {with_share(uncertainty.half_width)} {unit_of_length}, p0 ="
-        f" {with_share(uncertainty.peak_pressure)} {unit_of_stress}. That is by"
+        f" {with_per_cent(uncertainty.half_width)} {unit_of_length}, p0 ="
+        f" {with_per_cent(uncertainty.peak_pressure)} {unit_of_stress}. That is by"
         f" {uncertainty.resamples}"
-        f" other measurements with this noise{words_of_failed}."
+        f" other measurements with this noise{failures_in_words}."
     )
 
 
 @lru_cache(maxsize=4)
 def findings(scene: Scene) -> tuple[tuple[str, ...], FitUncertainty | None]:
-    """Sentences on a fitted profile, and the uncertainty that the noise of its rows leaves; none,
-    and None, for a profile that is not fitted.
+    """Sentences on a fitted profile, and the uncertainty of W, a and p0 by the noise of its rows.
+    No sentences and None for a profile that is not fitted; None where the uncertainty has no value.
 
     It takes up to some seconds, and page, JSON and terminal all ask for it: it is computed once.
     """

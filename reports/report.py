@@ -128,21 +128,21 @@ class Report:
     @property
     def opening(self) -> str:
         """The first sentence of a report: what differs and by how much. Of an external result also
-        why, or that the reason was not found, and then what agrees.
+        its likely causes, or that none was found, and then which metrics are within tolerance.
         """
         sentence = headline(self.comparison)
         if not self.diagnoses:
             return sentence
-        labels_within = [
+        labels_within_tolerance = [
             metric.label.lower()
             for metric in self.comparison.headlines
             if metric.verdict is Verdict.WITHIN
         ]
-        reasons = " and ".join(diagnosis.name_and_size for diagnosis in self.diagnoses)
+        causes = " and ".join(diagnosis.name_and_size for diagnosis in self.diagnoses)
         agreement_in_words = ""
-        if labels_within:
-            agreement_in_words = f"; within tolerance: {', '.join(labels_within)}"
-        return f"{sentence.removesuffix('.')}; cause: {reasons}{agreement_in_words}."
+        if labels_within_tolerance:
+            agreement_in_words = f"; within tolerance: {', '.join(labels_within_tolerance)}"
+        return f"{sentence.removesuffix('.')}; cause: {causes}{agreement_in_words}."
 
     @property
     def passed(self) -> bool:

@@ -763,14 +763,14 @@ def test_parts_of_a_record_that_are_no_cycle_are_named_with_their_rows() -> None
     places = {"no load": (1, 100), "other cycles": (230, 412), "alike": (412, 988)}
     places |= {"drift": (412, 988), "rest": (1001, 1300)}
     for kind, place in places.items():
-        assert (parts[kind].first, parts[kind].last) == pytest.approx(place, abs=30), kind
+        assert (parts[kind].first_row, parts[kind].last_row) == pytest.approx(place, abs=30), kind
     said = " ".join(sentence.text for sentence in record_in_words(scene, check_record(scene)))
     require_facts(said, "run-in", "at rest", "12 cycles that are alike", "load.start = {row = ")
     # means of many rows would take the noise out of P, and Q with it
     assert check_record(scene).rows_per_mean <= 2
     # the part alone has no other parts
     alike = parts["alike"]
-    cut = scene.vary(load={"start": {"row": alike.first}, "end": {"row": alike.last}})
+    cut = scene.vary(load={"start": {"row": alike.first_row}, "end": {"row": alike.last_row}})
     assert {part.kind for part in record_parts(cut)} == {"alike", "drift"}
 
 

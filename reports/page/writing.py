@@ -137,8 +137,8 @@ def write(
         if vtu_instants is not None and len(vtu_instants):
             _write_vtu(comparison, vtu_instants, folder / "fields")
         third_content = _write_third(comparison, report.third, folder) if report.third else None
-        live = _cycle_data(CycleView(comparison)) | {"tables": _tables(tables)}
-        page = render(report, drawings, command, seconds or {}, live, third_content)
+        script_data = _data_of_slider(CycleView(comparison)) | {"tables": _tables(tables)}
+        page = render(report, drawings, command, seconds or {}, script_data, third_content)
         (folder / "report.html").write_text(page, encoding="utf-8")
         if log:
             log_text = "\n".join([*log, headline(comparison), verdict(comparison)]) + "\n"
@@ -178,8 +178,8 @@ def render(
     drawings: Sequence[Plate],
     command: str,
     seconds: Mapping[str, float],
-    live: Mapping[str, Any] | None = None,
-    third: Mapping[str, Any] | None = None,
+    script_data: Mapping[str, Any] | None = None,
+    third_content: Mapping[str, Any] | None = None,
 ) -> str:
     """The HTML text of a report's page. Text that came from outside is escaped, and no script but
     the page's own may run.
@@ -189,20 +189,21 @@ def render(
     drawings
         the figures; one that is missing leaves its place empty
     command
-        what reproduces the page
+        the command that reproduces the page
     seconds
         stage -> wall time
-    live
-        what the slider moves through; without it the page has none
-    third
-        words of the third solver, where it ran
+    script_data
+        what the page's script shows: the values at each position of the slider, and the tables;
+        None: the page has no slider
+    third_content
+        what the page states of the third solver; None where none ran
     """
     comparison = report.comparison
     scene = comparison.scene
     sentences = common_content(report)
-    profile_findings = findings(scene)[0]
+    sentences_on_fit, _ = findings(scene)
     terms_left_out = budget_words.negligible_terms(report.budget) if report.budget else ()
-    bodies = [sentences["bodies"], sentences["unlike_materials"], *profile_findings]
+    bodies = [sentences["bodies"], sentences["unlike_materials"], *sentences_on_fit]
     program, script_digest = script()
     return template("report.html").render(
         sentences | {"bodies": bodies},
@@ -225,14 +226,14 @@ def render(
             (name_of(solution.engine), solution)
             for solution in (comparison.reference, comparison.result)
         ],
-        flat=_flat,
+        flat=_settings_by_name,
         command=command,
         commit=code_commit(),
-        third=third,
+        third=third_content,
         script=program,
         script_hash=script_digest,
-        live=_as_script(dict(live) if live else {"instants": 0}),
-        carried=_carried_in_words(dict(live)) if live else "",
+        live=_as_script(dict(script_data) if script_data else {"instants": 0}),
+        carried=_extent_of_slider_in_words(script_data) if script_data else "",
         states=STATE_KEYS,
         uncertain_work=words.uncertain_work(comparison),
         seconds=seconds,
@@ -262,8 +263,8 @@ def _git(home: Path, *words: str) -> str:
 
 
 def _notes(comparison: Comparison) -> list[str]:
-    """Notes of a comparison: those of the metrics of the first table, then those of the
-    solutions.
+    """Notes of a comparison as sentences: those of the metrics in the first table, which begin with
+    the metric's label, then those of the solutions.
     """
     notes = []
     for metric in comparison.headlines:
@@ -277,14 +278,16 @@ def _notes(comparison: Comparison) -> list[str]:
 
 
 def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
-    """Cells of a table on the friction work of each solution, by column: the sum of q ds, the same
-    over its scale, the closed integral of Q dU, the work of bulk stress and of P, how far both ways
-    to the work differ, and the work of every cycle. A dash stands for what a solution does not
-    hold.
+    """Texts of a table on the friction work W of each solution, by column; a dash stands for what a
+    solution does not hold.
+
+    The columns: "name"; "value" W, the sum of q times slip; "scaled" W over its scale; "loop" the
+    closed integral of Q dU; "bulk" and "normal" work of bulk stress and of P; "apart" |work of Q
+    and P/W − 1|; "cycles" W of every cycle.
     """
 
     def text_of_number(value: float | None, digits: int = 8) -> str:
-        """A number to so many digits; a dash for None and NaN."""
+        """A number to so many significant digits; a dash for None and NaN."""
         return "–" if value is None or np.isnan(value) else minus(f"{value:.{digits}g}")
 
     reference_on_steps = comparison.polygon_reference
@@ -297,10 +300,10 @@ def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
         work_of_normal_load = normal_work(solution)
         if work_of_normal_load is not None and abs(work_of_normal_load) < _ROUND_OFF * dissipation:
             work_of_normal_load = 0.0
-        difference = "–"
+        difference_in_words = "–"
         if dissipation and not np.isnan(loop_work):
             work_of_loads = loop_work + (work_of_normal_load or 0.0)
-            difference = minus(f"{abs(work_of_loads / dissipation - 1):.1e}")
+            difference_in_words = minus(f"{abs(work_of_loads / dissipation - 1):.1e}")
         yield {
             "name": name,
             "value": text_of_number(dissipation),
@@ -309,24 +312,24 @@ def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
             # of the instants that the solution has
             "bulk": text_of_number(bulk_work(last_cycle(solution), solution.scene.material)),
             "normal": text_of_number(work_of_normal_load),
-            "apart": difference,
+            "apart": difference_in_words,
             "cycles": ", ".join(
                 text_of_number(work_of_cycle, 6) for work_of_cycle in solution.cycle_dissipation
             ),
         }
 
 
-def _flat(settings: Mapping[str, Any], prefix: str = "") -> dict[str, str]:
+def _settings_by_name(settings: Mapping[str, Any], prefix: str = "") -> dict[str, str]:
     """Nested settings as one dictionary of texts: names joined by dots, numbers to six digits.
-    `prefix` begins each name.
+    `prefix` stands before each name.
 
-    >>> _flat({"mesh": {"order": 2}, "element_size": 0.0144202817})
+    >>> _settings_by_name({"mesh": {"order": 2}, "element_size": 0.0144202817})
     {'mesh.order': '2', 'element_size': '0.0144203'}
     """
     settings_by_name: dict[str, str] = {}
     for name, value in settings.items():
         if isinstance(value, Mapping):
-            settings_by_name |= _flat(value, f"{prefix}{name}.")
+            settings_by_name |= _settings_by_name(value, f"{prefix}{name}.")
         else:
             settings_by_name[prefix + name] = (
                 f"{value:.6g}" if isinstance(value, float) else str(value)
@@ -337,36 +340,37 @@ def _flat(settings: Mapping[str, Any], prefix: str = "") -> dict[str, str]:
 # Largest number of instants, and of instants times points, that a page carries: 1.6 MB.
 _MOST_INSTANTS = 200
 _MOST_VALUES = 100_000
-# Letters of the longest CSV that a page carries.
-_LETTERS = 1_500_000
-# Steps from zero to the largest size of a series, and what stands for no number.
-_STEPS = 32766
-_NO_NUMBER = -32768
+# Length of the longest CSV that a page carries.
+_MOST_LETTERS = 1_500_000
+# Numbers are multiples, up to this one, of a step; another code stands for NaN and infinity.
+_LARGEST_CODE = 32766
+_CODE_OF_NO_NUMBER = -32768
 
 
-def _quantised(values: Array) -> dict[str, Any]:
-    """Numbers packed for the page's script: as 16-bit multiples of a step, little-endian, in
-    base64, together with the step. A NaN or infinity has a code of its own.
+def _in_16_bits(values: Array) -> dict[str, Any]:
+    """Numbers packed for the page's script: "data" holds them as 16-bit multiples of a "step",
+    little-endian, in base64. The largest size is 32766 steps. NaN and infinity are -32768.
 
-    >>> _quantised(np.array([0.0, 2.0, -1.0]))["step"] * 32766
+    >>> _in_16_bits(np.array([0.0, 2.0, -1.0]))["step"] * 32766
     2.0
     """
     is_finite = np.isfinite(values)
-    step = float(np.max(np.abs(values[is_finite]), initial=0.0)) / _STEPS or 1.0
-    steps = np.rint(np.where(is_finite, values, 0.0) / step)
-    codes = np.where(is_finite, steps, _NO_NUMBER).astype("<i2")
+    step = float(np.max(np.abs(values[is_finite]), initial=0.0)) / _LARGEST_CODE or 1.0
+    multiples = np.rint(np.where(is_finite, values, 0.0) / step)
+    codes = np.where(is_finite, multiples, _CODE_OF_NO_NUMBER).astype("<i2")
     return {"step": step, "data": base64.b64encode(codes.tobytes()).decode()}
 
 
-def _cycle_data(view: CycleView) -> dict[str, Any]:
-    """Everything that the slider of the page moves through, for its script: loads, displacements,
-    tractions and states at those instants and points that the page holds, and how many there are in
-    all. `view` holds the last cycles of both solutions.
+def _data_of_slider(view: CycleView) -> dict[str, Any]:
+    """What the page's script needs for its slider: loads, displacements, tractions and states at
+    the instants and points that the page holds, and how many there are in all. `view` holds the
+    last cycles of both solutions.
     """
     scene = view.scene
-    rows = _carried_instants(view)
-    points = _carried_points(view, len(rows))
-    # 0 the reference, 1 the result; V is U without the elastic part, so that its loop is wide
+    instants = _instants_of_slider(view)
+    points = _points_of_slider(view, len(instants))
+    # U0, V0 of the reference, U1, V1 of the result. V is U without its elastic part: Q over V is a
+    # wide loop.
     series = {
         "t": view.time,
         "P": view.result_cycle.normal_load,
@@ -376,21 +380,24 @@ def _cycle_data(view: CycleView) -> dict[str, Any]:
         "V0": sheared_displacement(view.reference_cycle),
         "V1": sheared_displacement(view.result_cycle),
     }
-    fields, states = _carried_fields(view, np.ix_(rows, points))
-    series_at_rows = {name: values[rows] for name, values in series.items()}
+    fields, states = _fields_of_slider(view, np.ix_(instants, points))
     return {
-        "instants": len(rows),
+        "instants": len(instants),
         "points": len(points),
         "of": [len(view.result_cycle.time), len(view.result_cycle.x)],
         "stretch": view.stretch,
-        "rows": rows.tolist(),
-        "x": [_seven_digits(place) for place in view.x[points]],
-        "series": {name: list(map(_seven_digits, row)) for name, row in series_at_rows.items()},
+        "rows": instants.tolist(),
+        "x": [_seven_digits(x) for x in view.x[points]],
+        "series": {
+            name: list(map(_seven_digits, values[instants])) for name, values in series.items()
+        },
         "fields": fields,
         "states": base64.b64encode(states.tobytes()).decode(),
-        "events": [[_place_of(event.index, rows), event.label] for event in view.chosen_events],
-        "start": _place_of(view.shown_instant, rows),
-        "slip_points": [_place_of(point, points) for point in slip_points(view.comparison)],
+        "events": [
+            [_position_of(event.index, instants), event.label] for event in view.chosen_events
+        ],
+        "start": _position_of(view.shown_instant, instants),
+        "slip_points": [_position_of(point, points) for point in slip_points(view.comparison)],
         "time_words": view.time_words,
         "load_unit": load_unit(scene),
         "length": units(scene)[1],
@@ -398,8 +405,10 @@ def _cycle_data(view: CycleView) -> dict[str, Any]:
     }
 
 
-def _carried_instants(view: CycleView) -> NDArray[np.int_]:
-    """All instants, or evenly many of them with the first, the last and the chosen ones."""
+def _instants_of_slider(view: CycleView) -> NDArray[np.int_]:
+    """Indices of the instants through which the page's slider moves: all, or 200 evenly spaced ones
+    with the first, the last and those that have a number in figures.
+    """
     last_instant = len(view.result_cycle.time) - 1
     spaced_instants = (
         np.linspace(0, last_instant, min(last_instant + 1, _MOST_INSTANTS)).round().astype(int)
@@ -408,61 +417,62 @@ def _carried_instants(view: CycleView) -> NDArray[np.int_]:
     return np.unique([*spaced_instants.tolist(), 0, last_instant, *chosen_instants])
 
 
-def _carried_points(view: CycleView, instants: int) -> NDArray[np.int_]:
-    """Indices of the points that the page's slider carries for so many instants: as many of those
-    drawn as fit, with the last and those whose slip is shown.
+def _points_of_slider(view: CycleView, n_instants: int) -> NDArray[np.int_]:
+    """Indices of the points that the page holds for its slider: of those drawn evenly as many as
+    fit for `n_instants` instants, with the last one and those whose slip is shown over time.
     """
     drawn_points = np.flatnonzero(np.abs(view.x) <= 1.02 * view.largest_x)
-    stride = -(-len(drawn_points) * instants // _MOST_VALUES)
+    stride = -(-len(drawn_points) * n_instants // _MOST_VALUES)
     spaced_points = drawn_points[::stride].tolist()
     return np.unique([*spaced_points, drawn_points[-1], *slip_points(view.comparison)])
 
 
-def _carried_fields(
+def _fields_of_slider(
     view: CycleView, grid: tuple[NDArray[np.int_], ...]
 ) -> tuple[dict[str, Any], NDArray[np.uint8]]:
-    """For the page's script, at the instants and points of `grid`: pressure p, shear q and slip s
-    of the reference, the differences of the result from them, and the states of both in one number.
-    `view` holds the last cycles of both solutions.
+    """For the page's script, at the instants and points that `grid` picks: pressure p, shear q and
+    slip s of the reference, packed, with the differences result minus reference (dp, dq, ds); and
+    codes of the states, that of the reference (0 to 3) plus 4 times that of the result.
     """
-    field_and_unit = {
+    field_and_scale = {
         "p": ("pressure", view.scales.pressure),
         "q": ("shear", view.scales.shear),
         "s": ("slip", 1.0),
     }
     fields = {}
-    for key, (name, unit) in field_and_unit.items():
-        reference_values = getattr(view.reference_cycle, name)[grid] / unit
-        result_values = getattr(view.result_cycle, name)[grid] / unit
-        fields[key] = _quantised(reference_values)
-        fields[f"d{key}"] = _quantised(result_values - reference_values)
+    for key, (name, scale) in field_and_scale.items():
+        reference_values = getattr(view.reference_cycle, name)[grid] / scale
+        result_values = getattr(view.result_cycle, name)[grid] / scale
+        fields[key] = _in_16_bits(reference_values)
+        fields[f"d{key}"] = _in_16_bits(result_values - reference_values)
+    state_of_reference = view.reference_cycle.state[grid].astype(np.uint8)
     state_of_result = view.result_cycle.state[grid].astype(np.uint8)
-    return fields, view.reference_cycle.state[grid].astype(np.uint8) + 4 * state_of_result
+    return fields, state_of_reference + 4 * state_of_result
 
 
 def _seven_digits(value: float) -> float | None:
-    """A number for the page; None for what is no number."""
+    """A number for the page, to seven digits; None for NaN and infinity."""
     return float(f"{value:.7g}") if np.isfinite(value) else None
 
 
-def _place_of(index: int, indices: NDArray[np.int_]) -> int:
-    """Where an index stands among those that the page carries."""
+def _position_of(index: int, indices: NDArray[np.int_]) -> int:
+    """Position of an index among the indices (m,) that the page holds."""
     return int(np.flatnonzero(indices == index)[0])
 
 
-def _carried_in_words(cycle_data: dict[str, Any]) -> str:
-    """A sentence on how many of the cycle's instants and points the page's slider moves through.
-    `cycle_data` is what the page's script is given.
+def _extent_of_slider_in_words(script_data: Mapping[str, Any]) -> str:
+    """A sentence on how many instants and points of the last cycle the page's slider moves through.
+    `script_data` is what the page's script is given.
     """
-    instants, points = cycle_data["of"]
-    carried_instants = cycle_data["instants"]
-    carried_points = cycle_data["points"]
-    stretch = cycle_data["stretch"]
-    if carried_instants == instants and carried_points == points:
+    all_instants, all_points = script_data["of"]
+    slider_instants = script_data["instants"]
+    slider_points = script_data["points"]
+    stretch = script_data["stretch"]  # such as "last cycle" or "whole record"
+    if slider_instants == all_instants and slider_points == all_points:
         return f"The slider moves through every instant and point of the {stretch}."
     return (
-        f"The slider moves through {carried_instants} of the {instants} instants and"
-        f" {carried_points} of the {points} points of the {stretch} (those near the contact);"
+        f"The slider moves through {slider_instants} of the {all_instants} instants and"
+        f" {slider_points} of the {all_points} points of the {stretch} (those near the contact);"
         " figures that stand still, and the CSV, hold all of them, but where their captions say"
         " less."
     )
@@ -472,7 +482,7 @@ def _tables(texts: Mapping[str, str]) -> dict[str, str]:
     """Name -> the CSV of each figure, compressed and as text, for the page; those of more than a
     million and a half letters are left out, and stay beside the page.
     """
-    short_texts = {name: text for name, text in texts.items() if len(text) <= _LETTERS}
+    short_texts = {name: text for name, text in texts.items() if len(text) <= _MOST_LETTERS}
     return {
         name: base64.b64encode(zlib.compress(text.encode(), _COMPRESSION)).decode()
         for name, text in short_texts.items()
@@ -572,15 +582,16 @@ def figure(report: Comparison | Report, name: str) -> str:
 
 def published(comparison: Comparison) -> str:
     """The picture of a published scene as SVG: tractions at the largest load, and beside them the
-    loop of Q over U, or the half-widths where U does not move.
+    loop of Q over U − k Q, or the half-widths where U does not move.
     """
     view = CycleView(comparison)
     scene = comparison.scene
     reference_cycle = comparison.reference_cycle
-    # Where P is largest, and of these instants where |Q| is.
-    has_largest_load = reference_cycle.normal_load >= reference_cycle.normal_load.max() * (1 - 1e-9)
-    shear_loads = np.where(has_largest_load, np.abs(reference_cycle.tangential_load), -1.0)
-    instant = int(np.argmax(shear_loads))
+    # the instant of the largest P, and of several with that P the one of the largest |Q|
+    largest_normal = reference_cycle.normal_load.max()
+    has_largest_normal = reference_cycle.normal_load >= largest_normal * (1 - 1e-9)
+    tangential_load = np.where(has_largest_normal, np.abs(reference_cycle.tangential_load), -1.0)
+    instant = int(np.argmax(tangential_load))
     title = f"t = {reference_cycle.time[instant]:.4g}"
     size = (440.0, 330.0)
     traction_panel, _ = traction_panels(view, instant, [instant], "tractions", size, title)
