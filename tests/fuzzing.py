@@ -20,7 +20,7 @@ from reports.comparison import findings
 from reports.comparison.json_values import solution_content, strict
 from reports.folder import MANIFEST, claim
 from reports.profile_fit import fit_in_words
-from reports.scoring.against import own_solution
+from reports.scoring.against import stored_solution
 from reports.scoring.mapping import Mapping, load_mapping
 from reports.scoring.reading import read
 from reports.scoring.solution import contact_solution, whole_path
@@ -252,7 +252,7 @@ ENTRANCES: dict[str, Callable[[Path], object]] = {
     **dict.fromkeys(
         (*(f"result.{kind}" for kind in ("vtu", "vtk", "pvd", "frd", "rpt")), "printed.dat"), _read
     ),
-    "result.nc": lambda path: own_solution(path, load_scene("hertz-paper")),
+    "result.nc": lambda path: stored_solution(path, load_scene("hertz-paper")),
     "study.toml": load_study,
     "study.json": load_study,
     "sweep.json": lambda path: read_index(path.parent),

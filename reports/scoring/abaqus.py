@@ -28,32 +28,49 @@ if TYPE_CHECKING:
 
 _TITLE = "Field Output Report"
 _HEADER = re.compile(
-    r"\s*(?:Step:\s*(?P<step>.+?)|Frame:\s*(?P<frame>.+?)|Field Output reported at (?P<where>.+?)"
-    r" for "
+    r"\s*(?:Step:\s*(?P<step>.+?)|Frame:\s*(?P<frame>.+?)"
+    r"|Field Output reported at (?P<location>.+?) for "
     r"(?:part|region|element set|node set|set|surface):\s*(?P<region>.+?))\s*$"
 )
 _TIME = re.compile(r"(?:Step )?Time\s*=\s*(?P<time>[-+]?\d+\.?\d*(?:[eE][-+]?\d{1,2})?)(?!\S)")
-_LONGEST = 100_000  # characters of a line
+_MOST_CHARACTERS = 100_000  # of a line
 _MOST_ROWS = 2_000_000
-# Rounding of the height of a flat face: a share of the extent in x, and at least this [length].
-_FLAT = 1e-6
-_ZERO = 1e-9
+# Nodes of a flat face differ in height by round-off: by at most this fraction of the extent in x,
+# plus this length.
+_FLAT_TOLERANCE = 1e-6
+_LEAST_FLAT_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class _Block:
-    """Nodal values of one region at one frame, (n_rows, n_columns), below the dashes of a line."""
+    """A table of a report: values of one region (a part or a surface) at one frame (an instant).
+
+    Attributes
+    ----------
+    step, frame
+        texts of the report that name the frame
+    location
+        where in elements the values were taken: nodes, centroids, ...
+    region
+        name of the part or surface
+    names
+        names of the columns
+    values
+        (n_rows, n_columns)
+    line
+        number of the line of dashes above the table
+    """
 
     step: str
     frame: str
-    where: str
+    location: str
     region: str
     names: list[str]
     values: Array
     line: int
 
     def column(self, name: str) -> Array:
-        """(n_rows,) of one quantity."""
+        """The values of one column, (n_rows,)."""
         return self.values[:, self.names.index(name)]
 
 
@@ -64,12 +81,13 @@ def is_field_report(path: Path) -> bool:
 
 
 def read_field_report(path: Path, mapping: Mapping) -> tuple[dict[Quantity, Array], list[str]]:
-    """Quantities of an Abaqus field report, one row for each frame and node of the contact surface,
-    in the scene's units and our signs; and notes.
+    """Pressure, shear, slip, x, frame and time of an Abaqus field report, one row for each frame
+    (instant) and node of the contact surface, in the scene's units and this program's signs; and
+    notes.
 
-    Nodes of both bodies, or within them, carry no pressure: those that ever do are taken, and those
-    beside them on the same face where the report has y. `mapping` states columns, units and signs
-    of the file.
+    A report may hold nodes within the bodies. The contact surface is that of the nodes with a
+    pressure in some frame and, where the report has y, of all nodes on the same flat face.
+    `mapping` states columns, units and signs of the file.
 
     Raises
     ------
@@ -85,10 +103,10 @@ def read_field_report(path: Path, mapping: Mapping) -> tuple[dict[Quantity, Arra
             " CSHEAR and COORD"
         )
     for block in blocks:
-        if "node" not in block.where:
+        if "node" not in block.location:
             raise InputError(
-                f"{path}, line {block.line}: its values are reported at {block.where}; report them"
-                " at unique nodal positions"
+                f"{path}, line {block.line}: its values are reported at {block.location}; report"
+                " them at unique nodal positions"
             )
     region = _region_with_pressure(path, blocks, mapping)
     blocks_of_region = [block for block in blocks if block.region == region]
@@ -130,22 +148,22 @@ def _region_with_pressure(path: Path, blocks: Sequence[_Block], mapping: Mapping
 def _columns(
     path: Path, blocks: Sequence[_Block], mapping: Mapping, notes: list[str]
 ) -> dict[Quantity, Array]:
-    """Pressure, shear, slip, x, frame and time of a report, one row for each frame and each node on
-    the contact surface, in the scene's units and signs.
+    """Pressure, shear, slip, x, frame and time of a report, as far as it has them: one row for each
+    frame and each node on the contact surface, in the scene's units and this program's signs.
 
     Parameters
     ----------
-    mapping
-        stated columns, units and signs of the file
     blocks
         the report's tables, each of one frame
+    mapping
+        columns, units and signs that are stated of the file
     notes
-        gets a sentence on what was left out
+        list to which sentences are added, on what was left out
     """
     frames = list(dict.fromkeys((block.step, block.frame) for block in blocks))
     rows = _rows_of_nodes(path, blocks, mapping, frames)
     is_in_first_frame = rows["frame"] == rows["frame"].iloc[0]
-    is_on_surface = _lies_on_surface(rows)
+    is_on_surface = _is_on_contact_surface(rows)
     n_left_out = int(np.sum(~is_on_surface & is_in_first_frame))
     if n_left_out:
         notes.append(f"{n_left_out} nodes that do not lie on the contact surface were left out")
@@ -156,9 +174,9 @@ def _columns(
         if name in rows
     }
     steps = {step for step, _ in frames}
-    matches = [_TIME.search(frame) for _, frame in frames]
-    if len(steps) == 1 and all(matches):
-        times = np.array([float(match["time"]) for match in matches if match])
+    time_matches = [_TIME.search(frame) for _, frame in frames]
+    if len(steps) == 1 and all(time_matches):
+        times = np.array([float(match["time"]) for match in time_matches if match])
         frame_of_row = surface_columns["frame"].astype(int)
         surface_columns["time"] = converted(mapping, "time", times)[frame_of_row]
     elif len(frames) > 1:
@@ -172,12 +190,13 @@ def _columns(
 def _rows_of_nodes(
     path: Path, blocks: Sequence[_Block], mapping: Mapping, frames: Sequence[tuple[str, str]]
 ) -> pd.DataFrame:
-    """A table of an Abaqus report with a row for each frame and each node that has a pressure,
-    indexed by the node's label: pressure, shear, slip, x, y where there are any, and the number of
-    the frame in `frames`.
+    """One table of an Abaqus report with a row for each frame and each node that has a pressure.
+    Its columns are pressure, x, as far as reported shear, slip and y, and "frame", the index of
+    the frame in `frames`. Its index is the node's label.
 
-    `blocks` are the report's tables, each of one frame; places may stand in tables of their own.
-    InputError where a node has no place. `mapping` states columns, units and signs of the file.
+    `blocks` are the report's tables, each of one frame. Coordinates may stand in tables of their
+    own, once for all frames. InputError where a node has none. `mapping` states the names of
+    columns.
     """
     import pandas as pd
 
@@ -197,115 +216,122 @@ def _rows_of_nodes(
         table = pd.DataFrame(columns)
         table.index = pd.Index(node_labels)
         tables.append(table.assign(frame=float(frames.index((block.step, block.frame)))))
-    all_values = pd.concat(tables)  # every value is finite: NaN is what a table lacks
+    all_values = pd.concat(tables)  # NaN in the columns that a table lacks, and nowhere else
     if "x" not in all_values:
         raise InputError(
             f"{path}: the nodes of {blocks[0].region} have no places: report COORD with COORD1"
             " beside CPRESS"
         )
-    # Places may stand in tables of their own, and once for all frames.
-    places = all_values[all_values.columns.intersection(["x", "y"])].groupby(level=0).last()
-    tractions = all_values.drop(columns=places.columns).dropna(subset="pressure").dropna(axis=1)
-    rows = tractions.join(places)
-    nodes_without_place = rows.index[rows["x"].isna()]
-    if len(nodes_without_place):
+    coordinates = all_values[all_values.columns.intersection(["x", "y"])].groupby(level=0).last()
+    rows_with_pressure = all_values.drop(columns=coordinates.columns).dropna(subset="pressure")
+    rows = rows_with_pressure.dropna(axis=1).join(coordinates)
+    nodes_without_x = rows.index[rows["x"].isna()]
+    if len(nodes_without_x):
         raise InputError(
-            f"{path}: node {nodes_without_place[0]:.0f} has a pressure and no place; report COORD"
+            f"{path}: node {nodes_without_x[0]:.0f} has a pressure and no place; report COORD"
             " for the same nodes"
         )
     return rows
 
 
-def _lies_on_surface(rows: pd.DataFrame) -> pd.Series[bool]:
-    """Which rows are of nodes on the contact surface: those that carry pressure in any frame, and
-    all on the same flat face; all rows where no two nodes have one x.
+def _is_on_contact_surface(rows: pd.DataFrame) -> pd.Series[bool]:
+    """Whether each row, of a node and frame, is of a node on the contact surface.
+
+    These are the nodes with a pressure in some frame. If those lie on one flat face, they are all
+    nodes of that face. Without y they are all nodes, if no two of them have the same x: then the
+    surface alone was reported. `rows` has the columns pressure, frame, x and maybe y.
     """
     is_on_surface = (rows["pressure"] != 0).groupby(level=0).transform("any")
     is_in_first_frame = rows["frame"] == rows["frame"].iloc[0]
     if "y" in rows:
-        tolerance = _ZERO + _FLAT * np.ptp(rows["x"])
+        tolerance = _LEAST_FLAT_TOLERANCE + _FLAT_TOLERANCE * np.ptp(rows["x"])
         heights = rows["y"][is_on_surface]
-        if np.ptp(heights) <= tolerance:  # a flat face: its nodes outside the contact too
+        is_flat = np.ptp(heights) <= tolerance
+        if is_flat:
             return np.abs(rows["y"] - heights.median()) <= tolerance
     elif rows["x"][is_in_first_frame].is_unique:
-        # no two nodes at one x: the surface alone was reported
         return is_on_surface | True
     return is_on_surface
 
 
 def _blocks(path: Path) -> Iterator[_Block]:
     """The tables of an Abaqus report that have rows, in its order; each with its step, its frame,
-    where its values were taken (nodes, centroids), and its region, from the lines above it.
+    the location of its values (nodes, centroids) and its region, from the lines above it.
 
-    A table begins below a line of dashes and ends at an empty line.
+    A table begins below a line of dashes and ends at an empty line. Its columns are named by the
+    headings above the dashes.
     """
-    header_values = dict.fromkeys(("step", "frame", "where", "region"), "")
+    header_values = dict.fromkeys(("step", "frame", "location", "region"), "")
     lines_above: list[str] = []  # lines since the last empty one: headings, if dashes come
     names: list[str] = []
     rows: list[list[float]] = []
     line_of_dashes = 0  # 0 while none has been passed
     row_count = 0
-    with path.open(encoding="utf-8", errors="replace") as stream:
-        for line_number, line in enumerate(
-            chain(iter(lambda: stream.readline(_LONGEST + 1), ""), [""]), 1
-        ):
-            if len(line) > _LONGEST:
+    for line_number, line in _numbered_lines(path):
+        if line_of_dashes and line:  # a row of the table
+            row_count += 1
+            if row_count > _MOST_ROWS:
                 raise InputError(
-                    f"{path}, line {line_number}: more than {_LONGEST:,} characters are no row of a"
-                    " report"
+                    f"{path}: more than {_MOST_ROWS:,} rows; report the contact surface alone"
                 )
-            stripped_line = line.rstrip()
-            if line_of_dashes and stripped_line:
-                row_count += 1
-                if row_count > _MOST_ROWS:
-                    raise InputError(
-                        f"{path}: more than {_MOST_ROWS:,} rows; report the contact surface alone"
-                    )
-                names = names or _names(stripped_line, lines_above)
-                rows.append(_numbers(f"{path}, line {line_number}", stripped_line, names))
-            elif rows:
-                yield _Block(
-                    **header_values, names=names, values=np.array(rows), line=line_of_dashes
+            names = names or _names(line, lines_above)
+            rows.append(_numbers(f"{path}, line {line_number}", line, names))
+        elif rows:  # the end of the table
+            yield _Block(**header_values, names=names, values=np.array(rows), line=line_of_dashes)
+            lines_above = []
+            names = []
+            rows = []
+            line_of_dashes = 0
+        elif not line:
+            lines_above = lines_above if line_of_dashes else []
+        elif re.fullmatch(r"\s*-{12,}", line) and lines_above:
+            line_of_dashes = line_number
+        else:
+            lines_above.append(line)
+            match = _HEADER.match(line)
+            if match:
+                header_words = match.groupdict()
+                header_values |= {
+                    key: value for key, value in header_words.items() if value is not None
+                }
+
+
+def _numbered_lines(path: Path) -> Iterator[tuple[int, str]]:
+    """The lines of a report, numbered from 1, without blanks at their ends; then an empty one.
+    InputError for a line that is too long for a report.
+    """
+    with path.open(encoding="utf-8", errors="replace") as stream:
+        lines = iter(lambda: stream.readline(_MOST_CHARACTERS + 1), "")
+        for line_number, line in enumerate(chain(lines, [""]), 1):
+            if len(line) > _MOST_CHARACTERS:
+                raise InputError(
+                    f"{path}, line {line_number}: more than {_MOST_CHARACTERS:,} characters are no"
+                    " row of a report"
                 )
-                lines_above = []
-                names = []
-                rows = []
-                line_of_dashes = 0
-            elif not stripped_line:
-                lines_above = lines_above if line_of_dashes else []
-            elif re.fullmatch(r"\s*-{12,}", stripped_line) and lines_above:
-                line_of_dashes = line_number
-            else:
-                lines_above.append(stripped_line)
-                match = _HEADER.match(stripped_line)
-                if match:
-                    header_words = match.groupdict()
-                    header_values |= {
-                        key: value for key, value in header_words.items() if value is not None
-                    }
+            yield line_number, line.rstrip()
 
 
 def _names(row: str, lines_above: list[str]) -> list[str]:
-    """The names of the columns, which end where the numbers of the first row do, in the lines above
-    it.
+    """The names of the columns of a table, from the `lines_above` it: each heading ends where the
+    numbers of its column end in the first `row`.
     """
     ends = [0, *(cell.end() for cell in re.finditer(r"\S+", row))]
     names = []
     for begin, end in pairwise(ends):
-        parts = [heading[begin:end].strip() for heading in lines_above]
-        words = [part for part in parts if part and not part.startswith("@Loc")]
-        names.append(_name(" ".join(words)))
+        words_in_column = [line[begin:end].strip() for line in lines_above]
+        words = [word for word in words_in_column if word and not word.startswith("@Loc")]
+        names.append(_name_in_heading(" ".join(words)))
     return names
 
 
-def _numbers(where: str, row: str, names: list[str]) -> list[float]:
-    """The numbers of a row of a report, one for each of `names`; InputError, beginning with
-    `where`, for anything else.
+def _numbers(place: str, row: str, names: list[str]) -> list[float]:
+    """The numbers in a row of a report, one for each of the columns `names`. InputError for another
+    count and for a number that is not finite; its message begins with `place`, file and line.
     """
     cells = row.split()
     if len(cells) != len(names):
         raise InputError(
-            f"{where}: {len(names)} values ({', '.join(names[:6])}) are needed, not {shown(row)}"
+            f"{place}: {len(names)} values ({', '.join(names[:6])}) are needed, not {shown(row)}"
         )
     numbers = []
     for name, cell in zip(names, cells, strict=True):
@@ -314,19 +340,19 @@ def _numbers(where: str, row: str, names: list[str]) -> list[float]:
         except ValueError:
             number = np.nan
         if not np.isfinite(number):
-            raise InputError(f"{where}: {name} = {shown(cell)} is not a finite number")
+            raise InputError(f"{place}: {name} = {shown(cell)} is not a finite number")
         numbers.append(number)
     return numbers
 
 
-def _name(heading: str) -> str:
+def _name_in_heading(heading: str) -> str:
     """The name of the quantity in a heading of a report, without the field and the region.
 
     >>> (
-    ...     _name("COORD.COORD1"),
-    ...     _name("CPRESS   ASSEMBLY_PAD/ASSEMBLY_BLOCK"),
-    ...     _name("Node Label"),
-    ...     _name("S.S22"),
+    ...     _name_in_heading("COORD.COORD1"),
+    ...     _name_in_heading("CPRESS   ASSEMBLY_PAD/ASSEMBLY_BLOCK"),
+    ...     _name_in_heading("Node Label"),
+    ...     _name_in_heading("S.S22"),
     ... )
     ('COORD1', 'CPRESS', 'Node Label', 'S22')
     """

@@ -1,5 +1,5 @@
-"""A foreign result against a reference: the same comparison, metrics and page as between the two
-engines.
+"""The result of another program against a reference: the same comparison, metrics and page as
+between the two engines.
 """
 
 from __future__ import annotations
@@ -41,38 +41,40 @@ def score(
     against: Against = "exact",
     tolerances: dict[str, float] | None = None,
 ) -> Report:
-    """Score tractions on plain arrays against half-plane theory at their own points and instants;
-    the report has likely causes of the difference.
+    """Score tractions in arrays against a reference that is solved here, half-plane theory at the
+    same points and instants. The report states likely causes of the difference.
 
     Parameters
     ----------
     x
-        (n_points,) places on the surface, 0 in the middle of the contact [length]
+        (n_points,) positions on the surface, 0 in the middle of the contact [length]
     p, q
         (n_steps, n_points), or (n_points,) of a single instant [stress]; p > 0 in compression,
         q along +x on the lower body. q None: the pressure is scored alone
     scene
-        the question, or its name or file
+        the scene that the tractions answer, or its name or file
     time
-        (n_steps,) times of the scene's load path; left out, `loads` tell the instants, else the
-        integrals of p and q
+        (n_steps,) times of the scene's load path; left out, the instants are found by `loads`, else
+        by the integrals of p and q over x
     loads
         (P, Q), (n_steps,) each [force / thickness]
     slip
-        like p [length], upper over lower; only with it has the result slip and dissipation
+        like p [length], upper body relative to lower; without it slip and dissipation are not
+        scored
     code
-        what computed it, for the page
+        name of the program that computed the tractions, for the page
     mapping
-        units and signs for certain, which are guessed, and named in `guesses`, without
+        units and signs of the arrays; where it states none they are guessed, and the report names
+        them in `guesses`
     against
-        "exact" for half-plane theory, "fe" for the project's finite elements
+        the reference: "exact" half-plane theory, "fe" finite elements of this program
     tolerances
-        key of a metric -> largest |E| admitted; infinite: it is not judged
+        key of a metric -> largest |E| that passes, E the difference; infinite: it is not judged
 
     Raises
     ------
     InputError
-        One sentence: shapes, numbers that are none, a history that is not the scene's.
+        One sentence: wrong shapes, numbers that are not finite, loads that are not the scene's.
 
     Examples
     --------
@@ -80,7 +82,7 @@ def score(
     >>> import semi_analytic
     >>> x = np.linspace(-1.2, 1.2, 241)
     >>> exact = semi_analytic.solve(load_scene("cattaneo-mindlin"), x=x, time=[1.5])
-    >>> found = score(
+    >>> report = score(
     ...     x,
     ...     1.01 * exact.pressure[0],
     ...     exact.shear[0],
@@ -88,10 +90,10 @@ def score(
     ...     time=1.5,
     ...     code="mine",
     ... )
-    >>> round(found.metric("peak_pressure").value, 9), found.metric("dissipation").value is None
+    >>> round(report.metric("peak_pressure").value, 9), report.metric("dissipation").value is None
     (0.01, True)
     """
-    scene_asked = validated(scene, Scene) if isinstance(scene, Scene) else load_scene(scene)
+    valid_scene = validated(scene, Scene) if isinstance(scene, Scene) else load_scene(scene)
     fields: dict[str, ArrayLike | None] = {"pressure": p, "shear": q, "slip": slip}
     series = {
         "time": time,
@@ -99,11 +101,10 @@ def score(
         "tangential_load": loads[1] if loads else None,
     }
     result = surface_result(code or "the arrays", code, x, fields, series)
-    return diagnosed(
-        score_surface(
-            result, mapping or Mapping(), scene_asked, against=against, tolerances=tolerances
-        )
+    report = score_surface(
+        result, mapping or Mapping(), valid_scene, against=against, tolerances=tolerances
     )
+    return diagnosed(report)
 
 
 def score_file(
@@ -117,47 +118,48 @@ def score_file(
     """Score a result in a file: compare it with a reference that is solved here. Likely causes of
     the difference are not looked for.
 
-    A NetCDF file of this program is read as it is; for any other `mapping` states names of columns,
-    units and signs. `against` is "exact" for half-plane theory, "fe" for finite elements;
-    `tolerances` are limits by metric.
+    A NetCDF file of this program is read as it is. For a file of another program `mapping` states
+    names of columns, units and signs. The reference is half-plane theory for `against` = "exact",
+    finite elements for "fe". `tolerances` holds the largest |E| that passes, by key of the metric.
     """
-    if path.suffix.lower() == OWN and path.is_file():
+    is_of_this_program = path.suffix.lower() == OWN and path.is_file()
+    if is_of_this_program:
         return score_solution(
-            own_solution(path, scene),
+            stored_solution(path, scene),
             (),
             None,
             against=against,
-            polygon=True,
+            with_polygon=True,
             tolerances=tolerances,
         )
-    sure = mapping.times is not None or mapping.columns.time is not None
+    states_times = mapping.times is not None or mapping.columns.time is not None
     return score_surface(
         read(path, mapping),
         mapping,
         scene,
         against=against,
-        sure_of_times=sure,
+        sure_of_times=states_times,
         tolerances=tolerances,
     )
 
 
-def own_solution(path: Path, scene: Scene) -> ContactSolution:
-    """The solution in a NetCDF file of this program. InputError for another file, and for one that
-    answers another scene.
+def stored_solution(path: Path, scene: Scene) -> ContactSolution:
+    """The solution in a NetCDF file that this program wrote. InputError for another file, and for a
+    solution of a scene with another material, profile, friction or load.
     """
     try:
         solution = ContactSolution.load(path)
-    except (OSError, KeyError, ValueError) as reason:
+    except (OSError, KeyError, ValueError) as fault:
         raise InputError(
-            f"{path}: this is no solution that halfplane wrote ({type(reason).__name__}: {reason})"
-        ) from reason
-    for part in ("material", "profile", "friction", "load"):
-        solved_part = getattr(solution.scene, part)
-        scene_part = getattr(scene, part)
-        if solved_part != scene_part:
+            f"{path}: this is no solution that halfplane wrote ({type(fault).__name__}: {fault})"
+        ) from fault
+    for key in ("material", "profile", "friction", "load"):
+        stored_value = getattr(solution.scene, key)
+        value = getattr(scene, key)
+        if stored_value != value:
             raise InputError(
-                f"{path}: it answers another scene: {part} is {solved_part!r} there and"
-                f" {scene_part!r} in {scene.name}"
+                f"{path}: it answers another scene: {key} is {stored_value!r} there and"
+                f" {value!r} in {scene.name}"
             )
     return solution
 
@@ -171,17 +173,17 @@ def score_surface(
     sure_of_times: bool = True,
     tolerances: dict[str, float] | None = None,
 ) -> Report:
-    """Score a result that another program computed, as a reader of files returned it: compare it
-    with a reference that is solved here. Likely causes of the difference are not looked for.
+    """Score tractions on a contact surface that another program computed: compare them with a
+    reference that is solved here. Likely causes of the difference are not looked for.
 
-    Units and signs are guessed where `mapping` states none. `sure_of_times` says that the result's
-    times are those of the scene's load path; else they may be given up for the loads.
+    Units and signs are guessed where `mapping` states none. With `sure_of_times` the result's times
+    are those of the scene's load path. Without it the instants may be found by the loads instead.
     """
-    path_solution = whole_path(scene)
+    theory_of_path = whole_path(scene)
     solution, guesses = contact_solution(
-        result, mapping, path_solution, sure_of_times=sure_of_times
+        result, mapping, theory_of_path, sure_of_times=sure_of_times
     )
-    return score_solution(solution, guesses, path_solution, against=against, tolerances=tolerances)
+    return score_solution(solution, guesses, theory_of_path, against=against, tolerances=tolerances)
 
 
 def score_solution(
@@ -190,7 +192,7 @@ def score_solution(
     theory_of_path: ContactSolution | None,
     *,
     against: Against = "exact",
-    polygon: bool = False,
+    with_polygon: bool = False,
     tolerances: dict[str, float] | None = None,
 ) -> Report:
     """Score a solution: compare it with a reference that is solved here. Likely causes of the
@@ -201,11 +203,11 @@ def score_solution(
     guesses
         sentences on what was guessed when the solution was read
     theory_of_path
-        theory on the whole path of the scene; with None it is solved where the solution comes from
-        another program
+        half-plane theory on the whole load path of the scene; None: it is solved here, if the
+        solution comes from another program
     against
-        "exact" for half-plane theory as reference, "fe" for finite elements
-    polygon
+        the reference: "exact" half-plane theory, "fe" finite elements
+    with_polygon
         whether theory is solved on the straight steps between the instants as well, which shows the
         error of the load steps
 
@@ -215,27 +217,27 @@ def score_solution(
         Where no point of the result lies in the reference's contact at any of its instants.
     """
     reference = _reference_for(solution, against)
-    _refuse_beside(solution, reference)
+    _require_points_in_contact(solution, reference)
     theory_on_polygon = None
-    if polygon and against == "exact" and _states_increments_of_solver(solution):
+    if with_polygon and against == "exact" and _states_increments_of_solver(solution):
         from reports.comparison.budget import theory_on_steps
 
         theory_on_polygon = theory_on_steps(solution)
     if theory_of_path is None and derived(solution):
         theory_of_path = whole_path(solution.scene)
+    # States, edges and dissipation that another program does not state were found from its
+    # tractions by a rule. The metrics are those of the reference by the same rule.
     reference_by_rule = reference
-    sentences: tuple[str, ...] = ()
+    notes_on_rule: tuple[str, ...] = ()
     if theory_of_path is not None:
         half_width = scales(theory_of_path).half_width
-        reference_by_rule, sentences = by_same_rule(reference, solution, half_width)
-    # Without a rule that both follow the reference stands for itself.
-    plain_reference = None if reference_by_rule is reference else reference
+        reference_by_rule, notes_on_rule = by_same_rule(reference, solution, half_width)
     comparison = compare(
         reference_by_rule,
         solution,
         polygon_reference=theory_on_polygon,
         scales_from=theory_of_path,
-        plain_reference=plain_reference,
+        plain_reference=None if reference_by_rule is reference else reference,
         tolerances=tolerances,
         effects=effects_between(reference, solution),
     )
@@ -243,15 +245,15 @@ def score_solution(
         comparison,
         reference=reference,
         reference_certificates=certificates(reference),
-        notes=(*sentences, *comparison.notes),
+        notes=(*notes_on_rule, *comparison.notes),
     )
     return Report(comparison, guesses=guesses)
 
 
 def _reference_for(solution: ContactSolution, against: Against) -> ContactSolution:
-    """The scene of a solution solved by half-plane theory at the same points and instants
-    ("exact"), or by the finite elements ("fe"). Where the solution has no whole cycle, the
-    reference states that it lacks one too.
+    """The reference for a solution: its scene solved by half-plane theory at the same points and
+    instants (`against` = "exact"), or by finite elements ("fe"). Where the solution states that it
+    has no whole cycle, the reference states so too.
     """
     if against == "fe":
         import halfplane_fe
@@ -274,9 +276,9 @@ def _states_increments_of_solver(solution: ContactSolution) -> bool:
     return solution.engine == "halfplane_fe" and DERIVED not in solution.settings
 
 
-def _refuse_beside(solution: ContactSolution, reference: ContactSolution) -> None:
-    """InputError where no point of a result can be judged: all lie outside the reference's contact,
-    or its instants have none.
+def _require_points_in_contact(solution: ContactSolution, reference: ContactSolution) -> None:
+    """InputError where no point of a solution with pressure lies in the reference's contact at any
+    of its instants: the points lie beside it, or the reference has no contact at these times.
     """
     edges = np.nan_to_num(reference.contact_edges)
     left_edges = np.interp(solution.time, reference.time, edges[:, 0])
@@ -301,10 +303,12 @@ def _refuse_beside(solution: ContactSolution, reference: ContactSolution) -> Non
 
 
 def diagnosed(report: Report) -> Report:
-    """`report` with the likely faults of its result, and what its rows show where it has any."""
+    """`report` with the likely causes of its difference, and where it has any, the steps of the
+    evidence for them.
+    """
     from reports.scoring.diagnosis import diagnose
     from reports.scoring.evidence import evidence
 
     diagnoses = diagnose(report.comparison)
-    steps = evidence(report.comparison) if diagnoses else ()
-    return replace(report, diagnoses=diagnoses, evidence=steps)
+    evidence_steps = evidence(report.comparison) if diagnoses else ()
+    return replace(report, diagnoses=diagnoses, evidence=evidence_steps)

@@ -72,14 +72,18 @@ _FACES: dict[int, _Faces] = {
 
 
 class CalculixMesh:
-    """The mesh of a .frd file, with rows in place of node numbers.
+    """The mesh of a .frd file. Its nodes are rows of arrays, in the order of their numbers.
 
     Attributes
     ----------
+    path
+        the file
     numbers, points
-        (n_nodes,) ascending, (n_nodes, 3) [length]
-    above
-        (n_nodes,) how far the material of each node lies above it, see `material_above`
+        (n_nodes,) CalculiX's numbers of the nodes, ascending, and (n_nodes, 3) their coordinates
+        [length]
+    material_heights
+        (n_nodes,) how far the middles of the elements of each node lie above it along y, in the
+        mean [length]; negative at the top face of the lower body; NaN for a node of no element
     """
 
     def __init__(self, file: FrdFile) -> None:
@@ -88,11 +92,12 @@ class CalculixMesh:
         self.numbers = file.nodes[order]
         self.points = file.points[order]
         self._elements = {element.number: element for element in file.elements}
-        nodes_by_count: dict[int, list[tuple[int, ...]]] = {}  # those of elements of one size
+        # the nodes of each element, in one array for all elements with as many nodes
+        nodes_by_count: dict[int, list[tuple[int, ...]]] = {}
         for element in file.elements:
             nodes_by_count.setdefault(len(element.nodes), []).append(element.nodes)
         rows = [self.rows(np.array(nodes, np.int64)) for nodes in nodes_by_count.values()]
-        self.above = material_above(self.points, rows)
+        self.material_heights = material_above(self.points, rows)
 
     def rows(self, nodes: Integers) -> Integers:
         """Rows of node numbers of any shape; InputError for a node without coordinates."""
@@ -106,31 +111,34 @@ class CalculixMesh:
             )
         return np.asarray(rows, np.int64)
 
-    def face(self, number: int, face: int) -> tuple[Array, float]:
-        """Middle of a face of an element (3,), and how far the element's middle lies above it along
-        y [length]; both by CalculiX's numbers. InputError where the mesh has no such element or
-        face.
+    def face_middle(self, element_number: int, face_number: int) -> tuple[Array, float]:
+        """Middle (3,) of a face of an element [length], and how far the middle of the element lies
+        above it along y [length]. Element and face have CalculiX's numbers; InputError where the
+        mesh has no such element or face.
         """
-        element = self._elements.get(number)
+        element = self._elements.get(element_number)
         fault = ""
         corners: tuple[int, ...] = ()
         if element is None:
             fault = "is not in it"
         else:
-            corners = _FACES.get(element.kind, {}).get(face, ())
+            corners = _FACES.get(element.kind, {}).get(face_number, ())
             if not corners:
-                fault = f"of kind {element.kind} has no face {face}"
+                fault = f"of kind {element.kind} has no face {face_number}"
         if element is None or fault:
             raise InputError(
-                f"{self.path}: element {number} {fault}; it must be of the same run as the .dat"
-                " file, with *NODE FILE and *EL FILE"
+                f"{self.path}: element {element_number} {fault}; it must be of the same run as the"
+                " .dat file, with *NODE FILE and *EL FILE"
             )
         node_rows = self.rows(np.array(element.nodes))
         middle_of_face = self.points[node_rows[list(corners)]].mean(axis=0)
-        return middle_of_face, float(self.points[node_rows, 1].mean() - middle_of_face[1])
+        y_of_element_middle = self.points[node_rows, 1].mean()
+        return middle_of_face, float(y_of_element_middle - middle_of_face[1])
 
-    def scattered(self, block: FrdBlock, name: str) -> Array:
-        """(n_nodes,) of a component; 0 where the block has no record."""
+    def values_at_nodes(self, block: FrdBlock, name: str) -> Array:
+        """Values (n_nodes,) of the component called `name` in a block of results; 0 at nodes that
+        the block does not hold.
+        """
         values = np.zeros(len(self.numbers))
         values[self.rows(block.nodes)] = block.column(name)
         return values
@@ -158,29 +166,30 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
         )
     mesh = CalculixMesh(file)
     kind = file.blocks[0].name
-    names = _COMPONENTS[kind]
+    component_of = _COMPONENTS[kind]  # quantity -> name of its component
     noun = "stress" if kind == "STRESS" else "contact values"
-    blocks, notes = _one_block_a_time(file, list(names.values()), noun)
+    blocks, notes = _one_block_a_time(file, list(component_of.values()), noun)
     if kind == "STRESS":
-        face, factors, face_notes = _face_by_stress(mesh, mapping)
+        face_rows, factors, face_notes = _face_by_stress(mesh, mapping)
         notes = [*face_notes, *notes]
     else:
-        for block in file.blocks:  # what is not 0 counts as touched: a NaN would
+        # Nodes with a value that is not 0 count as touching, and so would those with a NaN.
+        for block in file.blocks:
             if not np.isfinite(block.values).all():
                 raise InputError(
                     f"{path}: line {block.line}: block CONTACT holds numbers that are not finite"
                 )
-        face, factors, face_notes = _face_by_contact(mesh, blocks, mapping)
+        face_rows, factors, face_notes = _face_by_contact(mesh, blocks, mapping)
         notes += face_notes
     if not file.has_end_mark:
         notes.append(
             "the file has no end (9999): the run goes on or was stopped, and later instants are"
             " missing"
         )
-    rows, depth, planes = one_plane(mesh.points, face)
+    rows, depth, plane_notes = one_plane(mesh.points, face_rows)
     fields: dict[str, Array] = {}
-    for quantity, name in names.items():
-        values = np.array([mesh.scattered(block, name)[rows] for block in blocks])
+    for quantity, component in component_of.items():
+        values = np.array([mesh.values_at_nodes(block, component)[rows] for block in blocks])
         fields[quantity] = factors[quantity] * values
     printed_path = path.with_suffix(".dat")
     printed_file = None
@@ -189,26 +198,28 @@ def read_results(path: Path, mapping: Mapping) -> SurfaceResult:
     face_values = _FaceValues(
         mesh.points[rows, 0], depth, fields, np.array([block.time for block in blocks])
     )
-    return _result(path, mapping, file.version, face_values, printed_file, [*notes, *planes])
+    return _result(path, mapping, file.version, face_values, printed_file, [*notes, *plane_notes])
 
 
 def _face_by_stress(
     mesh: CalculixMesh, mapping: Mapping
 ) -> tuple[Integers, dict[_Quantity, float], list[str]]:
-    """The lower body's face by its stress, where a file has no contact values: rows of its nodes in
-    the mesh; the factors that turn SYY and SXY there into pressure and shear, p = -SYY and q = SXY
-    (outward normal +y); and a note that says so. `mapping` states columns, units and signs of the
-    file.
+    """The lower body's face, where a file has stress and no contact values. Returned: the rows of
+    its nodes in the mesh; by quantity, the factors that turn SYY and SXY into pressure and shear in
+    the scene's units, p = -SYY and q = SXY (outward normal +y); and a note on it.
+
+    The face lies at y = `mapping.y_offset` [the scene's length].
     """
-    height = mesh.points[:, 1] - mapping.y_offset / (mapping.factors.length or 1.0)
-    is_on_face = (np.abs(height) <= SAME * extent(mesh.points)) & (mesh.above < 0)
+    y_of_face = mapping.y_offset / (mapping.factors.length or 1.0)  # in the file's unit
+    height = mesh.points[:, 1] - y_of_face
+    is_on_face = (np.abs(height) <= SAME * extent(mesh.points)) & (mesh.material_heights < 0)
     if not is_on_face.any():
         raise InputError(
             f"{mesh.path}: no node of a lower body's face at y = {mapping.y_offset:g}; say where it"
             " lies by y_offset of a mapping"
         )
-    factor = mapping.factors.stress or 1.0
-    factors: dict[_Quantity, float] = {"pressure": -factor, "shear": factor}
+    stress_factor = mapping.factors.stress or 1.0
+    factors: dict[_Quantity, float] = {"pressure": -stress_factor, "shear": stress_factor}
     note = (
         "no contact values in the file (*CONTACT FILE): p = -SYY and q = SXY of the lower body at"
         " its face, outward normal +y; stress extrapolated to the nodes is coarser than the contact"
@@ -220,25 +231,25 @@ def _face_by_stress(
 def _face_by_contact(
     mesh: CalculixMesh, blocks: Sequence[FrdBlock], mapping: Mapping
 ) -> tuple[Integers, dict[_Quantity, float], list[str]]:
-    """Find the slave face in a result of CalculiX by its contact values: rows of its nodes in the
-    mesh; the factors that turn the values of `blocks` into pressure, shear and slip in the scene's
-    units with the project's signs; and notes. InputError where nothing touches at any time.
+    """The slave face of a result of CalculiX, by its contact values. Returned: the rows of its
+    nodes in the mesh; by quantity, the factors that turn the values of `blocks` into pressure,
+    shear and slip in the scene's units with this program's signs; and notes.
 
-    `mapping` states units and signs of the file.
+    `mapping` states units and signs of the file. InputError where nothing touches at any time.
     """
     # nodes that have a contact value at some time
-    touched_rows = [mesh.rows(block.nodes[np.any(block.values != 0, axis=1)]) for block in blocks]
-    touched = np.unique(np.concatenate(touched_rows))
-    if not len(touched):
+    rows_of_blocks = [mesh.rows(block.nodes[np.any(block.values != 0, axis=1)]) for block in blocks]
+    touching_rows = np.unique(np.concatenate(rows_of_blocks))
+    if not len(touching_rows):
         raise InputError(
             f"{mesh.path}: every contact value is 0 at every instant: the bodies do not touch in"
             " this result"
         )
-    body = _body_of_face(mesh.path, mesh.above[touched])
-    face, face_notes = _whole_face(mesh, touched)
+    body = _body_of_face(mesh.path, mesh.material_heights[touching_rows])
+    face_rows, face_notes = _nodes_of_face(mesh, touching_rows)
     factors = {quantity: _factor(mapping, quantity, body) for quantity in _COMPONENTS["CONTACT"]}
     note = f"contact values stand at the slave face, that of the {body} body"
-    return face, factors, [note, _SLIP_NOTE, *face_notes]
+    return face_rows, factors, [note, _SLIP_NOTE, *face_notes]
 
 
 def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
@@ -277,38 +288,43 @@ def read_printed(path: Path, mapping: Mapping) -> SurfaceResult:
             f"{path}: contact stress of nodes and of element faces in one file; print one contact"
             " pair (mapping's surface)"
         )
-    place_keys = np.unique(np.concatenate([table.ids for table in filled_tables]), axis=0)
-    places, material_heights = _printed_places(mesh, place_keys)
+    # numbers of the nodes, or of the elements and their faces, at which values are printed
+    all_ids = np.unique(np.concatenate([table.ids for table in filled_tables]), axis=0)
+    all_points, material_heights = _points_of_ids(mesh, all_ids)
     body = _body_of_face(path, material_heights)
-    rows, _, plane_notes = one_plane(places, np.arange(len(place_keys)))
+    rows, _, plane_notes = one_plane(all_points, np.arange(len(all_ids)))
     notes = [f"contact values stand at the slave face, that of the {body} body"]
-    if place_keys.shape[1] > 1:
+    if all_ids.shape[1] > 1:
         notes.append(
             "CalculiX prints integration points of faces without place or weight: the plain mean of"
             " each face stands at its middle"
         )
     notes += plane_notes
 
-    keys_of_points = [tuple(key) for key in place_keys[rows].tolist()]
+    ids_of_points = [tuple(numbers) for numbers in all_ids[rows].tolist()]
 
-    def column_of(tables: Sequence[DatTable], column: int, quantity: _Quantity) -> Array:
+    def field_of(tables: Sequence[DatTable], column: int, quantity: _Quantity) -> Array:
         """One column of the tables, (n_times, n_points), in the scene's unit and sign."""
-        means = [_means_at(table, column, keys_of_points) for table in tables]
+        means = [_means_at_points(table, column, ids_of_points) for table in tables]
         return _factor(mapping, quantity, body) * np.array(means)
 
-    tables = list(stress_at.values())
-    fields = {"pressure": column_of(tables, 0, "pressure"), "shear": column_of(tables, 1, "shear")}
+    stress_tables = list(stress_at.values())
+    fields = {
+        "pressure": field_of(stress_tables, 0, "pressure"),
+        "shear": field_of(stress_tables, 1, "shear"),
+    }
     if set(slip_at) >= set(stress_at):
-        fields["slip"] = column_of([slip_at[time] for time in stress_at], 1, "slip")
+        fields["slip"] = field_of([slip_at[time] for time in stress_at], 1, "slip")
         notes.append(_SLIP_NOTE)
     depth = float(np.ptp(mesh.points[:, 2]))
-    face_values = _FaceValues(places[rows, 0], depth, fields, np.array(list(stress_at)))
+    face_values = _FaceValues(all_points[rows, 0], depth, fields, np.array(list(stress_at)))
     return _result(path, mapping, "CalculiX", face_values, printed_file, notes)
 
 
 def _factor(mapping: Mapping, quantity: _Quantity, body: str) -> float:
-    """Unit factor and sign: the mapping's sign where it states one, else that of the slave face,
-    which is part of `body`.
+    """Factor with sign from values of the file to the scene's unit and this program's sign. The
+    sign is the mapping's where it states one, else that of the slave face, which is part of `body`
+    ("lower" or "upper").
     """
     factor = float(converted(mapping, quantity, np.ones(1))[0])
     has_sign = quantity == "pressure" or getattr(mapping.signs, quantity) is not None
@@ -317,8 +333,8 @@ def _factor(mapping: Mapping, quantity: _Quantity, body: str) -> float:
     return -factor
 
 
-def _means_at(
-    table: DatTable, column: int, keys_of_points: Sequence[tuple[int, ...]]
+def _means_at_points(
+    table: DatTable, column: int, ids_of_points: Sequence[tuple[int, ...]]
 ) -> list[float]:
     """One column of a printed table at each point: the mean of the rows that belong to its node or
     element face, 0 where there are none.
@@ -326,44 +342,43 @@ def _means_at(
     Parameters
     ----------
     column
-        number of the column among the table's values
-    keys_of_points
-        number of the node, or of element and face, of each point
+        index of the column among the table's values
+    ids_of_points
+        for each point the number of its node, or the numbers of its element and face
     """
-    values_of: dict[tuple[int, ...], list[float]] = {}  # key of a node or face -> its rows
-    for key, value in zip(table.ids.tolist(), table.values[:, column].tolist(), strict=True):
-        values_of.setdefault(tuple(key), []).append(value)
-    return [float(np.mean(values_of.get(key, 0.0))) for key in keys_of_points]
+    values_by_id: dict[tuple[int, ...], list[float]] = {}
+    for numbers, value in zip(table.ids.tolist(), table.values[:, column].tolist(), strict=True):
+        values_by_id.setdefault(tuple(numbers), []).append(value)
+    return [float(np.mean(values_by_id.get(numbers, 0.0))) for numbers in ids_of_points]
 
 
-def _printed_places(mesh: CalculixMesh, place_keys: Integers) -> tuple[Array, Array]:
-    """The places in the mesh that printed values belong to, (n, 3), and how far the material lies
-    above each along y, (n,).
+def _points_of_ids(mesh: CalculixMesh, ids: Integers) -> tuple[Array, Array]:
+    """The points (n, 3) of nodes, or the middles of element faces, and how far the material lies
+    above each along y, (n,); both [length of the file].
 
     Parameters
     ----------
-    place_keys
-        (n, 1) number of a node; or (n, 2) number of an element and of its face, whose middle is the
-        place
+    ids
+        (n, 1) numbers of nodes; or (n, 2) numbers of elements and of their faces
     """
-    if place_keys.shape[1] == 1:
-        node_rows = mesh.rows(place_keys[:, 0])
-        return mesh.points[node_rows], mesh.above[node_rows]
-    faces = [mesh.face(int(element), int(face)) for element, face in place_keys]
-    middles = np.array([middle_of_face for middle_of_face, _ in faces])
-    return middles, np.array([height for _, height in faces])
+    if ids.shape[1] == 1:
+        node_rows = mesh.rows(ids[:, 0])
+        return mesh.points[node_rows], mesh.material_heights[node_rows]
+    middles_and_heights = [mesh.face_middle(int(element), int(face)) for element, face in ids]
+    middles = np.array([middle for middle, _ in middles_and_heights])
+    return middles, np.array([height for _, height in middles_and_heights])
 
 
 def _one_block_a_time(
     file: FrdFile, components: Sequence[str], noun: str
 ) -> tuple[list[FrdBlock], list[str]]:
-    """Of the result blocks of a .frd file the last one of each time, and notes: on times that have
-    no block, and on blocks that a later one of the same time replaced.
+    """The last result block of each time in a .frd file; and notes on times that have no block, and
+    on blocks that a later one of the same time replaced.
 
     Parameters
     ----------
     components
-        names that each block must have; InputError for one that has not
+        names that each block must have; InputError where a block lacks one
     noun
         what the blocks hold, for the notes
     """
@@ -383,67 +398,85 @@ def _one_block_a_time(
             f" {empty_times[0]:.6g}); CalculiX writes such a frame of an increment that did not"
             " converge"
         )
-    double_count = len(file.blocks) - len(last_block_at)
-    if double_count:
+    n_replaced = len(file.blocks) - len(last_block_at)
+    if n_replaced:
         notes.append(
-            f"{double_count} blocks of {noun} share a time with a later one, which was taken"
+            f"{n_replaced} blocks of {noun} share a time with a later one, which was taken"
         )
     return list(last_block_at.values()), notes
 
 
-def _body_of_face(path: Path, above: Array) -> str:
-    """Whose face carries contact values, by how far its material lies `above` each of its places;
-    InputError for two faces.
+def _body_of_face(path: Path, material_heights: Array) -> str:
+    """The body whose face carries contact values, "upper" or "lower": that with its material above
+    or below all points of the face. `material_heights` (n,) are how far the material lies above
+    each point along y. InputError where the points are of both bodies.
     """
-    if np.all(above > 0) == np.all(above < 0):
+    if np.all(material_heights > 0) == np.all(material_heights < 0):
         raise InputError(
             f"{path}: contact values stand at nodes of both bodies, at nodes of no element, or at"
             " faces that look along x; one contact pair is read, with a face that looks along y"
             " and the elements in the file"
         )
-    return "upper" if above[0] > 0 else "lower"
+    return "upper" if material_heights[0] > 0 else "lower"
 
 
-def _whole_face(mesh: CalculixMesh, touched: Integers) -> tuple[Integers, list[str]]:
-    """The nodes that ever carry a value and, where the face is flat, the rest of it."""
+def _nodes_of_face(mesh: CalculixMesh, touching_rows: Integers) -> tuple[Integers, list[str]]:
+    """Rows of the nodes of the slave face, and notes. Of a flat face these are all nodes at its
+    height; of a curved one those that touch at some time, `touching_rows`.
+    """
     height = mesh.points[:, 1]
     tolerance = SAME * extent(mesh.points)
-    if np.ptp(height[touched]) > tolerance:
-        return touched, [
+    if np.ptp(height[touching_rows]) > tolerance:
+        return touching_rows, [
             "the slave face is curved: points that never carry a contact value are left out, and x"
             " is that of the slave's nodes"
         ]
-    same_side = mesh.above * mesh.above[touched[0]] > 0
-    return np.flatnonzero((np.abs(height - height[touched].mean()) <= tolerance) & same_side), []
+    is_of_same_body = mesh.material_heights * mesh.material_heights[touching_rows[0]] > 0
+    is_at_height = np.abs(height - height[touching_rows].mean()) <= tolerance
+    return np.flatnonzero(is_at_height & is_of_same_body), []
 
 
 class _FaceValues(NamedTuple):
-    """Values at the points of the slave face, and where and when they are."""
+    """Values at the points of a contact face, at the times of the file.
 
-    x: Array  # (n_points,) in the units of the file
-    depth: float  # of the mesh, 0 where it is a plane one
-    fields: dict[str, Array]  # quantity -> (n_times, n_points) in the scene's units
-    times: Array  # (n_times,) that the file states
+    Attributes
+    ----------
+    x
+        (n_points,) in the file's unit of length
+    depth
+        extent of the mesh along z in that unit, 0 for a plane mesh
+    fields
+        pressure, shear and slip, (n_times, n_points) each, in the scene's units and signs
+    times
+        (n_times,) as the file states them
+    """
+
+    x: Array
+    depth: float
+    fields: dict[str, Array]
+    times: Array
 
 
 def _result(
     path: Path,
     mapping: Mapping,
     code: str,
-    values: _FaceValues,
+    face_values: _FaceValues,
     printed_file: DatFile | None,
     notes: list[str],
 ) -> SurfaceResult:
-    """An external result in the scene's units, checked and sorted by x, from the tractions of a
-    face. Loads are those of the printed .dat file where there is one; times those of the mapping,
-    if stated. `code` names the program where the mapping does not.
+    """The result of another program in the scene's units, checked and sorted by x, from the values
+    on a contact face.
+
+    Loads are those of the printed .dat file, where there is one. Times are those of the mapping
+    where it states them, else those of the file.
 
     Parameters
     ----------
     code
         name of the program that wrote the file, used where the mapping names none
-    values
-        x, tractions and slip at the nodes of the face, through the steps
+    face_values
+        x, tractions and slip at the points of the face, at all times
     printed_file
         the .dat file with the loads; None without one
     notes
@@ -452,27 +485,28 @@ def _result(
     series: dict[str, ArrayLike | None] = {}
     load_notes: list[str] = []
     if printed_file is not None:
-        loads, load_notes = _pair_loads(printed_file, mapping, values.times, values.depth)
+        loads, load_notes = _pair_loads(printed_file, mapping, face_values.times, face_values.depth)
         series |= loads
     if mapping.times is not None:
-        series["time"] = stated_times(str(path), mapping, len(values.times))
+        series["time"] = stated_times(str(path), mapping, len(face_values.times))
     else:
-        series["time"] = converted(mapping, "time", values.times)
-    x = converted(mapping, "x", values.x)
+        series["time"] = converted(mapping, "time", face_values.times)
+    x = converted(mapping, "x", face_values.x)
     return surface_result(
-        str(path), mapping.code or code, x, dict(values.fields), series, [*notes, *load_notes]
+        str(path), mapping.code or code, x, dict(face_values.fields), series, [*notes, *load_notes]
     )
 
 
 def _pair_loads(
     file: DatFile, mapping: Mapping, times: Array, depth: float
 ) -> tuple[dict[str, Array], list[str]]:
-    """Loads P and Q (n_times,) of the one contact pair in a .dat file, and notes; empty where a
-    time has no resultant.
+    """Loads P and Q by name, (n_times,) each [force/thickness], from the total force on the one
+    contact pair in a .dat file; and notes. No loads where the file lacks the force of some time.
 
-    They are what the upper body does to the lower; the file states the force on the slave face,
-    which is the lower body's where its normal looks up. `depth` is the thickness of the mesh, 0
-    where it is a plane one: it counts where the mapping states none.
+    P and Q are the force of the upper body on the lower one, P positive in compression. The file
+    states the force on the slave face, which is the lower body's where its normal points up.
+    `depth` is the extent of the mesh along z, 0 for a plane mesh; it is the thickness where the
+    mapping states none.
     """
     pairs = [pair for pair in file.pairs if mapping.surface in (None, pair.slave, pair.master)]
     if len({(pair.slave, pair.master) for pair in pairs}) > 1:
@@ -488,8 +522,8 @@ def _pair_loads(
     for time in times:
         for pair in finite_pairs:
             if np.isclose(pair.time, time, rtol=1e-5, atol=0.0):
-                is_lower = pair.normal[1] > 0
-                forces_on_lower.append(pair.force if is_lower else -pair.force)
+                slave_is_lower = pair.normal[1] > 0
+                forces_on_lower.append(pair.force if slave_is_lower else -pair.force)
                 break
     if len(forces_on_lower) < len(times):
         note = (
