@@ -246,11 +246,11 @@ class Sentence(NamedTuple):
     warns: bool
 
 
-def record_in_words(scene: Scene, record: RecordCheck) -> Iterator[Sentence]:
+def record_in_words(scene: Scene, record_check: RecordCheck) -> Iterator[Sentence]:
     """Sentences on a measured record of loads: which rows count, its parts, and how much reduction,
     threshold and noise change the dissipation W.
 
-    `record` holds the noise of the record, and W with and without them.
+    `record_check` holds the noise of the record, and W with and without them.
     """
     load = scene.load
     assert isinstance(load, TimeSeriesLoad)
@@ -258,13 +258,13 @@ def record_in_words(scene: Scene, record: RecordCheck) -> Iterator[Sentence]:
     for text in parts_in_words(scene):
         yield Sentence(text, warns=False)
     if load.reduce is not None:
-        yield _reduction_in_words(scene, load, record)
-    if record.work_at_half_threshold is not None and record.work_of_path:
-        relative_change = _change(record.work_at_half_threshold, record.work_of_path)
+        yield _reduction_in_words(scene, load, record_check)
+    if record_check.work_at_half_threshold is not None and record_check.work_of_path:
+        relative_change = _change(record_check.work_at_half_threshold, record_check.work_of_path)
         text = f"With half the threshold W changes by {_per_cent(relative_change)}."
         yield Sentence(text, abs(relative_change) > _CHANGE_WITH_WARNING)
-    if any(record.noise):
-        yield _noise_in_words(scene, load, record)
+    if any(record_check.noise):
+        yield _noise_in_words(scene, load, record_check)
 
 
 def _change(value: float | None, value_before: float | None) -> float:
@@ -299,36 +299,39 @@ def _rows_in_words(scene: Scene, load: TimeSeriesLoad) -> Iterator[Sentence]:
         )
 
 
-def _reduction_in_words(scene: Scene, load: TimeSeriesLoad, record: RecordCheck) -> Sentence:
+def _reduction_in_words(scene: Scene, load: TimeSeriesLoad, record_check: RecordCheck) -> Sentence:
     """A sentence on how many rows of a record the load path goes through, and how much W changes
     by leaving out the others; a warning where it changes by more than 1 %.
     """
-    path_in_words = f"The path goes through {record.n_path_rows:,} of {record.n_rows:,} rows"
+    path_in_words = (
+        f"The path goes through {record_check.n_path_rows:,} of {record_check.n_rows:,} rows"
+    )
     rows_in_words = "all of them" if load.average == 1 else f"all means of {load.average}"
-    if record.work_of_path is None and record.work_without_reduction is None:
+    if record_check.work_of_path is None and record_check.work_without_reduction is None:
         return Sentence(f"{path_in_words}; what that changes in W was not computed.", warns=False)
-    if record.work_without_reduction is None:
+    if record_check.work_without_reduction is None:
         text = (
             f"{path_in_words}; {rows_in_words} have no solution, so the change of W is not known."
         )
         return Sentence(text, warns=True)
-    relative_change = _change(record.work_of_path, record.work_without_reduction)
+    relative_change = _change(record_check.work_of_path, record_check.work_without_reduction)
     text = (
-        f"{path_in_words}: by half-plane theory W = {number(record.work_of_path or 0.0)}"
-        f" {energy_unit(scene)}, and {number(record.work_without_reduction)} with {rows_in_words}"
+        f"{path_in_words}: by half-plane theory W = {number(record_check.work_of_path or 0.0)}"
+        f" {energy_unit(scene)}, and {number(record_check.work_without_reduction)} with"
+        f" {rows_in_words}"
         f" ({_per_cent(relative_change)})."
     )
     return Sentence(text, abs(relative_change) > _CHANGE_WITH_WARNING)
 
 
-def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record: RecordCheck) -> Sentence:
+def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record_check: RecordCheck) -> Sentence:
     """A sentence on the noise of a record of loads: its standard deviation, and how much means of
     several rows, which remove it, change W. A warning where they change W by more than 1 % and
     `load.average` does not ask for them.
     """
     noisy_loads = []
     quiet_load = ""
-    for name, sigma in zip("PQ", record.noise, strict=True):
+    for name, sigma in zip("PQ", record_check.noise, strict=True):
         if sigma:
             noisy_loads.append(f"{sigma:.2g} {load_unit(scene)} of {name}")
         else:
@@ -337,7 +340,9 @@ def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record: RecordCheck) -> 
         f"The rows look noisy: standard deviation {' and '.join(noisy_loads)}{quiet_load}"
     )
     if load.average > 1:
-        relative_change = _change(record.work_without_reduction, record.work_of_all_rows)
+        relative_change = _change(
+            record_check.work_without_reduction, record_check.work_of_all_rows
+        )
         cause = ""
         if abs(relative_change) > _CHANGE_WITH_WARNING:
             cause = (
@@ -349,17 +354,17 @@ def _noise_in_words(scene: Scene, load: TimeSeriesLoad, record: RecordCheck) -> 
             f" {_per_cent(relative_change)}{cause}."
         )
         return Sentence(text, warns=False)
-    if record.noise_share is None:
+    if record_check.noise_share is None:
         text = (
             f"{noise_in_words}. How much of W is noise can't be told: there are too few rows a"
             " cycle, or the record repeats."
         )
         return Sentence(text, warns=False)
-    relative_change = _change(record.work_of_means, record.work_of_all_rows)
+    relative_change = _change(record_check.work_of_means, record_check.work_of_all_rows)
     warns = abs(relative_change) > _CHANGE_WITH_WARNING
-    cure = f"; load.average = {record.rows_per_mean} takes it out" if warns else ""
+    cure = f"; load.average = {record_check.rows_per_mean} takes it out" if warns else ""
     text = (
-        f"{noise_in_words}. Means of {record.rows_per_mean} rows change W by"
+        f"{noise_in_words}. Means of {record_check.rows_per_mean} rows change W by"
         f" {_per_cent(relative_change)}{cure}."
     )
     return Sentence(text, warns)
@@ -655,25 +660,25 @@ def record_content(scene: Scene) -> dict[str, Any] | None:
     and without reduction and averaging), and sentences on it. None where nothing was measured.
     """
     tables_read = read_in_pairs(scene)
-    record = check_record(scene)
-    if not tables_read and record is None:
+    record_check = check_record(scene)
+    if not tables_read and record_check is None:
         return None
     numbers: dict[str, Any] | None = None
     sentences: list[str] = []
-    if record is not None:
+    if record_check is not None:
         numbers = {
-            "rows": record.n_rows,
-            "kept": record.n_path_rows,
-            "dissipation": record.work_of_path,
-            "unreduced": record.work_without_reduction,
-            "all_rows": record.work_of_all_rows,
-            "half_threshold": record.work_at_half_threshold,
-            "noise": record.noise,
-            "average": record.rows_per_mean,
-            "averaged": record.work_of_means,
-            "by_noise": record.noise_share,
+            "rows": record_check.n_rows,
+            "kept": record_check.n_path_rows,
+            "dissipation": record_check.work_of_path,
+            "unreduced": record_check.work_without_reduction,
+            "all_rows": record_check.work_of_all_rows,
+            "half_threshold": record_check.work_at_half_threshold,
+            "noise": record_check.noise,
+            "average": record_check.rows_per_mean,
+            "averaged": record_check.work_of_means,
+            "by_noise": record_check.noise_share,
         }
-        sentences = [sentence.text for sentence in record_in_words(scene, record)]
+        sentences = [sentence.text for sentence in record_in_words(scene, record_check)]
     return {"read_as": tables_read, "loads": numbers, "sentences": sentences}
 
 
@@ -697,8 +702,8 @@ def section(scene: Scene, solutions: Sequence[ContactSolution]) -> dict[str, Any
     cycles with most dissipation.
     """
     tables_read = read_in_pairs(scene)
-    record = check_record(scene)
-    if not tables_read and record is None:
+    record_check = check_record(scene)
+    if not tables_read and record_check is None:
         return None
     cycles_by_engine = []
     for solution in solutions:
@@ -714,7 +719,7 @@ def section(scene: Scene, solutions: Sequence[ContactSolution]) -> dict[str, Any
         indices_of_most_work = indices_by_work[:_MOST_SHOWN_CYCLES]
     return {
         "read": tables_read,
-        "said": list(record_in_words(scene, record)) if record else [],
+        "said": list(record_in_words(scene, record_check)) if record_check else [],
         "cycles": cycles_by_engine,
         "most": indices_of_most_work,
     }

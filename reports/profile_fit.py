@@ -90,8 +90,8 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
 
     Measurements are simulated: random noise is added to the fitted curve, and the curve is fitted
     again. The uncertainty is twice the standard deviation of the values under these fits, plus a
-    bias, their mean change. Of a smoothing spline the change by a tenth of the smoothing is the
-    bias where it is larger, since the fitted curve has already lost what smoothing takes.
+    bias, their mean change. For a smoothing spline the bias is at least the change under a tenth
+    of the smoothing: what smoothing takes from the rows, the fitted curve has lost already.
 
     Residuals with a pattern along x are no noise. Then each simulated measurement gets this pattern
     too, moved along x. The change by a smoothing spline through the same rows is added as well: it
@@ -107,7 +107,7 @@ def fit_uncertainty(scene: Scene, resamples: int = _RESAMPLES, seed: int = 0) ->
     Raises
     ------
     InputError
-        For a scene whose profile is not fitted.
+        For a scene whose profile is not fitted, and where too few of the other fits carry the load.
     """
     fit = fit_of(scene)
     if fit is None:

@@ -130,8 +130,8 @@ def _spacing_at_the_edge(cycle: Cycle) -> float:
 
 
 def discrepancies(view: CycleView) -> Plate:
-    """A figure of the discrepancies of both engines through the cycle: for each metric that has a
-    tolerance, |result − reference| at each instant over that tolerance.
+    """A figure of how far the result is from the reference through the cycle: for each metric that
+    has a tolerance, |difference| at each instant over that tolerance.
 
     Where no metric has a tolerance, the metrics by which half-planes are judged are drawn in per
     cent. `view` holds the last cycles of both solutions.
