@@ -635,9 +635,7 @@ def range_of_slip(slip: Array, touching: NDArray[np.bool_]) -> Array:
     """
     largest_slip = np.max(slip, axis=0, where=touching, initial=-np.inf)
     least_slip = np.min(slip, axis=0, where=touching, initial=np.inf)
-    never_touches = ~touching.any(axis=0)
-    return np.where(
-        never_touches,
-        0.0,
-        np.where(never_touches, 0.0, largest_slip) - np.where(never_touches, 0.0, least_slip),
-    )
+    is_ever_in_contact = touching.any(axis=0)
+    slip_range = np.zeros(slip.shape[1])
+    slip_range[is_ever_in_contact] = (largest_slip - least_slip)[is_ever_in_contact]
+    return slip_range

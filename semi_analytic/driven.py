@@ -62,15 +62,15 @@ from semi_analytic.corrected_memory import (
 from semi_analytic.profiles import SymmetricContact
 
 # Of the largest f P: to which Q of a step is found. Round-off of the memory curve is 1e-11.
-_FOUND = 1e-13
+_FORCE_TOLERANCE = 1e-13
 # Newton's steps with a bracket: about five are taken; bisection alone would take 45.
 _MOST_STEPS = 200
 # Edges of contact that are kept.
 _EDGES = 8
 # Share of f P within which Q is at the limit of sliding.
-_AT_LIMIT = 1e-9
+_LIMIT_SHARE = 1e-9
 # Share of a step within which sliding begins at one of its ends.
-_AT_END = 1e-9
+_END_SHARE = 1e-9
 # Steps of a cycle at least, and between two turning points.
 _STEPS_A_CYCLE = 200
 _FEWEST_STEPS = 16
@@ -638,8 +638,10 @@ class _Stepper:
         """Instants at which to solve the step from `begin` to `end`: the begin of gross sliding if
         that is in between, and `end`.
 
-        Sliding begins when U_act, minus the displacement by earlier sliding and separation
-        (`free_displacement` [length]), exceeds U + Q/k_s at Q = +-f P.
+        Sliding begins when U_act, the displacement of the actuator, minus that by earlier sliding
+        and separation (`free_displacement` [length]), exceeds U + Q/k_s at Q = +-f P: U of the
+        contact and the bodies, Q/k_s the extension of the rig's spring. The memory of friction is
+        as before when this returns.
         """
         memory = self._memory
         if memory.is_unloaded(end.load) or memory.is_unloaded(begin.load):
@@ -653,12 +655,12 @@ class _Stepper:
             displacement_at_limit = self._displacement(
                 row_at_limit, memory.slide(row_at_limit, direction)
             )
-            self._discard_pieces(n_pieces)
+            self._discard_pieces(n_pieces)  # of this trial
             return direction * (instant.actuator - free_displacement - displacement_at_limit)
 
         for direction in (1, -1):
             friction_limit = memory.friction * begin.load
-            slides_already = direction * begin.force >= friction_limit * (1 - _AT_LIMIT)
+            slides_already = direction * begin.force >= friction_limit * (1 - _LIMIT_SHARE)
             if (
                 slides_already
                 or excess_displacement(direction, 1.0) <= 0
@@ -666,7 +668,7 @@ class _Stepper:
             ):
                 continue
             fraction = _root(partial(excess_displacement, direction), 0.0, 1.0)
-            if _AT_END < fraction < 1 - _AT_END:
+            if _END_SHARE < fraction < 1 - _END_SHARE:
                 return begin.at_fraction(end, fraction), end
         return (end,)
 
@@ -715,7 +717,7 @@ class _Stepper:
             return _SolvedStep(row_at_limit, sliding_step, slide=slide_distance)
         self._discard_pieces(n_pieces)
         lower_force, upper_force = sorted((force, direction * friction_limit))
-        tolerance = _FOUND * memory.friction * memory.largest_load
+        tolerance = _FORCE_TOLERANCE * memory.friction * memory.largest_load
         for _ in range(_MOST_STEPS):
             force_change = (target_displacement - displacement) / self._compliance_at(
                 memory_step, end.load

@@ -36,11 +36,13 @@ from semi_analytic.bulk_and_tilt import followed_path
 from semi_analytic.history import History, Span, history_of, is_plain_ellipse
 from semi_analytic.memory import Curve, slip_combination
 
-# Time, over itself or 1, within which two events are one.
-_SAME = 1e-9
+# Events that are nearer to each other than this are one: a share of their time, or of 1.
+_SAME_TIME_SHARE = 1e-9
+# Time within which an event has a letter of the paper, which is found by other formulas.
+_LETTER_TOLERANCE = 1e-7
 LETTERS = "ABCDEFGHIJKLM"
 # End of the name of an event at which nothing happens: two spans of one kind meet.
-_GOES_ON = " goes on"
+_CONTINUATION_ENDING = " goes on"
 
 
 @dataclass(frozen=True)
@@ -97,16 +99,18 @@ def events(scene: Scene) -> tuple[Event, ...]:
     merged_events: list[Event] = []
     for event in sorted(_unlettered_events(history), key=lambda event: event.time):
         event_before = merged_events[-1] if merged_events else None
-        tolerance = _SAME * max(abs(event.time), 1.0)
+        tolerance = _SAME_TIME_SHARE * max(abs(event.time), 1.0)
         if event_before is not None and abs(event_before.time - event.time) <= tolerance:
             merged_events[-1] = _merged_event(event_before, event)
         else:
             merged_events.append(event)
     lettered_events = []
     for event in merged_events:
-        if not event.name.endswith(_GOES_ON):
+        if not event.name.endswith(_CONTINUATION_ENDING):
             letters = [
-                letter for letter, time in time_by_letter.items() if abs(time - event.time) <= 1e-7
+                letter
+                for letter, time in time_by_letter.items()
+                if abs(time - event.time) <= _LETTER_TOLERANCE
             ]
             lettered_events.append(replace(event, letter="".join(letters)))
     return tuple(lettered_events)
@@ -114,7 +118,11 @@ def events(scene: Scene) -> tuple[Event, ...]:
 
 def _merged_event(first_event: Event, second_event: Event) -> Event:
     """Two events of one instant, with both names and the lower load at the edge of slip."""
-    names = [name for name in (first_event.name, second_event.name) if not name.endswith(_GOES_ON)]
+    names = [
+        name
+        for name in (first_event.name, second_event.name)
+        if not name.endswith(_CONTINUATION_ENDING)
+    ]
     if not names:
         names = [first_event.name]
     return replace(
@@ -157,7 +165,7 @@ def _unlettered_events(history: History) -> Iterator[Event]:
     slip in one direction, in which the stick edge stays on one piece of it.
 
     A change of state comes twice, as the begin of a span and as the end of the span before.
-    `events` merges the two, and drops those whose name ends in `_GOES_ON`.
+    `events` merges the two, and drops those whose name ends in `_CONTINUATION_ENDING`.
     """
     state_names = {0: "full stick", 1: "forward slip", -1: "reverse slip"}
     spans_of_cycles = [(f"cycle {number}", cycle) for number, cycle in enumerate(history.cycles, 1)]
@@ -178,7 +186,7 @@ def _unlettered_events(history: History) -> Iterator[Event]:
                     f"the front of {state_names[span.direction]} passes a piece of the memory"
                 )
             else:
-                event_name = state_names[span.direction] + _GOES_ON
+                event_name = state_names[span.direction] + _CONTINUATION_ENDING
             yield _event_at(span, span.begin.time, event_name)
             if span_before is not None:
                 yield _event_at(span_before, span_before.end.time, event_name)
@@ -228,7 +236,7 @@ def _load_extremes(span: Span) -> Iterator[Event]:
         searched_segment = replace(segment, start=segment.start - 0.1, end=segment.end + 0.1)
     for combination, load_name in ((NORMAL_LOAD, "P"), (TANGENTIAL_LOAD, "Q")):
         for time in searched_segment.turning_points(combination):
-            if span.begin.time - _SAME <= time < span.end.time - _SAME:
+            if span.begin.time - _SAME_TIME_SHARE <= time < span.end.time - _SAME_TIME_SHARE:
                 # From the turning point to just after it, and to just before it.
                 rise_after = float(segment.change_of(combination, time + time_step, time))
                 rise_before = float(segment.change_of(combination, time - time_step, time))

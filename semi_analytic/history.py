@@ -145,9 +145,9 @@ class Span:
         )
 
 
-def check(legs: Sequence[LoadSegment], friction: float) -> None:
+def check(segments: Sequence[LoadSegment], friction: float) -> None:
     """Refuse a load path on which the contact slides as a whole, |Q| > f P, or separates, P < 0:
-    InadmissibleLoadError at the first such instant of the segments `legs`.
+    InadmissibleLoadError at the first such instant of the `segments`.
 
     |Q| = f P is admitted, to 1e-14 of f times the largest load: in any unit, for any f.
 
@@ -166,10 +166,10 @@ def check(legs: Sequence[LoadSegment], friction: float) -> None:
     """
     largest_load = max(
         abs(float(segment.loads(time)[0]))
-        for segment in legs
+        for segment in segments
         for time in (segment.start, segment.end)
     )
-    for segment in legs:
+    for segment in segments:
         for begin_time, end_time in monotonic_parts(segment, friction):
             _check_part(segment, begin_time, end_time, friction, _ROUNDING * largest_load)
 
@@ -244,26 +244,26 @@ def monotonic_parts(segment: LoadSegment, friction: float) -> list[tuple[float, 
 
 
 def march(
-    curve: Curve, legs: Sequence[LoadSegment], friction: float, delay: float
+    curve: Curve, segments: Sequence[LoadSegment], friction: float, delay: float
 ) -> tuple[tuple[Span, ...], Curve]:
-    """Time spans of full stick, or of slip in one direction, along the load segments `legs`, and
+    """Time spans of full stick, or of slip in one direction, along load segments, and
     the memory curve at their end; `curve` is that at their begin.
 
     The memory curve is the tangential force carried up to each load; None stands for no contact.
     The spans are `delay` later than the time of the segments: whole periods of a cycle.
 
     >>> from scenes.segments import straight_segments
-    >>> legs = straight_segments(
+    >>> segments = straight_segments(
     ...     [(0.0, 0.0, 0.0), (1.0, 1.0, 0.0), (2.0, 1.0, 0.3), (3.0, 1.0, 0.1)]
     ... )  # rows of t, P, Q
-    >>> spans, curve = march(None, legs, 0.5, 0.0)
+    >>> spans, curve = march(None, segments, 0.5, 0.0)
     >>> [
     ...     (span.direction, round(float(span.slipped(span.end.time)), 12)) for span in spans
     ... ]  # P - P_c is dQ/f, after a reversal dQ/(2 f)
     [(0, 0.0), (1, 0.6), (-1, 0.2)]
     """
     spans: list[Span] = []
-    for segment in legs:
+    for segment in segments:
         for begin_time, end_time in monotonic_parts(segment, friction):
             for span in _spans_of_part(curve, segment, begin_time, end_time, friction, delay):
                 spans.append(span)
@@ -536,7 +536,7 @@ class CycleOfPath:
     whole periods.
     """
 
-    legs: tuple[LoadSegment, ...]
+    segments: tuple[LoadSegment, ...]
     delay: float = 0.0
 
 
@@ -676,7 +676,7 @@ def follow(
     steady_from = None
     for cycle_number, cycle in enumerate(cycles_of_path):
         curve_at_begin = curve
-        spans, curve = march(curve_at_begin, cycle.legs, friction, cycle.delay)
+        spans, curve = march(curve_at_begin, cycle.segments, friction, cycle.delay)
         spans_of_cycles.append(spans)
         curves_between_cycles.append(curve)
         tolerance = repeats_within(slipped_share(spans))

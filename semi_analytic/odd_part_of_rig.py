@@ -98,7 +98,7 @@ def loads_of_cycle(
 
 def _polygon_of_turning_points(normal_load: Array, tangential_load: Array) -> PolygonLoad:
     """The cycle of P and Q (n,) at constant P as straight steps between the turning points of Q,
-    the largest Q first.
+    the largest Q first. Declined where Q does not turn round.
     """
     step_of_load = np.diff(tangential_load)
     moving_steps = np.flatnonzero(step_of_load)
