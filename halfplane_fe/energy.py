@@ -336,7 +336,7 @@ def _work_by_curve(
         (m, n) 1 where a node slides forward, -1 in reverse, 0 where it does not slide
     areas
         (k, k, m) that the path encloses with its chord, by pairs of loads: integral of F_i dF_j
-        along the path minus that along the chord, minus that of the exchanged pair
+        along the path minus that along the chord; it changes sign where i and j are exchanged
     """
     n_loads = len(areas)
     added_dissipation = np.zeros(sense.shape)
@@ -455,7 +455,8 @@ def _first_and_last_onset(
 
     These are the instants at which the edge of the stick zone meets the first and the last of the
     nodes, by the two distances of `between_nodes.Edge`. For the first it is the force to the
-    Coulomb limit, f p - |q|, over its rate before; for the last the slip over its rate after.
+    Coulomb limit, f p - q in the sense of slip, over its rate before. For the last it is the slip
+    over its rate after.
 
     `changes_before` and `changes_after` (4, k, n) are changes of slip, p, q and gap if the states
     before, or those after, held throughout the increment. `friction` is the coefficient f.
