@@ -60,7 +60,7 @@ from semi_analytic.friction_work import (
     slip_work,
     work_error,
 )
-from semi_analytic.history import History, Span, history_of, slipped_share
+from semi_analytic.history import History, Span, history_of, slip_zone_share
 from semi_analytic.load_series import (
     LoadSeries,
     PathPart,
@@ -86,7 +86,7 @@ from semi_analytic.quadrature import NODES
 from semi_analytic.stated_errors import (
     LoopIntegral,
     Sums,
-    error_by_slipped_load,
+    error_by_slip_zone_load,
     error_of_displacement,
     error_of_work,
     errors_of_sums,
@@ -359,7 +359,7 @@ class PathResult:
         (n,) M(P) - Q there: what the memory curve carries, minus Q [force per thickness]
     least_stick_load
         least P_c of the last cycle [force per thickness]
-    largest_slipped_share
+    largest_slip_zone_share
         largest (P - P_c)/P of all that was followed
     works
         (n_cycles,) friction work of the covered cycles, NaN where it was not wanted
@@ -385,7 +385,7 @@ class PathResult:
     snapshot: Snapshot
     force_error: Array
     least_stick_load: float
-    largest_slipped_share: float
+    largest_slip_zone_share: float
     works: Array
     work_errors: Array
     density: Array
@@ -484,7 +484,7 @@ class _SeriesSums:
 
     Attributes
     ----------
-    works, work_errors, slipped_shares
+    works, work_errors, slip_zone_shares
         (parts,) friction work of each part of the path, its error [energy per thickness], and the
         largest (P - P_c)/P
     step_works
@@ -501,7 +501,7 @@ class _SeriesSums:
 
     works: Array
     work_errors: Array
-    slipped_shares: Array
+    slip_zone_shares: Array
     step_works: Array
     density: Array
     least_stick_load: float = math.inf
@@ -606,7 +606,10 @@ class _SeriesSums:
     def rounding_of_parts(self) -> Array:
         """Relative error by rounding of the friction work of each part, (parts,)."""
         return np.array(
-            [error_by_slipped_load("dissipation", share) for share in self.slipped_shares.tolist()]
+            [
+                error_by_slip_zone_load("dissipation", share)
+                for share in self.slip_zone_shares.tolist()
+            ]
         )
 
     def quadrature_errors(self) -> Array:
@@ -614,12 +617,14 @@ class _SeriesSums:
         no_work = np.zeros(len(self.works))
         return np.divide(self.work_errors, self.works, out=no_work, where=self.works > 0)
 
-    def update_slipped_share(self, block: StepBlock, part_number: int, largest_load: float) -> None:
+    def update_slip_zone_share(
+        self, block: StepBlock, part_number: int, largest_load: float
+    ) -> None:
         """Raise the largest (P - P_c)/P of a part of the path to that of a block of it, where it is
         higher there. P is the `largest_load` of the part.
         """
-        self.slipped_shares[part_number] = max(
-            self.slipped_shares[part_number], block.largest_slipped_load / largest_load
+        self.slip_zone_shares[part_number] = max(
+            self.slip_zone_shares[part_number], block.largest_slip_zone_load / largest_load
         )
 
     def update_least_stick_load(self, block: StepBlock) -> None:
@@ -627,8 +632,8 @@ class _SeriesSums:
         steps, where it is lower.
         """
         records = block.records
-        stick_loads = records.load - records.slipped
-        stick_loads_after = records.load_after - records.slipped_after
+        stick_loads = records.load - records.slip_zone_load
+        stick_loads_after = records.load_after - records.slip_zone_load_after
         least_of_block = min(float(np.min(stick_loads)), float(np.min(stick_loads_after)))
         self.least_stick_load = min(self.least_stick_load, least_of_block)
 
@@ -657,7 +662,7 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
     path_sums = _SeriesSums(
         works=np.zeros(len(series.parts)),
         work_errors=np.zeros(len(series.parts)),
-        slipped_shares=np.zeros(len(series.parts)),
+        slip_zone_shares=np.zeros(len(series.parts)),
         step_works=np.zeros(1 + (series.first_steps[-1] if wants_increments else 0)),
         density=np.zeros(len(request.distance)),
     )
@@ -673,7 +678,7 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
         for first_row, block in blocks(part, friction, states.curves):
             first_step = series.first_steps[part_number] + first_row
             states.add(block, *instants.within(first_step, len(block.rows) - 1))
-            path_sums.update_slipped_share(block, part_number, part.largest_load)
+            path_sums.update_slip_zone_share(block, part_number, part.largest_load)
             path_sums.count(block, wanted_integrals.count_per_record, pieces_before)
             pieces_before = depth_of(block.curve)
             path_sums.add_block(block, part_number, first_step, wanted_integrals, request, friction)
@@ -699,7 +704,7 @@ def _result_of_series(series: LoadSeries, request: Request) -> PathResult:
         snapshot=snapshot,
         force_error=force_error,
         least_stick_load=path_sums.least_stick_load,
-        largest_slipped_share=float(np.max(path_sums.slipped_shares)),
+        largest_slip_zone_share=float(np.max(path_sums.slip_zone_shares)),
         works=works,
         work_errors=work_errors,
         density=path_sums.density if wants_density else np.full(len(path_sums.density), math.nan),
@@ -802,7 +807,7 @@ def _result_of_history(history: History, request: Request) -> PathResult:
         snapshot=snapshot,
         force_error=_force_error(snapshot),
         least_stick_load=_least_stick_load(last_spans),
-        largest_slipped_share=slipped_share(history.spans),
+        largest_slip_zone_share=slip_zone_share(history.spans),
         works=works,
         work_errors=work_errors,
         density=density,
@@ -832,7 +837,7 @@ def _density_of_spans(spans: Sequence[Span], request: Request) -> tuple[Array, f
     largest_error_of_points = float(np.max(density_parts.error))
     if largest_error_of_points:
         relative_error = largest_error_of_points / float(np.max(density))
-    relative_error += error_by_slipped_load("dissipation_density", slipped_share(spans))
+    relative_error += error_by_slip_zone_load("dissipation_density", slip_zone_share(spans))
     return density, relative_error
 
 
@@ -846,8 +851,8 @@ def _least_stick_load(spans: Sequence[Span]) -> float:
     for span in spans:
         times = np.array([span.begin.time, span.end.time])
         load, _ = span.segment.loads(times)
-        # `slipped_at` is P - P_c.
-        least_of_span = float(np.min(load - span.slipped_at(times, load)))
+        # `slip_zone_load_at` is P - P_c.
+        least_of_span = float(np.min(load - span.slip_zone_load_at(times, load)))
         least_load = min(least_load, least_of_span)
     return least_load
 
@@ -857,8 +862,8 @@ def _force_error(snapshot: Snapshot) -> Array:
     carries, minus Q. It is 0 but for round-off [force per thickness].
     """
     slope_of_slip = snapshot.direction * snapshot.friction
-    force_error = slope_of_slip * snapshot.slipped - snapshot.force
-    stick_edge_load = snapshot.load - snapshot.slipped
+    force_error = slope_of_slip * snapshot.slip_zone_load - snapshot.force
+    stick_edge_load = snapshot.load - snapshot.slip_zone_load
     for piece, instants in snapshot.groups:
         assert isinstance(piece, Piece)  # for the type checker: a history has no others
         force_error[instants] += force_on_piece(piece, stick_edge_load[instants])
@@ -904,7 +909,7 @@ def _work_of_spans(spans: Sequence[Span], request: Request) -> _WorkOfCycle:
     """
     work_parts = global_dissipation(request.contact, request.modulus, spans)
     error = float(work_parts.error / work_parts.total) if work_parts.error else 0.0
-    error += error_by_slipped_load("dissipation", slipped_share(spans))
+    error += error_by_slip_zone_load("dissipation", slip_zone_share(spans))
     return _WorkOfCycle(float(work_parts.total), error)
 
 
@@ -954,10 +959,10 @@ def _values_over_time(request: Request, snapshot: Snapshot) -> dict[str, Array]:
         Where no half-width was found for a load.
     """
     contact = request.contact
-    # P_c, at which the contact is as wide as the stick zone; `slipped` is P - P_c.
-    stick_edge_load = snapshot.load - snapshot.slipped
+    # P_c, at which the contact is as wide as the stick zone; `slip_zone_load` is P - P_c.
+    stick_edge_load = snapshot.load - snapshot.slip_zone_load
     half_width = _half_width(contact, snapshot.load)
-    instants_with_slip = np.flatnonzero(snapshot.slipped)
+    instants_with_slip = np.flatnonzero(snapshot.slip_zone_load)
     stick_half_width = half_width.copy()
     stick_half_width[instants_with_slip] = _half_width(contact, stick_edge_load[instants_with_slip])
     stick_half_width[(stick_edge_load <= 0) & (stick_half_width == 0)] = np.nan
@@ -1000,8 +1005,8 @@ def _values_with_bulk_and_tilt(
     tilted_values["shear_moment"] = shear_moment
     contact_edges = tilted_values["contact_edges"]
     tilted_values["contact_half_width"] = np.diff(contact_edges)[:, 0] / 2
-    has_slip_zones = (snapshot.slipped > 0) | np.isnan(values["stick_half_width"])
-    stick_edge_load = snapshot.load - snapshot.slipped
+    has_slip_zones = (snapshot.slip_zone_load > 0) | np.isnan(values["stick_half_width"])
+    stick_edge_load = snapshot.load - snapshot.slip_zone_load
     stick_centre = tilted_contact.centre(stick_edge_load)
     stick_edges = stick_centre[:, None] + values["stick_edges"]
     tilted_values["stick_edges"] = np.where(has_slip_zones[:, None], stick_edges, contact_edges)
@@ -1165,8 +1170,8 @@ def _relative_errors(
             request, path_answer.snapshot, loads_and_edges, fields, arc_errors
         )
         errors |= errors_of_sums(contact, kernel_sums)
-    errors["slip"] = errors.get("slip", 0.0) + error_by_slipped_load(
-        "slip", path_answer.largest_slipped_share
+    errors["slip"] = errors.get("slip", 0.0) + error_by_slip_zone_load(
+        "slip", path_answer.largest_slip_zone_share
     )
     if request.wants("tangential_displacement"):
         errors["tangential_displacement"] = error_of_displacement(

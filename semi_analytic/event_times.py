@@ -259,7 +259,7 @@ def _event_at(span: Span, time: float, name: str) -> Event:
         time=time_in_segment + span.delay,
         normal_load=normal_load,
         tangential_load=tangential_load,
-        front_load=normal_load - float(span.slipped(time_in_segment)),
+        front_load=normal_load - float(span.slip_zone_load(time_in_segment)),
     )
 
 

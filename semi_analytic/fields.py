@@ -755,7 +755,7 @@ class Integrals:
         >>> shift.round(12).tolist()  # U pi/A = 0.5 [4 ln(pi/2) + 2 - ln(pi) - 1/2], L = 1
         [[1.080800...]]
         """
-        stick_edge_load = snapshot.load - snapshot.slipped
+        stick_edge_load = snapshot.load - snapshot.slip_zone_load
         slope_of_piece = np.zeros(len(snapshot.load))
         load_at_piece_bottom = np.zeros(len(snapshot.load))
         # The piece of the curve that holds the stick edge, and the instants at which it does.

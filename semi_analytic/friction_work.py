@@ -107,8 +107,8 @@ def global_dissipation(contact: Contact, modulus: float, spans: Sequence[Span]) 
         span = span_range.span
         times, weights = rule(span_range.begin, span_range.end)
         load, _ = span.segment.loads(times)
-        load_of_slip_zones = span.slipped_at(times, load)  # P - P_c
-        kernel = contact.dissipation_kernel(load, load_of_slip_zones)
+        slip_zone_load = span.slip_zone_load_at(times, load)  # P - P_c
+        kernel = contact.dissipation_kernel(load, slip_zone_load)
         return np.asarray(np.sum(weights * _scaled_excess_rate(span, times) * kernel, axis=-1))
 
     split = _over_spans(contact, modulus, ranges, 1, _span_by_span(work_in_range))
@@ -360,7 +360,7 @@ def pointwise_dissipation(
         times, weights = rule(span_range.begin, span_range.end)
         x_of_points = x[span_range.integral_number, None]
         load, _ = span.segment.loads(times)
-        stick_edge_load = load - span.slipped_at(times, load)
+        stick_edge_load = load - span.slip_zone_load_at(times, load)
         edge_load_of_points = edge_loads[span_range.integral_number, None]
         load_outside_stick = np.maximum(edge_load_of_points - stick_edge_load, 0.0)
         arccosh_ratio = contact.arccosh_ratio(
@@ -544,14 +544,14 @@ def _means_along_records(
         place_of_nodes, weights = rule(0.0, 1.0)
         parts_of_rule = smooth_parts.take(np.flatnonzero(rule_number_of_part == rule_number))
         load_growth = parts_of_rule.load_after - parts_of_rule.load
-        slipped_growth = parts_of_rule.slipped_after - parts_of_rule.slipped
+        slip_zone_growth = parts_of_rule.slip_zone_load_after - parts_of_rule.slip_zone_load
         # At places of the nodes from 0 to 1 along the part: P, and P - P_c.
         load = parts_of_rule.load[:, None] + load_growth[:, None] * place_of_nodes
-        load_of_slip_zones = (
-            parts_of_rule.slipped[:, None] + slipped_growth[:, None] * place_of_nodes
+        slip_zone_load = (
+            parts_of_rule.slip_zone_load[:, None] + slip_zone_growth[:, None] * place_of_nodes
         )
         values_at_nodes = function_of_loads(
-            parts_of_rule.row, load, np.clip(load_of_slip_zones, 0.0, load)
+            parts_of_rule.row, load, np.clip(slip_zone_load, 0.0, load)
         )
         share_of_record = parts_of_rule.until
         means_of_parts = share_of_record * np.sum(weights * values_at_nodes, axis=1)
@@ -601,8 +601,8 @@ def _closeness_of_loads(parts: Records, corner_loads: Array) -> Array:
     `corner_loads` (c,) ascending are those at which the contact edge is at a corner.
     """
     largest_closeness = np.zeros(len(parts.row))
-    stick_edge_load = parts.load - parts.slipped
-    stick_edge_load_after = parts.load_after - parts.slipped_after
+    stick_edge_load = parts.load - parts.slip_zone_load
+    stick_edge_load_after = parts.load_after - parts.slip_zone_load_after
     for load_at_begin, load_at_end in (
         (parts.load, parts.load_after),
         (stick_edge_load, stick_edge_load_after),
@@ -630,18 +630,18 @@ def _cut_where_unsmooth(contact: Contact, records: Records) -> Records:
     """Records of slip, cut so that a(P), the half-width of the contact, is smooth along each part
     at P and at P_c, the load at the stick edge.
 
-    A record is a part of a load step in which P and P_c change linearly; `slipped` is P - P_c,
-    `rise` the growth of +-Q - f P. Cuts are at the loads of the profile's corners. Where P may
-    hardly grow with a they are also at half-widths 7 % apart. In the parts returned `row` is the
-    number of the record, and `until` the share of it that the part takes.
+    A record is a part of a load step in which P and P_c change linearly; `slip_zone_load` is
+    P - P_c, `rise` the growth of +-Q - f P. Cuts are at the loads of the profile's corners. Where P
+    may hardly grow with a they are also at half-widths 7 % apart. In the parts returned `row` is
+    the number of the record, and `until` the share of it that the part takes.
     """
     cut_loads = contact.break_loads
     if contact.bends_anywhere and len(records.row):
         largest_load = max(float(np.max(records.load)), float(np.max(records.load_after)))
         largest_half_width = contact.half_width(largest_load)
         cut_loads = np.append(cut_loads, contact.load(largest_half_width * _LADDER))
-    stick_edge_load = records.load - records.slipped
-    stick_edge_load_after = records.load_after - records.slipped_after
+    stick_edge_load = records.load - records.slip_zone_load
+    stick_edge_load_after = records.load_after - records.slip_zone_load_after
     shares_at_cuts = [np.zeros((len(records.row), 1))]
     for load_at_begin, load_at_end in (
         (records.load, records.load_after),
@@ -659,14 +659,14 @@ def _cut_where_unsmooth(contact: Contact, records: Records) -> Records:
     end_share = share_at_end[record_number, cut_number]
     load = records.load[record_number]
     load_growth = (records.load_after - records.load)[record_number]
-    slipped = records.slipped[record_number]
-    slipped_growth = (records.slipped_after - records.slipped)[record_number]
+    slip_zone_load = records.slip_zone_load[record_number]
+    slip_zone_growth = (records.slip_zone_load_after - records.slip_zone_load)[record_number]
     return Records(
         direction=records.direction[record_number],
         load=load + begin_share * load_growth,
         load_after=load + end_share * load_growth,
-        slipped=slipped + begin_share * slipped_growth,
-        slipped_after=slipped + end_share * slipped_growth,
+        slip_zone_load=slip_zone_load + begin_share * slip_zone_growth,
+        slip_zone_load_after=slip_zone_load + end_share * slip_zone_growth,
         rise=records.rise[record_number] * (end_share - begin_share),
         until=end_share - begin_share,
         row=record_number,
@@ -681,7 +681,9 @@ def slip_work(contact: Contact, records: Records) -> tuple[Array, int]:
     ln(a/c) over the loads from P_c to P, c = a(P_c) the stick half-width.
     """
     mean_kernels, node_count = _means_along_records(
-        contact, records, lambda _, load, slipped: contact.dissipation_kernel(load, slipped)
+        contact,
+        records,
+        lambda _, load, slip_zone_load: contact.dissipation_kernel(load, slip_zone_load),
     )
     return records.rise * mean_kernels, node_count
 
@@ -704,9 +706,9 @@ def work_error(contact: Contact, records: Records) -> float:
     sampled_numbers = np.unique(np.linspace(0, len(records.row) - 1, _SAMPLE).astype(int))
     sampled_records = records.take(sampled_numbers)
     load = np.append(sampled_records.load, sampled_records.load_after)
-    load_of_slip_zones = np.append(sampled_records.slipped, sampled_records.slipped_after)
-    error_of_kernel = contact.quadrature_error("dissipation_kernel", load, load_of_slip_zones)
-    error_of_rule = _RULE * contact.dissipation_kernel(load, load_of_slip_zones)
+    slip_zone_load = np.append(sampled_records.slip_zone_load, sampled_records.slip_zone_load_after)
+    error_of_kernel = contact.quadrature_error("dissipation_kernel", load, slip_zone_load)
+    error_of_rule = _RULE * contact.dissipation_kernel(load, slip_zone_load)
     kernel_error = error_of_kernel + error_of_rule
     if not np.all(np.isfinite(kernel_error)):
         raise NotFoundError(
@@ -744,8 +746,8 @@ def _density_of_parts(contact: Contact, parts: Records, x: Array) -> Array:
     edge_loads = contact.load(x)
     load_of_parts = parts.load[:, None]
     load_growth = (parts.load_after - parts.load)[:, None]
-    stick_edge_load = load_of_parts - parts.slipped[:, None]
-    stick_edge_drop = (parts.slipped_after - parts.slipped)[:, None] - load_growth
+    stick_edge_load = load_of_parts - parts.slip_zone_load[:, None]
+    stick_edge_drop = (parts.slip_zone_load_after - parts.slip_zone_load)[:, None] - load_growth
     begin_shares, end_shares = _shares_in_slip(
         load_of_parts, load_growth, stick_edge_load, stick_edge_drop, edge_loads
     )
@@ -874,11 +876,13 @@ class Loop:
         slope_in_slip_zones = records.direction * self._friction
         load_growth = records.load_after - records.load
 
-        def displacement_rise(record_numbers: Indices, load: Array, slipped: Array) -> Array:
+        def displacement_rise(record_numbers: Indices, load: Array, slip_zone_load: Array) -> Array:
             """U pi/A, but for a constant of each record, at P and P - P_c, (n, k) each."""
             integral_to_load = contact.log_distance(load)
-            integral_to_stick_edge = contact.log_distance(np.maximum(load - slipped, 0.0))
-            integral_to_stick_edge = np.where(slipped > 0, integral_to_stick_edge, integral_to_load)
+            integral_to_stick_edge = contact.log_distance(np.maximum(load - slip_zone_load, 0.0))
+            integral_to_stick_edge = np.where(
+                slip_zone_load > 0, integral_to_stick_edge, integral_to_load
+            )
             part_of_slip_zones = slope_in_slip_zones[record_numbers, None] * (
                 integral_to_load - integral_to_stick_edge
             )
@@ -888,9 +892,9 @@ class Loop:
             )
 
         loads_at_ends = np.stack([records.load, records.load_after], axis=1)
-        slipped = np.stack([records.slipped, records.slipped_after], axis=1)
+        slip_zone_load = np.stack([records.slip_zone_load, records.slip_zone_load_after], axis=1)
         rise_at_begin, rise_at_end = displacement_rise(
-            np.arange(len(slope_at_stick_edge)), loads_at_ends, slipped
+            np.arange(len(slope_at_stick_edge)), loads_at_ends, slip_zone_load
         ).T
         force_change_in_slip = records.direction * (records.rise + self._friction * load_growth)
         force_change = np.where(

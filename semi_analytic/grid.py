@@ -869,11 +869,12 @@ class _PathInIncrements:
         are taken. Loads of a segment of the path are computed once, and stored by its times.
         """
         path = self.loads.path
+        is_initial_loading = cycle_number < 0
         time_in_cycle = time - max(cycle_number, 0) * (path.period or 0.0)
-        segments = path.initial_loading if cycle_number < 0 else path.cycle
+        segments = path.initial_loading if is_initial_loading else path.cycle
         times_of_segments = [
-            self._increment_times(segment, k, cycle_number < 0, time_in_cycle)
-            for k, segment in enumerate(segments)
+            self._increment_times(segment, segment_number, is_initial_loading, time_in_cycle)
+            for segment_number, segment in enumerate(segments)
         ]
         loads = []
         for times_of_segment in times_of_segments:
@@ -883,11 +884,11 @@ class _PathInIncrements:
             loads.append(self._loads_by_times[key_of_times])
         all_times = np.concatenate(times_of_segments)
         # The start of a cycle is the end of the one before.
-        is_after_start = (time_in_cycle > segments[0].start) | (cycle_number < 0)
+        is_after_start = (time_in_cycle > segments[0].start) | is_initial_loading
         instant_numbers = np.flatnonzero((time_in_cycle <= segments[-1].end) & is_after_start)
         increment_numbers = [
-            np.argmin(np.abs(all_times - max(t, path.start)))
-            for t in time_in_cycle[instant_numbers]
+            np.argmin(np.abs(all_times - max(instant, path.start)))
+            for instant in time_in_cycle[instant_numbers]
         ]
         return _Increments(
             np.concatenate(loads), np.array(increment_numbers, dtype=int), instant_numbers

@@ -221,7 +221,7 @@ class HertzContact:
             np.where(p > 0, p, 1.0) * self.square_width_per_load / (2 * self.datum_length) ** 2
         )
 
-    def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:
+    def dissipation_kernel(self, load: ArrayLike, slip_zone_load: ArrayLike) -> Array:
         """Lam(P, P_c) = int_{P_c}^P ln(a(eta)/a(P_c)) d eta [force per thickness] from P and P -
         P_c: [P ln(P/P_c) - P + P_c]/2.
 
@@ -230,7 +230,7 @@ class HertzContact:
         0.19314718056
         """
         p = np.asarray(load, dtype=float)
-        return p / 2 * log_excess(np.asarray(slipped, dtype=float) / np.where(p > 0, p, 1.0))
+        return p / 2 * log_excess(np.asarray(slip_zone_load, dtype=float) / np.where(p > 0, p, 1.0))
 
 
 _TINY = np.finfo(float).tiny

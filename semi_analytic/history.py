@@ -44,12 +44,12 @@ from semi_analytic.memory import (
     is_at_coulomb_limit,
     is_same_memory,
     load_in_stick,
+    load_of_slip_zone,
     pieces,
     repeats_within,
     slip_combination,
     slip_combination_on_piece,
     slip_to,
-    slipped_load,
     unload_to,
 )
 from semi_analytic.profiles import Contact
@@ -107,33 +107,33 @@ class Span:
         """The load segment that the span is on."""
         return self.begin.segment
 
-    def slipped(self, time: ArrayLike) -> Array:
+    def slip_zone_load(self, time: ArrayLike) -> Array:
         """P - P_c >= 0 [force per thickness] at times of the segment, P_c the load at the stick
         edge; 0 where nothing slips.
         """
         t = np.asarray(time, dtype=float)
-        return self.slipped_at(t, self.segment.loads(t)[0])
+        return self.slip_zone_load_at(t, self.segment.loads(t)[0])
 
-    def slipped_at(self, t: Array, load: Array) -> Array:
+    def slip_zone_load_at(self, t: Array, load: Array) -> Array:
         """P - P_c at times t of the segment at which P is `load`."""
         if self.direction == 0:
             return np.zeros(t.shape)
         if self.sticking_piece is None:
             return load
-        lag = slipped_load(self.sticking_piece, self.direction, self.friction, self.segment, t)
+        lag = load_of_slip_zone(self.sticking_piece, self.direction, self.friction, self.segment, t)
         least_lag = np.maximum(load - self.sticking_piece.top, 0.0)
         largest_lag = load - self.sticking_piece.bottom
         # of a single number two calls take a quarter of the time of `clip`
         return np.minimum(np.maximum(lag, least_lag), largest_lag)
 
     @cached_property
-    def largest_slipped_load(self) -> float:
+    def largest_slip_zone_load(self) -> float:
         """Largest P - P_c [force per thickness] at the ends of the span and half-way; 0 where
         nothing slips.
         """
         if not self.direction:
             return 0.0
-        return float(np.max(self.slipped(np.linspace(self.begin.time, self.end.time, 3))))
+        return float(np.max(self.slip_zone_load(np.linspace(self.begin.time, self.end.time, 3))))
 
     def curve(self, time: float) -> Curve:
         """The memory curve at a time of the segment."""
@@ -141,7 +141,11 @@ class Span:
         if self.direction == 0:
             return unload_to(self.sticking_piece, point.normal)
         return slip_to(
-            self.sticking_piece, self.direction, self.friction, point, float(self.slipped(time))
+            self.sticking_piece,
+            self.direction,
+            self.friction,
+            point,
+            float(self.slip_zone_load(time)),
         )
 
 
@@ -258,7 +262,7 @@ def march(
     ... )  # rows of t, P, Q
     >>> spans, curve = march(None, segments, 0.5, 0.0)
     >>> [
-    ...     (span.direction, round(float(span.slipped(span.end.time)), 12)) for span in spans
+    ...     (span.direction, round(float(span.slip_zone_load(span.end.time)), 12)) for span in spans
     ... ]  # P - P_c is dQ/f, after a reversal dQ/(2 f)
     [(0, 0.0), (1, 0.6), (-1, 0.2)]
     """
@@ -650,7 +654,7 @@ class History:
             (spans[k], times) for k, times in zip(numbers_with_times, times_of_spans, strict=True)
         )
         order_in_time = np.argsort(order_by_span)
-        columns = ("time", "load", "force", "slipped", "direction", "piece_number")
+        columns = ("time", "load", "force", "slip_zone_load", "direction", "piece_number")
         return replace(
             snapshot, **{name: getattr(snapshot, name)[order_in_time] for name in columns}
         )
@@ -679,7 +683,7 @@ def follow(
         spans, curve = march(curve_at_begin, cycle.segments, friction, cycle.delay)
         spans_of_cycles.append(spans)
         curves_between_cycles.append(curve)
-        tolerance = repeats_within(slipped_share(spans))
+        tolerance = repeats_within(slip_zone_share(spans))
         if is_same_memory(curve_at_begin, curve, friction, tolerance):
             steady_from = cycle_number
             break
@@ -816,11 +820,11 @@ def evenly_spaced_times(span_ends: Array, *, initial: bool) -> Array:
     return np.concatenate(times)
 
 
-def slipped_share(spans: Sequence[Span]) -> float:
+def slip_zone_share(spans: Sequence[Span]) -> float:
     """Largest P - P_c over largest P of some time spans, P_c the load at the stick edge; 0 where
     nothing slips. Both are taken at the ends of the spans, P - P_c half-way too.
     """
-    largest_slip = max((span.largest_slipped_load for span in spans), default=0.0)
+    largest_slip = max((span.largest_slip_zone_load for span in spans), default=0.0)
     largest_load = max((max(span.begin.normal, span.end.normal) for span in spans), default=0.0)
     return largest_slip / largest_load if largest_load > 0 else 0.0
 
@@ -836,7 +840,7 @@ def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
     times = []
     normal_loads = []
     tangential_loads = []
-    slipped_loads = []
+    slip_zone_loads = []
     directions = []
     counts_of_times = []
     sticking_pieces: list[Curve] = []
@@ -848,7 +852,7 @@ def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
         times.append(times_in_segment)
         normal_loads.append(normal_load)
         tangential_loads.append(tangential_load)
-        slipped_loads.append(span.slipped_at(times_in_segment, normal_load))
+        slip_zone_loads.append(span.slip_zone_load_at(times_in_segment, normal_load))
         directions.append(span.direction)
         counts_of_times.append(len(times_in_segment))
         sticking_pieces.append(span.sticking_piece)
@@ -857,7 +861,7 @@ def snapshot_of(parts: Iterable[tuple[Span, Array]]) -> Snapshot:
         time=np.concatenate(times),
         load=np.concatenate(normal_loads),
         force=np.concatenate(tangential_loads),
-        slipped=np.concatenate(slipped_loads),
+        slip_zone_load=np.concatenate(slip_zone_loads),
         direction=np.repeat(np.array(directions), counts_of_times),
         piece_number=np.repeat(np.arange(len(sticking_pieces)), counts_of_times),
         uppermost_pieces=tuple(sticking_pieces),

@@ -133,7 +133,7 @@ class Records(NamedTuple):
         of slip: 1 forward, -1 in reverse, 0 none
     load, load_after
         P at the begin and at the end of the part [force per thickness]
-    slipped, slipped_after
+    slip_zone_load, slip_zone_load_after
         P - P_c, P_c the load at the stick edge, at the begin and at the end
     rise
         growth in the part of s Q - f P, s the direction
@@ -146,8 +146,8 @@ class Records(NamedTuple):
     direction: Array
     load: Array
     load_after: Array
-    slipped: Array
-    slipped_after: Array
+    slip_zone_load: Array
+    slip_zone_load_after: Array
     rise: Array
     until: Array
     row: Indices
@@ -160,9 +160,11 @@ class Records(NamedTuple):
         """These records with P_c >= 0. In a contact that slips throughout the sum of lengths of
         lines may be a last digit more than P.
         """
-        slipped = np.minimum(self.slipped, self.load)
-        slipped_after = np.minimum(self.slipped_after, self.load_after)
-        return self._replace(slipped=slipped, slipped_after=slipped_after)
+        slip_zone_load = np.minimum(self.slip_zone_load, self.load)
+        slip_zone_load_after = np.minimum(self.slip_zone_load_after, self.load_after)
+        return self._replace(
+            slip_zone_load=slip_zone_load, slip_zone_load_after=slip_zone_load_after
+        )
 
     def slipping(self) -> Records:
         """The records in which a part of the contact slips."""
@@ -208,7 +210,7 @@ class Recorder:
         direction: int,
         begin: Station,
         end: Station,
-        slipped: tuple[float, float] = (0.0, 0.0),
+        slip_zone_load: tuple[float, float] = (0.0, 0.0),
         level_rise: float = 0.0,
     ) -> None:
         """Store one part of a load step, in which the stick edge moves along one line of the memory
@@ -223,7 +225,7 @@ class Recorder:
             of slip: s = 1 forward, -1 in reverse, 0 for none
         begin, end
             P, Q and the fraction of the step that is over, at both ends of the part
-        slipped
+        slip_zone_load
             P - P_c at both ends, P_c the load at the stick edge
         level_rise
             growth of s Q - f P in the part, >= 0; 0 without slip
@@ -238,7 +240,7 @@ class Recorder:
                 direction,
                 load_at_begin,
                 load_at_end,
-                *slipped,
+                *slip_zone_load,
                 level_rise,
                 fraction_at_end,
                 top,
@@ -406,7 +408,7 @@ def _slip(
     level_left = level_growth
     level_roundoff = _LAST_DIGITS * friction * (load if load > load_at_end else load_at_end)
     length_passed = 0.0  # of lines
-    slipped = 0.0  # P - P_c at `station`, where the next record begins
+    slip_zone_load = 0.0  # P - P_c at `station`, where the next record begins
     station = begin_station
     # A line at the limit slips already: the stick edge begins below it.
     if (
@@ -415,7 +417,7 @@ def _slip(
         and friction * curve.length <= direction * curve.rise
     ):
         length_passed = curve.length
-        slipped = curve.length
+        slip_zone_load = curve.length
         curve = curve.below
 
     line_level = 0.0  # growth of the level by which a line is passed
@@ -430,7 +432,7 @@ def _slip(
         if line_level > 0:
             level_left -= line_level
             share_of_step = 1 - level_left / level_growth
-            slipped_at_knot = length_passed + share_of_step * load_growth
+            slip_zone_load_at_knot = length_passed + share_of_step * load_growth
             # Q of a station inside a step plays no part in its record.
             station_at_knot = (
                 load + share_of_step * load_growth,
@@ -442,13 +444,13 @@ def _slip(
                 direction,
                 station,
                 station_at_knot,
-                (slipped, slipped_at_knot),
+                (slip_zone_load, slip_zone_load_at_knot),
                 line_level,
             )
             station = station_at_knot
-            slipped = slipped_at_knot
+            slip_zone_load = slip_zone_load_at_knot
         else:
-            slipped += length
+            slip_zone_load += length
         curve = line_below
 
     # The stick edge ends within the line `curve`, whose upper part slips too.
@@ -460,36 +462,36 @@ def _slip(
         sticking_curve = (
             _without_upper_share(curve, share_of_line) if share_of_line < 1 else curve.below
         )
-    slipped_at_end = length_passed + load_growth
+    slip_zone_load_at_end = length_passed + load_growth
     recorder.add(
         curve,
         direction,
         station,
         end_station,
-        (slipped, slipped_at_end if slipped_at_end > 0 else 0.0),
+        (slip_zone_load, slip_zone_load_at_end if slip_zone_load_at_end > 0 else 0.0),
         level_left if level_left > 0 else 0.0,
     )
-    if not slipped_at_end > 0:
+    if not slip_zone_load_at_end > 0:
         return sticking_curve
     return _with_line_at_limit(
-        sticking_curve, load_at_end, force_at_end, slipped_at_end, direction * friction
+        sticking_curve, load_at_end, force_at_end, slip_zone_load_at_end, direction * friction
     )
 
 
 def _with_line_at_limit(
-    sticking_curve: Knot | None, load: float, force: float, slipped: float, slope: float
+    sticking_curve: Knot | None, load: float, force: float, slip_zone_load: float, slope: float
 ) -> Knot:
     """The memory curve after slip: the part that still sticks, and on top of it a line at the
     Coulomb limit that ends at P = `load`, Q = `force`.
 
-    The line's length in eta is `slipped` = P - P_c, P_c the load at the stick edge; its `slope` is
-    +f or -f. The memory curve M(eta) is the tangential force of the flat punches up to the load
-    eta. Where nothing sticks, the line begins at eta = 0.
+    The line's length in eta is `slip_zone_load` = P - P_c, P_c the load at the stick edge; its
+    `slope` is +f or -f. The memory curve M(eta) is the tangential force of the flat punches up to
+    the load eta. Where nothing sticks, the line begins at eta = 0.
     """
     if sticking_curve is None:
         return _knot(Knot, (None, load, force, load, slope * load, 1))
     depth = sticking_curve.depth + 1
-    return _knot(Knot, (sticking_curve, load, force, slipped, slope * slipped, depth))
+    return _knot(Knot, (sticking_curve, load, force, slip_zone_load, slope * slip_zone_load, depth))
 
 
 def _unload(
@@ -649,9 +651,9 @@ class StepBlock(NamedTuple):
     most_lines: int
 
     @property
-    def largest_slipped_load(self) -> float:
+    def largest_slip_zone_load(self) -> float:
         """The largest P - P_c [force per thickness], P_c the load at the stick edge."""
-        at_ends = np.maximum(self.records.slipped, self.records.slipped_after)
+        at_ends = np.maximum(self.records.slip_zone_load, self.records.slip_zone_load_after)
         return float(np.max(at_ends, initial=0.0))
 
 
@@ -669,7 +671,10 @@ def follow(curve: Knot | None, rows: Array, friction: float, curves: bool = Fals
     the memory curve of each part of a step is stored too.
 
     >>> block = follow(None, np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 0.5], [2.0, -0.5]]), 0.5)
-    >>> block.records.slipped_after.tolist(), block.most_lines  # P - P_c = Q/f, then dQ/(2 f)
+    >>> (
+    ...     block.records.slip_zone_load_after.tolist(),
+    ...     block.most_lines,
+    ... )  # P - P_c = Q/f, then dQ/(2 f)
     ([0.0, 1.0, 1.0], 2)
     """
     recorder = Recorder(curves)
@@ -1052,12 +1057,12 @@ def _follow_cycles(
         curve_at_begin = curve
         followed_cycle = cycle._replace(curve=curve_at_begin)
         followed_cycles.append(followed_cycle)
-        largest_slipped_load = 0.0
+        largest_slip_zone_load = 0.0
         for _, block in blocks(followed_cycle, friction):
             curve = block.curve
-            largest_slipped_load = max(largest_slipped_load, block.largest_slipped_load)
+            largest_slip_zone_load = max(largest_slip_zone_load, block.largest_slip_zone_load)
         # The less slips in a cycle, the closer its memory curves must agree.
-        tolerance = repeats_within(largest_slipped_load / cycle.largest_load)
+        tolerance = repeats_within(largest_slip_zone_load / cycle.largest_load)
         if steady_from is None and _same_memory(curve_at_begin, curve, friction, tolerance):
             steady_from = len(followed_cycles) - 1
             if repeats:
@@ -1099,7 +1104,7 @@ class _StateColumns(NamedTuple):
 
     load: Array
     force: Array
-    slipped: Array
+    slip_zone_load: Array
     direction: Array
     piece_number: Indices
     force_error: Array
@@ -1135,23 +1140,29 @@ class States:
         load, force = _loads_at(block.rows, step, share_of_step)
         line = LineTable(*(column[record_number] for column in block.line_table))
         direction = records.direction[record_number]
-        slipped_at_begin = records.slipped[record_number]
-        slipped_growth = (records.slipped_after - records.slipped)[record_number]
+        slip_zone_load_at_begin = records.slip_zone_load[record_number]
+        slip_zone_growth = (records.slip_zone_load_after - records.slip_zone_load)[record_number]
         share_of_record = _share_of_record(records, record_number, share_of_step)
-        slipped = slipped_at_begin + share_of_record * slipped_growth
+        slip_zone_load = slip_zone_load_at_begin + share_of_record * slip_zone_growth
         # The stick edge P_c is on the record's line.
-        least_slipped = np.maximum(load - line.top, 0.0)
-        largest_slipped = np.maximum(load - (line.top - line.length), 0.0)
-        slipped = np.where(direction != 0, np.clip(slipped, least_slipped, largest_slipped), 0.0)
-        force_at_stick_edge = line.force - line.slope * (line.top - (load - slipped))
-        force_error = force_at_stick_edge + direction * self.friction * slipped - force
+        least_slip_zone_load = np.maximum(load - line.top, 0.0)
+        largest_slip_zone_load = np.maximum(load - (line.top - line.length), 0.0)
+        slip_zone_load = np.where(
+            direction != 0,
+            np.clip(slip_zone_load, least_slip_zone_load, largest_slip_zone_load),
+            0.0,
+        )
+        force_at_stick_edge = line.force - line.slope * (line.top - (load - slip_zone_load))
+        force_error = force_at_stick_edge + direction * self.friction * slip_zone_load - force
         line_number = np.zeros(len(step), dtype=np.intp)
         lines_before = len(self._lines)
         if self.curves:
             used_records, line_number = np.unique(record_number, return_inverse=True)
             self._lines += [block.lines[k] for k in used_records.tolist()]
         self._columns.append(
-            _StateColumns(load, force, slipped, direction, line_number + lines_before, force_error)
+            _StateColumns(
+                load, force, slip_zone_load, direction, line_number + lines_before, force_error
+            )
         )
 
     def snapshot(self, time: Array, order: Indices) -> tuple[Snapshot, Array]:
@@ -1167,7 +1178,7 @@ class States:
             time=time,
             load=states.load,
             force=states.force,
-            slipped=states.slipped,
+            slip_zone_load=states.slip_zone_load,
             direction=states.direction.astype(np.int64),
             piece_number=states.piece_number,
             uppermost_pieces=tuple(self._lines) or (None,),

@@ -39,11 +39,11 @@ PROMISED = 1e-12
 """Closed forms promise that much, see `errors`; what rounding adds is stated where it is more."""
 
 
-def repeats_within(slipped_fraction: float) -> float:
+def repeats_within(slip_zone_share: float) -> float:
     """Largest change of M(eta) over f P with which a cycle counts as repeated: 1e-12, but no more
-    than 1e-4 of the load P - P_c that slips, `slipped_fraction` of P.
+    than 1e-4 of the load P - P_c that slips, `slip_zone_share` of P.
     """
-    return min(_REPEATS, max(_OF_SLIP * slipped_fraction, _LEAST))
+    return min(_REPEATS, max(_OF_SLIP * slip_zone_share, _LEAST))
 
 
 def slip_combination(direction: int, friction: float) -> Combination:
@@ -289,13 +289,10 @@ def slip_to(
     ...     0.5,
     ... )  # M = f eta
     >>> back = StraightSegment(1.0, 2.0, (1.0, 0.5), (1.0, 0.3))
-    >>> slipped = float(slipped_load(forward, -1, 0.5, back, 2.0))
-    >>> (
-    ...     round(slipped, 12),
-    ...     force_up_to(slip_to(forward, -1, 0.5, instant(back, 2.0), slipped), [0.4, 0.8, 1.0])
-    ...     .round(12)
-    ...     .tolist(),
-    ... )
+    >>> slip_zone_load = float(load_of_slip_zone(forward, -1, 0.5, back, 2.0))
+    >>> reversed_curve = slip_to(forward, -1, 0.5, instant(back, 2.0), slip_zone_load)
+    >>> forces = force_up_to(reversed_curve, [0.4, 0.8, 1.0])
+    >>> round(slip_zone_load, 12), forces.round(12).tolist()
     (0.2, [0.2, 0.4, 0.3])
     """
     if curve is not None:
@@ -340,7 +337,7 @@ def slip_combination_on_piece(
     return (direction * (piece.slope + piece.bend * step) - friction) * step
 
 
-def slipped_load(
+def load_of_slip_zone(
     piece: Piece, direction: int, friction: float, segment: LoadSegment, time: ArrayLike
 ) -> Array:
     """Load P - P_c of the slip zones at `time` (any shape) on a load segment, while the stick edge
@@ -356,11 +353,11 @@ def slipped_load(
     >>> from scenes import StraightSegment
     >>> segment = StraightSegment(0.0, 1.0, (1.0, 0.0), (1.0, 0.3))
     >>> pressed = Piece(None, 1.0, instant(segment, 0.0), 0.0)  # P = 1, Q = 0
-    >>> round(float(slipped_load(pressed, 1, 0.5, segment, 1.0)), 12)  # Q/f
+    >>> round(float(load_of_slip_zone(pressed, 1, 0.5, segment, 1.0)), 12)  # Q/f
     0.6
     """
     if piece.arc is not None:
-        return _slipped_load_on_arc(piece, direction, friction, segment, time)
+        return _load_of_slip_zone_on_arc(piece, direction, friction, segment, time)
     steepness = friction - direction * piece.slope
     if piece.bend == 0:
         force_beyond_line = combination_change(
@@ -377,7 +374,7 @@ def slipped_load(
     return combination_change(piece.anchor, segment, NORMAL_LOAD, time) + load_from_edge_to_anchor
 
 
-def _slipped_load_on_arc(
+def _load_of_slip_zone_on_arc(
     piece: Piece, direction: int, friction: float, segment: LoadSegment, time: ArrayLike
 ) -> Array:
     """Load P - P_c of the slip zones at `time` (any shape) on a load segment, while the stick edge
@@ -446,7 +443,7 @@ class Snapshot:
         (n,) times, on the load segments of the spans where the path was followed by spans
     load, force
         (n,) P and Q [force per thickness]
-    slipped
+    slip_zone_load
         (n,) P - P_c [force per thickness]
     direction
         (n,) of slip: +1 forward, -1 in reverse, 0 none
@@ -461,7 +458,7 @@ class Snapshot:
     time: Array
     load: Array
     force: Array
-    slipped: Array
+    slip_zone_load: Array
     direction: NDArray[np.int64]
     piece_number: NDArray[np.intp]
     uppermost_pieces: tuple[CurvePart | None, ...]

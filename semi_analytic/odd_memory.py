@@ -223,21 +223,24 @@ def odd_answer(scene: Scene, effects: BodyEffects) -> OddAnswer:
     if effects.dundurs_beta:
         raise Declined("the materials are unlike, and tilt and strain count in the first order")
     path = scene.load.path()
-    segments = len(path.initial_loading) + len(path.cycle)
-    if segments > _MOST_SEGMENTS:
-        raise Declined(f"the path has {segments} segments, more than {_MOST_SEGMENTS}")
+    n_segments = len(path.initial_loading) + len(path.cycle)
+    if n_segments > _MOST_SEGMENTS:
+        raise Declined(f"the path has {n_segments} segments, more than {_MOST_SEGMENTS}")
     history = history_of(path, scene.friction.coefficient, max(scene.cycles, 2))
     modulus = composite_modulus(scene.material)
     estimates = [getattr(effects, name) for name in ODD_NUMBERS]
-    o = np.array([float(estimate.value) for estimate in estimates])
-    uncertainty_of_o = np.array([float(estimate.uncertainty) for estimate in estimates])
+    tilt_and_strain_per_load = np.array([float(estimate.value) for estimate in estimates])
+    uncertainties = np.array([float(estimate.uncertainty) for estimate in estimates])
     works = []
     for spans, span_before, next_span in _cycles(history):
-        work_of_cycle = odd_work(spans, profile.radius, modulus, span_before, next_span)
-        work = work_of_cycle.added_work(o)
-        error_by_effects = 2 * float(np.abs(o) @ np.abs(work_of_cycle.matrix) @ uncertainty_of_o)
+        quadratic_form = odd_work(spans, profile.radius, modulus, span_before, next_span)
+        work = quadratic_form.added_work(tilt_and_strain_per_load)
+        absolute_values = np.abs(tilt_and_strain_per_load)
+        error_by_effects = 2 * float(
+            absolute_values @ np.abs(quadratic_form.matrix) @ uncertainties
+        )
         works.append(Estimate(work.value, work.uncertainty + error_by_effects))
-    return OddAnswer(history, profile.radius, o, tuple(works))
+    return OddAnswer(history, profile.radius, tilt_and_strain_per_load, tuple(works))
 
 
 def _cycles(history: History) -> Iterator[tuple[tuple[Span, ...], Span | None, Span | None]]:
@@ -309,7 +312,7 @@ def centre_vectors(span: Span, radius: float, time: Array) -> tuple[Array, Array
         return contact_vectors, contact_vectors
     if span.sticking_piece is None:
         return contact_vectors, np.full(contact_vectors.shape, np.nan)
-    stick_edge = _stick_edge_at(span, span.sticking_piece, time, span.slipped(time), radius)
+    stick_edge = _stick_edge_at(span, span.sticking_piece, time, span.slip_zone_load(time), radius)
     return contact_vectors, contact_vectors + stick_edge.centre_distance(radius)
 
 
@@ -522,7 +525,7 @@ def _work_in_span(span: Span, radius: float, n_points: int) -> Array:
     if piece is None:
         raise Declined("the contact slides as a whole")
     time, weights = _gauss_times(span, n_points)
-    slip_zone_load = span.slipped(time)
+    slip_zone_load = span.slip_zone_load(time)
     stick_edge = _stick_edge_at(span, piece, time, slip_zone_load, radius)
     combination = slip_combination(span.direction, span.friction)
     load_fall_rate = np.asarray(span.segment.rate_of(combination, time))  # -N'
@@ -712,7 +715,7 @@ def _work_at_stroke_end(span: Span, radius: float, n_panels: int) -> Array:
     flat punches at loads eta. Their work is f int (P - eta) dT. `n_panels` are those of this
     integral; `radius` is R of the parabola.
     """
-    edge_load = span.end.normal - float(span.slipped(span.end.time))
+    edge_load = span.end.normal - float(span.slip_zone_load(span.end.time))
     smooth_end = _smooth_end(span, span.end.time, edge_load, radius)
     if smooth_end is None:
         return np.zeros((4, 4))
@@ -736,8 +739,8 @@ def _work_at_passed_end(span: Span, radius: float, n_panels: int) -> Array:
     if smooth_end is None:
         return np.zeros((4, 4))
     eta, load_left_at_eta = smooth_end.loads_left(n_panels)
-    edge_load_at_end = span.end.normal - float(span.slipped(span.end.time))
-    edge_load_at_begin = span.begin.normal - float(span.slipped(span.begin.time))
+    edge_load_at_end = span.end.normal - float(span.slip_zone_load(span.end.time))
+    edge_load_at_begin = span.begin.normal - float(span.slip_zone_load(span.begin.time))
     is_passed = (eta < edge_load_at_begin) & (eta >= edge_load_at_end)
     eta = eta[is_passed]
     # The stick edge is at eta when s Q - f P of the path equals s M(eta) - f eta.
@@ -777,7 +780,7 @@ def _one_sided_slip_ratios(span: Span, radius: float, modulus: float) -> Iterato
     directions = (span.direction,) if span.direction else (1, -1)
     ratio_of_edge_functions = half_width  # sqrt(a^2 - c^2)/arccosh(a/c) for c near a
     if span.sticking_piece is not None and span.direction:
-        slip_zone_load = span.slipped(time)
+        slip_zone_load = span.slip_zone_load(time)
         width_ratio = np.sqrt(np.clip(1 - slip_zone_load / load, _LEAST_STICK**2, 1 - _SAME))
         ratio_of_edge_functions = (
             half_width * np.sqrt(1 - width_ratio**2) / np.arccosh(1 / width_ratio)

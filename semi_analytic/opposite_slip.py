@@ -361,14 +361,14 @@ class OppositeSlip(TiltedProfile):
         eta, weight = graded(least_load, np.full(np.shape(least_load), largest_load))
         return np.asarray(-np.sum(weight * self.log_ratio(eta), axis=-1))
 
-    def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:
-        """Lam = int over eta from P_c to P of g(P_c) - g(eta), P_c = load - slipped, g the rate
-        of U + kappa m_q per load on I(eta), over A/pi [force per thickness].
+    def dissipation_kernel(self, load: ArrayLike, slip_zone_load: ArrayLike) -> Array:
+        """Lam = int over eta from P_c to P of g(P_c) - g(eta), P_c = load - slip_zone_load, g the
+        rate of U + kappa m_q per load on I(eta), over A/pi [force per thickness].
         """
-        load, slipped = np.broadcast_arrays(
-            np.asarray(load, dtype=float), np.asarray(slipped, dtype=float)
+        load, slip_zone_load = np.broadcast_arrays(
+            np.asarray(load, dtype=float), np.asarray(slip_zone_load, dtype=float)
         )
         rate = self._conjugate_contact.log_ratio
-        edge_load = load - slipped
+        edge_load = load - slip_zone_load
         eta, weight = crowded_nodes(edge_load, load)
         return np.asarray(np.sum(weight * (rate(edge_load)[..., None] - rate(eta)), axis=-1))

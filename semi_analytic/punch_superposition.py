@@ -460,12 +460,12 @@ class PunchSuperposition:
 
     # --- the slip area
 
-    def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:
+    def dissipation_kernel(self, load: ArrayLike, slip_zone_load: ArrayLike) -> Array:
         """Kernel of the friction work, Lam(P, P_c) = int_{P_c}^P ln(a(eta)/c) d eta [force per
         thickness]: the integral of the slip from the edge of stick c = a(P_c) to that of contact.
 
         The friction work is (f A/pi) int Lam dw over the slip, with w = +-Q - f P and A = 2/E*.
-        `load` is P, `slipped` is P - P_c, P_c the load at the stick edge.
+        `load` is P, `slip_zone_load` is P - P_c, P_c the load at the stick edge.
 
         Far apart, Lam is P ln(a/c) minus int_c^a P/alpha d alpha. Close together, that would lose
         digits: there it is int (P - eta) d ln(a(eta)).
@@ -477,7 +477,7 @@ class PunchSuperposition:
         >>> round(float(contact.dissipation_kernel(2.0, 1.0)), 12)  # ln 2 - 1/2
         0.19314718056
         """
-        all_loads, loads_above_stick = np.broadcast_arrays(as_is(load), as_is(slipped))
+        all_loads, loads_above_stick = np.broadcast_arrays(as_is(load), as_is(slip_zone_load))
         is_difference = self._is_exact_as_difference(all_loads, loads_above_stick)
         is_integral = ~is_difference & (loads_above_stick > 0)
         kernel = np.zeros(all_loads.shape)

@@ -33,7 +33,7 @@ import numpy as np
 
 from scenes.array_types import Array, Indices
 from semi_analytic.answer import largest_error
-from semi_analytic.history import Span, slipped_share
+from semi_analytic.history import Span, slip_zone_share
 from semi_analytic.memory import LAST_DIGITS, PROMISED, slip_combination
 from semi_analytic.profiles import Contact, SymmetricContact
 from semi_analytic.tilted_profile import TiltedProfile
@@ -60,7 +60,7 @@ _ROUNDOFF_OF_LOOP = 100.0
 _LEAST_SLIPPED_SHARE = 1e-6
 
 
-def error_by_slipped_load(quantity: str, share: float) -> float:
+def error_by_slip_zone_load(quantity: str, share: float) -> float:
     """Relative error of "slip", "dissipation" or "dissipation_density" by the last digits of P_c,
     the load at the stick edge.
 
@@ -135,7 +135,7 @@ def error_of_work(
     error = math.fsum(_error_of_span(contact, span) for span in spans) / work
     # Round-off of U in the loop is no error of W.
     is_unexplained = difference > _ROUNDOFF_OF_LOOP * loop_integral.roundoff / work
-    if is_unexplained and slipped_share(spans) > _LEAST_SLIPPED_SHARE:
+    if is_unexplained and slip_zone_share(spans) > _LEAST_SLIPPED_SHARE:
         error += difference
     return error, difference
 
@@ -148,7 +148,7 @@ def _error_of_span(contact: Contact, span: Span) -> float:
         return 0.0
     times = np.linspace(span.begin.time, span.end.time, _SAMPLED_TIMES + 2)[1:-1]
     load, _ = span.segment.loads(times)
-    error = contact.quadrature_error("dissipation_kernel", load, span.slipped(times))
+    error = contact.quadrature_error("dissipation_kernel", load, span.slip_zone_load(times))
     growth = np.maximum(
         span.segment.rate_of(slip_combination(span.direction, span.friction), times), 0.0
     )

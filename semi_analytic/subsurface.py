@@ -551,7 +551,7 @@ def _curve_parts(snapshot: Snapshot, instant_number: int) -> Iterator[tuple[floa
     Its uppermost part, from the load at the stick edge to P, is at the Coulomb limit.
     """
     load = float(snapshot.load[instant_number])
-    stick_edge_load = float(snapshot.load[instant_number] - snapshot.slipped[instant_number])
+    stick_edge_load = float(snapshot.load[instant_number] - snapshot.slip_zone_load[instant_number])
     if stick_edge_load < load:
         slope = float(snapshot.direction[instant_number] * snapshot.friction)
         yield max(stick_edge_load, 0.0), load, lambda eta: np.full(eta.shape, slope)

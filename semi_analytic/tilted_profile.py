@@ -72,8 +72,8 @@ _NOISE = 1e-12
 _VALUES_AT_ONCE = 100_000
 # Share of c^2 below which c^2 - t^2 is taken from the rise of the load: x is next to an edge.
 _EDGE_FRACTION = 0.1
-# Share of P up to which the dissipation kernel is a quadrature over the slipped load. Above, it is
-# a difference of closed forms.
+# Share of P up to which the dissipation kernel is a quadrature over the load of the slip zone.
+# Above, it is a difference of closed forms.
 _SMALL_SLIP_FRACTION = 0.03
 
 
@@ -1393,24 +1393,26 @@ class TiltedProfile:
     def log_distance(self, load: ArrayLike) -> Array:
         """Integral of `log_ratio` over loads from 0 to `load`, in closed form.
 
-        It is what pressure in place of shear would give. "shear_moment": the moment of the pressure
-        [force]. "displacement": pi/A times the normal approach since no load [force per thickness].
-        "conjugate_displacement": that plus pi kappa/A times the moment.
+        By `kernel_quantity`, the quantity that the kernels of this object are of, it is
 
-        # notation: m and c are the centre and the half-length of the contact under `load` [length]
+        - "shear_moment": the moment of the pressure [force];
+        - "displacement": pi/A times the normal approach since no load [force per thickness];
+        - "conjugate_displacement": that plus pi kappa/A times the moment.
         """
         load = np.asarray(load, dtype=float)
-        m, c = self.intervals.at(load)
+        contact_centre, contact_half_length = self.intervals.at(load)
         tilt = self.intervals.tilt_without_load + self.intervals.tilt_per_load * load
-        moment = self.shape.moment(m, c, tilt) / self._compliance
+        moment = self.shape.moment(contact_centre, contact_half_length, tilt) / self._compliance
         if self.kernel_quantity == "shear_moment":
             return moment
         approach_without_load = self.shape.approach(
             *self.intervals.unloaded_contact, self.intervals.tilt_without_load
         )
-        # without the term of the datum, (A P/pi) ln(2 L/c)
-        approach = self.shape.approach(m, c, tilt) - approach_without_load
-        scaled_approach = np.pi / self._compliance * approach + load * self.logarithm(c)
+        # without the term of the datum, (A P/pi) ln(2 L/c), c the half-length
+        approach_under_load = self.shape.approach(contact_centre, contact_half_length, tilt)
+        approach = approach_under_load - approach_without_load
+        logarithm = self.logarithm(contact_half_length)
+        scaled_approach = np.pi / self._compliance * approach + load * logarithm
         if self.kernel_quantity == "conjugate_displacement":
             return scaled_approach + self.pressure_skewness * moment
         return scaled_approach
@@ -1420,28 +1422,28 @@ class TiltedProfile:
         eta, weight = self._load_nodes(np.zeros(np.shape(load)), np.asarray(load, dtype=float))
         return np.asarray(np.sum(weight * eta * self.log_ratio(eta), axis=-1))
 
-    def dissipation_kernel(self, load: ArrayLike, slipped: ArrayLike) -> Array:
+    def dissipation_kernel(self, load: ArrayLike, slip_zone_load: ArrayLike) -> Array:
         """Lam(P, P_c) >= 0 [force per thickness]: the kernel by which slip zones add to the
         friction work W.
 
             Lam = int_{P_c}^P [r(P_c) - r(eta)] d eta
 
-        P = `load`, and P_c = P - `slipped` is the load whose contact interval is the stick zone. r
-        is pi/A times the rate of U + kappa m_q per unit of M, U being the tangential displacement,
-        m_q the moment of the shear, kappa the tilt per load.
+        P = `load`, and P_c = P - `slip_zone_load` is the load whose contact interval is the stick
+        zone. r is pi/A times the rate of U + kappa m_q per unit of M, U being the tangential
+        displacement, m_q the moment of the shear, kappa the tilt per load.
         """
-        load, slipped = np.broadcast_arrays(
-            np.asarray(load, dtype=float), np.asarray(slipped, dtype=float)
+        load, slip_zone_load = np.broadcast_arrays(
+            np.asarray(load, dtype=float), np.asarray(slip_zone_load, dtype=float)
         )
         conjugate_contact = replace(self, kernel_quantity="conjugate_displacement")
-        stick_edge_load = np.maximum(load - slipped, 0.0)
+        stick_edge_load = np.maximum(load - slip_zone_load, 0.0)
         rate_at_stick_edge = conjugate_contact.log_ratio(stick_edge_load)
         integral_to_load = conjugate_contact.log_distance(load)
         integral_to_stick_edge = conjugate_contact.log_distance(stick_edge_load)
         kernel = np.array(
-            slipped * rate_at_stick_edge - (integral_to_load - integral_to_stick_edge)
+            slip_zone_load * rate_at_stick_edge - (integral_to_load - integral_to_stick_edge)
         )
-        is_small_slip = slipped < _SMALL_SLIP_FRACTION * load
+        is_small_slip = slip_zone_load < _SMALL_SLIP_FRACTION * load
         if np.any(is_small_slip):
             eta, weights = crowded_nodes(stick_edge_load[is_small_slip], load[is_small_slip])
             rate_fall = rate_at_stick_edge[is_small_slip][:, None] - conjugate_contact.log_ratio(

@@ -301,8 +301,8 @@ class Oracle(Punches):
         """
         s = self.snapshot
         load = self.law.load
-        front = float(s.load[k] - s.slipped[k])
-        if s.slipped[k]:
+        front = float(s.load[k] - s.slip_zone_load[k])
+        if s.slip_zone_load[k]:
             line = LONG(float(s.direction[k]) * s.friction)
             yield self.half(front), self.half(float(s.load[k])), lambda alpha: line + 0 * alpha
         upper = front
@@ -339,7 +339,9 @@ class Oracle(Punches):
             "tangential_displacement": 2 / PI * sum(self.log(*part) for part in parts),
             "normal_approach": 2 / PI * self.log(self.least, half),
             "contact_half_width": half,
-            "stick_half_width": self.half(float(self.snapshot.load[k] - self.snapshot.slipped[k])),
+            "stick_half_width": self.half(
+                float(self.snapshot.load[k] - self.snapshot.slip_zone_load[k])
+            ),
         }
 
 

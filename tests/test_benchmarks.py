@@ -107,9 +107,11 @@ def a_later_edge(patch: pytest.MonkeyPatch) -> None:
 
     def wrong(*arguments):
         block = follow(*arguments)
-        slipped = 1.001 * block.records.slipped
-        after = 1.001 * block.records.slipped_after
-        return block._replace(records=block.records._replace(slipped=slipped, slipped_after=after))
+        slipped = 1.001 * block.records.slip_zone_load
+        after = 1.001 * block.records.slip_zone_load_after
+        return block._replace(
+            records=block.records._replace(slip_zone_load=slipped, slip_zone_load_after=after)
+        )
 
     patch.setattr(load_series, "follow", wrong)
 

@@ -109,7 +109,7 @@ def test_initial_loading_does_not_matter_above_the_permanent_stick_load(
         )
         assert history.steady_from in (0, 1)
         fronts = [
-            span.segment.loads(time)[0] - span.slipped(time)
+            span.segment.loads(time)[0] - span.slip_zone_load(time)
             for span in history.cycles[-1]
             for time in (span.begin.time, span.end.time)
         ]
@@ -165,7 +165,7 @@ def test_fronts_and_the_memory_curve_straight_from_the_path(load):
             if time - span.begin.time < 1e-7:
                 continue
             slipped, number = slipped_at(work, span, time)
-            assert abs(float(span.slipped(float(time))) - slipped) <= 1e-14 * top, (
+            assert abs(float(span.slip_zone_load(float(time))) - slipped) <= 1e-14 * top, (
                 span.begin.time,
                 part,
             )
