@@ -17,26 +17,26 @@ from rich.text import Text
 
 _Report = Callable[[int, int | None, str], None]
 
-# Without a terminal a line of progress every so many seconds: enough to see life in a log, not
-# enough to fill it.
-_LINE_EVERY = 2.0
-# Seconds after which the first twentieth of a part is enough to foretell the rest.
-_FORETOLD = 60.0
+# Least time between two lines of progress in a file or a pipe [s]: a log shows progress and stays
+# short.
+_SECONDS_BETWEEN_LINES = 2.0
+# The time left is estimated after a twentieth of the steps, or after this time [s].
+_SECONDS_OF_SLOW_START = 60.0
 
 
 class Console(_RichConsole):
-    """Rich's console; a reader that has gone away is an error for the outermost door, which knows
-    the exit code.
+    """Rich's console. If the reader of the output has gone away, BrokenPipeError is raised, for the
+    command line to choose the exit code.
     """
 
     def on_broken_pipe(self) -> None:
-        """Raise what rich would end the program for."""
+        """Raise the error; rich itself would end the program."""
         raise BrokenPipeError
 
 
 class TimeLeft:
-    """How long the rest of a part takes if it goes on as it began; a part is one count from 0 to
-    its total: a revolution.
+    """Estimates the time that the remaining steps of a stage take, if they are as fast as those
+    before. A stage may count several times from 0 to a total, once for each revolution.
     """
 
     def __init__(self, clock: Callable[[], float] = time.perf_counter) -> None:
@@ -46,8 +46,8 @@ class TimeLeft:
         self._total = 0
 
     def words(self, count: int, total: int | None) -> str:
-        """How long a part of a job will still take, in words ("9 s left"), after `count` of `total`
-        steps. Empty while too few steps are done to foretell it, or where `total` is None.
+        """Time that the remaining steps take, in words ("9 s left"), after `count` of `total`
+        steps. Empty while too few steps are done for an estimate, or where `total` is None.
 
         >>> clock = iter([0.0, 0.0, 3.0]).__next__
         >>> left = TimeLeft(clock)
@@ -55,6 +55,7 @@ class TimeLeft:
         ('', '9 s left')
         """
         now = self._clock()
+        # another count has begun
         if total is None or count < self._count or total != self._total or not count:
             self._start = now
         self._count = count
@@ -62,9 +63,8 @@ class TimeLeft:
         elapsed = now - self._start
         if not count or not total or elapsed <= 0:
             return ""
-        # The first steps of a part are no measure of the rest: for a work of one minute they
-        # foretold 23.
-        if 20 * count < total and elapsed < _FORETOLD:
+        # The first steps are slower: in a stage of one minute they gave an estimate of 23 minutes.
+        if 20 * count < total and elapsed < _SECONDS_OF_SLOW_START:
             return ""
         seconds_left = elapsed / count * (total - count)
         if seconds_left < 100:
@@ -84,25 +84,28 @@ class Stages:
 
     @contextmanager
     def stage(self, name: str, steps_noun: str = "stretches") -> Generator[_Report, None, None]:
-        """Run a stage of a job: time it, show its progress, log it. Yields report(count, total or
-        None, text), which the stage calls with the number of steps that are done.
+        """A context for one stage of a job, `name` being its name: its time is measured, its
+        progress shown and logged. Yields report(count, total or None, text), to be called with the
+        number of steps that are done.
 
         Parameters
         ----------
         steps_noun
-            what the steps are, for the terminal
+            what the steps are, for messages
         """
         start = time.perf_counter()
         self.note(f"{name} ...")
         progress_display = (
-            self._progress_bar(name) if self.console.is_terminal else self._lines(name, steps_noun)
+            self._progress_bar(name)
+            if self.console.is_terminal
+            else self._progress_lines(name, steps_noun)
         )
         last_text = ""
 
         with progress_display as show:
 
             def report(count: int, total: int | None, text: str) -> None:
-                """Shows every step; the last one of a total goes into the log too."""
+                """Show a step; the last step of a total goes into the log too."""
                 nonlocal last_text
                 if total and count == total and text != last_text:
                     last_text = text
@@ -125,9 +128,8 @@ class Stages:
 
     @contextmanager
     def _progress_bar(self, name: str) -> Generator[_Report, None, None]:
-        """Show the progress of a stage on a terminal, as a bar that vanishes at the end. Yields
-        report(count, total, text), which the stage calls with the number of steps done, how many
-        there are, and what it is at.
+        """A context that shows the progress of a stage on a terminal, as a bar that vanishes at the
+        end. Yields report(count, total or None, text): steps done, number of steps, present step.
         """
         from rich.progress import (
             BarColumn,
@@ -161,10 +163,10 @@ class Stages:
             yield report
 
     @contextmanager
-    def _lines(self, name: str, steps_noun: str) -> Generator[_Report, None, None]:
-        """Show the progress of a stage where output goes to a file or a pipe: a line now and then
-        with the steps done and the time left. Yields report(count, total, text), which the stage
-        calls after each step. `steps_noun` says what the steps are.
+    def _progress_lines(self, name: str, steps_noun: str) -> Generator[_Report, None, None]:
+        """A context that shows the progress of a stage where output goes to a file or a pipe: a
+        line every two seconds with steps done and time left. Yields report(count, total or None,
+        text), to be called after each step. `steps_noun` says what the steps are.
         """
         time_of_last_line = time.perf_counter()
         time_left = TimeLeft()
@@ -173,7 +175,7 @@ class Stages:
         def report(count: int, total: int | None, text: str) -> None:
             nonlocal time_of_last_line
             words_on_time_left = time_left.words(count, total)
-            if time.perf_counter() - time_of_last_line >= _LINE_EVERY:
+            if time.perf_counter() - time_of_last_line >= _SECONDS_BETWEEN_LINES:
                 time_of_last_line = time.perf_counter()
                 steps_in_words = f"{count} of {total} {steps_noun}" if total else ""
                 phrases = ", ".join(filter(None, (text, steps_in_words, words_on_time_left)))
@@ -210,9 +212,9 @@ def show_table(
     title: str,
     columns: Sequence[str],
     rows: Iterable[Sequence[str]],
-    flush_right: Sequence[int] = (),
+    right_columns: Sequence[int] = (),
 ) -> None:
-    """Print a table on stdout, so narrow that no word is broken where the terminal is wide enough.
+    """Print a table on stdout. No word is broken if the terminal is wide enough for that.
 
     Parameters
     ----------
@@ -220,14 +222,14 @@ def show_table(
         heads of the columns
     rows
         cells, as many as columns
-    flush_right
-        numbers of the columns, from 0 on, that are set flush right
+    right_columns
+        indices of the columns that are aligned to the right
     """
     console = Console(highlight=False)
     table_rows = [list(row) for row in rows]
     layout = _layout([columns, *table_rows], console.width)
     table = Table(
-        title=Text(_printable(title)),
+        title=Text(_printable_text(title)),
         title_justify="left",
         title_style="bold",
         pad_edge=False,
@@ -236,29 +238,25 @@ def show_table(
     )
     widths: Sequence[int | None] = layout.widths or [None] * len(columns)
     for column_number, (head, column_width) in enumerate(zip(columns, widths, strict=True)):
-        justify: Literal["right", "left"] = "right" if column_number in flush_right else "left"
+        justify: Literal["right", "left"] = "right" if column_number in right_columns else "left"
         table.add_column(head, justify=justify, overflow="fold", width=column_width)
     for row in table_rows:
-        cells_of_row = map(_wrapped, row, widths)
-        table.add_row(*map(_coloured, cells_of_row))
+        cells_of_row = map(_wrapped_cell, row, widths)
+        table.add_row(*map(_coloured_cell, cells_of_row))
     console.print(table)
 
 
 class _Layout(NamedTuple):
-    """How wide a table for the terminal is drawn.
+    """Widths of a table for the terminal."""
 
-    `blanks` is the number of blanks on both sides of a rule between columns; `widths` are those of
-    the columns, empty where there is no room without breaking words.
-    """
-
-    blanks: int
-    has_outer_rules: bool
-    widths: list[int]
+    blanks: int  # on both sides of a rule (a vertical line) between columns
+    has_outer_rules: bool  # whether there is a rule at the left and the right end
+    widths: list[int]  # of the columns; empty where words have to be broken
 
 
 def _layout(rows: Sequence[Sequence[str]], total_width: int) -> _Layout:
-    """The most generous layout of a table, heads among its `rows`, in which no cell takes a second
-    line within `total_width`; where none is wide enough, the one with the fewest lines.
+    """The layout of a table within `total_width`, its first row being the heads: the widest in
+    which no cell needs a second line. Where there is none, the layout with the fewest lines.
 
     >>> _layout([("a head", "b"), ("12 words", "c")], 12)
     _Layout(blanks=0, has_outer_rules=True, widths=[8, 1])
@@ -268,11 +266,11 @@ def _layout(rows: Sequence[Sequence[str]], total_width: int) -> _Layout:
     n_columns = len(rows[0])
     rules_between = n_columns - 1
     layouts = []
-    for blanks, outer_rules in ((1, 2), (0, 2), (0, 0)):
-        taken = rules_between * (1 + 2 * blanks) + outer_rules
-        widths = _widths(rows, total_width - taken)
+    for blanks, n_outer_rules in ((1, 2), (0, 2), (0, 0)):
+        width_of_rules = rules_between * (1 + 2 * blanks) + n_outer_rules
+        widths = _column_widths(rows, total_width - width_of_rules)
         if widths:
-            layouts.append(_Layout(blanks, bool(outer_rules), widths))
+            layouts.append(_Layout(blanks, bool(n_outer_rules), widths))
     if not layouts:
         return _Layout(1, True, [])
     return min(layouts, key=lambda layout: _line_count(rows, layout.widths))
@@ -281,19 +279,22 @@ def _layout(rows: Sequence[Sequence[str]], total_width: int) -> _Layout:
 def _line_count(rows: Iterable[Sequence[str]], widths: Sequence[int]) -> int:
     """Lines that the rows of a table take, each as many as its longest cell, wrapped."""
     return sum(
-        max(1 + _wrapped(cell, width).count("\n") for cell, width in zip(row, widths, strict=True))
+        max(
+            1 + _wrapped_cell(cell, width).count("\n")
+            for cell, width in zip(row, widths, strict=True)
+        )
         for row in rows
     )
 
 
-def _widths(rows: Sequence[Sequence[str]], total_width: int) -> list[int]:
-    """Widths of the columns of a table in which no word is broken; `rows` are its rows,
-    `total_width` is the width of all its cells together. Empty where there is no room for that.
+def _column_widths(rows: Sequence[Sequence[str]], total_width: int) -> list[int]:
+    """Widths of the columns of a table in which no word is broken, `total_width` being the sum of
+    all widths. Empty where there is no room for that.
 
     >>> (
-    ...     _widths([("a long head", "b"), ("word", "c")], 80),
-    ...     _widths([("a long head", "two words")], 12),
-    ...     _widths([("words",)], 4),
+    ...     _column_widths([("a long head", "b"), ("word", "c")], 80),
+    ...     _column_widths([("a long head", "two words")], 12),
+    ...     _column_widths([("words",)], 4),
     ... )
     ([11, 1], [6, 6], [])
     """
@@ -304,25 +305,24 @@ def _widths(rows: Sequence[Sequence[str]], total_width: int) -> list[int]:
     widths = [_longest_word(column) for column in columns]
     if sum(widths) > total_width:
         return []
-    while width_left := total_width - sum(widths):
+    # one place more for each column that is too narrow, until all places are used
+    while free_places := total_width - sum(widths):
         narrow_columns = [
-            column_number
-            for column_number, width in enumerate(widths)
-            if width < full_widths[column_number]
+            column for column, width in enumerate(widths) if width < full_widths[column]
         ]
-        for column_number in narrow_columns[:width_left]:
-            widths[column_number] += 1
+        for column in narrow_columns[:free_places]:
+            widths[column] += 1
     return widths
 
 
 def _width_of(cell: str) -> int:
     """Places of the terminal that the text of a cell takes."""
-    return cell_len(_printable(cell))
+    return cell_len(_printable_text(cell))
 
 
 def _longest_word(column: Iterable[str]) -> int:
-    """Cells of the terminal that the longest word of a column takes, "± 12 %" being one word."""
-    words = [word for cell in column for word in _words(_printable(cell))]
+    """Places of the terminal that the longest word of a column takes, "± 12 %" being one word."""
+    words = [word for cell in column for word in _words(_printable_text(cell))]
     return max(map(cell_len, words), default=0)
 
 
@@ -337,11 +337,11 @@ def _words(cell: str) -> list[str]:
     return [word.replace("\N{NO-BREAK SPACE}", " ") for word in words]
 
 
-def _wrapped(cell: str, width: int | None) -> str:
-    """A cell in lines of at most `width`, broken between its words; as it is where no width is
-    known.
+def _wrapped_cell(cell: str, width: int | None) -> str:
+    """A cell in lines of at most `width` places, broken between its words; unchanged where `width`
+    is None.
 
-    >>> _wrapped("-56 ± 74 %", 8)
+    >>> _wrapped_cell("-56 ± 74 %", 8)
     '-56\\n± 74 %'
     """
     if width is None or "\n" in cell or _width_of(cell) <= width:
@@ -356,9 +356,9 @@ def _wrapped(cell: str, width: int | None) -> str:
     return "\n".join(lines).lstrip("\n")
 
 
-def _coloured(cell: str) -> Text:
+def _coloured_cell(cell: str) -> Text:
     """A cell of a table as text for the terminal: green, red or yellow where it is a verdict such
-    as "within" or "no", as it is otherwise. Brackets are no mark-up.
+    as "within" or "no", else without colour. Brackets in it are not read as mark-up.
     """
     style = {
         "within": "green",
@@ -367,10 +367,10 @@ def _coloured(cell: str) -> Text:
         "no": "bold red",
         "undecided": "bold yellow",
     }.get(cell, "")
-    return Text(_printable(cell), style=style)
+    return Text(_printable_text(cell), style=style)
 
 
-def _printable(text: str) -> str:
+def _printable_text(text: str) -> str:
     """A text from a file with its control characters as escapes: it must not steer the terminal."""
     return "".join(c if c.isprintable() or c in "\n\t" else ascii(c)[1:-1] for c in text)
 
@@ -379,12 +379,12 @@ def say(text: str, style: str = "") -> None:
     """A line on stdout, taken literally and never broken; `style` where the terminal has
     colours.
     """
-    Console(highlight=False, soft_wrap=True).print(Text(_printable(text), style=style))
+    Console(highlight=False, soft_wrap=True).print(Text(_printable_text(text), style=style))
 
 
 def complain(text: str) -> None:
     """A line on stderr, taken literally and never broken."""
-    Console(stderr=True, highlight=False, soft_wrap=True).print(Text(_printable(text)))
+    Console(stderr=True, highlight=False, soft_wrap=True).print(Text(_printable_text(text)))
 
 
 def width() -> int:

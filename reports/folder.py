@@ -1,7 +1,7 @@
-"""The folder that results go to: found usable before any solving, filled in one go, never half.
+"""The folder that results go to: checked before any solving, then filled in one go, never half.
 
-Files and folders have a hidden name until they are whole; it holds the machine and the process that
-writes, so that the next run finds what a killed process left, and removes it.
+Files and folders have a hidden name until they are complete. The name holds the machine and the
+process that writes, so that the next run can remove what a killed process left.
 """
 
 from __future__ import annotations
@@ -30,19 +30,19 @@ from scenes.files import parsed_json, text_of
 # None on Windows, which has other locks.
 fcntl = import_module("fcntl") if find_spec("fcntl") else None
 
-# Of a container its own processes: one of another with the same name and number may live.
-_SPACE = Path("/proc/self/ns/pid")
-_HERE = hashlib.sha256(
-    f"{platform.node()} {_SPACE.readlink() if _SPACE.is_symlink() else ''}".encode()
-).hexdigest()[:6]
-_OURS = re.compile(r"\.halfplane-([0-9a-f]{6})-(?:(\d+)-)?\w{8}")
-# Seconds: where nobody says whether its process lives, what did not change for a day is left
-# behind.
-_LEFT_BEHIND = 86400.0
+# A container numbers its processes itself: a process of another container may have the same number.
+_PROCESS_NAMESPACE = Path("/proc/self/ns/pid")
+_CONTAINER = _PROCESS_NAMESPACE.readlink() if _PROCESS_NAMESPACE.is_symlink() else ""
+_MACHINE_CODE = hashlib.sha256(f"{platform.node()} {_CONTAINER}".encode()).hexdigest()[:6]
+_HIDDEN_NAME = re.compile(r"\.halfplane-([0-9a-f]{6})-(?:(\d+)-)?\w{8}")
+# Seconds without a change after which a hidden folder counts as abandoned, where it is not known
+# whether its process lives.
+_AGE_OF_REMAINS = 86400.0
 
 
-def _hidden_folder(place: Path, better: Path) -> Path:
-    """A new folder for this user alone, made in `place` and moved to `better` where that can be.
+def _hidden_folder(writable_parent: Path, preferred_parent: Path) -> Path:
+    """A new hidden folder that only this user can read, made in `writable_parent` and then moved to
+    `preferred_parent` where that is possible.
 
     Raises
     ------
@@ -50,18 +50,19 @@ def _hidden_folder(place: Path, better: Path) -> Path:
         Where it can't be made.
     """
     with interrupts_wait():
-        path = Path(tempfile.mkdtemp(prefix=_prefix(), dir=place))
-        if place != better:
-            with suppress(OSError):  # another disk, or a folder of others
-                path = path.rename(better / path.name)
+        path = Path(tempfile.mkdtemp(prefix=_prefix(), dir=writable_parent))
+        if writable_parent != preferred_parent:
+            with suppress(OSError):  # another disk, or a folder of another user
+                path = path.rename(preferred_parent / path.name)
     return path
 
 
 def _prefix() -> str:
-    return f".halfplane-{_HERE}-{os.getpid()}-"
+    """Start of a hidden name: the program, the machine, and the number of this process."""
+    return f".halfplane-{_MACHINE_CODE}-{os.getpid()}-"
 
 
-def _remove(path: Path) -> None:
+def _remove_hidden(path: Path) -> None:
     """Remove a hidden file or folder."""
     with interrupts_wait():
         if path.is_dir():
@@ -71,12 +72,12 @@ def _remove(path: Path) -> None:
 
 
 def replace_file(path: str | Path, content: bytes | memoryview) -> None:
-    """Write a file in one go: a reader sees the old one or the new one, whole.
+    """Write a file in one go: a reader sees the old file or the new one, never a part.
 
     Raises
     ------
     OSError
-        Where it can't be written; the old one stays.
+        Where it can't be written; the old file stays.
     """
     handle, name = tempfile.mkstemp(prefix=_prefix(), dir=Path(os.path.realpath(path)).parent)
     os.close(handle)
@@ -84,12 +85,12 @@ def replace_file(path: str | Path, content: bytes | memoryview) -> None:
 
 
 def replace_text(path: Path, text: str) -> None:
-    """Write a text file in one go, so that a reader sees the old one or the new one. InputError
-    where that is not possible.
+    """Write a text file in one go: a reader sees the old file or the new one, never a part.
+    InputError where it can't be written.
     """
     try:
         remove_left_behind(path.parent)
-        with _made(path.parent):
+        with _existing_folder(path.parent):
             replace_file(path, text.encode())
     except OSError as reason:
         raise InputError(
@@ -98,9 +99,9 @@ def replace_text(path: Path, text: str) -> None:
 
 
 @contextmanager
-def _made(folder: Path) -> Generator[None, None, None]:
-    """Within this context `folder` exists, with all folders above it. Folders that had to be made
-    are removed again after an error, unless they hold something.
+def _existing_folder(folder: Path) -> Generator[None, None, None]:
+    """A context in which `folder` exists, with all folders above it. After an error the folders
+    that had to be made are removed again, except those that hold something.
     """
     missing_folders = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
@@ -114,32 +115,30 @@ def _made(folder: Path) -> Generator[None, None, None]:
 
 
 def remove_left_behind(folder: Path) -> None:
-    """Remove what killed processes of this program left in `folder`, under hidden names that only
-    it uses.
-    """
+    """Remove hidden files and folders that killed processes of this program left in `folder`."""
     with suppress(OSError), os.scandir(folder) as entries:
-        hidden_folders = [
+        hidden_paths = [
             Path(entry.path)
             for entry in entries
-            if _OURS.fullmatch(entry.name) and not entry.is_symlink()
+            if _HIDDEN_NAME.fullmatch(entry.name) and not entry.is_symlink()
         ]
-        for path in hidden_folders:
+        for path in hidden_paths:
             with suppress(OSError):
-                if _is_dead(path):
-                    _remove(path)
+                if _is_abandoned(path):
+                    _remove_hidden(path)
 
 
-def _is_dead(path: Path) -> bool:
-    """Whether the process that made a hidden file or folder has ended: one of this machine is asked
-    for, of others age counts.
+def _is_abandoned(path: Path) -> bool:
+    """Whether the process that made a hidden file or folder has ended. A process of this machine is
+    looked up. For another machine, a day without a change counts as the end.
     """
-    name = _OURS.fullmatch(path.name)
-    if name and sys.platform != "win32":
-        machine, process = name.groups()
-        if machine == _HERE and process:
+    match = _HIDDEN_NAME.fullmatch(path.name)
+    if match and sys.platform != "win32":
+        machine, process = match.groups()
+        if machine == _MACHINE_CODE and process:
             return _has_ended(int(process))
     last_change = max(inner_path.stat().st_mtime for inner_path in (path, *path.rglob("*")))
-    return time.time() - last_change > _LEFT_BEHIND
+    return time.time() - last_change > _AGE_OF_REMAINS
 
 
 def _has_ended(process: int) -> bool:
@@ -148,15 +147,16 @@ def _has_ended(process: int) -> bool:
         os.kill(process, 0)
     except ProcessLookupError:
         return True
-    except PermissionError:  # somebody else's
+    except PermissionError:  # a process of another user
         return False
     return False
 
 
 MANIFEST = "manifest.json"
 _PAGE = "report.html"
-# Files are moved in milliseconds: who has not done so after so many seconds is stopped.
-_PATIENCE = 60.0
+# Longest wait for another process that moves files to the folder [s]. Files are moved in
+# milliseconds: a process that takes longer is stopped.
+_LONGEST_WAIT = 60.0
 RESULTS = (MANIFEST, _PAGE, "run.log", "comparison.json", "scene.json", "reference.nc", "result.nc")
 
 
@@ -176,7 +176,7 @@ output_folder: ContextVar[Path | None] = ContextVar("output_folder", default=Non
 
 
 class FilledBefore(KeyboardInterrupt):
-    """Ctrl-C that came too late: the folder was filled, and all in it is whole."""
+    """Ctrl-C that came too late: all files had been moved to the folder already."""
 
 
 def default_folder(name: str) -> Path:
@@ -188,14 +188,20 @@ def default_folder(name: str) -> Path:
     return Path("out") / (re.sub(r"[^\w.-]+", "-", name).strip("-.") or "scene")
 
 
-def claim(out: str | Path, names: Iterable[str] = RESULTS) -> Path:
-    """`out` as a path that results can be written to; it is not made yet. `names` are the files
-    that will be written there. What killed runs left in it and beside it is removed.
+def usable_folder(out: str | Path, names: Iterable[str] = RESULTS) -> Path:
+    """`out` as a path, once it is sure that results can be written to that folder. The folder
+    itself is not made yet. What killed runs left in it and beside it is removed.
+
+    Parameters
+    ----------
+    names
+        the files that will be written to the folder
 
     Raises
     ------
     InputError
-        Where it is a file, can't be made or written to, or holds one of `names` that is not ours.
+        Where `out` is a file, can't be made or written to, or holds a file with one of `names` that
+        halfplane did not write.
     """
     folder = Path(out)
     try:
@@ -203,23 +209,21 @@ def claim(out: str | Path, names: Iterable[str] = RESULTS) -> Path:
             raise InputError(
                 f"--out {out}: this is a file; results go to a folder, so name another"
             )
-        for place in (folder, _above(folder)):
-            remove_left_behind(place)
-        _remove(_staging(folder))
-        with (
-            suppress(FileNotFoundError),
-            _alone_in(folder, out),
-        ):  # what is in a folder that is not there yet, others put there rightly
-            _refuse_foreign(folder, names, out)
+        for parent in (folder, _nearest_folder_above(folder)):
+            remove_left_behind(parent)
+        _remove_hidden(_new_staging_folder(folder))  # proves that files can be written
+        # A folder that does not exist yet holds no file of somebody else.
+        with suppress(FileNotFoundError), _locked_folder(folder, out):
+            _refuse_foreign_files(folder, names, out)
     except OSError as reason:
-        raise _unwritable(out, reason) from reason
+        raise _error_of_unwritable_folder(out, reason) from reason
     output_folder.set(folder)
     return folder
 
 
 def add_to_log(folder: Path, text: str) -> Path:
-    """Append `text` to run.log in `folder`, where all else stays; returns its path."""
-    with filled(folder, fresh=()) as staging:
+    """Append `text` to run.log in `folder`, whose other files stay; returns the path of run.log."""
+    with results_folder(folder, stale_prefixes=()) as staging:
         log = folder / "run.log"
         log_before = log.read_text("utf-8", errors="replace") if log.is_file() else ""
         (staging / "run.log").write_text(log_before + text, encoding="utf-8")
@@ -227,85 +231,84 @@ def add_to_log(folder: Path, text: str) -> Path:
 
 
 @contextmanager
-def filled(
-    out: str | Path, *, fresh: tuple[str, ...] = ("",), solutions: tuple[str, ...] = ()
+def results_folder(
+    out: str | Path, *, stale_prefixes: tuple[str, ...] = ("",), solutions: tuple[str, ...] = ()
 ) -> Generator[Path, None, None]:
-    """A temporary folder beside `out` to write in; its files move to `out` at the end, or nothing
-    does after an error.
+    """A context that yields a temporary folder to write results in. At its end all files move to
+    `out`; after an error none does.
 
-    Whatever lies in `out` and is not ours (the manifest lists what is) stays. Our own files of an
-    earlier run that this one did not write again are removed where their names start with one of
-    `fresh` (all do by default), since a page must not stand beside figures of another run; the
-    others stay too. Of two runs that fill one folder at once, the one that moves its files last
-    leaves all of them. Where `out` can't be filled in the end, all in it stays as it was, the new
-    files are kept beside it, and the error says where that is.
+    Files in `out` that halfplane did not write stay; the manifest in `out` lists those that it
+    wrote. Files of an earlier run that are not written again are removed if their names start with
+    one of `stale_prefixes`: a page must not stand beside figures of another run. Where two runs
+    fill one folder at once, `out` holds the files of the run that moves its own last. If the move
+    fails, `out` stays as it was, the new files are kept beside it, and the error names their place.
 
     Parameters
     ----------
     out
         the folder
-    fresh
-        beginnings of the names of earlier files that are removed where they are not written
-        again
+    stale_prefixes
+        beginnings of the names of earlier files that are removed unless written again; by default
+        all of them
     solutions
-        names of files, each written in one go, that must outlive a fault in what is written
-        after them. They move to `out` alone, and a note of the error says so; where the disk
-        itself fails they are kept beside `out`
+        names of solution files. If an error follows after they were written, they alone are moved
+        to `out`, and a note of the error names them. Where the disk itself fails they are kept
+        beside `out`
 
     Raises
     ------
     InputError
-        Where `out` is a file, can't be made or written to, or holds a file of somebody else under
-        a name that is to be written; also where that comes to pass only while the work is done.
+        Where `out` is a file, can't be made or written to, or holds a file that halfplane did not
+        write under a name that is to be written, at the start or at the end.
     FilledBefore
-        For a Ctrl-C that came while files were moved: they are whole.
+        For a Ctrl-C that came while files were moved: all of them have been moved.
     """
-    folder = claim(out)
+    folder = usable_folder(out)
     is_moving = False
     try:
-        staging = _staging(folder)
+        staging = _new_staging_folder(folder)
     except OSError as reason:
-        raise _unwritable(out, reason) from reason
+        raise _error_of_unwritable_folder(out, reason) from reason
     results = staging / "results"
     with ExitStack() as cleanup:
-        cleanup.callback(_remove, staging)
+        cleanup.callback(_remove_hidden, staging)
         try:
             results.mkdir(mode=0o700)
             yield results
             is_moving = True
-            _move(staging, folder, fresh, out)
+            _move_results(staging, folder, stale_prefixes, out)
         except InputError as fault:
             if not is_moving:
                 raise
             cleanup.pop_all()  # nothing is removed
-            raise InputError(f"{fault}{_kept_beside(staging)}") from fault
+            raise InputError(f"{fault}{_place_of_rescued_files(staging)}") from fault
         except OSError as fault:
             is_about_folder = is_moving or not _is_about_another_file(fault, staging)
             if not is_about_folder:
-                _move_solutions(staging, folder, fresh, out, solutions, fault)
+                _move_solutions(staging, folder, stale_prefixes, out, solutions, fault)
                 raise
             sentence = ""
-            if is_moving or _leave_only(results, solutions):
+            if is_moving or _remove_all_except(results, solutions):
                 cleanup.pop_all()  # nothing is removed
-                sentence = _kept_beside(staging)
-            raise InputError(f"{_unwritable(out, fault)}{sentence}") from fault
+                sentence = _place_of_rescued_files(staging)
+            raise InputError(f"{_error_of_unwritable_folder(out, fault)}{sentence}") from fault
         except Exception as fault:
             if not is_moving:
-                _move_solutions(staging, folder, fresh, out, solutions, fault)
+                _move_solutions(staging, folder, stale_prefixes, out, solutions, fault)
             raise
 
 
-def _kept_beside(staging: Path) -> str:
-    """Where files are that did not get to their folder, as the end of a sentence."""
-    return f"; what did not get there is kept in {_visible(staging) / 'results'}"
-
-
-def _leave_only(results: Path, names: Iterable[str]) -> list[str]:
-    """Remove all files in `results` but those called `names`; returns which of these were
-    written.
+def _place_of_rescued_files(staging: Path) -> str:
+    """End of a sentence: the place of the files that could not be moved. The hidden folder
+    `staging` becomes visible.
     """
+    return f"; what did not get there is kept in {_visible_folder(staging) / 'results'}"
+
+
+def _remove_all_except(results: Path, names: Iterable[str]) -> list[str]:
+    """Remove all files in `results` except those called `names`; returns the names that exist."""
     written_names = [name for name in names if (results / name).is_file()]
-    for name in set(_files(results)) - set(written_names):
+    for name in set(_names_of_files(results)) - set(written_names):
         (results / name).unlink()
     return written_names
 
@@ -313,7 +316,7 @@ def _leave_only(results: Path, names: Iterable[str]) -> list[str]:
 def _move_solutions(
     staging: Path,
     folder: Path,
-    fresh: tuple[str, ...],
+    stale_prefixes: tuple[str, ...],
     out: str | Path,
     solutions: tuple[str, ...],
     fault: Exception,
@@ -323,17 +326,17 @@ def _move_solutions(
 
     Parameters
     ----------
-    fresh
-        beginnings of the names of an earlier run's files that are removed where they are not
-        written again
+    stale_prefixes
+        beginnings of the names of an earlier run's files that are removed
     out
         the folder as the user named it, for messages
     solutions
         names of the files to save
     """
-    with suppress(OSError, InputError):  # the fault itself is what has to be said
-        if written_names := _leave_only(staging / "results", solutions):
-            _move(staging, folder, fresh, out)
+    # a second error must not hide the first
+    with suppress(OSError, InputError):
+        if written_names := _remove_all_except(staging / "results", solutions):
+            _move_results(staging, folder, stale_prefixes, out)
             fault.add_note(
                 "the solutions are saved:"
                 f" {' and '.join(str(folder / name) for name in written_names)}"
@@ -341,77 +344,84 @@ def _move_solutions(
 
 
 def _is_about_another_file(fault: OSError, staging: Path) -> bool:
+    """Whether an error names a file that does not lie in the temporary folder `staging`."""
     return isinstance(fault.filename, str) and not Path(fault.filename).is_relative_to(staging)
 
 
-def _visible(staging: Path) -> Path:
-    """Rename a hidden temporary folder of results so that users see it and no later run removes it.
-    Empty folders and the program's own bookkeeping files are removed from it first. Returns its
-    path, the old one where it can't be renamed.
+def _visible_folder(staging: Path) -> Path:
+    """Rename the hidden temporary folder `staging`, so that users see it and no later run removes
+    it. Manifests and empty folders in it are removed first. Returns the new path, or the old one
+    where the folder can't be renamed.
     """
     try:
         for path in staging.iterdir():
             if path.is_file():
                 path.unlink()
-            elif not _files(path):
+            elif not _names_of_files(path):
                 shutil.rmtree(path)
         return staging.rename(staging.with_name(f"halfplane-kept-{staging.name[-8:]}"))
     except OSError:
         return staging
 
 
-def _unwritable(out: str | Path, reason: OSError) -> InputError:
+def _error_of_unwritable_folder(out: str | Path, reason: OSError) -> InputError:
+    """The error for a folder `out` that can't be written to."""
     return InputError(
         f"--out {out}: the folder can't be written to: {reason.strerror or reason}; name another"
     )
 
 
-def _refuse_foreign(folder: Path, names: Iterable[str], out: str | Path) -> None:
-    """InputError if one of `names` is in `folder` already and no manifest of this program lists it,
-    or would be written outside through a link.
+def _refuse_foreign_files(folder: Path, names: Iterable[str], out: str | Path) -> None:
+    """InputError if a file with one of `names` is in `folder` already and no manifest of this
+    program lists it, or if it would be written outside of the folder through a link.
     """
-    # Where folders can't be locked another run may move its files now: the manifest goes there
-    # before them, so it is read after.
-    existing = {name for name in names if os.path.lexists(folder / name)}
-    for name in sorted(set(names) - set(_owned(folder))):
+    # Where folders can't be locked, another run may move its files now. It moves its manifest
+    # first: so the manifest is read last.
+    existing_names = {name for name in names if os.path.lexists(folder / name)}
+    for name in sorted(set(names) - set(_files_in_manifest(folder))):
         if not _lies_in(folder, name):
             raise InputError(
                 f"--out {out}: {name} would be written outside, through a link; name another folder"
             )
-        if name in existing:
+        if name in existing_names:
             raise InputError(
                 f"--out {out}: {name} is there already and halfplane did not write it; name another"
                 " folder or move it"
             )
 
 
-def _above(folder: Path) -> Path:
-    """The nearest folder above that is there."""
+def _nearest_folder_above(folder: Path) -> Path:
+    """The nearest folder above `folder` that exists."""
     return next(path for path in Path(os.path.abspath(folder)).parents if path.exists())
 
 
-def _staging(folder: Path) -> Path:
-    """A new empty folder of the user alone, from which files can be moved to `folder`; OSError if
-    that can't be.
+def _new_staging_folder(folder: Path) -> Path:
+    """A new empty hidden folder, from which files can be moved to `folder`; OSError if it can't be
+    made.
 
-    Beside `folder`, else in it: what is above may be another disk, or a folder of others.
+    It lies beside `folder` where possible. Else it lies in it: the folder above may be on another
+    disk or belong to another user.
     """
-    return _hidden_folder(folder if folder.is_dir() else _above(folder), _above(folder))
+    folder_above = _nearest_folder_above(folder)
+    writable_parent = folder if folder.is_dir() else folder_above
+    return _hidden_folder(writable_parent, folder_above)
 
 
-def _files(folder: Path) -> list[str]:
+def _names_of_files(folder: Path) -> list[str]:
+    """Names of all files in `folder` and in the folders below, as paths relative to it, sorted."""
     return sorted(
         path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()
     )
 
 
-def _manifest(path: Path, names: Iterable[str]) -> Path:
+def _write_manifest(path: Path, names: Iterable[str]) -> Path:
+    """Write a manifest that lists `names` and itself to `path`; returns `path`."""
     text = json.dumps({"written by": "halfplane", "files": sorted({*names, MANIFEST})}, indent=1)
     path.write_text(text + "\n", encoding="utf-8")
     return path
 
 
-def _owned(folder: Path) -> list[str]:
+def _files_in_manifest(folder: Path) -> list[str]:
     """Names of files in `folder` that an earlier run listed in its manifest; none without a
     manifest of this program.
     """
@@ -437,45 +447,49 @@ def _lies_in(folder: Path, name: str) -> bool:
         return False
 
 
-def _move(staging: Path, folder: Path, fresh: tuple[str, ...], out: str | Path) -> None:
-    """Move the results of a run from the hidden folder `staging` to `folder`: an old page goes
-    first, the new one comes last. After an error everything is as it was before.
+def _move_results(
+    staging: Path, folder: Path, stale_prefixes: tuple[str, ...], out: str | Path
+) -> None:
+    """Move the results of a run from the hidden folder `staging` to `folder`: the old page leaves
+    first, the new page arrives last. After an error everything is as it was before.
 
-    A manifest in the folder lists the program's own files. One that goes there before any file
-    lists what was there and what will be; the last one lists what is there. So a run killed between
-    two moves leaves nothing that the next one takes for somebody else's.
+    A manifest in the folder lists the files that this program wrote. The manifest that is moved
+    before any file lists old and new files; the one that is moved last lists the new ones. So, if a
+    run is killed between two moves, the next run still knows every file as this program's own.
 
     Parameters
     ----------
-    fresh
-        beginnings of the names of earlier files that are removed where they are not written again
+    stale_prefixes
+        beginnings of the names of earlier files that are removed unless written again
     out
         the folder as the user named it, for messages
     """
     results = staging / "results"
-    old_results = staging / "before"
-    new_names = _files(results)
-    with _made(folder), _alone_in(folder, out, make=True), ExitStack() as folders:
-        _refuse_foreign(folder, new_names, out)
-        other_names = set(_owned(folder)) - {*new_names, MANIFEST}
-        stale_names = {name for name in other_names if name.startswith(fresh)}
+    old_results = staging / "before"  # where replaced files go, to be put back after an error
+    new_names = _names_of_files(results)
+    with _existing_folder(folder), _locked_folder(folder, out, make=True), ExitStack() as parents:
+        _refuse_foreign_files(folder, new_names, out)
+        other_names = set(_files_in_manifest(folder)) - {*new_names, MANIFEST}
+        stale_names = {name for name in other_names if name.startswith(stale_prefixes)}
         replaced_names = sorted(
             (name for name in {*new_names, *stale_names} if os.path.lexists(folder / name)),
             key=lambda name: (name != _PAGE, name),
         )
-        first_manifest = _manifest(staging / "begun.json", {*new_names, *other_names})
-        last_manifest = _manifest(
+        first_manifest = _write_manifest(staging / "begun.json", {*new_names, *other_names})
+        last_manifest = _write_manifest(
             staging / "ended.json", {*new_names, *(other_names - stale_names)}
         )
         for name in replaced_names:
             (old_results / name).parent.mkdir(parents=True, exist_ok=True)
         for parent in {(folder / name).parent for name in new_names} - {folder}:
-            folders.enter_context(_made(parent))
+            parents.enter_context(_existing_folder(parent))
         try:
+            # undoing: what is called, last first, if one of the moves fails
             with interrupts_wait(), ExitStack() as undoing:
                 if os.path.lexists(folder / MANIFEST):
-                    shutil.copyfile(folder / MANIFEST, before_manifest := staging / MANIFEST)
-                    undoing.callback(os.replace, before_manifest, folder / MANIFEST)
+                    old_manifest = staging / MANIFEST
+                    shutil.copyfile(folder / MANIFEST, old_manifest)
+                    undoing.callback(os.replace, old_manifest, folder / MANIFEST)
                 else:
                     undoing.callback((folder / MANIFEST).unlink, missing_ok=True)
                 os.replace(first_manifest, folder / MANIFEST)
@@ -490,19 +504,26 @@ def _move(staging: Path, folder: Path, fresh: tuple[str, ...], out: str | Path) 
         except KeyboardInterrupt as stop:
             raise FilledBefore(f"the results in {out} are whole") from stop
         for parent_folder in {(folder / name).parent for name in stale_names} - {folder}:
-            with suppress(OSError):  # something is left in it
+            with suppress(OSError):  # the folder is not empty
                 parent_folder.rmdir()
 
 
 @contextmanager
-def _alone_in(folder: Path, out: str | Path, *, make: bool = False) -> Generator[None, None, None]:
-    """Within this context no other process of this program moves files to `folder`: wait for a lock
-    on it.
+def _locked_folder(
+    folder: Path, out: str | Path, *, make: bool = False
+) -> Generator[None, None, None]:
+    """A context in which no other process of this program moves files to `folder`: it waits for a
+    lock on the folder.
 
-    Without a lock where the system can't lock a folder (Windows, some networks). A folder that is
-    removed meanwhile is made again with `make`, else FileNotFoundError.
+    Where the system can't lock a folder (Windows, some networks) there is no lock. If the folder is
+    absent, it is made with `make`; without it FileNotFoundError.
+
+    Raises
+    ------
+    InputError
+        Where another process holds the lock for a minute.
     """
-    latest_time = time.monotonic() + _PATIENCE
+    latest_time = time.monotonic() + _LONGEST_WAIT
     handle = None
     while fcntl is not None:
         if make:
@@ -510,18 +531,18 @@ def _alone_in(folder: Path, out: str | Path, *, make: bool = False) -> Generator
         handle = os.open(folder, os.O_RDONLY | os.O_NONBLOCK)
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            # else it was just replaced
+            # a folder that was just replaced by another one has to be opened again
             if os.path.exists(folder) and os.path.samestat(os.fstat(handle), os.stat(folder)):
                 break
         except BlockingIOError:
             pass
-        except OSError:  # there are no locks here
+        except OSError:  # this file system has no locks
             break
         os.close(handle)
         if time.monotonic() > latest_time:
             raise InputError(
-                f"--out {out}: another process has held this folder for {_PATIENCE:g} s and moves"
-                " no files (is it stopped?); end it, or name another folder"
+                f"--out {out}: another process has held this folder for {_LONGEST_WAIT:g} s and"
+                " moves no files (is it stopped?); end it, or name another folder"
             )
         time.sleep(0.01)
     try:

@@ -1,8 +1,8 @@
-"""What inputs make of an answer, in sentences, rows of tables and JSON; `reports.inputs` has the
-numbers.
+"""Effects of uncertain inputs on the values of a scene, in sentences, rows of tables and JSON;
+`reports.inputs` computes the numbers.
 
-Two claims stand apart: by how much the inputs move the *difference* of the two models, and by how
-much a *measurement* with these inputs is uncertain. Neither is added to the other.
+Two statements are kept apart: by how much the inputs change the *difference* of the two models, and
+how uncertain a *measurement* with these inputs is. Neither is added to the other.
 """
 
 from __future__ import annotations
@@ -27,11 +27,10 @@ from reports.report import Report
 from reports.units import energy_unit, load_unit, minus, significant, units
 from scenes import Estimate, Scene
 
-# A measurement sees a difference of at least this many of its standard uncertainties: 95 %.
-_SEEN = 2.0
-# A second input is named where it makes at least this share of what the first makes; a third
-# likewise of the second.
-_NAMED = 0.25
+# A measurement can show a difference of at least two of its standard uncertainties (95 %).
+_LEAST_VISIBLE_DIFFERENCE = 2.0
+# A second input is named where the change that it makes is at least a quarter of that of the first.
+_LEAST_SHARE_OF_NAMED_INPUT = 0.25
 _SYMBOLS = {WORK: "W", PEAK: "the largest pressure"}
 
 
@@ -63,8 +62,8 @@ def stated_in_words(scene: Scene) -> str:
 
 
 def stated_content(scene: Scene) -> list[dict[str, Any]] | None:
-    """The standard uncertainties that a scene states of its inputs, for JSON: a share of the value,
-    or degrees of a phase. None where it states none.
+    """The standard uncertainties that a scene states of its inputs, for JSON: relative to the
+    value, for a phase in degrees. None where it states none.
     """
     rows = [
         {
@@ -83,54 +82,59 @@ def stated_content(scene: Scene) -> list[dict[str, Any]] | None:
 def sentences(
     effects: InputEffects, scene: Scene, comparison: JudgedPair | None = None
 ) -> list[str]:
-    """What uncertain inputs do to the answer of a scene, in sentences: the difference of finite
-    bodies and half-planes, what a measurement could see of it, which input matters most, what was
-    drawn at random, what is left out.
+    """The effects of uncertain inputs on the values of a scene, in sentences.
+
+    They state the difference of finite bodies and half-planes, whether a measurement could show it,
+    the most important input, W by random draws, values that are rough, and notes.
 
     Parameters
     ----------
     effects
         values of theory with their uncertainties by the inputs
     comparison
-        of finite elements with theory; without it the difference is that of theory corrected by
-        responses of the bodies
+        finite elements compared with theory; without it the difference is that of theory corrected
+        by responses of the bodies
     """
     sliding = sliding_in_words(effects.sliding)
     if effects.unknown:
         reason_in_words = (
-            f"What the inputs make of the answer is not known: {_ended(effects.unknown)}"
+            f"What the inputs make of the answer is not known: {_with_full_stop(effects.unknown)}"
         )
         return [*filter(None, [sliding]), reason_in_words]
     all_sentences = [sliding]
-    all_sentences += [*_of_difference(effects, comparison), *_of_measurement(effects, comparison)]
-    all_sentences += [_matters_most(effects)]
+    all_sentences += [
+        *_sentence_on_difference(effects, comparison),
+        *_sentence_on_measurement(effects, comparison),
+    ]
+    all_sentences += [_main_input_in_words(effects)]
     if effects.draws is not None:
         all_sentences.append(_draws_in_words(effects.draws, scene))
     drawn_values = effects.draws.values if effects.draws is not None else {}
-    names_of_drawn = {QUANTITIES_OF_THEORY[key].words for key in drawn_values}
+    names_of_drawn_values = {QUANTITIES_OF_THEORY[key].words for key in drawn_values}
     # values whose second order is large, and that were not taken from draws
-    names_of_rough = [
+    names_of_rough_values = [
         value.words
         for key, value in (*effects.values.items(), *effects.difference.items())
         if value.uncertainty > 0
         and not value.is_nearly_linear
-        and value.words not in names_of_drawn
+        and value.words not in names_of_drawn_values
     ]
-    if names_of_rough:
+    if names_of_rough_values:
         all_sentences.append(
-            f"Rough, by derivatives that are not enough: {', '.join(names_of_rough)}. There the"
-            " second order is above a tenth of the uncertainty."
+            f"Rough, by derivatives that are not enough: {', '.join(names_of_rough_values)}. There"
+            " the second order is above a tenth of the uncertainty."
         )
-    all_sentences += [f"{note[:1].upper()}{_ended(note[1:])}" for note in effects.notes]
+    all_sentences += [f"{note[:1].upper()}{_with_full_stop(note[1:])}" for note in effects.notes]
     return [sentence for sentence in all_sentences if sentence]
 
 
 def sentences_of_report(report: Report) -> list[str]:
-    """What uncertain inputs do to the answer of a report, in sentences.
+    """The effects of uncertain inputs on the values of a report, in sentences; empty where the
+    scene states no uncertainty.
 
-    Empty without stated uncertainties. Beside a result that nobody measured they say which
-    differences a measurement could tell from the inputs' uncertainty. Of a result that may be
-    measured they say whether it agrees with theory within both uncertainties.
+    For a result that may be measured they state whether it agrees with theory within both
+    uncertainties. For any other result they state whether a measurement could show its difference
+    from theory.
     """
     effects = report.inputs
     comparison = report.comparison
@@ -139,13 +143,17 @@ def sentences_of_report(report: Report) -> list[str]:
     if not report.validation:
         return sentences(effects, comparison.scene, comparison)
     all_sentences = validation.sentences(report.validation, is_measured=report.is_measured)
-    all_sentences = [sliding_in_words(effects.sliding), *all_sentences, _matters_most(effects)]
+    all_sentences = [
+        sliding_in_words(effects.sliding),
+        *all_sentences,
+        _main_input_in_words(effects),
+    ]
     return [sentence for sentence in all_sentences if sentence]
 
 
 def sliding_in_words(sliding: NearSliding | None) -> str:
-    """A sentence where two standard uncertainties of the inputs may make the bodies slide as a
-    whole; else empty.
+    """A sentence that warns where two standard uncertainties of the inputs may make the bodies
+    slide as a whole; else empty.
 
     >>> sliding_in_words(NearSliding(0.979, 0.05))
     'Within two standard uncertainties of the inputs |Q| reaches f P, and the bodies slide as a
@@ -159,61 +167,67 @@ def sliding_in_words(sliding: NearSliding | None) -> str:
     )
 
 
-def _ended(sentence: str) -> str:
+def _with_full_stop(sentence: str) -> str:
     return f"{sentence.rstrip('.')}."
 
 
-def _of_difference(effects: InputEffects, comparison: JudgedPair | None) -> Iterator[str]:
-    """A sentence on the difference in W between finite bodies and half-planes with the uncertainty
-    that the inputs give it, or on why it is not stated.
+def _sentence_on_difference(effects: InputEffects, comparison: JudgedPair | None) -> Iterator[str]:
+    """A sentence on the difference in W between finite bodies and half-planes, with its uncertainty
+    by the inputs; or on the reason why it is not stated. No sentence where W has no difference.
     """
     if effects.no_difference:
         if comparison is not None:
             yield (
                 "How far the inputs move the difference of the two models is not stated:"
-                f" {_ended(effects.no_difference)}"
+                f" {_with_full_stop(effects.no_difference)}"
             )
         return
     if WORK not in effects.difference:
         return
-    term = effects.difference[WORK]
-    relative_difference, source = _difference_of_work(term, comparison)
-    amount = with_uncertainty(100 * relative_difference, 100 * term.uncertainty)
-    yield f"With these inputs the difference of W{source} is {amount} %."
+    uncertain_difference = effects.difference[WORK]
+    relative_difference, source = _difference_of_work(uncertain_difference, comparison)
+    percent_in_words = with_uncertainty(
+        100 * relative_difference, 100 * uncertain_difference.uncertainty
+    )
+    yield f"With these inputs the difference of W{source} is {percent_in_words} %."
 
 
-def _difference_of_work(term: UncertainValue, comparison: JudgedPair | None) -> tuple[float, str]:
-    """E of W, and what it is by where that is not the finite elements."""
+def _difference_of_work(
+    uncertain_difference: UncertainValue, comparison: JudgedPair | None
+) -> tuple[float, str]:
+    """Relative difference of W between finite bodies and half-planes, and the source of that number
+    in words: "" where it is the finite elements.
+    """
     if comparison is not None:
         metric = comparison.metric(WORK)
         if metric.value is not None and not metric.absolute and math.isfinite(metric.value):
             return float(metric.value), ""
-    return term.value, " by corrected theory"
+    return uncertain_difference.value, " by corrected theory"
 
 
-def _of_measurement(effects: InputEffects, comparison: JudgedPair | None) -> Iterator[str]:
-    """A sentence on the uncertainty that the scene's uncertain inputs give to a measurement of W,
-    and whether such a measurement could tell finite bodies from half-planes.
+def _sentence_on_measurement(effects: InputEffects, comparison: JudgedPair | None) -> Iterator[str]:
+    """A sentence on the uncertainty of a measurement of W by the scene's inputs, and whether such a
+    measurement could tell finite bodies from half-planes. No sentence where it is not known.
     """
     relative_uncertainty = effects.work_uncertainty
     if not math.isfinite(relative_uncertainty):
         return
-    amount = (
+    statement = (
         f"A measurement of W with these inputs has ± {significant(100 * relative_uncertainty, 2)} %"
     )
     if WORK not in effects.difference:
-        yield f"{amount}."
+        yield f"{statement}."
         return
     relative_difference, _ = _difference_of_work(effects.difference[WORK], comparison)
-    if abs(relative_difference) >= _SEEN * relative_uncertainty:
-        yield f"{amount} and can see it, if it adds less of its own."
+    if abs(relative_difference) >= _LEAST_VISIBLE_DIFFERENCE * relative_uncertainty:
+        yield f"{statement} and can see it, if it adds less of its own."
     else:
-        yield f"{amount} and cannot see it."
+        yield f"{statement} and cannot see it."
 
 
-def _matters_most(effects: InputEffects) -> str:
-    """A sentence on which input changes W most, and which comes next; of the largest pressure where
-    nothing is dissipated.
+def _main_input_in_words(effects: InputEffects) -> str:
+    """A sentence that names the input that changes W most, and the next one; for the largest
+    pressure where nothing is dissipated.
     """
     for key in (WORK, PEAK):
         value = effects.values.get(key)
@@ -223,29 +237,28 @@ def _matters_most(effects: InputEffects) -> str:
             uncertain_input.key: uncertain_input.words for uncertain_input in effects.inputs
         }
         first_key, *other_keys = value.ranking
-        sizes = {name: abs(change.value) for name, change in value.changes.items()}
-        first_words = (
-            f"{input_in_words[first_key][:1].upper()}{input_in_words[first_key][1:]} matters most"
-        )
+        sizes = {input_key: abs(change.value) for input_key, change in value.changes.items()}
+        name_of_input = input_in_words[first_key]
+        statement = f"{name_of_input[:1].upper()}{name_of_input[1:]} matters most"
         if key != WORK:
-            first_words = f"For {_SYMBOLS[key]} {input_in_words[first_key]} matters most"
-        if other_keys and sizes[other_keys[0]] >= _NAMED * sizes[first_key]:
-            first_words += f", then {input_in_words[other_keys[0]]}"
-        return f"{first_words}."
+            statement = f"For {_SYMBOLS[key]} {name_of_input} matters most"
+        if other_keys and sizes[other_keys[0]] >= _LEAST_SHARE_OF_NAMED_INPUT * sizes[first_key]:
+            statement += f", then {input_in_words[other_keys[0]]}"
+        return f"{statement}."
     return ""
 
 
 def _draws_in_words(draws: Draws, scene: Scene) -> str:
-    """Sentences on the work W of random draws of the inputs: why they were drawn, mean and
-    deviation, how many slide or are impossible.
+    """Sentences on the dissipation W by random draws of the inputs: why they were drawn, mean and
+    standard deviation of W, and how many draws slide or are impossible.
     """
     unit = energy_unit(scene)
-    work = draws.values[WORK]
-    mean_in_words = with_uncertainty(work.mean, work.uncertainty)
+    drawn_work = draws.values[WORK]
+    mean_in_words = with_uncertainty(drawn_work.mean, drawn_work.uncertainty)
     text = (
         f"{draws.reason[:1].upper()}{draws.reason[1:]}. So W is taken from {draws.count:,} random"
-        f" draws of the inputs: {mean_in_words} {unit}. 95 % of them lie from {work.low:.4g} to"
-        f" {work.high:.4g}."
+        f" draws of the inputs: {mean_in_words} {unit}. 95 % of them lie from {drawn_work.low:.4g}"
+        f" to {drawn_work.high:.4g}."
     )
     if draws.sliding:
         text += (
@@ -270,9 +283,9 @@ HEADS = ("Value of theory", "value", "u", "u in %", "most of it")
 
 
 def rows(effects: InputEffects, scene: Scene) -> list[tuple[str, ...]]:
-    """Rows of the table of half-plane theory's values: each value, its standard uncertainty by the
-    scene's inputs, that in per cent, and the three inputs that make most of it. Values from random
-    draws of the inputs come last.
+    """Rows of the table of half-plane theory's values: name with unit, value, standard uncertainty
+    by the inputs of the scene, the same in per cent, and the three inputs that change the value
+    most. Values from random draws of the inputs come last.
     """
     input_in_words = {
         uncertain_input.key: uncertain_input.words for uncertain_input in effects.inputs
@@ -280,8 +293,7 @@ def rows(effects: InputEffects, scene: Scene) -> list[tuple[str, ...]]:
     table: list[tuple[str, ...]] = []
     for value in effects.values.values():
         unit = _unit(value, scene)
-        relative_uncertainty = value.relative
-        shares = [
+        changes_in_words = [
             f"{input_in_words[key]} {_in_percent(value.changes[key], value.value)}"
             for key in value.ranking[:3]
         ]
@@ -290,8 +302,8 @@ def rows(effects: InputEffects, scene: Scene) -> list[tuple[str, ...]]:
                 f"{value.words} [{unit}]",
                 significant(value.value, 6),
                 significant(value.uncertainty, 2),
-                significant(100 * relative_uncertainty, 2),
-                ", ".join(shares) or "–",
+                significant(100 * value.relative, 2),
+                ", ".join(changes_in_words) or "–",
             )
         )
     if effects.draws is not None:
@@ -307,34 +319,35 @@ HEADS_OF_DIFFERENCE = ("By corrected theory", "%", "u, points", "most of it, poi
 
 
 def rows_of_difference(effects: InputEffects) -> list[tuple[str, ...]]:
-    """Rows of the table of differences between finite bodies and half-planes: size in per cent,
-    uncertainty by the scene's inputs in points of per cent, and the three inputs that make most of
-    it.
+    """Rows of the table of differences between finite bodies and half-planes: name, difference in
+    per cent, standard uncertainty by the inputs in percentage points, and the three inputs that
+    change the difference most.
     """
     input_in_words = {
         uncertain_input.key: uncertain_input.words for uncertain_input in effects.inputs
     }
     table: list[tuple[str, ...]] = []
     for value in effects.difference.values():
-        shares_of_inputs = [
+        changes_in_words = [
             f"{input_in_words[key]} {significant(100 * abs(value.changes[key].value), 2)}"
             for key in value.ranking[:3]
         ]
-        size_with_uncertainty = with_uncertainty(100 * value.value, 100 * value.uncertainty)
-        size_in_words = size_with_uncertainty.partition(" ±")[0]
-        points_of_uncertainty = significant(100 * value.uncertainty, 2)
-        table.append(
-            (value.words, size_in_words, points_of_uncertainty, ", ".join(shares_of_inputs) or "–")
-        )
+        # as many decimals as the uncertainty leaves
+        difference_in_words = with_uncertainty(100 * value.value, 100 * value.uncertainty)
+        percent_in_words = difference_in_words.partition(" ±")[0]
+        uncertainty_in_words = significant(100 * value.uncertainty, 2)
+        inputs_in_words = ", ".join(changes_in_words) or "–"
+        table.append((value.words, percent_in_words, uncertainty_in_words, inputs_in_words))
     return table
 
 
 def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """The table of a scene's uncertain inputs: heads, and a row for each with its standard
-    uncertainty and what that changes of theory's W in per cent. Where it is known, also what it
-    changes, in points of per cent, of the difference between finite bodies and half-planes.
+    """The table of a scene's uncertain inputs: column heads, and a row for each input.
 
-    The last row holds the sums, correlations counted.
+    A row holds the input, its standard uncertainty as stated, and the change of theory's W by it in
+    per cent. A fourth column holds the change of the difference between finite bodies and
+    half-planes, in percentage points, where that is known. The last row holds the standard
+    uncertainties by all inputs together.
     """
     heads = ("Input", "as stated", "moves W by %")
     work = effects.values.get(WORK)
@@ -342,7 +355,9 @@ def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[
     for uncertain_input in effects.inputs:
         change_in_words = "–"
         if work is not None:
-            change_in_words = _signed(100 * work.changes[uncertain_input.key].value, work.value)
+            change_in_words = _signed_ratio(
+                100 * work.changes[uncertain_input.key].value, work.value
+            )
         table.append(
             (
                 uncertain_input.words.removeprefix("the "),
@@ -357,12 +372,12 @@ def table_of_inputs(effects: InputEffects) -> tuple[tuple[str, ...], list[tuple[
     difference = effects.difference.get(WORK)
     if difference is None:
         return heads, table
-    points = [
-        _signed(100 * difference.changes[uncertain_input.key].value, 1.0)
+    changes_in_points = [
+        _signed_ratio(100 * difference.changes[uncertain_input.key].value, 1.0)
         for uncertain_input in effects.inputs
     ]
-    points.append(f"± {significant(100 * difference.uncertainty, 2)}")
-    rows = [(*row, cell) for row, cell in zip(table, points, strict=True)]
+    changes_in_points.append(f"± {significant(100 * difference.uncertainty, 2)}")
+    rows = [(*row, cell) for row, cell in zip(table, changes_in_points, strict=True)]
     return (*heads, "moves the difference by points"), rows
 
 
@@ -378,8 +393,8 @@ def _unit(value: UncertainValue, scene: Scene) -> str:
     }[value.unit]
 
 
-def _signed(change: float, value: float) -> str:
-    """A change of a value, as a share of it."""
+def _signed_ratio(change: float, value: float) -> str:
+    """A change of a value over the value, in words with a sign; a dash where there is none."""
     if not value or not math.isfinite(change):
         return "–"
     share = change / value
@@ -387,13 +402,16 @@ def _signed(change: float, value: float) -> str:
 
 
 def _in_percent(change: Estimate, value: float) -> str:
+    """Size of a change of a value, in per cent of the value."""
     share = abs(change.value / value) if value else math.nan
     return f"{significant(100 * share, 2)} %"
 
 
 # ------------------------------------------------------------------------------------------ as JSON
 def content_of_report(report: Report) -> dict[str, Any] | None:
-    """All of it by names; None where no uncertainty is stated. Numbers may be not finite."""
+    """The JSON content on the uncertain inputs of a report; None where the scene states no
+    uncertainty. Numbers may be NaN or infinite.
+    """
     content_of_inputs = content(report.inputs, report.comparison.scene, report.comparison)
     if content_of_inputs is None:
         return None
@@ -408,9 +426,12 @@ def content_of_report(report: Report) -> dict[str, Any] | None:
 def content(
     effects: InputEffects | None, scene: Scene, comparison: JudgedPair | None = None
 ) -> dict[str, Any] | None:
-    """The JSON content on uncertain inputs: what the scene states, sentences, the values of theory
-    and the difference of the models with their uncertainties by the inputs, random draws, how near
-    the loads come to sliding. None where the scene states no uncertainty of its inputs.
+    """The JSON content on the uncertain inputs of a scene; None where `effects` is None, that is
+    where the scene states no uncertainty of them.
+
+    It holds the stated uncertainties, sentences, the values of theory and the difference of the
+    models with their uncertainties by the inputs, random draws, and how near the loads come to
+    sliding.
     """
     if effects is None:
         return None
@@ -424,8 +445,8 @@ def content(
         "stated": stated_content(scene),
         "correlations": [list(entry) for entry in effects.correlations],
         "sentences": sentences(effects, scene, comparison),
-        "values": {key: _content(value) for key, value in effects.values.items()},
-        "difference": {key: _content(value) for key, value in effects.difference.items()},
+        "values": {key: _content_of_value(value) for key, value in effects.values.items()},
+        "difference": {key: _content_of_value(value) for key, value in effects.difference.items()},
         "no_difference": effects.no_difference or None,
         "draws": draws,
         "sliding": sliding_content(effects.sliding),
@@ -445,10 +466,10 @@ def sliding_content(sliding: NearSliding | None) -> dict[str, Any] | None:
     }
 
 
-def _content(value: UncertainValue) -> dict[str, Any]:
-    """The JSON content of one value with its standard uncertainty by the inputs: how much one
-    standard uncertainty of each input changes it, and the keys of the inputs, those that change it
-    most first.
+def _content_of_value(value: UncertainValue) -> dict[str, Any]:
+    """The JSON content of one value with its standard uncertainty by the inputs: the change of the
+    value by one standard uncertainty of each input, and the keys of the inputs in the order of the
+    size of that change.
     """
     changes = {
         key: {"value": change.value, "error": change.uncertainty}

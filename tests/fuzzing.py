@@ -18,7 +18,7 @@ import numpy as np
 from reports.checking import require_admissible
 from reports.comparison import findings
 from reports.comparison.json_values import solution_content, strict
-from reports.folder import MANIFEST, claim
+from reports.folder import MANIFEST, usable_folder
 from reports.profile_fit import fit_in_words
 from reports.scoring.against import stored_solution
 from reports.scoring.mapping import Mapping, load_mapping
@@ -260,7 +260,7 @@ ENTRANCES: dict[str, Callable[[Path], object]] = {
     "baseline.json": findings.read_findings,
     "solution.json": findings.read_findings,
     "comparison.json": findings.read_findings,
-    MANIFEST: lambda path: claim(path.parent),
+    MANIFEST: lambda path: usable_folder(path.parent),
 }
 DOORS = {name: Door(name, enter) for name, enter in ENTRANCES.items()}
 # What is read in a process of its own, a second each: few are tried.

@@ -37,7 +37,7 @@ from refusals import require_facts
 from reports.cli.application import FORMAT, app
 from reports.cli.machine import Finding, drawing
 from reports.console import Stages, TimeLeft, show_table
-from reports.folder import claim
+from reports.folder import usable_folder
 from reports.studies.paper.page import PaperReport
 from reports.studies.paper.tables import Misprint, Statement, Verdict
 from scenes import (
@@ -756,7 +756,7 @@ class TestInternalErrors:
         """One whose folder another claimed before in the same process among them: that folder is
         left alone.
         """
-        claim(tmp_path / "other")
+        usable_folder(tmp_path / "other")
         for name in NAMES:
             monkeypatch.setattr(app[name], "default_command", raising(ZeroDivisionError("planted")))
             file = Path(traceback_file(halfplane(tmp_path, name)))
@@ -792,7 +792,7 @@ class TestInternalErrors:
     ) -> None:
         monkeypatch.setattr("semi_analytic.solve", raising(ZeroDivisionError("planted")))
         full = raising(OSError(28, "No space left on device"))
-        monkeypatch.setattr("reports.folder.filled", full)
+        monkeypatch.setattr("reports.folder.results_folder", full)
         command = ["exact", "cattaneo-mindlin", "--quiet", "--out", "here"]
         assert Path(traceback_file(halfplane(tmp_path, *command))).parent == tmp_path
         monkeypatch.setattr("tempfile.mkstemp", full)
@@ -875,7 +875,7 @@ def test_time_left_is_that_of_the_part_and_starts_anew_with_the_next() -> None:
 def test_piped_lines_are_plain_and_whole(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("reports.console._LINE_EVERY", 0.0)
+    monkeypatch.setattr("reports.console._SECONDS_BETWEEN_LINES", 0.0)
     stages = Stages()
     with stages.stage("finite elements") as report:
         for step in range(4):

@@ -43,7 +43,7 @@ from halfplane_fe import FiniteElementSolution
 from halfplane_fe.contact import ContactProblem
 from meshes import MeshSettings
 from reports import folder as folders
-from reports.folder import MANIFEST, FilledBefore, claim, filled, replace_text
+from reports.folder import MANIFEST, FilledBefore, replace_text, results_folder, usable_folder
 from reports.studies.sweep.store import Store
 from scenes import ContactSolution, InputError, Interrupted, load_scene
 from test_reports_synthetic import cattaneo_mindlin
@@ -67,7 +67,7 @@ def fill(
     fresh: tuple[str, ...] = ("",),
 ) -> None:
     """Files that hold all their names, written as a report is."""
-    with filled(out, fresh=fresh) as folder:
+    with results_folder(out, stale_prefixes=fresh) as folder:
         for name in names:
             (folder / name).parent.mkdir(exist_ok=True)
             (folder / name).write_text(f"{names}")
@@ -107,7 +107,7 @@ def test_killed_sixty_seven_times_a_job_leaves_whole_files_and_ends_with_the_sam
 
 def again(report: Path, out: Path) -> None:
     """A report written as it is written: its files, by the door that all writers take."""
-    with filled(out) as folder:
+    with results_folder(out) as folder:
         shutil.copytree(report, folder, dirs_exist_ok=True, ignore=shutil.ignore_patterns(MANIFEST))
 
 
@@ -174,10 +174,10 @@ def test_what_a_dead_run_left_goes_and_the_folder_of_one_that_lives_stays(
     """After a day where nobody knows whether it is dead."""
     with monkeypatch.context() as elsewhere:
         if where != "here":
-            elsewhere.setattr("reports.folder._HERE", "0123ab")
+            elsewhere.setattr("reports.folder._MACHINE_CODE", "0123ab")
         assert forked(tmp_path, act=lambda: dying(tmp_path)).returncode == -signal.SIGKILL
     (dead,) = os.listdir(tmp_path)
-    with filled(tmp_path / "alive") as folder:
+    with results_folder(tmp_path / "alive") as folder:
         assert (dead in os.listdir(tmp_path)) is (where != "here")
         for path in (tmp_path / dead, *(tmp_path / dead).rglob("*")) if where != "here" else ():
             os.utime(path, (time.time() - 90_000, time.time() - 90_000))
@@ -547,7 +547,7 @@ def test_files_of_others_are_never_replaced(name: str, tmp_path: Path) -> None:
     (tmp_path / name).write_text("mine")
     refusal = pytest.raises(InputError, match=f"{name} is there already")
     with nullcontext() if name == "odd.csv" else refusal:
-        claim(tmp_path)
+        usable_folder(tmp_path)
     with refusal:
         fill(tmp_path, "report.html", "odd.csv")
     assert content(tmp_path) == {name: b"mine"}
@@ -563,12 +563,12 @@ def locked(folder: Path) -> int:
 def test_a_folder_that_a_stopped_process_holds_is_a_sentence(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(folders, "_PATIENCE", 0.0)
+    monkeypatch.setattr(folders, "_LONGEST_WAIT", 0.0)
     handle = locked(tmp_path)
     with pytest.raises(InputError, match="another process has held this folder for 0 s"):
-        claim(tmp_path)
+        usable_folder(tmp_path)
     os.close(handle)
-    assert claim(tmp_path) == tmp_path
+    assert usable_folder(tmp_path) == tmp_path
 
 
 def replaced_by_a_file(out: Path) -> None:
@@ -588,12 +588,12 @@ def test_what_was_computed_is_kept_where_its_folder_is_lost(
     spoil: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Hours of work must not go because of what somebody did to the folder meanwhile."""
-    monkeypatch.setattr(folders, "_PATIENCE", 0.0)
+    monkeypatch.setattr(folders, "_LONGEST_WAIT", 0.0)
     out = tmp_path / "out"
     out.mkdir()
     with pytest.raises(InputError, match="what did not get there is kept in ") as fault:
         fill(out, "a.json", "b.json", meanwhile=lambda: SPOILS[spoil](out))
-    claim(tmp_path / "later")
+    usable_folder(tmp_path / "later")
     assert (Path(str(fault.value).rsplit("kept in ", 1)[1]) / "b.json").is_file()
     assert not (out / MANIFEST).exists()
     assert out.is_dir() or out.read_text() == "mine"

@@ -32,7 +32,7 @@ from meshes import MeshSettings, SurfaceGrading, half_disc
 from meshes.bodies import body_nodes, check_count, contact_nodes
 from refusals import refused_for, require_facts
 from reports.console import say, show_table
-from reports.folder import claim, default_folder, filled, replace_text
+from reports.folder import default_folder, replace_text, results_folder, usable_folder
 from reports.scoring import field_files
 from reports.studies.sweep.store import Store
 from reports.studies.third.deck import Deck, DeckSettings, build_deck, deck_text
@@ -421,7 +421,7 @@ def test_a_manifest_never_has_files_removed_outside(listed: object, tmp_path: Pa
         if isinstance(listed, list)
         else pytest.raises(InputError, match=r"manifest\.json is there already")
     )
-    with refusal, filled(out) as folder:
+    with refusal, results_folder(out) as folder:
         (folder / "a.txt").write_text("new")
     assert (tmp_path / "victim").read_text() == "stays"
 
@@ -431,11 +431,11 @@ def test_nothing_is_written_through_a_link_that_leads_out(tmp_path: Path) -> Non
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / "out" / "figures").symlink_to(tmp_path / "elsewhere", target_is_directory=True)
     refusal = pytest.raises(InputError, match="would be written outside, through a link")
-    with refusal, filled(tmp_path / "out") as folder:
+    with refusal, results_folder(tmp_path / "out") as folder:
         (folder / "figures").mkdir()
         (folder / "figures" / "a.csv").write_text("x")
     assert list((tmp_path / "elsewhere").iterdir()) == []
-    assert claim(tmp_path / "out")
+    assert usable_folder(tmp_path / "out")
 
 
 def test_an_address_in_a_plan_is_no_path(tmp_path: Path) -> None:
@@ -465,7 +465,7 @@ def rights(path: str | Path) -> int:
 
 @pytest.mark.usefixtures("generous")
 def test_a_folder_that_is_being_filled_is_private_and_the_filled_one_is_not(tmp_path: Path) -> None:
-    with filled(tmp_path / "out") as staging:
+    with results_folder(tmp_path / "out") as staging:
         (staging / "figures").mkdir()
         (staging / "figures" / "a.csv").write_text("x")
         assert rights(staging) == 0o700

@@ -154,7 +154,7 @@ def _write_files(
     its snapshot: displacement and stress of both bodies at that instant.
     """
     from reports.field_output import fatigue, files
-    from reports.folder import filled
+    from reports.folder import results_folder
 
     stages = job.stages
     values_of_instants: list[dict[str, Any]] = []
@@ -171,7 +171,7 @@ def _write_files(
                 snapshots_drawn.append((instant, snapshot))
             yield snapshot
 
-    with filled(job.folder, fresh=("fields/", "pictures/")) as staging:
+    with results_folder(job.folder, stale_prefixes=("fields/", "pictures/")) as staging:
         folder = staging / "fields"
         with stages.stage("files for ParaView", "instants") as show_progress:
             names = files.write_fields(
@@ -209,9 +209,9 @@ def _with_pictures(
     """Draw pictures of the instants with their `snapshots` (displacement and stress of both
     bodies), and name them in fields.json. `content` is that of fields.json; returns the new one.
     """
-    from reports.folder import filled, replace_text
+    from reports.folder import replace_text, results_folder
 
-    with filled(job.folder, fresh=("pictures/",)) as staging:
+    with results_folder(job.folder, stale_prefixes=("pictures/",)) as staging:
         pictures = _draw(solution, snapshots, staging / "pictures", job.stages)
     content = content | {"pictures": pictures, "seconds": dict(job.stages.seconds)}
     replace_text(job.folder / "fields" / "fields.json", _json_text(content))
@@ -381,7 +381,7 @@ def _draw(
         folder.mkdir()
         contact_edge = float(np.nanmax(solution.contact_edges))
         half_width = reference_scales(solution).half_width
-        figure = pictures.mesh(solution.bodies, half_width, contact_edge, named=True)
+        figure = pictures.mesh(solution.bodies, half_width, contact_edge, with_boundaries=True)
         names = [_write_picture(figure, folder)]
         # all figures have the same scales of stress and displacement
         scales = pictures.scales_of([snapshot for _, snapshot in instants_and_snapshots])

@@ -132,11 +132,11 @@ def _run_in_own_process(program: str, hint: str) -> tuple[bool, str]:
 
 def _folder(out: str | Path) -> tuple[bool, str]:
     """Whether the output folder can be written to."""
-    from reports.folder import claim
+    from reports.folder import usable_folder
     from scenes import InputError
 
     try:
-        claim(out)
+        usable_folder(out)
     except InputError as reason:
         return False, str(reason)
     return True, f"{out}: can be written to"

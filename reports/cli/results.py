@@ -50,7 +50,7 @@ def score(result: str | None, options: Options) -> Answer:
             f"{result}: --scene is missing: name the scene that it answers; `halfplane scenes`"
             " lists the library"
         )
-    from reports.folder import claim
+    from reports.folder import usable_folder
     from reports.scoring.mapping import load_mapping
 
     path = Path(result)
@@ -61,7 +61,7 @@ def score(result: str | None, options: Options) -> Answer:
         raise InputError(f"{result}: there is no such file or folder")
     _check_loop_options(path, options)
     tolerances = requested_tolerances(options.tolerance)
-    folder = claim(options.out or _folder_of(path, is_loop))
+    folder = usable_folder(options.out or _folder_of(path, is_loop))
     command = options.command("score", result, folder)
     try:
         if is_loop:

@@ -83,12 +83,14 @@ def solving_command(solve_job: Callable[[Job], Answer]) -> Callable[[str, Option
     def command(source: str, options: Options) -> Answer:
         """Solve the scene that `source` names; keep what was solved if it fails."""
         from reports.comparison.words import summary_rows
-        from reports.folder import claim, default_folder
+        from reports.folder import default_folder, usable_folder
         from scenes import ConvergenceError, InputError, Interrupted
 
         name = solve_job.__name__
         scene = read(source, may_prescribe_displacements=name in ("exact", "fe", "run"))
-        folder = claim(options.out or default_folder(scene.name), _file_names_of(name, scene))
+        folder = usable_folder(
+            options.out or default_folder(scene.name), _file_names_of(name, scene)
+        )
         try:
             return solve_job(Job(source, scene, options, folder, Stages(options.quiet)))
         except InputError as fault:
@@ -955,10 +957,10 @@ def write_solution(
     from reports.comparison.findings import SOLUTION
     from reports.comparison.json_values import solution_content, strict
     from reports.comparison.laws import certificates
-    from reports.folder import filled
+    from reports.folder import results_folder
 
     stem = name or solution.engine
-    with filled(out, fresh=()) as folder:  # other files of the folder stay
+    with results_folder(out, stale_prefixes=()) as folder:  # other files of the folder stay
         solution.save(folder / f"{stem}.nc")
         content = {
             "format": SOLUTION,

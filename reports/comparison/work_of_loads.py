@@ -19,8 +19,8 @@ from scenes.array_types import Array
 
 
 def bulk_strains(materials: Materials) -> tuple[float, float]:
-    """Strain eps per bulk stress in the lower and in the upper body: 1/E' and -1/E', E' = E/(1 -
-    nu^2) [1/stress].
+    """Bulk strain eps per bulk stress of the lower and of the upper body, 1/E' and −1/E', with
+    E' = E/(1 − nu^2) [1/stress]. eps is the strain of the lower body minus that of the upper one.
 
     >>> steel = Materials.model_validate({"young_modulus": 210e3, "poisson_ratio": 0.3})
     >>> [round(1 / compliance) for compliance in bulk_strains(steel)]
@@ -33,12 +33,12 @@ def bulk_strains(materials: Materials) -> tuple[float, float]:
     return lower_compliance, -upper_compliance
 
 
-def bulk_strain(of: ContactSolution | Cycle, materials: Materials) -> Array:
-    """eps = sigma_lower/E'_lower - sigma_upper/E'_upper at every instant, (n_steps,); 0 without
-    bulk stress.
+def bulk_strain(source: ContactSolution | Cycle, materials: Materials) -> Array:
+    """eps = sigma_lower/E'_lower − sigma_upper/E'_upper at every instant of a solution or a cycle,
+    (n_steps,); 0 without bulk stress.
     """
-    strain = np.zeros(len(of.time))
-    stresses = (of.bulk_stress_lower, of.bulk_stress_upper)
+    strain = np.zeros(len(source.time))
+    stresses = (source.bulk_stress_lower, source.bulk_stress_upper)
     for compliance, stress in zip(bulk_strains(materials), stresses, strict=True):
         if stress is not None:
             strain = strain + compliance * stress
@@ -46,53 +46,57 @@ def bulk_strain(of: ContactSolution | Cycle, materials: Materials) -> Array:
 
 
 def loop_work(cycle: Cycle) -> float:
-    """Closed integral of Q dU by the trapezoidal rule over the instants [energy / thickness]: a
-    second way to W.
+    """Closed integral of Q dU by the trapezoidal rule over the instants of a cycle [energy /
+    thickness]. With half-planes under P and Q alone it is the dissipation W.
     """
     return float(np.trapezoid(cycle.tangential_load, cycle.tangential_displacement))
 
 
-def bulk_work(of: ContactSolution | Cycle, materials: Materials) -> float:
-    """-closed integral of m_q d(eps) by the trapezoidal rule over the instants [energy /
-    thickness]: what bulk stress puts in.
+def bulk_work(source: ContactSolution | Cycle, materials: Materials) -> float:
+    """Work of the bulk stress over the instants of a solution or a cycle: −(closed integral of
+    m_q d(eps)) by the trapezoidal rule [energy / thickness]; 0 without bulk stress.
 
-    m_q is the moment of the shear about x = 0, where U is read: this and the closed integral of Q
-    dU add up to the dissipation, which neither is alone. 0 without bulk stress.
+    m_q is the moment of the shear about x = 0, where U is read. This work and the closed integral
+    of Q dU add up to the dissipation.
     """
-    if of.shear_moment is None:
+    if source.shear_moment is None:
         return 0.0
-    return -float(np.trapezoid(of.shear_moment, bulk_strain(of, materials)))
+    return -float(np.trapezoid(source.shear_moment, bulk_strain(source, materials)))
 
 
 def normal_work(solution: ContactSolution) -> float | None:
-    """Work of the normal load and the moment in the last cycle: closed integral of P dV - M
-    d(tilt), V the normal approach, by the trapezoidal rule [energy / thickness].
+    """Work of the normal load P and the moment M in the last cycle: closed integral of
+    P dV − M d(tilt), V the normal approach, by the trapezoidal rule [energy / thickness].
 
-    With Q dU and the bulk term it adds up to the dissipation. None where it is 0 by nature (P and
-    tilt constant; half-planes of like materials, where V and M hang on P and the tilt only) and
-    where the solution is not of our finite elements, which alone know V.
+    This work, the closed integral of Q dU and the work of the bulk stress add up to the
+    dissipation.
+
+    None where it is always 0: where P and the tilt are constant, and for half-planes of like
+    materials, whose V and M depend on P and the tilt only. None too where V is not known, as in a
+    solution that is not of the project's finite elements.
     """
-    steps = solution.last_cycle
-    tilt_is_constant = solution.tilt is None or np.ptp(solution.tilt[steps]) == 0
-    loads_are_constant = np.ptp(solution.normal_load[steps]) == 0 and tilt_is_constant
-    approach_is_known = solution.engine == "halfplane_fe" and not np.isnan(solution.loop_work)
-    if loads_are_constant or are_half_planes(solution.scene) or not approach_is_known:
+    instants = solution.last_cycle
+    has_constant_tilt = solution.tilt is None or np.ptp(solution.tilt[instants]) == 0
+    has_constant_loads = np.ptp(solution.normal_load[instants]) == 0 and has_constant_tilt
+    has_approach = solution.engine == "halfplane_fe" and not np.isnan(solution.loop_work)
+    if has_constant_loads or are_half_planes(solution.scene) or not has_approach:
         return None
-    work = float(np.trapezoid(solution.normal_load[steps], solution.normal_approach[steps]))
+    work = float(np.trapezoid(solution.normal_load[instants], solution.normal_approach[instants]))
     if solution.tilt is not None and solution.moment is not None:
-        work += float(np.trapezoid(-solution.moment[steps], solution.tilt[steps]))
+        work += float(np.trapezoid(-solution.moment[instants], solution.tilt[instants]))
     return work
 
 
 def on_straight_steps(solution: ContactSolution) -> ContactSolution:
-    """The solution with its dissipation as if the path were straight between its instants. Finite
-    elements add the work that a curved path makes; it is taken off.
+    """The solution with the dissipation that it would have if the load path were straight between
+    its instants: the work that finite elements add for the curve of the path is subtracted.
     """
-    work_by_curve = solution.record.energy.get("curve")
-    if work_by_curve is None or not solution.dissipation > 0:
+    # (n_steps,) work added in each increment
+    curve_work = solution.record.energy.get("curve")
+    if curve_work is None or not solution.dissipation > 0:
         return solution
-    work_of_curve = float(work_by_curve[solution.last_cycle[1:]].sum())
-    share_of_straight_lines = 1 - work_of_curve / solution.dissipation
+    curve_work_of_cycle = float(curve_work[solution.last_cycle[1:]].sum())
+    share_of_straight_lines = 1 - curve_work_of_cycle / solution.dissipation
     return replace(
         solution,
         dissipation=solution.dissipation * share_of_straight_lines,

@@ -1,7 +1,7 @@
-"""Measures of fatigue of the stress through a cycle, at points of plane strain: critical planes,
+"""Fatigue measures of the stress through a cycle, at points in plane strain: critical planes,
 invariants, ranges.
 
-`survey` takes them beside the contact in both bodies, of both engines, from the linear elastic
+`survey` computes them beside the contact in both bodies, by both engines, from the linear elastic
 stress of contact and bulk.
 
 Arrays of stress are (n_instants, n_points, 4): s_xx, s_yy, s_xy, s_zz, tension positive. Planes are
@@ -25,22 +25,22 @@ if TYPE_CHECKING:
     from halfplane_fe import FiniteElementSolution
 
 
-# Angles of planes, half a turn in all, and steps towards the least sphere around a path, whose
-# radius they leave 1e-3 too large.
-_PLANES = 180
-_STEPS = 1000
-# Instants of the cycle, at most, beside those of the largest and least loads; places across the
-# contact, over its half-width, and depths below the face; Gauss' points of an average over depth.
-_INSTANTS = 40
-_ACROSS = np.arange(-80, 81) / 64
-_DEPTHS = np.array([0.0, 0.02, 0.1, 0.3, 0.8])
-_OVER_DEPTH = 8
+# Number of critical planes over half a turn. Number of steps to the centre of the least sphere
+# around a path: its radius is then at most 1e-3 too large.
+_N_PLANES = 180
+_N_STEPS_TO_CENTRE = 1000
+# Most instants of the cycle, besides those of the largest and least loads. Places along the contact
+# and depths below the face, over the half-width of contact. Gauss points of an average over depth.
+_MOST_INSTANTS = 40
+_PLACES_OVER_HALF_WIDTH = np.arange(-80, 81) / 64
+_DEPTHS_OVER_HALF_WIDTH = np.array([0.0, 0.02, 0.1, 0.3, 0.8])
+_N_POINTS_OVER_DEPTH = 8
 ENGINES = ("theory", "finite elements")
 
 
 @dataclass(frozen=True)
 class Criteria:
-    """What is needed beside the stress; None leaves a measure out.
+    """Constants of fatigue measures; a measure is left out where its constants are None.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class Criteria:
     critical_distance: float | None = None
 
     def require_valid(self) -> None:
-        """InputError for numbers that make no sense."""
+        """InputError where a constant is not a number above 0."""
         options = [("--findley", self.findley), ("--critical-distance", self.critical_distance)]
         options += [("--fatemi-socie", value) for value in self.fatemi_socie or ()]
         for option, value in options:
@@ -67,13 +67,15 @@ class Criteria:
 
 
 def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
-    """A table of fatigue measures through the last cycle at places beside the contact in both
-    bodies, by theory and finite elements; a row a place.
+    """A table of fatigue measures of the last cycle beside the contact, in both bodies, by theory
+    and finite elements; one row for each place.
 
-    Columns: body; x in theory and x in finite elements [length]; y out of the lower body, 0 for
-    averages over depth [length]; each measure by both engines. Each engine is evaluated at the same
-    x over its own contact half-width at the instant of the largest tension, so that the contact
-    edges, where stress has an infinite slope, are among the places of both.
+    Columns: body; x in theory and x in finite elements [length]; y, positive out of the lower body,
+    0 for averages over depth [length]; each measure by both engines.
+
+    Both engines are evaluated at the same places relative to their own contact at the instant of
+    the largest tension. So the contact edges, where stress has an infinite slope, are among the
+    places of both.
 
     Raises
     ------
@@ -103,7 +105,7 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
     # with a critical distance stress is averaged over depth, by these weights
     depths, weights = _depths_and_weights(criteria, half_widths[0])
     depth, x_over_half_width = (
-        axis.ravel() for axis in np.meshgrid(depths, _ACROSS, indexing="ij")
+        axis.ravel() for axis in np.meshgrid(depths, _PLACES_OVER_HALF_WIDTH, indexing="ij")
     )
     x_theory, x_elements = centres[:, None] + half_widths[:, None] * x_over_half_width
     tables = []
@@ -118,8 +120,8 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
         places = x_over_half_width
         if weights is not None:
             stresses = [_averaged_over_depth(stress, weights) for stress in stresses]
-            places = _ACROSS
-            y = np.zeros(len(_ACROSS))
+            places = _PLACES_OVER_HALF_WIDTH
+            y = np.zeros(len(_PLACES_OVER_HALF_WIDTH))
         measures_by_engine = [
             measures(stress, criteria, material.young_modulus, material.poisson_ratio)
             for stress in stresses
@@ -140,7 +142,7 @@ def _times_of_cycle(solution: FiniteElementSolution) -> Array:
     those at which P or Q is largest or least.
     """
     cycle = np.asarray(solution.last_cycle)
-    even_steps = np.linspace(0, len(cycle) - 1, min(_INSTANTS, len(cycle))).round().astype(int)
+    even_steps = np.linspace(0, len(cycle) - 1, min(_MOST_INSTANTS, len(cycle))).round().astype(int)
     turning_steps = []
     for load in (solution.normal_load[cycle], solution.tangential_load[cycle]):
         turning_steps += [int(load.argmax()), int(load.argmin())]
@@ -150,8 +152,8 @@ def _times_of_cycle(solution: FiniteElementSolution) -> Array:
 def _depths_and_weights(criteria: Criteria, half_width: float) -> tuple[Array, Array | None]:
     """Depths below the face [length], and the weights of an average over them; None for points."""
     if criteria.critical_distance is None:
-        return half_width * _DEPTHS, None
-    node, weight = np.polynomial.legendre.leggauss(_OVER_DEPTH)
+        return half_width * _DEPTHS_OVER_HALF_WIDTH, None
+    node, weight = np.polynomial.legendre.leggauss(_N_POINTS_OVER_DEPTH)
     return criteria.critical_distance * (1 + node) / 2, weight / 2
 
 
@@ -162,8 +164,8 @@ def _averaged_over_depth(stress: Array, weights: Array) -> Array:
 
 
 def largest(table: pd.DataFrame) -> list[dict[str, Any]]:
-    """The largest value of each measure of a survey in each body with its place, by both engines: a
-    dict for each.
+    """The largest values in a table of `survey`: for each body and measure a dict with the largest
+    value and its place, by both engines.
     """
     largest_values = []
     for body, rows_of_body in table.groupby("body", sort=False):
@@ -186,22 +188,23 @@ def largest(table: pd.DataFrame) -> list[dict[str, Any]]:
 def measures(
     stress: Array, criteria: Criteria, young_modulus: float, poisson_ratio: float
 ) -> dict[str, Array]:
-    """Every fatigue measure, by its name in words: (n_points,) each [stress]; that of Fatemi and
-    Socie is a strain.
+    """Fatigue measures of a cycle of stress: name in words -> (n_points,) [stress], for Fatemi and
+    Socie a strain.
 
-    Largest of the cycle: principal stress, shear stress (s_1 - s_3)/2, von Mises stress of the
-    difference of two instants. Largest over the planes, s_n their normal stress, tau and gamma
-    their shear stress and strain, e_n their normal strain:
+    Largest values through the cycle: principal stress; shear stress (s_1 − s_3)/2; von Mises stress
+    of the difference of two instants.
 
-    - s_n,max (range of e_n)/2, tension only (Smith, Watson and Topper 1970; on critical planes
-      Socie 1987);
-    - (range of gamma)/2 (1 + k s_n,max/s_yield), at least 0: compression reduces it (Fatemi and
-      Socie 1988);
-    - (range of tau)/2 + k s_n,max (Findley 1959).
+    Largest values over all planes that contain the z axis. On a plane s_n is the normal stress, e_n
+    the normal strain, tau the shear stress and gamma the shear strain:
+
+    - Smith, Watson and Topper (1970; on critical planes Socie 1987): s_n,max (range of e_n)/2, for
+      tension only;
+    - Fatemi and Socie (1988): (range of gamma)/2 (1 + k s_n,max/s_yield), at least 0;
+    - Findley (1959): (range of tau)/2 + k s_n,max.
 
     Crossland (1956): amplitude of sqrt(J2), the radius of the least sphere around the path of the
-    deviator (Papadopoulos 1994, by the steps of Badoiu and Clarkson 2003), and largest hydrostatic
-    stress.
+    stress deviator (Papadopoulos 1994, by the steps of Badoiu and Clarkson 2003); and largest
+    hydrostatic stress.
 
     Parameters
     ----------
@@ -236,48 +239,53 @@ def measures(
         "range of von Mises stress": _von_mises_range(stress),
         "Smith-Watson-Topper": np.zeros(stress.shape[1]),
     }
-    for angle in np.pi * np.arange(_PLANES) / _PLANES:
+    for angle in np.pi * np.arange(_N_PLANES) / _N_PLANES:
         cosine = np.cos(2 * angle)
         sine = np.sin(2 * angle)
         normal_stress = (s_xx + s_yy) / 2 + (s_xx - s_yy) / 2 * cosine + s_xy * sine
-        strain = (
+        normal_strain = (
             normal_stress - poisson_ratio * (s_xx + s_yy - normal_stress + s_zz)
         ) / young_modulus
-        tau = np.ptp(-(s_xx - s_yy) / 2 * sine + s_xy * cosine, axis=0) / 2
-        largest_normal = normal_stress.max(axis=0)
-        measures_on_plane = {"Smith-Watson-Topper": largest_normal * np.ptp(strain, axis=0) / 2}
+        stress_along_plane = -(s_xx - s_yy) / 2 * sine + s_xy * cosine
+        shear_amplitude = np.ptp(stress_along_plane, axis=0) / 2
+        largest_normal_stress = normal_stress.max(axis=0)
+        measures_on_plane = {
+            "Smith-Watson-Topper": largest_normal_stress * np.ptp(normal_strain, axis=0) / 2
+        }
         if criteria.fatemi_socie is not None:
-            k_of_normal_stress, yield_stress = criteria.fatemi_socie
-            fatemi_socie = (
-                tau / shear_modulus * (1 + k_of_normal_stress * largest_normal / yield_stress)
-            )
+            k, yield_stress = criteria.fatemi_socie
+            strain_amplitude = shear_amplitude / shear_modulus
+            fatemi_socie = strain_amplitude * (1 + k * largest_normal_stress / yield_stress)
             measures_on_plane["Fatemi-Socie"] = np.maximum(fatemi_socie, 0.0)
         if criteria.findley is not None:
-            measures_on_plane["Findley"] = tau + criteria.findley * largest_normal
+            k = criteria.findley
+            measures_on_plane["Findley"] = shear_amplitude + k * largest_normal_stress
         for name, value in measures_on_plane.items():
             largest_values[name] = np.maximum(value, largest_values.get(name, value))
-    amplitude, hydrostatic_stress = _crossland(stress)
+    amplitude, hydrostatic_stress = _crossland_measures(stress)
     largest_values["Crossland, amplitude of sqrt(J2)"] = amplitude
     largest_values["Crossland, largest hydrostatic stress"] = hydrostatic_stress
     return largest_values
 
 
-def _crossland(stress: Array) -> tuple[Array, Array]:
-    """Crossland's two measures at each point, (n_points,) each [stress]: the amplitude of sqrt(J2),
-    and the largest hydrostatic stress, of a cycle of stresses (n_instants, n_points, 4).
+def _crossland_measures(stress: Array) -> tuple[Array, Array]:
+    """Crossland's two measures of a cycle of stresses (n_instants, n_points, 4), (n_points,) each
+    [stress]: the amplitude of sqrt(J2), and the largest hydrostatic stress.
 
-    The amplitude is the radius of the least sphere around the path of the deviator. The sphere's
-    centre is found by steps towards the instant that is farthest from it, each shorter than the one
-    before.
+    The amplitude is the radius of the least sphere around the path of the stress deviator. The
+    centre of the sphere moves in each step towards the instant that is farthest from it; each step
+    is shorter than the one before.
     """
     s_xx, s_yy, s_xy, s_zz = np.moveaxis(stress, -1, 0)
     mean_stress = (s_xx + s_yy + s_zz) / 3
-    # Coordinates in which distances are sqrt(J2): half the double product of the deviator.
+    # coordinates of the deviator in which the distance of two points is sqrt(J2) of their
+    # difference
     path = np.stack([(s_xx - s_yy) / 2, s_xy, (s_zz - mean_stress) * np.sqrt(0.75)], axis=-1)
     centre = path.mean(axis=0)
-    for step in range(_STEPS):
-        furthest_instant = np.argmax(np.sum((path - centre) ** 2, axis=-1), axis=0)
-        centre = centre + (path[furthest_instant, np.arange(path.shape[1])] - centre) / (step + 2)
+    for step in range(_N_STEPS_TO_CENTRE):
+        farthest_instants = np.argmax(np.sum((path - centre) ** 2, axis=-1), axis=0)
+        farthest_points = path[farthest_instants, np.arange(path.shape[1])]
+        centre = centre + (farthest_points - centre) / (step + 2)
     radius = np.sqrt(np.sum((path - centre) ** 2, axis=-1).max(axis=0))
     return radius, mean_stress.max(axis=0)
 

@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 
 Indices = NDArray[np.int64]
 Report = Callable[[int, int | None, str], None]
-_COLLECTION = "fields.pvd"
+_NAME_OF_COLLECTION = "fields.pvd"
 # Snapshots that are computed at once: the bodies are factorised once for all of them, and each
 # takes about a megabyte.
-_AT_ONCE = 64
-# Beside every largest stress.
+_SNAPSHOTS_AT_ONCE = 64
+# Stated beside every largest stress.
 NO_PEAK = (
     "The largest stresses are values at nodes, not peaks between them. The tension at the edges of"
     " contact lies between nodes: it comes from the tractions, and its uncertainty is stated."
@@ -36,25 +36,25 @@ NO_PEAK = (
 
 @dataclass(frozen=True)
 class Instant:
-    """A time that was requested, and why."""
+    """An instant of the load path whose fields are shown or written."""
 
     time: float
-    label: str
+    label: str  # what happens there, or that it was asked for
 
 
-def instant_of(word: str, option: str, start: float, end: float) -> float:
-    """A time that was given on the command line as `word`; InputError, naming the option, for what
-    is no number or lies outside the path from `start` to `end`.
+def instant_of(text: str, option: str, start: float, end: float) -> float:
+    """The time that was given on the command line as `text`. InputError, naming the `option`, where
+    it is no number or lies outside the path from `start` to `end`.
     """
     try:
-        time = float(word)
+        time = float(text)
     except ValueError:
         raise InputError(
-            f"{option} {word}: give times of the path, or events for the instants of the page"
+            f"{option} {text}: give times of the path, or events for the instants of the page"
         ) from None
     if not start - 1e-9 <= time <= end + 1e-9:
         raise InputError(
-            f"{option} {word}: the instant lies outside the path, which goes from time {start:.6g}"
+            f"{option} {text}: the instant lies outside the path, which goes from time {start:.6g}"
             f" to {end:.6g}"
         )
     return time
@@ -69,16 +69,16 @@ def instants_of(
     Parameters
     ----------
     texts
-        a time each, or the word "events" for the loaded ones among the instants that the page
-        numbers
+        each a time, or the word "events". That stands for the instants that the page names
+        (largest P, ...), except those without load
     option
         name of the option, for messages
 
     Raises
     ------
     InputError
-        For a word that is neither, and a time outside what was solved (no more revolutions than the
-        answer needs to repeat).
+        For another word, and for a time outside of the solved path. The path ends with the
+        revolution after which the solution repeats.
     """
     label_at: dict[float, str] = {}
     for text in texts:
@@ -111,47 +111,44 @@ def require_series(every: int | None, frames: int | None) -> None:
 def series_of(
     solution: ContactSolution, every: int | None, frames: int | None
 ) -> tuple[tuple[Instant, ...], list[str]]:
-    """Stored instants of the last whole cycle (the whole path, where it does not repeat) for a
+    """Stored instants of the last whole cycle (of the whole path, where it does not repeat) for a
     film, in order of time, and notes.
+
+    One of `every` and `frames` is None. The end of a cycle that repeats is left out, since it is
+    its start.
 
     Parameters
     ----------
     every
-        each so-manieth stored step of the cycle
+        n to take each n-th stored instant of the cycle
     frames
-        the stored steps nearest to so many times at equal distances; fewer where the cycle has
-        fewer steps, with a remark
-
-    Notes
-    -----
-    The end of a cycle that repeats is left out, since it is its start.
+        number of times at equal distances, for each of which the nearest stored instant is taken.
+        Where the cycle has fewer instants there are fewer, with a note
     """
     require_series(every, frames)
     repeats = solution.scene.load.path().period is not None
-    steps = solution.last_cycle
-    start = solution.time[steps[0]]
-    end = solution.time[steps[-1]]
+    indices = solution.last_cycle
+    start = solution.time[indices[0]]
+    end = solution.time[indices[-1]]
     if repeats:
-        steps = steps[:-1]
+        indices = indices[:-1]
     notes = []
     if frames is not None:
         frame_times = np.linspace(start, end, frames, endpoint=not repeats)
-        distances = np.abs(solution.time[steps] - frame_times[:, None])
-        steps = np.unique(steps[distances.argmin(axis=1)])
-        if len(steps) < frames:
+        distances = np.abs(solution.time[indices] - frame_times[:, None])
+        indices = np.unique(indices[distances.argmin(axis=1)])
+        if len(indices) < frames:
             notes.append(
-                f"{len(steps)} instants instead of {frames}: the cycle has no more stored steps"
+                f"{len(indices)} instants instead of {frames}: the cycle has no more stored steps"
                 " that far apart; --steps-per-cycle gives more"
             )
     else:
-        steps = steps[::every]
-    return (
-        tuple(
-            Instant(float(solution.time[step]), f"{number + 1} of {len(steps)}")
-            for number, step in enumerate(steps)
-        ),
-        notes,
+        indices = indices[::every]
+    instants = tuple(
+        Instant(float(solution.time[index]), f"{number} of {len(indices)}")
+        for number, index in enumerate(indices, start=1)
     )
+    return instants, notes
 
 
 def snapshots_of(
@@ -160,10 +157,13 @@ def snapshots_of(
     """Snapshots at `instants`, so many at once as memory is for."""
     import halfplane_fe
 
-    for first_instant in range(0, len(instants), _AT_ONCE):
+    for first_instant in range(0, len(instants), _SNAPSHOTS_AT_ONCE):
         yield from halfplane_fe.fields(
             solution,
-            [instant.time for instant in instants[first_instant : first_instant + _AT_ONCE]],
+            [
+                instant.time
+                for instant in instants[first_instant : first_instant + _SNAPSHOTS_AT_ONCE]
+            ],
         )
 
 
@@ -186,23 +186,22 @@ def write_fields(
     total: int | None = None,
 ) -> list[str]:
     """Write the fields of both bodies and of the contact line at each snapshot as VTU files, and a
-    PVD file that names them all with their times. Returns the names of the files, that of the PVD
-    file first.
+    PVD file that lists them with their times. Returns the names of the files, the PVD file first.
 
-    Stress is VTK's symmetric tensor xx, yy, zz, xy, yz, xz. The contact line has the tractions,
-    slip and state at its points x, and the lower body's displacement, by which a viewer can deform
-    it.
+    Stress has VTK's order of a symmetric tensor: xx, yy, zz, xy, yz, xz. The contact line has
+    tractions, slip and state at its points, and the displacement of the lower body, by which a
+    viewer can deform it.
 
     Parameters
     ----------
     snapshots
         displacement and stress of both bodies at each instant
     folder
-        made if need be
+        made if it does not exist
     report
-        called with (number written, total, text)
+        called with (number of snapshots written, total, text)
     total
-        how many snapshots there are, if known
+        number of snapshots; None where it is not known
     """
     import meshes
 
@@ -215,6 +214,7 @@ def write_fields(
     for number, snapshot in enumerate(snapshots):
         report(number, total, f"time {snapshot.time:.6g}")
         step = int(np.argmin(np.abs(solution.time - snapshot.time)))
+        # name, points, cells and nodal values of the bodies and of the contact line
         parts: list[tuple[str, Array, Indices, dict[str, NDArray[Any]]]] = []
         for body in snapshot.bodies:
             s_xx, s_yy, s_xy, s_zz = body.stress.T
@@ -228,42 +228,36 @@ def write_fields(
             }
             parts.append((body.name, body.points, body.cells, nodal_values))
         lower_fields = snapshot.bodies[0]
-        tractions = {
-            field: getattr(solution, field)[step] for field in ("pressure", "shear", "slip")
-        }
-        further_fields = {
+        values_on_line = {
+            "pressure": solution.pressure[step],
+            "shear": solution.shear[step],
+            "slip": solution.slip[step],
             "state": solution.state[step].astype(np.int32),
             "displacement": lower_fields.displacement[nodes_of_line],
         }
-        parts.append(
-            (
-                "contact",
-                lower_fields.points[nodes_of_line],
-                cells_of_line,
-                tractions | further_fields,
-            )
-        )
+        points_of_line = lower_fields.points[nodes_of_line]
+        parts.append(("contact", points_of_line, cells_of_line, values_on_line))
         for part_number, (part_name, points, cells, values_of_part) in enumerate(parts):
             file_name = f"{part_name}_{number:03d}.vtu"
             meshes.write_vtu(folder / file_name, points, cells, values_of_part)
             entries.append(meshes.PvdEntry(snapshot.time, part_number, part_name, file_name))
-    meshes.write_pvd(folder / _COLLECTION, entries)
-    return [_COLLECTION, *(entry.file for entry in entries)]
+    meshes.write_pvd(folder / _NAME_OF_COLLECTION, entries)
+    return [_NAME_OF_COLLECTION, *(entry.file for entry in entries)]
 
 
 def contact_line(mesh: BodyMesh, boundaries: Sequence[str] = ("contact",)) -> Indices:
-    """Nodes of a body's contact face from left to right, mid-side nodes among them, as indices into
-    the points of the body's fields. Instead of the contact, other `boundaries` of the mesh may be
-    named.
+    """Nodes of a body's contact face, or of the named `boundaries`, from left to right, as indices
+    into the points of the body's fields. Nodes in the middle of element sides are among them.
     """
     skfem_mesh = mesh.mesh
     facets = np.concatenate(
         [skfem_mesh.boundaries[name] for name in boundaries if name in skfem_mesh.boundaries]
     )
+    # corners come first among the nodes, then the middle of each facet, in the order of the facets
     n_corners = int(skfem_mesh.facets.max()) + 1
-    has_middles = skfem_mesh.p.shape[1] > n_corners
+    has_middle_nodes = skfem_mesh.p.shape[1] > n_corners
     nodes = skfem_mesh.facets[:, facets].ravel()
-    if has_middles:
+    if has_middle_nodes:
         nodes = np.concatenate([nodes, n_corners + facets])
     nodes = np.unique(nodes)
     return np.asarray(nodes[np.argsort(skfem_mesh.p[0, nodes])], dtype=np.int64)
@@ -272,16 +266,17 @@ def contact_line(mesh: BodyMesh, boundaries: Sequence[str] = ("contact",)) -> In
 def peak(
     snapshot: Snapshot, stress_of: Callable[[BodyFields], Array] = lambda body: body.von_mises
 ) -> dict[str, Any]:
-    """The largest nodal value of a stress in both bodies [stress], with its body and its undeformed
-    place [length]. It depends on the mesh: at an edge of contact the stress may be infinite.
+    """The largest nodal value of a stress in both bodies [stress], with its body and its place in
+    the undeformed body [length]. It depends on the mesh: at an edge of contact the stress may be
+    infinite.
 
-    `stress_of` gives the stress at each node of a body: von Mises' stress by default.
+    `stress_of` returns the stress at each node of a body, (n_nodes,): von Mises' stress by default.
     """
     body = max(snapshot.bodies, key=lambda body: float(stress_of(body).max()))
     values = stress_of(body)
     node = int(np.argmax(values))
     x = float(body.points[node, 0])
-    y = float(body.points[node, 1]) + 0.0
+    y = float(body.points[node, 1]) + 0.0  # -0.0 becomes 0.0
     return {"value": float(values[node]), "body": body.name, "x": x, "y": y, "place": [x, y]}
 
 
@@ -294,8 +289,8 @@ def tension(body: BodyFields) -> Array:
 
 def edge_tension(snapshot: Snapshot) -> dict[str, Any] | None:
     """The largest tension along the faces of both bodies at the edges of contact, at the instant of
-    `snapshot`, with its uncertainty [stress], its body and its place x [length]. None out of
-    contact, and where it is not known of a body.
+    `snapshot`: its value and uncertainty [stress], its body and its place x [length]. None out of
+    contact, and where the tension of one body is not known.
     """
     if not all(np.isfinite(body.edge_tension).all() for body in snapshot.bodies):
         return None
@@ -311,9 +306,9 @@ def edge_tension(snapshot: Snapshot) -> dict[str, Any] | None:
 
 
 def stated(instant: Instant, snapshot: Snapshot) -> dict[str, Any]:
-    """The values stated of an instant whose fields were written (`snapshot`), in fields.json and on
-    the terminal: time, loads [force/length], largest nodal stresses, and tension at the edges of
-    contact.
+    """Values at an instant whose fields were written (`snapshot`), for fields.json and the
+    terminal: time, loads [force / thickness], largest nodal stresses [stress], and tension at the
+    edges of contact [stress].
     """
     return {
         "asked": instant.time,
@@ -328,8 +323,8 @@ def stated(instant: Instant, snapshot: Snapshot) -> dict[str, Any]:
 
 
 def record(solution: FiniteElementSolution, **command_content: Any) -> dict[str, Any]:
-    """The content of fields.json: what was written and from what. `command_content` is what the
-    command adds to what is known of the solution.
+    """The content of fields.json: meaning of the fields, bodies, settings, scene and convergence of
+    the solution. `command_content` holds further entries, those of the command.
     """
     scene = solution.scene
     return {

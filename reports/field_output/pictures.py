@@ -45,34 +45,32 @@ Window = tuple[float, float, float, float]
 """The part of the plane that a picture shows: left, right, bottom, top [length]."""
 
 BOUNDARIES = ("contact", "free", "sides", "base", "far_field")
-# The whole picture's colours span this many decades below the largest stress: it falls as 1/r away
+# Decades below the largest stress that the colours of whole bodies span: stress falls as 1/r away
 # from the contact.
-_DECADES = 2.5
-# Largest displacement of the whole picture over the size of the bodies.
-_LARGEST_DISPLACEMENT = 0.06
+_DECADES_OF_COLOURS = 2.5
+# Largest displacement in the picture of whole bodies, over the size of the bodies.
+_SHOWN_DISPLACEMENT = 0.06
 
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """A mesh to draw: places (n, 2), elements, nodal values (n,) with their limits, and how dark
-    the sides of elements are.
-    """
+    """A mesh to draw, coloured by a value at its nodes."""
 
-    points: Array
-    cells: Indices
-    values: Array
-    limits: tuple[float, float] = (0.0, 1.0)
-    colours: str = "viridis"
-    edges: float = 0.0
+    points: Array  # (n, 2)
+    cells: Indices  # (n_cells, nodes per cell)
+    values: Array  # (n,)
+    limits: tuple[float, float] = (0.0, 1.0)  # values at the ends of the scale of colours
+    colours: str = "viridis"  # name of a scale of colours of pyvista
+    opacity_of_lines: float = 0.0  # of the lines between elements; 0: no lines
 
     def grid(self) -> Any:
-        """The mesh with its values as pyvista.UnstructuredGrid; elements of order 2 are those of
-        VTK.
+        """The mesh with its values as pyvista.UnstructuredGrid. Its elements have 3, 4, 6 or 9
+        nodes in the order of VTK.
         """
         import pyvista
         from pyvista import CellType
 
-        kinds = {
+        cell_types = {
             3: CellType.TRIANGLE,
             6: CellType.QUADRATIC_TRIANGLE,
             4: CellType.QUAD,
@@ -80,18 +78,18 @@ class Skin:
         }
         nodes_per_cell = self.cells.shape[1]
         points = np.column_stack([self.points, np.zeros(len(self.points))])
-        grid = pyvista.UnstructuredGrid({kinds[nodes_per_cell]: self.cells}, points)
+        grid = pyvista.UnstructuredGrid({cell_types[nodes_per_cell]: self.cells}, points)
         grid["value"] = self.values
         return grid
 
 
 class PanelWords(NamedTuple):
-    """What is written in and about a rendered panel."""
+    """Texts of a rendered panel."""
 
     length_unit: str = ""
     title: str = ""
     note: str = ""
-    alt: str = "Von Mises stress"
+    alt: str = "Von Mises stress"  # description for readers who can't see the picture
 
 
 def round_down(value: float) -> float:
@@ -101,13 +99,15 @@ def round_down(value: float) -> float:
 
 
 def picture(skins: Sequence[Skin], window: Window, width: int) -> NDArray[np.uint8]:
-    """A picture of meshes in the `window` (left, right, bottom, top), rendered off-screen: pixels
-    (height, width, 3). Meshes that come first are drawn first.
+    """A picture of meshes in the `window` (left, right, bottom, top) [length], rendered off-screen.
+    Returns its pixels (height, width, 3).
 
     Parameters
     ----------
     skins
-        the meshes, each with values at its nodes and a scale of colours
+        the meshes with their colours; a mesh is drawn over those before it
+    width
+        of the picture [pixels]
 
     Raises
     ------
@@ -125,16 +125,17 @@ def picture(skins: Sequence[Skin], window: Window, width: int) -> NDArray[np.uin
         ) from reason
 
     left_x, right_x, bottom_y, top_y = window
-    height = top_y - bottom_y
-    pixel_height = max(round(width * height / (right_x - left_x)), 2)
+    window_height = top_y - bottom_y
+    pixel_height = max(round(width * window_height / (right_x - left_x)), 2)
     plotter: Any = pyvista.Plotter(
         off_screen=True, window_size=[width, pixel_height], lighting="none"
     )
     try:
         plotter.set_background("white")
         for skin_number, skin in enumerate(skins):
-            depth = 1e-3 * skin_number * height
-            mesh = skin.grid().translate((0, 0, depth), inplace=False)
+            # later meshes and the lines of a mesh lie nearer to the camera
+            z_of_skin = 1e-3 * skin_number * window_height
+            mesh = skin.grid().translate((0, 0, z_of_skin), inplace=False)
             plotter.add_mesh(
                 mesh,
                 scalars="value",
@@ -143,21 +144,24 @@ def picture(skins: Sequence[Skin], window: Window, width: int) -> NDArray[np.uin
                 show_scalar_bar=False,
                 lighting=False,
             )
-            if skin.edges:
-                lines = mesh.extract_all_edges().translate(
-                    (0, 0, 1e-3 * (depth or 1.0)), inplace=False
-                )
+            if skin.opacity_of_lines:
+                z_of_lines = 1e-3 * (z_of_skin or 1.0)  # above that of the skin
+                lines = mesh.extract_all_edges().translate((0, 0, z_of_lines), inplace=False)
                 plotter.add_mesh(
-                    lines, color="black", line_width=1, opacity=skin.edges, lighting=False
+                    lines,
+                    color="black",
+                    line_width=1,
+                    opacity=skin.opacity_of_lines,
+                    lighting=False,
                 )
         x = (left_x + right_x) / 2
         y = (bottom_y + top_y) / 2
         camera = plotter.camera
         camera.parallel_projection = True
         camera.focal_point = (x, y, 0.0)
-        camera.position = (x, y, 10 * height)
+        camera.position = (x, y, 10 * window_height)
         camera.up = (0.0, 1.0, 0.0)
-        camera.parallel_scale = height / 2
+        camera.parallel_scale = window_height / 2
         plotter.reset_camera_clipping_range()
         return np.asarray(plotter.screenshot(None, return_img=True), dtype=np.uint8)
     finally:
@@ -173,28 +177,28 @@ def rendered(
     marks_over: Sequence[Mark] = (),
     size: tuple[float, float] = (440.0, 460.0),
 ) -> Panel:
-    """A panel that shows meshes as a rendered picture, with axes, and with curves drawn over it.
+    """A panel that shows meshes as a rendered picture with axes, and marks over the picture.
 
     Parameters
     ----------
     window
-        left, right, bottom and top of what is shown [length]; widened where the panel is wider,
-        since a unit has the same length along both axes
+        left, right, bottom and top of the part of the plane that is shown [length]. It is widened
+        to the shape of the panel, since a unit has the same length along both axes
     skins
         the meshes with their colours
     pixels
-        width of the picture
+        width of the picture [pixels]
     words
         unit of length, title, note and description
     marks_over
-        what is drawn over the picture
+        marks that are drawn over the picture
     size
         width and height of the panel
     """
     left_x, right_x, bottom_y, top_y = window
     x_axis = Axis(left_x, right_x, f"x  [{words.length_unit}]")
     y_axis = Axis(bottom_y, top_y, f"y  [{words.length_unit}]")
-    marks: list[Mark] = []  # of the panel, which keeps this list
+    marks: list[Mark] = []  # filled below, once the panel has set its scales
     width, height = size
     panel = Panel(
         name,
@@ -217,19 +221,24 @@ def rendered(
 
 
 def mesh(
-    bodies: Sequence[BodyMesh], half_width: float, edge: float, *, named: bool = False
+    bodies: Sequence[BodyMesh],
+    half_width: float,
+    contact_edge: float,
+    *,
+    with_boundaries: bool = False,
 ) -> Plate:
-    """A figure of the meshes of both bodies in three panels: whole, at the contact, and at the
-    contact's edge. y points out of the lower body.
+    """A figure of the meshes of both bodies in three panels: whole bodies, the contact, and an edge
+    of the contact. y points out of the lower body.
 
     Parameters
     ----------
     half_width
         a_ref, the unit of both axes [length]
-    edge
-        half-width of the largest contact [length]
-    named
-        whether boundaries have colours and stand in the legend
+    contact_edge
+        x of the edge of the largest contact [length]; a_ref is taken where it is NaN
+    with_boundaries
+        whether boundaries, such as contact and base, are drawn in colours and explained in the
+        legend
     """
     placed_bodies = list(zip(("lower", "upper"), (1.0, -1.0), bodies, strict=True))
     sides: dict[str, Array] = {}  # (n, 2, 2) ends of the elements' sides over a_ref
@@ -241,7 +250,8 @@ def mesh(
     points = np.concatenate([sides_of_body.reshape(-1, 2) for sides_of_body in sides.values()])
     least_corner = points.min(axis=0)
     largest_corner = points.max(axis=0)
-    edge_over_a = edge / half_width if np.isfinite(edge) else 1.0
+    edge_over_a = contact_edge / half_width if np.isfinite(contact_edge) else 1.0
+    # name, centre and half of the side of each square view, over a_ref
     views = (
         (
             "whole",
@@ -253,8 +263,8 @@ def mesh(
     )
     keys = [Key("mesh-lower", "lower body"), Key("mesh-upper", "upper body")]
     boundaries: list[Mark] = []
-    if named:
-        boundaries, keys_of_boundaries = _named_boundaries(bodies, half_width)
+    if with_boundaries:
+        boundaries, keys_of_boundaries = _marks_of_boundaries(bodies, half_width)
         keys += keys_of_boundaries
     panels = []
     for view_number, (view_in_words, centre, half_size) in enumerate(views):
@@ -293,14 +303,16 @@ def mesh(
     )
 
 
-def _boundary(body: BodyMesh, name: str, flip: float) -> Array:
-    """(n, 2, 2) end points of a boundary's sides; the upper body reflected."""
+def _sides_of_boundary(body: BodyMesh, name: str, sign_of_y: float) -> Array:
+    """End points of the n element sides of a named boundary, (n, 2, 2) [length]; `sign_of_y` is −1
+    to reflect a body at its face.
+    """
     facets = body.mesh.facets[:, body.mesh.boundaries[name]]
-    return np.asarray(body.mesh.p.T[facets.T]) * (1.0, flip)
+    return np.asarray(body.mesh.p.T[facets.T]) * (1.0, sign_of_y)
 
 
 def _support_in_words(bodies: Sequence[BodyMesh], boundary: str) -> str:
-    """How the boundary of these bodies is held."""
+    """The supports of one boundary of both bodies, in brackets; empty for a free boundary."""
     if boundary == "contact":
         return " (may touch)"
     if boundary == "free":
@@ -311,39 +323,42 @@ def _support_in_words(bodies: Sequence[BodyMesh], boundary: str) -> str:
     return f" (lower {supports[0]}, upper {supports[1]})"
 
 
-def _named_boundaries(
+def _marks_of_boundaries(
     bodies: Sequence[BodyMesh], half_width: float
 ) -> tuple[list[Mark], list[Key]]:
-    """What is drawn for the boundaries of two meshed bodies, such as contact and base, each in its
-    colour, over a_ref = `half_width` [length]; and their entries in the legend, with supports.
+    """Marks for the boundaries of two meshed bodies, such as contact and base, each in its colour
+    and with places over a_ref = `half_width` [length]; and their entries in the legend, with
+    supports.
     """
     marks: list[Mark] = []
     keys = []
     for boundary in BOUNDARIES:
-        bodies_with_it = []
+        bodies_with_boundary = []
         for sign_of_y, body in zip((1.0, -1.0), bodies, strict=True):
             if boundary in body.mesh.boundaries:
-                sides_of_body = _boundary(body, boundary, sign_of_y) / half_width
+                sides_of_body = _sides_of_boundary(body, boundary, sign_of_y) / half_width
                 marks.append(Segments(sides_of_body, f"curve side-{boundary}"))
-                bodies_with_it.append(body)
-        if bodies_with_it:
-            support = _support_in_words(bodies_with_it, boundary)
+                bodies_with_boundary.append(body)
+        if bodies_with_boundary:
+            support = _support_in_words(bodies_with_boundary, boundary)
             keys.append(Key(f"side-{boundary}", f"{boundary.replace('_', ' ')}{support}"))
     return marks, keys
 
 
 def scales_of(snapshots: Sequence[Snapshot]) -> tuple[float, float]:
-    """Two values that all pictures of a run share: the largest nodal von Mises stress [stress], the
-    end of the scale of colours, and the factor by which displacements of whole bodies are
-    magnified.
+    """Two numbers that all pictures of a run share: the largest nodal von Mises stress [stress], at
+    the end of the scale of colours; and the factor by which displacements are magnified in pictures
+    of whole bodies.
     """
     bodies = [body for snapshot in snapshots for body in snapshot.bodies]
     largest_extent = max(float(np.ptp(body.points, axis=0).max()) for body in bodies)
-    displacement = max(float(np.linalg.norm(body.displacement, axis=1).max()) for body in bodies)
+    largest_displacement = max(
+        float(np.linalg.norm(body.displacement, axis=1).max()) for body in bodies
+    )
     largest_stress = max(float(body.von_mises.max()) for body in bodies)
     factor = 1.0
-    if displacement:
-        factor = round_down(_LARGEST_DISPLACEMENT * largest_extent / displacement)
+    if largest_displacement:
+        factor = round_down(_SHOWN_DISPLACEMENT * largest_extent / largest_displacement)
     return largest_stress or 1.0, factor
 
 
@@ -356,16 +371,16 @@ def stress(
     pixels: int = 560,
 ) -> Plate:
     """A figure of von Mises' stress at some instants: both bodies, drawn apart and deformed; and
-    the contact to true scale, with the mesh.
+    the contact to true scale, with its mesh.
 
     Parameters
     ----------
     snapshots
         displacement and stress of both bodies at each of the `instants`
     scales
-        of the run, from `scales_of`
+        largest stress of the scale of colours, and factor of the displacements: see `scales_of`
     pixels
-        width of each picture
+        width of each picture [pixels]
     """
     _, length_unit, stress_unit = units(solution.scene)
     peaks = [peak(snapshot) for snapshot in snapshots]
@@ -373,9 +388,11 @@ def stress(
     cells: list[Cell] = []
     for instant_number, (instant, snapshot) in enumerate(zip(instants, snapshots, strict=True)):
         whole_name = f"{name}-{instant_number}-whole"
-        cells.append(_whole_bodies(solution, snapshot, instant.label, scales, whole_name, pixels))
         cells.append(
-            _at_the_contact(solution, snapshot, largest_stress, f"{name}-{instant_number}", pixels)
+            _cell_of_whole_bodies(solution, snapshot, instant.label, scales, whole_name, pixels)
+        )
+        cells.append(
+            _cell_of_contact(solution, snapshot, largest_stress, f"{name}-{instant_number}", pixels)
         )
     return Plate(
         name,
@@ -398,7 +415,7 @@ def stress(
     )
 
 
-def _whole_bodies(
+def _cell_of_whole_bodies(
     solution: FiniteElementSolution,
     snapshot: Snapshot,
     label: str,
@@ -406,8 +423,8 @@ def _whole_bodies(
     name: str,
     pixels: int,
 ) -> Cell:
-    """Panels of both bodies at one instant: coloured by von Mises' stress on a logarithmic scale,
-    deformed, and with the outlines of the undeformed bodies; beneath them the scale of colours.
+    """Panels of both whole bodies at one instant: coloured by von Mises' stress on a logarithmic
+    scale, deformed, with the outlines of the undeformed bodies; below them the scale of colours.
 
     Parameters
     ----------
@@ -418,27 +435,25 @@ def _whole_bodies(
     scales
         largest stress of the scale of colours, and factor by which displacements are magnified
     pixels
-        width of the picture
+        width of the picture [pixels]
     """
     largest_stress, factor = scales
     _, length_unit, stress_unit = units(solution.scene)
-    least_stress = largest_stress * 10**-_DECADES
+    least_stress = largest_stress * 10**-_DECADES_OF_COLOURS
     limits = (float(np.log10(least_stress)), float(np.log10(largest_stress)))
     largest_extent = max(float(np.ptp(body.points, axis=0).max()) for body in snapshot.bodies)
     skins = []
     outlines = []  # (n, 2, 2) ends of the sides of each boundary
     for body_mesh, body in zip(solution.bodies, snapshot.bodies, strict=True):
-        # Magnified displacements let the bodies overlap where the gap is not magnified with them;
-        # hence they are drawn apart.
+        # The bodies are drawn apart: with magnified displacements they would overlap, since the gap
+        # is not magnified.
         outward_sign = 1.0 if body.name == "lower" else -1.0
-        offset = np.array(
-            [0.0, -outward_sign * (0.03 + _LARGEST_DISPLACEMENT) * largest_extent / 2]
-        )
+        offset = np.array([0.0, -outward_sign * (0.03 + _SHOWN_DISPLACEMENT) * largest_extent / 2])
         values = np.log10(np.maximum(body.von_mises, least_stress))
         deformed_points = body.points + factor * body.displacement + offset
         skins.append(Skin(deformed_points, body.cells, values, limits))
         outlines += [
-            _boundary(body_mesh, boundary, outward_sign) + offset
+            _sides_of_boundary(body_mesh, boundary, outward_sign) + offset
             for boundary in body_mesh.mesh.boundaries
         ]
     points = np.concatenate(
@@ -478,33 +493,34 @@ def outermost(solution: FiniteElementSolution) -> float:
     return float(np.nanmax(np.abs(solution.contact_edges)))
 
 
-def _at_the_contact(
+def _cell_of_contact(
     solution: FiniteElementSolution,
     snapshot: Snapshot,
     largest_stress: float,
     name: str,
     pixels: int,
 ) -> Cell:
-    """Panels of the contact at one instant to true scale: both bodies coloured by von Mises'
-    stress, with the mesh; beneath them the state of the contact's points, and the scale of colours.
+    """Panels of the contact at one instant, to true scale: both bodies coloured by von Mises'
+    stress with their mesh; below them the states of the contact points, and the scale of colours.
 
     Parameters
     ----------
     snapshot
         displacement and stress of both bodies
     largest_stress
-        end of the scale of colours [stress]
+        at the end of the scale of colours [stress]
     pixels
-        width of the picture
+        width of the picture [pixels]
     """
     _, length_unit, stress_unit = units(solution.scene)
     half_size = 1.75 * outermost(solution)
     skins = []
     for body in snapshot.bodies:
-        # what the gap between flat faces lifts the points of the upper body
-        rise = np.outer(gap_share(solution, body), (0.0, 1.0))
-        points = body.points + body.displacement + rise
-        skins.append(Skin(points, body.cells, body.von_mises, (0.0, largest_stress), edges=0.22))
+        # faces that are flat in the mesh are moved apart by the gap, which is drawn as well
+        lift_by_gap = np.outer(gap_share(solution, body), (0.0, 1.0))
+        points = body.points + body.displacement + lift_by_gap
+        limits = (0.0, largest_stress)
+        skins.append(Skin(points, body.cells, body.von_mises, limits, opacity_of_lines=0.22))
     peak_value = peak(snapshot)
     note = minus(
         f"largest nodal value {peak_value['value']:.4g} {stress_unit}, {peak_value['body']} body"
@@ -548,22 +564,23 @@ def state_blocks(
     solution: FiniteElementSolution,
     step: int,
     half_length: float,
-    lower_edge: float,
-    upper_edge: float,
+    lower_y: float,
+    upper_y: float,
 ) -> list[Block]:
-    """Rectangles that show the state (open, stick, slip) of the contact's points along x at one
-    step, for |x| up to `half_length`. Neighbours of one state share a rectangle; all go from
-    `lower_edge` to `upper_edge`.
+    """Rectangles that show the state (open, stick, slip) of the contact points along x at one
+    stored instant, for |x| up to `half_length`. Neighbouring points of one state share a rectangle.
+    In y all rectangles go from `lower_y` to `upper_y`.
     """
     is_drawn = np.abs(solution.x) <= half_length
     x = solution.x[is_drawn]
     states = solution.state[step][is_drawn]
-    middles = np.concatenate([x[:1], (x[1:] + x[:-1]) / 2, x[-1:]])
+    # a rectangle ends in the middle between two points of different state
+    limits = np.concatenate([x[:1], (x[1:] + x[:-1]) / 2, x[-1:]])
     first_points = [0, *(np.flatnonzero(np.diff(states)) + 1).tolist(), len(states)]
     return [
         Block(
-            (float(middles[first_point]), float(middles[next_first_point])),
-            (lower_edge, upper_edge),
+            (float(limits[first_point]), float(limits[next_first_point])),
+            (lower_y, upper_y),
             f"state-{states[first_point]}",
         )
         for first_point, next_first_point in itertools.pairwise(first_points)

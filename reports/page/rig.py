@@ -34,7 +34,7 @@ from reports.charts.plate import (
 from reports.charts.templating import Table, script, template
 from reports.comparison.pairs import name_of
 from reports.comparison.words import row_of_sliding, summary_rows
-from reports.folder import filled
+from reports.folder import results_folder
 from reports.inputs import InputEffects
 from reports.units import energy_unit, load_unit, minus, units
 from scenes import ContactSolution, Scene
@@ -463,7 +463,7 @@ def write(rig_motion: RigMotion, out: str | Path, command: str, remarks: Sequenc
     page_script, script_hash = script()
     plates = (_loop(rig_motion), _over_time(rig_motion))
     summary = summary_rows(rig_motion.solution)
-    with filled(out, fresh=("report.html", "figures/")) as folder:
+    with results_folder(out, stale_prefixes=("report.html", "figures/")) as folder:
         write_tables(plates, folder)
         page = template("rig.html").render(
             title=rig_motion.scene.title or rig_motion.scene.name,

@@ -32,7 +32,7 @@ from reports.comparison.pairs import name_of
 from reports.comparison.words import headline, verdict
 from reports.comparison.work_of_loads import bulk_work, normal_work
 from reports.field_output.files import with_bodies, write_fields
-from reports.folder import filled
+from reports.folder import results_folder
 from reports.inputs import input_effects
 from reports.measured import section
 from reports.page.body_figures import fit_residuals, sketch
@@ -122,7 +122,7 @@ def write(
     if report.inputs is None and comparison.scene.inputs:
         inputs = input_effects(comparison.scene, comparison.effects)
         report = replace(report, inputs=inputs)
-    with filled(out, solutions=SOLUTIONS) as folder:
+    with results_folder(out, solutions=SOLUTIONS) as folder:
         # before the page: one that fails must not cost what took long to solve
         comparison.reference.save(folder / SOLUTIONS[0])
         comparison.result.save(folder / SOLUTIONS[1])

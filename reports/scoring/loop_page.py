@@ -27,7 +27,7 @@ from reports.charts.plate import (
 )
 from reports.charts.templating import script, template
 from reports.comparison.words import question
-from reports.folder import filled
+from reports.folder import results_folder
 from reports.scoring.loops import SHARES, LoopScore, means_of_parts
 from reports.units import energy_unit, load_unit, minus, units
 from scenes.array_types import Array
@@ -228,7 +228,7 @@ def write(
     page_script, script_hash = script()
     plates = _plates(score)
     table_heads, table_rows = table(score)
-    with filled(out) as new_folder:
+    with results_folder(out) as new_folder:
         write_tables(plates, new_folder)
         json_content = strict(content(score) | (further or {})) | {"command": command}
         (new_folder / "loop.json").write_text(

@@ -12,7 +12,7 @@ import numpy as np
 from reports.charts.plate import Axis, Curve, Dot, Key, Mark, Panel, Plate, Rule, labels
 from reports.charts.templating import markdown_table
 from reports.comparison.why import in_percent, percent_of
-from reports.folder import MANIFEST, claim, filled
+from reports.folder import MANIFEST, results_folder, usable_folder
 from reports.studies.maps.errors import (
     LEVELS,
     OF_DESIGNERS,
@@ -68,7 +68,7 @@ def require_free(folder: Path) -> None:
     names = [MANIFEST, "README.md"]
     for kind in KINDS.values():
         names += [f"{kind.name}.md", f"{kind.name}.svg"]
-    claim(folder, names)
+    usable_folder(folder, names)
 
 
 def stored(folder: Path) -> list[Tables]:
@@ -100,7 +100,7 @@ def write(folder: Path) -> None:
     maps = stored(folder)
     if not maps:
         raise InputError(f"{folder}: no map has its tables here; make them by `halfplane map all`")
-    with filled(folder, fresh=()) as staging:
+    with results_folder(folder, stale_prefixes=()) as staging:
         for tables in maps:
             name = tables.kind.name
             (staging / f"{name}.svg").write_text(figure(tables).svg(), encoding="utf-8")

@@ -10,10 +10,10 @@ def paper(options: Options) -> Answer:
     """The command `paper`: the paper's figures, what it states in words, and its misprints, each
     recomputed. Exit code 1 if a misprint is not proven.
     """
-    from reports.folder import claim, default_folder
+    from reports.folder import default_folder, usable_folder
 
     stages = Stages(options.quiet)
-    folder = claim(options.out or default_folder("paper"))
+    folder = usable_folder(options.out or default_folder("paper"))
     with stages.stage("loading"):
         from reports.studies.paper import page
         from reports.studies.paper.tables import proven_in_words

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from reports.charts.templating import script, table_text, template
 from reports.console import Stages
-from reports.folder import filled
+from reports.folder import results_folder
 from reports.studies.paper.cases import Paper, paper
 from reports.studies.paper.figures import all_figures
 from reports.studies.paper.misprints import prove_misprints
@@ -87,7 +87,7 @@ def write(out: str | Path, stages: Stages, command: str = "halfplane paper") -> 
         misprint_rows = misprints(examples)
     with stages.stage("figures"):
         figures = all_figures(examples)
-    with filled(out) as folder:
+    with results_folder(out) as folder:
         statement_table = table_text(as_columns(statement_rows, "statement"))
         (folder / "statements.csv").write_text(statement_table, encoding="utf-8")
         misprint_table = table_text(as_columns(misprint_rows, "misprint"))

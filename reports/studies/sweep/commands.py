@@ -35,12 +35,12 @@ def solve_study(source: str, options: Options, *, with_opening_lines: bool = Fal
     points it has, and how many are stored. The exit code says whether all points are solved, one
     failed, or the user interrupted.
     """
-    from reports.folder import claim, default_folder
+    from reports.folder import default_folder, usable_folder
     from reports.studies.sweep.running import prepare, solve_waiting_points, workers_of
     from reports.studies.sweep.store import StoreError
 
     stages = Stages(options.quiet)
-    folder = claim(options.out or default_folder(Path(source).stem))
+    folder = usable_folder(options.out or default_folder(Path(source).stem))
     worker_options = {name: getattr(options, name) for name in WORKERS}
     workers_of(**worker_options)  # refuses options that do not go together, before any work
     with stages.stage("checking the study", "points") as report_progress:

@@ -33,7 +33,7 @@ def export(job: Job) -> Answer:
     """The command `export`: write the bodies and the load history of a scene as an input deck for
     CalculiX.
     """
-    from reports.folder import filled
+    from reports.folder import results_folder
 
     scene = job.scene
     options = job.options
@@ -49,7 +49,7 @@ def export(job: Job) -> Answer:
     # The deck's first comment: where it lies is nobody's business.
     text = deck_text(deck, job.command("export").rpartition(" --out ")[0], versions())
     file = deck_file(scene)
-    with filled(job.folder, fresh=(file,)) as staging:
+    with results_folder(job.folder, stale_prefixes=(file,)) as staging:
         (staging / file).write_text(text, encoding="utf-8")
     deck_size = {
         "nodes": deck.reference,  # the number of the last node
