@@ -291,7 +291,7 @@ IGNORED = (
 TWICE = (
     "from reports.cli import application as cli",
     "def stop(*_): os.kill(os.getpid(), signal.SIGINT)",
-    "cli.app = cli._refused = stop",
+    "cli.app = cli._print_refusal = stop",
     "sys.exit(cli.main())",
 )
 
