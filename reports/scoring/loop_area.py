@@ -211,20 +211,22 @@ def area_about_fit(loop: MasingLoop, fit: MasingFit, cycles: float) -> LoopArea:
     cycles
         number of cycles that the rows cover
     """
-    place_on_loop = fit.distances.place
+    place_on_loop = fit.distances.place_on_loop
     order_on_loop = np.argsort(place_on_loop, kind="stable")
     area_per_sigma = np.empty(len(place_on_loop))
     area_per_sigma[order_on_loop] = _area_per_sigma(loop, fit, order_on_loop)
-    area_beside_fit = float(area_per_sigma @ fit.distances.value)
+    area_beside_fit = float(area_per_sigma @ fit.distances.signed_distance)
     area_beside_fit_by_half_the_rows = [
-        float(_area_per_sigma(loop, fit, half_of_rows) @ fit.distances.value[half_of_rows])
+        float(
+            _area_per_sigma(loop, fit, half_of_rows) @ fit.distances.signed_distance[half_of_rows]
+        )
         for half_of_rows in _halves(order_on_loop)
     ]
 
     error_by_scatter = _error_by_scatter(loop, fit, area_per_sigma)
     error_by_digits = 0.0
-    if fit.by_digits:
-        error_by_digits = loop.area_by_friction_where_gross * fit.by_digits
+    if fit.error_by_digits:
+        error_by_digits = loop.area_by_friction_where_gross * fit.error_by_digits
     # error as in `LoopArea.by_distance`: half of the difference to every second row
     error_by_distance = abs(area_beside_fit - sum(area_beside_fit_by_half_the_rows) / 2) / 2
     return LoopArea(
@@ -261,19 +263,23 @@ def _error_by_scatter(loop: MasingLoop, fit: MasingFit, area_per_sigma: Array) -
     # is the change of the parameters by each residual
     area_by_residuals = area_by_parameters @ fit.influence
     area_by_residuals[: len(area_per_sigma)] += area_per_sigma
-    # `freedom`: degrees of freedom of the fit. The scatter is at least what the digits of the rows
+    # The scatter is at least what the digits of the rows
     # leave: sigma is no smaller.
-    variance = max(float(fit.distances.value @ fit.distances.value) / fit.freedom, 1.0)
+    variance = max(
+        float(fit.distances.signed_distance @ fit.distances.signed_distance)
+        / fit.degrees_of_freedom,
+        1.0,
+    )
     # rows that deviate alike count as fewer rows
     widening = max(fit.misfit.widening, 1.0)
     sum_of_squares = float(area_by_residuals @ area_by_residuals)
     sigma_of_area = math.sqrt(variance * sum_of_squares) * widening
-    student_factor = float(student.ppf(0.975, fit.freedom))
+    student_factor = float(student.ppf(0.975, fit.degrees_of_freedom))
     error_by_scatter = _CHOSEN_BY_ROWS * student_factor * sigma_of_area
     # W of a thin loop is no straight function of the rows: over the interval of f it changes more.
     # `ends`: parameters at both ends of the interval. A loop without an upper limit of f may be a
     # line.
-    for parameters_at_end in fit.ends:
+    for parameters_at_end in fit.interval_ends:
         area_at_end = 0.0
         if parameters_at_end is not None:
             area_at_end = replace(loop, parameters=parameters_at_end).area
@@ -295,13 +301,13 @@ def _area_per_sigma(loop: MasingLoop, fit: MasingFit, rows: NDArray[np.intp]) ->
     rows
         (k,) indices of rows, in their order along the loop
     """
-    place = fit.distances.place[rows]
+    place = fit.distances.place_on_loop[rows]
     unit_normal = fit.distances.unit_normal[rows]
     # places are counted round the loop, from 0 to 2: the first row follows the last one
     place_before = np.concatenate([[place[-1] - 2], place[:-1]])
     place_after = np.concatenate([place[1:], [place[0] + 2]])
-    shift_before, load_before = loop.at_rows(np.mod((place_before + place) / 2, 2.0))
-    shift_after, load_after = loop.at_rows(np.mod((place + place_after) / 2, 2.0))
-    area_by_load_error = unit_normal[:, 1] * fit.weights.load * (shift_after - shift_before)
-    area_by_shift_error = unit_normal[:, 0] * fit.weights.shift * (load_after - load_before)
+    shift_before, load_before = loop.points_at_rows(np.mod((place_before + place) / 2, 2.0))
+    shift_after, load_after = loop.points_at_rows(np.mod((place + place_after) / 2, 2.0))
+    area_by_load_error = unit_normal[:, 1] * fit.sigma.load * (shift_after - shift_before)
+    area_by_shift_error = unit_normal[:, 0] * fit.sigma.shift * (load_after - load_before)
     return np.asarray(area_by_load_error - area_by_shift_error)

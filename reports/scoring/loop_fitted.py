@@ -23,37 +23,61 @@ _NO_MISFIT = Misfit(0.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class FittedLoop:
-    """f with its interval, the rig, and where the rows lie.
+    """A loop that was fitted to n measured rows: f with its interval, the rig, and where the rows
+    lie on the scene's cycle.
 
-    share, phase : (n,) place on the scene's cycle; cycles since any instant
-    scale, offset : r and Q0 of the file
-    shift_noise, load_noise : sigma of U and of Q
-    misfit : what the distances show; nothing where rows are placed over time
-    model, masing : the fitted loop of Masing's rule, and its fit; None where P varies
-    gross : whether it slides as a whole at its ends
+    Attributes
+    ----------
+    scene
+        the scene whose loop was fitted
+    friction, lowest_friction, highest_friction
+        f and its 95 % interval; the highest is None where the rows exclude no larger f
+    compliance
+        C of the rig [1/stress]
+    share_of_cycle
+        (n,) share of the scene's cycle that is over at each row, 0 to 1
+    phase
+        (n,) cycles that have passed at each row, from any instant on
+    cycles
+        number of cycles that the rows cover
+    scale, offset
+        r and Q0 with which the file's Q is r Q + Q0 of the scene
+    shift_noise, load_noise
+        standard deviation of the noise of U and of Q
+    sentences
+        what was assumed or left out
+    misfit
+        correlation of the distances of neighbouring rows, and their systematic part; none where
+        rows are placed over time
+    masing_loop, masing_fit
+        the fitted loop of Masing's rule, and its fit; None where P varies
+    is_gross
+        whether the contact slides as a whole at the ends of the loop
     """
 
     scene: Scene
     friction: float
-    low: float
-    high: float | None
+    lowest_friction: float
+    highest_friction: float | None
     compliance: float
-    share: Array
+    share_of_cycle: Array
     phase: Array
     cycles: float
     scale: float
     offset: float
     shift_noise: float
     load_noise: float
-    said: tuple[str, ...]
+    sentences: tuple[str, ...]
     misfit: Misfit = _NO_MISFIT
-    model: MasingLoop | None = None
-    masing: MasingFit | None = None
-    gross: bool = False
+    masing_loop: MasingLoop | None = None
+    masing_fit: MasingFit | None = None
+    is_gross: bool = False
 
 
-def said_of_scale(scale: float) -> list[str]:
-    """That Q of the file is not that of the scene, where it is not."""
+def sentences_on_scale(scale: float) -> list[str]:
+    """A sentence that Q of the file is not that of the scene, where `scale`, the one over the
+    other, is not 1.
+    """
     if abs(scale - 1) <= 1e-3:
         return []
     return [

@@ -33,28 +33,28 @@ from scenes import Scene
 from scenes.array_types import Array
 
 # Samples of the memory curve, closer towards gross sliding, where its slope grows as a logarithm,
-# and how near they come to it.
+# and how far from it they end, over f P.
 _SAMPLES = 1001
-_BEFORE_SLIDING = 1e-6
-# Corners of a branch in the search for the nearest point; the distance itself is that from the
-# curve.
-_CORNERS = 160
-# Corners on each side beyond the turning points: to a third of the range of Q.
-_BEYOND = 18
-# Step of a derivative by differences, of the parameter.
-_SHARE_OF_STEP = 1e-4
-# Places of the parameters.
+_GAP_TO_SLIDING = 1e-6
+# Corners of the polygon in which the nearest point is sought, in each part of a branch: partial
+# slip and slide. The distance itself is that from the curve.
+_CORNERS_PER_PART = 160
+# Corners beyond each of the two turning points: to a third of the range of Q.
+_CORNERS_BEYOND_TURN = 18
+# Step of a derivative by differences, over the parameter.
+_RELATIVE_STEP = 1e-4
+# Indices of the seven parameters of a loop: ln f, Q_mid, R, C, U_mid, D and S.
 LOG_F, MIDDLE, RANGE, COMPLIANCE, ORIGIN, DRIFT_RATE, SLIDE = range(7)
 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredRows:
-    """What a fit rests on.
+    """The measured rows to which a loop is fitted.
 
     shift, load, time : (n,) U, Q and time of the rows
-    branches : where they lie, by their order; its turning points are those of U and Q together,
-        each over its range
-    compliance : of the rig, None where it is fitted
+    branches : branch of each row, by their order; its turning points are those of the height
+        U/(range of U) + Q/(range of Q)
+    compliance : C of the rig [1/stress], None where it is fitted
     resolution : steps of U and Q that the digits of the rows resolve
     """
 
@@ -67,92 +67,107 @@ class MeasuredRows:
 
     @property
     def share_of_time(self) -> Array:
-        """Of the record, from -1/2 to 1/2 (n,)."""
-        passed = self.time - self.time[0]
-        return np.asarray(passed / passed[-1] - 0.5)
+        """Time of the rows over that of the whole record, from -1/2 to 1/2 (n,)."""
+        time_passed = self.time - self.time[0]
+        return np.asarray(time_passed / time_passed[-1] - 0.5)
 
     @functools.cached_property
-    def beside_turns(self) -> NDArray[np.intp]:
-        """The two rows at each turning point: either branch may be theirs."""
-        rising = self.branches.rising
-        changes = np.flatnonzero(rising[1:] != rising[:-1])
-        return np.unique(np.concatenate([changes, changes + 1]))
+    def rows_beside_turns(self) -> NDArray[np.intp]:
+        """Indices of the two rows at each turning point, which may lie on either branch."""
+        is_rising = self.branches.rising
+        last_rows_of_branches = np.flatnonzero(is_rising[1:] != is_rising[:-1])
+        return np.unique(np.concatenate([last_rows_of_branches, last_rows_of_branches + 1]))
 
     @functools.cached_property
-    def instants_of_turns(self) -> tuple[float, float]:
-        """Mean share of time of the highest and of the lowest turning points."""
-        phase = np.maximum.accumulate(self.branches.phase)
-        means = []
-        for first in (0.5, 0.0):
-            at = np.arange(math.ceil(phase[0] - first), phase[-1] - first + 1e-9) + first
-            instants = np.interp(at, phase, self.share_of_time)
-            means.append(float(np.mean(instants)) if len(at) else 0.0)
-        return means[0], means[1]
+    def mean_times_of_turns(self) -> tuple[float, float]:
+        """Mean `share_of_time` of the highest and of the lowest turning points; 0 without any."""
+        phase = np.maximum.accumulate(self.branches.phase)  # in cycles from a lowest point
+        mean_times = []
+        for phase_of_turn in (0.5, 0.0):
+            first_cycle = math.ceil(phase[0] - phase_of_turn)
+            cycles = np.arange(first_cycle, phase[-1] - phase_of_turn + 1e-9)
+            times = np.interp(cycles + phase_of_turn, phase, self.share_of_time)
+            mean_times.append(float(np.mean(times)) if len(times) else 0.0)
+        return mean_times[0], mean_times[1]
 
     @property
     def ranges(self) -> tuple[float, float]:
-        """Of U and of Q."""
+        """Range of U and range of Q, highest minus lowest."""
         return float(np.ptp(self.shift)), float(np.ptp(self.load))
 
     @property
-    def sizes(self) -> Array:
-        """Typical sizes of the parameters (7,)."""
-        of_load = float(np.ptp(self.load))
-        of_shift = float(np.ptp(self.shift))
-        return np.array([1.0, of_load, of_load, of_shift / of_load, of_shift, of_shift, of_shift])
+    def parameter_sizes(self) -> Array:
+        """Typical sizes of the parameters of a loop (7,), by which steps of a fit are scaled."""
+        range_of_shift, range_of_load = self.ranges
+        return np.array(
+            [
+                1.0,
+                range_of_load,
+                range_of_load,
+                range_of_shift / range_of_load,
+                range_of_shift,
+                range_of_shift,
+                range_of_shift,
+            ]
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class Distances:
     """Distances of rows from a loop, in the plane of U and Q, each over its sigma.
 
-    value : (n,) in sigma, positive where U of the row is larger
-    derivatives : (n, 7) by ln f, Q_mid, R, C, U_mid, D and S
+    signed_distance : (n,) in sigma, positive where U of the row is larger than U of the loop
+    derivatives : (n, 7) of the distances by ln f, Q_mid, R, C, U_mid, D and S
     unit_normal : (n, 2) of the loop at the nearest point, in sigma of U and of Q
-    place : (n,) of the nearest point, a parameter along the loop: 0 to 1 on the rising branch and
-        its slide, 1 to 2 on the falling one
+    place_on_loop : (n,) of the nearest point, a parameter along the loop: 0 to 1 on the rising
+        branch and its slide, 1 to 2 on the falling one
     """
 
-    value: Array
+    signed_distance: Array
     derivatives: Array
     unit_normal: Array
-    place: Array
+    place_on_loop: Array
 
 
 # ------------------------------------------------------------------------------------ its branches
 @dataclass(frozen=True, eq=False)
 class MemoryCurve:
-    """u(h; f) = f v(h/f) at the scene's constant P: half-plane theory at samples, cubic between
-    them.
+    """The memory curve v(h/f), from which every branch of a loop at constant P follows: U of the
+    initial loading is f v(h/f) at Q = h. Half-plane theory at samples, cubic between them.
 
-    Below 0 and beyond gross sliding v goes on straight: noise takes rows there.
+    Below 0 and beyond gross sliding v is continued as a straight line: noise takes rows there.
+
+    largest_argument : h/f of the last sample, just below gross sliding [force per thickness]
+    sliding_friction_per_load : f at which the contact just slides as a whole, over the range of Q
+    spline, spline_slope : v and dv/d(h/f) between 0 and the largest argument
     """
 
-    limit: float  # h/f of the last sample
-    sliding: float  # f of gross sliding over the range of Q
+    largest_argument: float
+    sliding_friction_per_load: float
     spline: Any
-    slope: Any
+    spline_slope: Any
 
-    def value(self, h: Array) -> Array:
-        """v [length] at h/f [force per thickness]."""
-        inner = np.clip(h, 0.0, self.limit)
-        before = np.minimum(h, 0.0) * self.slope(0.0)
-        beyond = np.maximum(h - self.limit, 0.0) * self.slope(self.limit)
-        return np.asarray(self.spline(inner) + before + beyond)
+    def value(self, argument: Array) -> Array:
+        """v [length] at `argument` = h/f [force per thickness]."""
+        argument_on_spline = np.clip(argument, 0.0, self.largest_argument)
+        value_below_zero = np.minimum(argument, 0.0) * self.spline_slope(0.0)
+        argument_beyond = np.maximum(argument - self.largest_argument, 0.0)
+        value_beyond = argument_beyond * self.spline_slope(self.largest_argument)
+        return np.asarray(self.spline(argument_on_spline) + value_below_zero + value_beyond)
 
-    def rate(self, h: Array) -> Array:
-        """dv/dh [1/stress]."""
-        return np.asarray(self.slope(np.clip(h, 0.0, self.limit)))
+    def rate(self, argument: Array) -> Array:
+        """dv/d(h/f) [1/stress] at `argument` = h/f."""
+        return np.asarray(self.spline_slope(np.clip(argument, 0.0, self.largest_argument)))
 
 
-def memory_curve(scene: Scene, sliding_friction_over_range: float) -> MemoryCurve:
-    """The memory curve u(h) of a scene at constant P, from one solve: U changes by 2 f u(h/f) when
-    Q falls by 2 h from a turning point (Masing's rule). It is the falling branch of a loop that
-    nearly slides as a whole.
+def memory_curve(scene: Scene, sliding_friction_per_load: float) -> MemoryCurve:
+    """The memory curve v(h/f) of a scene at constant P, from one solve: U falls by 2 f v(h/f) when
+    Q falls by 2 h from a turning point (Masing's rule). It is taken from the falling branch of a
+    loop that nearly slides as a whole, on which h/f runs from 0 to nearly P.
 
     Parameters
     ----------
-    sliding_friction_over_range
+    sliding_friction_per_load
         f at which the scene just slides as a whole, over the range of its Q [1/load]
     """
     from scipy.interpolate import CubicSpline
@@ -161,37 +176,38 @@ def memory_curve(scene: Scene, sliding_friction_over_range: float) -> MemoryCurv
     path_of_scene = scene.load.path()
     normal_loads, _ = path_of_scene.at(np.array([path_of_scene.cycle_start]))
     normal_load = float(np.asarray(normal_loads)[0])
-    largest_argument = normal_load * (1 - _BEFORE_SLIDING)
+    largest_argument = normal_load * (1 - _GAP_TO_SLIDING)
     largest_load = friction * largest_argument
-    loads = {
+    polygon_of_loads = {
         "kind": "polygon",
         "initial_loading": [(normal_load, 0.0), (normal_load, largest_load)],
         "cycle": [(normal_load, -largest_load)],
     }
-    nearly_sliding = scene.vary(load=loads, cycles=2)
-    path = nearly_sliding.load.path()
+    nearly_sliding_scene = scene.vary(load=polygon_of_loads, cycles=2)
+    path = nearly_sliding_scene.load.path()
     assert path.period is not None
-    # closer and closer towards gross sliding, where the slope grows
+    # samples closer and closer towards gross sliding, where the slope grows
     share_of_branch = 1 - (1 - np.linspace(0.0, 1.0, _SAMPLES)) ** 3
     times = path.cycle_start + path.period * (1 + share_of_branch / 2)
     solution = semi_analytic.solve(
-        nearly_sliding, x=0.0, time=times, fields="tangential_displacement", cycles="steady"
+        nearly_sliding_scene, x=0.0, time=times, fields="tangential_displacement", cycles="steady"
     )
     shift = solution.tangential_displacement
-    spline = CubicSpline(largest_argument * share_of_branch, (shift[0] - shift) / (2 * friction))
-    return MemoryCurve(largest_argument, sliding_friction_over_range, spline, spline.derivative())
+    memory_values = (shift[0] - shift) / (2 * friction)
+    spline = CubicSpline(largest_argument * share_of_branch, memory_values)
+    return MemoryCurve(largest_argument, sliding_friction_per_load, spline, spline.derivative())
 
 
 # ----------------------------------------------------------------------------------------- the loop
 @dataclass(frozen=True, eq=False)
 class MasingLoop:
-    """A loop of Masing's rule, by its seven parameters (7,): ln f, Q_mid, R, C, U_mid, D and S. Its
-    points are those of the rising branch and its gross slide, from the middle of the loop on.
+    """A loop of Masing's rule, by its seven parameters (7,): ln f, Q_mid, R, C, U_mid, D and S. U
+    and Q of its points are counted from the middle of the loop.
 
-    Points have a place, a parameter along the branch: 0 to 1 in partial slip, closer towards the
-    end, where the slope grows as a logarithm; 1 to 2 on the slide. Below 0 and above 2 the line
-    goes on: noise takes rows beyond the turning points, and their distance from a turning point
-    would draw it outwards.
+    Points of the rising branch have a place, a parameter along it: 0 to 1 in partial slip, closer
+    towards the end, where the slope grows as a logarithm; 1 to 2 on the slide. Below 0 and above 2
+    the branch is continued: noise takes rows beyond the turning points, and their distance from a
+    turning point would draw it outwards.
     """
 
     curve: MemoryCurve
@@ -199,27 +215,32 @@ class MasingLoop:
 
     @property
     def friction(self) -> float:
-        """f."""
+        """Coefficient of friction f."""
         return math.exp(self.parameters[LOG_F])
 
     @property
-    def _slides(self) -> bool:
+    def _has_slide(self) -> bool:
+        """Whether the loop is gross: the contact slides as a whole at its ends."""
         return bool(self.parameters[SLIDE] > 0)
 
     def _fraction_of_load_range(self, place: Array) -> Array:
-        """Fraction of the range of Q that the rising branch has passed at places (n,)."""
-        inside = 1 - (1 - np.clip(place, 0.0, 1.0)) ** 3
-        passed = inside + 3 * np.minimum(place, 0.0)
-        if not self._slides:
-            passed = passed + 3 * np.maximum(place - 2, 0.0)
-        return np.asarray(passed)
+        """Fraction of the range of Q that the rising branch has passed at places (n,): 0 at the
+        lower turning point, 1 at the upper one and on the slide. It is 1 − (1 − place)^3 between.
+        """
+        fraction_on_branch = 1 - (1 - np.clip(place, 0.0, 1.0)) ** 3
+        fraction_of_range = fraction_on_branch + 3 * np.minimum(place, 0.0)
+        if not self._has_slide:
+            fraction_of_range = fraction_of_range + 3 * np.maximum(place - 2, 0.0)
+        return np.asarray(fraction_of_range)
 
     def points(self, place: Array) -> tuple[Array, Array]:
         """U and Q of the rising branch of the loop, (n,) each, counted from the middle of the loop.
 
-        `place` (n,) numbers the points of the branch: 0 to 1 in partial slip, 1 to 2 while the
-        contact slides as a whole. Past 2 the branch goes on with the slope of its end, so that a
-        row of data beyond it has a nearest point: along U where the contact slides, else along Q.
+        `place` (n,) is a parameter along the branch: 0 to 1 in partial slip, 1 to 2 while the
+        contact slides as a whole. Past 2 the branch is continued, so that a row beyond its end has
+        a nearest point: along U where the contact slides, else along the memory curve v.
+
+            U = 2 f v(h/f) - f v(R/2f) + slide + C Q,   h half of the rise of Q since the lower turn
         """
         fraction_of_range = self._fraction_of_load_range(place)
         friction = self.friction
@@ -227,80 +248,91 @@ class MasingLoop:
         shift_at_turn = friction * self.curve.value(np.array(half_range / friction))
         shift_from_turn = 2 * friction * self.curve.value(fraction_of_range * half_range / friction)
         shift_of_slide = self.parameters[SLIDE] * (np.clip(place - 1, 0.0, 1.0) - 0.5)
-        if self._slides:
+        if self._has_slide:
             shift_past_end = 2 * shift_at_turn * np.maximum(place - 2, 0.0)
             shift_of_slide = shift_of_slide + shift_past_end
         load = (2 * fraction_of_range - 1) * half_range
-        shift = (
-            shift_from_turn - shift_at_turn + shift_of_slide + self.parameters[COMPLIANCE] * load
-        )
+        shift_of_rig = self.parameters[COMPLIANCE] * load
+        shift = shift_from_turn - shift_at_turn + shift_of_slide + shift_of_rig
         return shift, load
 
-    def closed(self, share: Array) -> tuple[Array, Array]:
+    def closed_curve(self, share_of_cycle: Array) -> tuple[Array, Array]:
         """U and Q from the middle of the loop at shares of a cycle (n,), from the highest Q on."""
-        on_falling = share < 0.5
-        place = np.clip(np.where(on_falling, share, share - 0.5) * 4, 0.0, 2.0)
-        shift, load = self.points(place)
-        side = np.where(on_falling, -1.0, 1.0)
-        return side * shift, side * load
+        is_falling = share_of_cycle < 0.5
+        share_of_branch = 2 * np.where(is_falling, share_of_cycle, share_of_cycle - 0.5)
+        shift, load = self.points(np.clip(2 * share_of_branch, 0.0, 2.0))
+        # the falling branch is the rising one turned about the middle
+        sign_of_branch = np.where(is_falling, -1.0, 1.0)
+        return sign_of_branch * shift, sign_of_branch * load
 
-    def at_rows(self, place: Array) -> tuple[Array, Array]:
-        """U and Q from the middle of the loop at places of rows, from 0 to 2 (`Distances`)."""
-        on_falling = place > 1
-        shift, load = self.points(2 * np.where(on_falling, place - 1, place))
-        side = np.where(on_falling, -1.0, 1.0)
-        return side * shift, side * load
+    def points_at_rows(self, place_on_loop: Array) -> tuple[Array, Array]:
+        """U and Q from the middle of the loop at places of rows (n,): 0 to 1 on the rising branch,
+        1 to 2 on the falling one (`Distances.place_on_loop`).
+        """
+        is_falling = place_on_loop > 1
+        share_of_branch = np.where(is_falling, place_on_loop - 1, place_on_loop)
+        shift, load = self.points(2 * share_of_branch)
+        # the falling branch is the rising one turned about the middle
+        sign_of_branch = np.where(is_falling, -1.0, 1.0)
+        return sign_of_branch * shift, sign_of_branch * load
 
     @property
     def area(self) -> float:
-        """W, by twice as many chords."""
+        """W, the closed integral of Q dU [energy per thickness], by 2,000 and by 4,000 chords: the
+        error, which falls with the square of their number, is extrapolated.
+        """
         areas = []
-        for count in (2001, 4001):
-            shift, load = self.closed(np.linspace(0.0, 1.0, count))
+        for n_points in (2001, 4001):
+            shift, load = self.closed_curve(np.linspace(0.0, 1.0, n_points))
             areas.append(float(np.sum((load[1:] + load[:-1]) / 2 * np.diff(shift))))
         return areas[1] + (areas[1] - areas[0]) / 3
 
     @property
     def area_by_friction_where_gross(self) -> float:
-        """Derivative of W by f, with which R goes."""
+        """Derivative of W by f of a gross loop, whose range R = 2 f P grows with f."""
         gradient = self.area_by_parameters
-        by_log = gradient[LOG_F] + self.parameters[RANGE] * gradient[RANGE]
-        return float(by_log) / self.friction
+        area_by_log_friction = gradient[LOG_F] + self.parameters[RANGE] * gradient[RANGE]
+        return float(area_by_log_friction) / self.friction
 
     @property
     def area_by_parameters(self) -> Array:
-        """Derivatives of W by the parameters (7,)."""
+        """Derivatives of W by the parameters (7,), by central differences; W does not depend on
+        Q_mid, U_mid and D.
+        """
         gradient = np.zeros(7)
         for k in (LOG_F, RANGE, COMPLIANCE, SLIDE):
             step = np.zeros(7)
-            step[k] = _SHARE_OF_STEP * max(abs(float(self.parameters[k])), _SHARE_OF_STEP)
-            above = MasingLoop(self.curve, self.parameters + step).area
-            below = MasingLoop(self.curve, self.parameters - step).area
-            gradient[k] = (above - below) / (2 * step[k])
+            step[k] = _RELATIVE_STEP * max(abs(float(self.parameters[k])), _RELATIVE_STEP)
+            area_above = MasingLoop(self.curve, self.parameters + step).area
+            area_below = MasingLoop(self.curve, self.parameters - step).area
+            gradient[k] = (area_above - area_below) / (2 * step[k])
         return gradient
 
-    def with_friction(self, friction: float) -> MasingLoop | None:
-        """The gross loop of another f with the same range of U; None where that f does not slide
-        in it.
+    def gross_loop_with_friction(self, friction: float) -> MasingLoop | None:
+        """The gross loop with another coefficient of friction, over the same range of U: what the
+        contact does not slip it slides. None where this range is too short for a slide.
         """
-        end = np.array([2.0])
+        place_of_end = np.array([2.0])
         parameters = self.parameters.copy()
         parameters[LOG_F] = math.log(friction)
-        parameters[RANGE] = friction / self.curve.sliding
-        missing = float(
-            self.points(end)[0][0] - MasingLoop(self.curve, parameters).points(end)[0][0]
-        )
-        parameters[SLIDE] += 2 * missing
+        parameters[RANGE] = friction / self.curve.sliding_friction_per_load
+        shift_at_end, _ = self.points(place_of_end)
+        shift_with_same_slide, _ = MasingLoop(self.curve, parameters).points(place_of_end)
+        missing_shift = float(shift_at_end[0] - shift_with_same_slide[0])
+        # half of the slide lies on each side of the middle of the loop
+        parameters[SLIDE] += 2 * missing_shift
         return MasingLoop(self.curve, parameters) if parameters[SLIDE] > 0 else None
 
     def tangents(self, place: Array) -> tuple[Array, Array]:
-        """Direction in U and Q at places (n,), of any length."""
-        on_branch = (place < 1) | (not self._slides)
+        """Components in U and in Q of a tangent to the rising branch at places (n,), (n,) each:
+        (dU/dQ, 1) in partial slip, (1, 0) on the slide.
+        """
+        is_in_partial_slip = (place < 1) | (not self._has_slide)
         rate = self.curve.rate(
             self._fraction_of_load_range(place) * self.parameters[RANGE] / 2 / self.friction
         )
-        of_shift = np.where(on_branch, rate + self.parameters[COMPLIANCE], 1.0)
-        return of_shift, on_branch.astype(float)
+        tangent_shift = np.where(is_in_partial_slip, rate + self.parameters[COMPLIANCE], 1.0)
+        return tangent_shift, is_in_partial_slip.astype(float)
 
     def derivatives(self, place: Array) -> tuple[Array, Array]:
         """Derivatives of U and of Q of the rising branch at places (n,) by the seven parameters of
@@ -308,8 +340,11 @@ class MasingLoop:
         drift of U, gross slide S. Those by the middle of Q, the origin of U and the drift are left
         0.
 
-        With h half of the load since the turning point, U = 2 f v(h/f) - f v(R/2f) + ... (Masing's
-        rule). `place` is that of `points`.
+        With h half of the rise of Q since the lower turning point (Masing's rule),
+
+            U = 2 f v(h/f) - f v(R/2f) + slide + C Q.
+
+        `place` is a parameter along the branch: 0 to 1 in partial slip, 1 to 2 on the slide.
         """
         fraction_of_range = self._fraction_of_load_range(place)
         friction = self.friction
@@ -340,13 +375,16 @@ class MasingLoop:
         return shift_derivatives, load_derivatives
 
 
-# The slide is parted too: the nearest corner is beside the nearest point where neighbouring pieces
-# are about as long.
-_PLACES = np.arange(-_BEYOND, 2 * _CORNERS + _BEYOND + 1) / _CORNERS
+# Places of the corners. Those of the slide too: the nearest corner lies beside the nearest point
+# where neighbouring chords are about as long.
+_PLACES_OF_CORNERS = (
+    np.arange(-_CORNERS_BEYOND_TURN, 2 * _CORNERS_PER_PART + _CORNERS_BEYOND_TURN + 1)
+    / _CORNERS_PER_PART
+)
 
 
-def distances_from(
-    rows: MeasuredRows, curve: MemoryCurve, parameters: Array, weights: Weights
+def distances_from_loop(
+    rows: MeasuredRows, curve: MemoryCurve, parameters: Array, sigma: Weights
 ) -> Distances:
     """Distances of the rows of a measured loop from the loop of Masing's rule with the seven
     `parameters`, over sigma, with their derivatives by these. A row beside a turning point is
@@ -361,52 +399,51 @@ def distances_from(
     parameters
         (7,) ln f, middle and range of Q, compliance C of the rig, origin of U, drift of U, gross
         slide
-    weights
-        sigma of U and of Q
+    sigma
+        standard deviation of the noise of U and of Q, by which both are divided
     """
     loop = MasingLoop(curve, parameters)
     shift = rows.shift - parameters[ORIGIN] - parameters[DRIFT_RATE] * rows.share_of_time
     load = rows.load - parameters[MIDDLE]
-    corners_of_branch = np.array(loop.points(_PLACES))
-    corners_of_branch /= np.array(weights)[:, None]
+    corners_of_branch = np.array(loop.points(_PLACES_OF_CORNERS))
+    corners_of_branch /= np.array(sigma)[:, None]
     branch_sign = np.where(rows.branches.rising, 1.0, -1.0)
-    answers_by_own_branch = _distances_from_branch(
-        loop, corners_of_branch, shift, load, branch_sign, weights
+    # (4, n) each: distance, normal in U, normal in Q, place
+    from_branch_of_rows = _distances_from_branch(
+        loop, corners_of_branch, shift, load, branch_sign, sigma
     )
-    rows_beside_turns = rows.beside_turns
-    answers_by_other_branch = _distances_from_branch(
+    rows_beside_turns = rows.rows_beside_turns
+    from_other_branch = _distances_from_branch(
         loop,
         corners_of_branch,
         shift[rows_beside_turns],
         load[rows_beside_turns],
         -branch_sign[rows_beside_turns],
-        weights,
+        sigma,
     )
-    other_is_nearer = np.abs(answers_by_other_branch[0]) < np.abs(
-        answers_by_own_branch[0][rows_beside_turns]
+    is_other_nearer = np.abs(from_other_branch[0]) < np.abs(
+        from_branch_of_rows[0, rows_beside_turns]
     )
-    # where the other branch is nearer: distance, unit normal and place are those of it
-    for answer_of_rows, answer_of_other in zip(
-        answers_by_own_branch, answers_by_other_branch, strict=True
-    ):
-        answer_of_rows[rows_beside_turns[other_is_nearer]] = answer_of_other[other_is_nearer]
-    branch_sign[rows_beside_turns[other_is_nearer]] *= -1
+    rows_of_other_branch = rows_beside_turns[is_other_nearer]
+    from_branch_of_rows[:, rows_of_other_branch] = from_other_branch[:, is_other_nearer]
+    branch_sign[rows_of_other_branch] *= -1
 
-    distance, unit_shift, unit_load, place = answers_by_own_branch
+    distance, normal_shift, normal_load, place = from_branch_of_rows
     shift_derivatives, load_derivatives = loop.derivatives(place)
     shift_derivatives *= branch_sign[:, None]
     load_derivatives *= branch_sign[:, None]
     shift_derivatives[:, ORIGIN] = 1.0
     shift_derivatives[:, DRIFT_RATE] = rows.share_of_time
     load_derivatives[:, MIDDLE] = 1.0
-    derivatives = -unit_shift[:, None] * shift_derivatives / weights.shift
-    derivatives -= unit_load[:, None] * load_derivatives / weights.load
-    place_on_branch = np.clip(place, 0.0, 2.0) / 2
+    # a distance shrinks by what the point of the loop moves along the normal
+    derivatives = -normal_shift[:, None] * shift_derivatives / sigma.shift
+    derivatives -= normal_load[:, None] * load_derivatives / sigma.load
+    share_of_branch = np.clip(place, 0.0, 2.0) / 2
     return Distances(
-        value=distance,
+        signed_distance=distance,
         derivatives=derivatives,
-        unit_normal=np.column_stack([unit_shift, unit_load]),
-        place=np.where(branch_sign > 0, place_on_branch, 1 + place_on_branch),
+        unit_normal=np.column_stack([normal_shift, normal_load]),
+        place_on_loop=np.where(branch_sign > 0, share_of_branch, 1 + share_of_branch),
     )
 
 
@@ -416,53 +453,55 @@ def _distances_from_branch(
     shift: Array,
     load: Array,
     branch_sign: Array,
-    weights: Weights,
-) -> tuple[Array, Array, Array, Array]:
-    """Distances of rows from one branch of the loop, in sigma, positive where U of the row is
-    larger; the components in U and in Q of the unit normal there; and the places of the nearest
-    points on the branch, (n,) each (see `MasingLoop.points`).
+    sigma: Weights,
+) -> Array:
+    """Distances of rows from one branch of the loop, (4, n): the distance in sigma, positive where
+    U of the row is larger; the components in U and in Q of the unit normal at the nearest point of
+    the branch; and the place of this point, a parameter along the branch (`MasingLoop.points`).
 
-    The nearest point of the polygon gives the place. The distance is that from the tangent of the
-    true branch there.
+    The nearest point of a polygon gives the place. The distance is that from the tangent of the
+    true branch there; where the branch has none (a kink or an end), from the point itself.
 
     Parameters
     ----------
     polygon
-        (2, m) points of the rising branch, over sigma, at the places `_PLACES`
+        (2, m) U and Q of the corners of the rising branch, over sigma, at `_PLACES_OF_CORNERS`
     shift, load
         (n,) U and Q of the rows, from the middle of the loop
     branch_sign
         (n,) 1 for rows of the rising branch, -1 for the falling one, which is the rising one turned
         about the middle
-    weights
-        sigma of U and Q
+    sigma
+        standard deviation of the noise of U and of Q
     """
-    row_points = np.array([branch_sign * shift / weights.shift, branch_sign * load / weights.load])
+    row_points = np.array([branch_sign * shift / sigma.shift, branch_sign * load / sigma.load])
     place_on_polygon, _, _, _ = nearest_on_polyline(row_points, polygon)
-    place = (place_on_polygon - _BEYOND) / _CORNERS
-    # The branch has no tangent where the slide begins (a kink), nor at its two ends, which lie
-    # beyond the turning points.
-    is_at_kink = (place_on_polygon <= 0) | (place == 1) | (place_on_polygon >= len(_PLACES) - 1)
+    place = (place_on_polygon - _CORNERS_BEYOND_TURN) / _CORNERS_PER_PART
+    # The branch has no tangent where the slide begins (a kink), nor at the two ends of the polygon,
+    # which lie beyond the turning points.
+    has_no_tangent = (
+        (place_on_polygon <= 0) | (place == 1) | (place_on_polygon >= len(_PLACES_OF_CORNERS) - 1)
+    )
     if not loop.parameters[SLIDE] > 0:
-        is_at_kink &= place != 1
+        has_no_tangent &= place != 1
 
-    loop_point = loop.points(place)
-    shift_from_loop = row_points[0] - loop_point[0] / weights.shift
-    load_from_loop = row_points[1] - loop_point[1] / weights.load
+    shift_of_loop, load_of_loop = loop.points(place)
+    shift_from_loop = row_points[0] - shift_of_loop / sigma.shift
+    load_from_loop = row_points[1] - load_of_loop / sigma.load
     tangent_shift, tangent_load = loop.tangents(place)
-    tangent_shift = tangent_shift / weights.shift
-    tangent_load = tangent_load / weights.load
+    tangent_shift = tangent_shift / sigma.shift
+    tangent_load = tangent_load / sigma.load
     tangent_length = np.hypot(tangent_shift, tangent_load)
-    unit_shift = tangent_load / tangent_length
-    unit_load = -tangent_shift / tangent_length
-    distance = shift_from_loop * unit_shift + load_from_loop * unit_load
+    normal_shift = tangent_load / tangent_length
+    normal_load = -tangent_shift / tangent_length
+    distance = shift_from_loop * normal_shift + load_from_loop * normal_load
 
-    # There the distance is that from the point; its sign is that across the branch.
+    # without a tangent: the distance from the point, with the sign that it has across the branch
     distance_from_point = np.hypot(shift_from_loop, load_from_loop)
-    is_at_kink &= distance_from_point > 0
+    has_no_tangent &= distance_from_point > 0
     signed_distance = np.where(distance < 0, -distance_from_point, distance_from_point)
-    divisor = np.where(is_at_kink, signed_distance, 1.0)
-    unit_shift = np.where(is_at_kink, shift_from_loop / divisor, unit_shift)
-    unit_load = np.where(is_at_kink, load_from_loop / divisor, unit_load)
-    distance = np.where(is_at_kink, signed_distance, distance)
-    return branch_sign * distance, unit_shift, unit_load, place
+    divisor = np.where(has_no_tangent, signed_distance, 1.0)
+    normal_shift = np.where(has_no_tangent, shift_from_loop / divisor, normal_shift)
+    normal_load = np.where(has_no_tangent, load_from_loop / divisor, normal_load)
+    distance = np.where(has_no_tangent, signed_distance, distance)
+    return np.array([branch_sign * distance, normal_shift, normal_load, place])

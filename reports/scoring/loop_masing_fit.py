@@ -18,7 +18,6 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from reports.scoring.loop_branches import row_noise
 from reports.scoring.loop_fit import Weights
@@ -34,131 +33,150 @@ from reports.scoring.loop_masing import (
     MasingLoop,
     MeasuredRows,
     MemoryCurve,
-    distances_from,
+    distances_from_loop,
 )
 from reports.scoring.loop_steadiness import BY_CHANCE, Change, Misfit, change_of, misfit_of
 from scenes.array_types import Array
 
-# First trials of f, from just above gross sliding to so many times as much; beyond, a loop is a
-# line. Trials of the slide, in ranges of U.
-_TRIALS = 24
-_ABOVE = 0.002
-_WIDEST = 40.0
-_SLIDES = (0.05, 0.2, 0.4, 0.6, 0.8)
+# First trials of f: their number, and ln of the first and f of the last over f of gross sliding;
+# beyond the last a loop is a line. Trials of the slide, in ranges of U.
+_N_TRIALS = 24
+_LEAST_LOG_RATIO = 0.002
+_LARGEST_RATIO = 40.0
+_SLIDE_FRACTIONS = (0.05, 0.2, 0.4, 0.6, 0.8)
 # Minima among the trials of each kind from which a fit begins.
-_MINIMA = 2
+_N_MINIMA = 2
 # A gauge drifts by up to 2 % of the range of U over the record, any part of it alike: a standard
 # deviation of 2 %/sqrt(3). Rows of one cycle can't tell it from f.
-_DRIFT = 0.0115
+_SIGMA_OF_DRIFT = 0.0115
 # Least error of a turning point of U and Q together, each over its range: parabolas describe a
 # branch beside it no better.
 _ERROR_OF_TURN = 0.002
 # Mean square of distances, in variances of the last digits, up to which digits alone explain them.
-_BY_DIGITS = 1.3
-# Fits with the noise of the fit before: it changes by less than a part in twenty then.
-_REWEIGHTED = 8
-_SAME_NOISE = 0.05
+_MEAN_SQUARE_BY_DIGITS = 1.3
+# Fits with the noise of the fit before, at most; the relative change of the noise that ends them.
+_MOST_REWEIGHTINGS = 8
+_CHANGE_OF_SAME_NOISE = 0.05
 # Largest scatter of ln(sigma of U/sigma of Q) about what neighbouring rows show.
-_RATIO_OF_NOISE = 1.0
+_SCATTER_OF_NOISE_RATIO = 1.0
 # Its scatter by chance, times the square root of rows: ln of either median scatters by 1.6.
-_OF_ROW_NOISE = 2.3
+_SCATTER_OF_ROW_NOISE = 2.3
 # Noise of rows that show none, over their largest value: f is not known better than theory's
 # samples leave it.
 _LEAST_NOISE = 1e-9
-# Steps outwards to the end of an interval, and by which it is narrowed then.
-_STEPS = 30
-_NARROWED = 12
-# Lowest and highest f of an interval over the best one.
-_FARTHEST = 60.0
+# Steps outwards to the end of an interval, and steps by which it is narrowed then, at most.
+_MOST_STEPS = 30
+_MOST_NARROWINGS = 12
+# Largest f at which the end of an interval is sought, over the best one; its inverse for the least.
+_LARGEST_FRICTION_RATIO = 60.0
 # Excess of the sum of squares that is admitted of a loop of the other kind, over that of the same
 # kind: chi squared of three degrees, f, slide and range, over that of one.
-_OTHER_KIND = 7.815 / 3.841
+_EXCESS_OF_OTHER_KIND = 7.815 / 3.841
 # Share of a step of the digits of Q within which a plateau lies in 95 %, where no noise moves it
 # from one digit to the next; noise of that share of a step does.
-_OF_STEP = 0.475
-_MOVES_DIGITS = 0.4
+_SHARE_OF_STEP = 0.475
+_NOISE_OF_CHANGING_DIGITS = 0.4
 
 
 @dataclass(frozen=True, eq=False)
 class MasingFit:
-    """The loop that follows the rows best.
+    """The loop that follows the rows best, with the 95 % interval of its f.
 
     Attributes
     ----------
-    friction, low, high
-        f and its 95 % interval; high None where no larger f can be told from it
+    friction, lowest_friction, highest_friction
+        f and its 95 % interval; the highest is None where the rows exclude no larger f
     parameters
         (7,) ln f, Q_mid, R, C, U_mid, D over the record, S
-    errors
-        (7,) their standard errors
-    gross
-        whether the contact slides as a whole at the ends
-    weights
-        sigma of U and of Q
+    standard_errors
+        (7,) of the parameters
+    is_gross
+        whether the contact slides as a whole at the ends of the loop
+    sigma
+        standard deviation of the noise of U and of Q
     distances
-        of the rows
+        of the rows from the loop
     misfit
-        what the distances show
+        correlation of the distances of neighbouring rows, and their systematic part
     influence
-        (7, m) of the m residuals' scatter on the parameters: the rows' distances stand first
-    freedom
-        rows without the parameters
-    by_digits
-        error of f by the last digit of a plateau (95 %)
-    ends
-        parameters (7,) at either end of the interval of f, None where it has none
+        (7, m) change of each parameter per unit of each of the m residuals: the distances of the
+        rows stand first
+    degrees_of_freedom
+        number of rows minus number of fitted parameters
+    error_by_digits
+        error of f by the last digit of a plateau of Q (95 %)
+    interval_ends
+        parameters (7,) of the loops at the lower and the upper end of the interval of f, None
+        where it has no such end
     """
 
     friction: float
-    low: float
-    high: float | None
+    lowest_friction: float
+    highest_friction: float | None
     parameters: Array
-    errors: Array
-    gross: bool
-    weights: Weights
+    standard_errors: Array
+    is_gross: bool
+    sigma: Weights
     distances: Distances
     misfit: Misfit
     influence: Array
-    freedom: int
-    by_digits: float
-    ends: tuple[Array | None, Array | None]
+    degrees_of_freedom: int
+    error_by_digits: float
+    interval_ends: tuple[Array | None, Array | None]
 
     @property
-    def highest(self) -> float:
-        """Largest Q."""
+    def highest_load(self) -> float:
+        """Largest Q, at the upper turning point [force per thickness]."""
         return float(self.parameters[MIDDLE] + self.parameters[RANGE] / 2)
 
     @property
-    def lowest(self) -> float:
-        """Smallest Q."""
+    def lowest_load(self) -> float:
+        """Smallest Q, at the lower turning point [force per thickness]."""
         return float(self.parameters[MIDDLE] - self.parameters[RANGE] / 2)
 
     @property
     def compliance(self) -> float:
-        """C [1/stress]."""
+        """Compliance C of the rig [1/stress]."""
         return float(self.parameters[COMPLIANCE])
 
     @property
     def drift(self) -> float:
-        """D over the whole record [length]."""
+        """Drift D of U over the whole record [length]."""
         return float(self.parameters[DRIFT_RATE])
 
     @property
     def drift_error(self) -> float:
         """Standard error of D [length]."""
-        return float(self.errors[DRIFT_RATE])
+        return float(self.standard_errors[DRIFT_RATE])
 
     @property
     def slide(self) -> float:
-        """S [length]."""
+        """Gross slide S at each end of the loop [length]."""
         return float(self.parameters[SLIDE])
 
 
-class _Least(NamedTuple):
+class _LeastSquaresFit(NamedTuple):
     """A fit: its least sum of squares, and the parameters (7,) of the loop that gives it."""
 
-    squares: float
+    sum_of_squares: float
     parameters: Array
+
+
+class _FitsOfBothKinds(NamedTuple):
+    """The best partial loop for the rows, and the best gross one."""
+
+    partial: _LeastSquaresFit
+    gross: _LeastSquaresFit
+
+    @property
+    def is_gross_better(self) -> bool:
+        """Whether the gross loop lies nearer to the rows."""
+        return self.gross.sum_of_squares < self.partial.sum_of_squares
+
+    @property
+    def better_fit(self) -> _LeastSquaresFit:
+        """The loop that lies nearer to the rows."""
+        return self.gross if self.is_gross_better else self.partial
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,11 +190,12 @@ class _Search:
 
     rows: MeasuredRows
     curve: MemoryCurve
-    weights: Weights
+    sigma: Weights
 
     @property
-    def sizes(self) -> Array:
-        return self.rows.sizes
+    def parameter_sizes(self) -> Array:
+        """Typical sizes of the parameters (7,)."""
+        return self.rows.parameter_sizes
 
     def residuals(self, parameters: Array) -> tuple[Array, Array]:
         """Residuals of a loop with seven `parameters` (7,), each over its sigma, (n + 3,):
@@ -186,15 +205,15 @@ class _Search:
         The parameters are ln f, middle and range of Q, compliance C of the rig, origin of U, drift
         of U, gross slide.
         """
-        distances = distances_from(self.rows, self.curve, parameters, self.weights)
+        distances = distances_from_loop(self.rows, self.curve, parameters, self.sigma)
         misfit_of_turns, derivatives_of_turns = self._turning_points(parameters)
-        inverse_sigma_of_drift = 1 / (_DRIFT * float(np.ptp(self.rows.shift)))
+        inverse_sigma_of_drift = 1 / (_SIGMA_OF_DRIFT * float(np.ptp(self.rows.shift)))
         derivatives_of_drift = np.zeros((1, 7))
         derivatives_of_drift[0, DRIFT_RATE] = inverse_sigma_of_drift
         return (
             np.concatenate(
                 [
-                    distances.value,
+                    distances.signed_distance,
                     misfit_of_turns,
                     [parameters[DRIFT_RATE] * inverse_sigma_of_drift],
                 ]
@@ -203,24 +222,24 @@ class _Search:
         )
 
     def _turning_points(self, parameters: Array) -> tuple[Array, Array]:
-        """Misfit of the two turning points of a loop to those of the rows, over sigma, (2,), the
-        highest first; and its derivatives by the loop's seven `parameters`, (2, 7).
+        """Misfit of the two turning points of a loop to those of the rows, over its standard error,
+        (2,), the highest first; and its derivatives by the loop's seven `parameters`, (2, 7).
 
         A turning point is where the height U/(range of U) + Q/(range of Q) is largest or least; the
-        misfit is a difference of heights.
+        misfit is the height of the loop minus that of the rows.
         """
         rows = self.rows
         loop = MasingLoop(self.curve, parameters)
         # the rising branch ends at place 2; the falling one is the same, turned about the middle
         place_of_turn = np.array([2.0])
-        shift_at_turn, load_at_turn = loop.points(place_of_turn)
+        shift_at_end, load_at_end = loop.points(place_of_turn)
         shift_gradient_at_end, load_gradient_at_end = loop.derivatives(place_of_turn)
         range_of_shift, range_of_load = rows.ranges
-        residuals = np.zeros(2)
+        misfit = np.zeros(2)
         derivatives = np.zeros((2, 7))
         turns_of_rows = (rows.branches.highest, rows.branches.lowest)
-        for k, (turn, sign_of_turn, mean_time) in enumerate(
-            zip(turns_of_rows, (1.0, -1.0), rows.instants_of_turns, strict=True)
+        for k, (turn_of_rows, sign_of_turn, mean_time) in enumerate(
+            zip(turns_of_rows, (1.0, -1.0), rows.mean_times_of_turns, strict=True)
         ):
             shift_gradient = sign_of_turn * shift_gradient_at_end[0]
             shift_gradient[ORIGIN] = 1.0
@@ -228,76 +247,80 @@ class _Search:
             load_gradient = sign_of_turn * load_gradient_at_end[0]
             load_gradient[MIDDLE] = 1.0
             shift_of_loop = (
-                sign_of_turn * shift_at_turn[0]
+                sign_of_turn * shift_at_end[0]
                 + parameters[ORIGIN]
                 + parameters[DRIFT_RATE] * mean_time
             )
-            load_of_loop = sign_of_turn * load_at_turn[0] + parameters[MIDDLE]
+            load_of_loop = sign_of_turn * load_at_end[0] + parameters[MIDDLE]
             height_of_loop = shift_of_loop / range_of_shift + load_of_loop / range_of_load
-            error_of_height = max(turn.error, _ERROR_OF_TURN)
-            height_of_rows = turn.load  # `MeasuredRows.branches`: found in heights, not in Q
-            residuals[k] = (height_of_loop - height_of_rows) / error_of_height
+            error_of_height = max(turn_of_rows.error, _ERROR_OF_TURN)
+            # the branches were found in heights: `load` of their turning points is a height
+            height_of_rows = turn_of_rows.load
+            misfit[k] = (height_of_loop - height_of_rows) / error_of_height
             derivatives[k] = shift_gradient / range_of_shift + load_gradient / range_of_load
             derivatives[k] /= error_of_height
-        return residuals, derivatives
+        return misfit, derivatives
 
     def sum_of_squares(self, parameters: Array) -> float:
-        """Of the residuals."""
-        distances = self.residuals(parameters)[0]
-        return float(distances @ distances)
+        """Sum of the squared residuals of the loop with these parameters (7,)."""
+        residuals, _ = self.residuals(parameters)
+        return float(residuals @ residuals)
 
-    def least(self, start: Array, fixed: frozenset[int], *, gross: bool) -> tuple[float, Array]:
-        """Fit the seven parameters of a loop by least squares from `start` (7,): ln f, middle and
-        range of Q, compliance C of the rig, origin of U, drift of U, gross slide. Returns the least
-        sum of squares, and the parameters (7,) that give it.
+    def least_squares_fit(
+        self,
+        start_parameters: Array,
+        *,
+        is_gross: bool,
+        held_parameters: frozenset[int] = frozenset(),
+    ) -> _LeastSquaresFit:
+        """Fit the seven parameters of a loop by least squares: ln f, middle and range of Q,
+        compliance C of the rig, origin of U, drift of U, gross slide.
 
         Parameters
         ----------
-        fixed
-            indices of parameters that are not fitted
-        gross
-            whether the contact slides as a whole at the ends of the loop: f then follows from the
-            range of Q, and the slide is fitted
+        start_parameters
+            (7,) from which the fit begins
+        is_gross
+            whether the contact slides as a whole at the ends of the loop: the range of Q then
+            follows from f, and the slide is fitted
+        held_parameters
+            indices of further parameters that keep their start value
         """
         from scipy.optimize import least_squares
 
-        held_parameters = set(fixed)
-        if self.rows.compliance is not None:
-            held_parameters.add(COMPLIANCE)
-        if gross:
-            held_parameters.add(RANGE)
-        else:
-            held_parameters.add(SLIDE)
-        free_parameters = np.array([k for k in range(7) if k not in held_parameters])
-        typical_sizes = self.sizes
+        fitted_parameters = _fitted_parameters(self.rows, is_gross=is_gross)
+        free_parameters = np.array([k for k in fitted_parameters if k not in held_parameters])
+        typical_sizes = self.parameter_sizes
 
         def parameters_at(steps: Array) -> Array:
             """All seven parameters: the free ones are moved by `steps`, in units of their sizes."""
-            parameters = start.copy()
+            parameters = start_parameters.copy()
             parameters[free_parameters] += steps * typical_sizes[free_parameters]
             parameters[LOG_F] = min(max(parameters[LOG_F], -30.0), 30.0)
-            if gross:
-                parameters[RANGE] = math.exp(parameters[LOG_F]) / self.curve.sliding
+            if is_gross:
+                parameters[RANGE] = (
+                    math.exp(parameters[LOG_F]) / self.curve.sliding_friction_per_load
+                )
             return parameters
 
-        # the method asks for residuals and derivatives in turn: both are kept of the latest
-        # parameters
-        computed_last: dict[bytes, tuple[Array, Array]] = {}
+        # scipy calls for residuals and for derivatives separately: both are cached for the latest
+        # steps
+        cached_answer: dict[bytes, tuple[Array, Array]] = {}
 
         def residuals_and_derivatives(steps: Array) -> tuple[Array, Array]:
             """Residuals over sigma (m,), and their derivatives by `steps`, (m, free parameters)."""
             steps_as_bytes = steps.tobytes()
-            if steps_as_bytes not in computed_last:
+            if steps_as_bytes not in cached_answer:
                 parameters = parameters_at(steps)
                 residuals, derivatives = self.residuals(parameters)
-                if gross:  # the range R of Q follows from ln f: R = 2 f P
+                if is_gross:  # the range R of Q follows from ln f: R = 2 f P
                     derivatives[:, LOG_F] += parameters[RANGE] * derivatives[:, RANGE]
-                computed_last.clear()
-                computed_last[steps_as_bytes] = (
+                cached_answer.clear()
+                cached_answer[steps_as_bytes] = (
                     residuals,
                     derivatives[:, free_parameters] * typical_sizes[free_parameters],
                 )
-            return computed_last[steps_as_bytes]
+            return cached_answer[steps_as_bytes]
 
         minimum = least_squares(
             lambda steps: residuals_and_derivatives(steps)[0],
@@ -308,14 +331,14 @@ class _Search:
             ftol=1e-10,
             max_nfev=60,
         )
-        return 2 * float(minimum.cost), parameters_at(minimum.x)
+        return _LeastSquaresFit(2 * float(minimum.cost), parameters_at(minimum.x))
 
-    def start(self, log_friction: float, slide_fraction: float) -> Array:
+    def start_parameters(self, log_friction: float, slide_fraction: float) -> Array:
         """Parameters (7,) from which a fit begins: ln f, middle and range of Q, compliance C of the
         rig, origin of U, drift of U (0), gross slide.
 
-        C is such that theory's U plus C Q ranges as far as U of the rows. f of a gross loop
-        follows from the range of Q, since f P is half of it.
+        C is such that theory's U plus C Q ranges as far as U of the rows. f of a gross loop, in
+        which the contact slides as a whole, follows from the range of Q: it is 2 f P.
 
         Parameters
         ----------
@@ -328,7 +351,7 @@ class _Search:
         high_load, low_load = np.quantile(rows.load, [0.98, 0.02])
         range_of_load = float(high_load - low_load)
         if slide_fraction > 0:
-            log_friction = math.log(self.curve.sliding * range_of_load)
+            log_friction = math.log(self.curve.sliding_friction_per_load * range_of_load)
         friction = math.exp(log_friction)
         range_of_shift = float(np.ptp(np.quantile(rows.shift, [0.01, 0.99])))
         range_of_theory_shift = (
@@ -352,19 +375,25 @@ class _Search:
             ]
         )
 
-    def best(self) -> tuple[_Least, _Least]:
+    def best_fits(self) -> _FitsOfBothKinds:
         """The best partial loop for the rows, and the best gross one (the contact slides as a whole
-        at its ends). Each kind begins from many trials; the lowest local minima among these are
-        refined.
+        at its ends).
+
+        The sum of squares is taken at many trials of f, or of the slide of a gross loop. Fits begin
+        from its lowest local minima among them.
         """
         high_load, low_load = np.quantile(self.rows.load, [0.98, 0.02])
-        log_least_friction = math.log(self.curve.sliding * float(high_load - low_load))
-        log_frictions = (
-            log_least_friction
-            + np.linspace(math.sqrt(_ABOVE), math.sqrt(math.log(_WIDEST)), _TRIALS) ** 2
+        log_least_friction = math.log(
+            self.curve.sliding_friction_per_load * float(high_load - low_load)
         )
-        partial_starts = [self.start(log_friction, 0.0) for log_friction in log_frictions.tolist()]
-        gross_starts = [self.start(0.0, slide) for slide in _SLIDES]
+        roots = np.linspace(
+            math.sqrt(_LEAST_LOG_RATIO), math.sqrt(math.log(_LARGEST_RATIO)), _N_TRIALS
+        )
+        log_frictions = log_least_friction + roots**2
+        partial_starts = [
+            self.start_parameters(log_friction, 0.0) for log_friction in log_frictions.tolist()
+        ]
+        gross_starts = [self.start_parameters(0.0, fraction) for fraction in _SLIDE_FRACTIONS]
         best_fits = []
         for starts, is_gross in ((partial_starts, False), (gross_starts, True)):
             sums_of_squares = np.array([self.sum_of_squares(start) for start in starts])
@@ -372,58 +401,72 @@ class _Search:
             local_minima = np.flatnonzero(
                 (sums_of_squares <= sums_with_walls[:-2]) & (sums_of_squares <= sums_with_walls[2:])
             )
-            lowest_minima = local_minima[np.argsort(sums_of_squares[local_minima])][:_MINIMA]
-            fits = [
-                self._within(*self.least(starts[k], frozenset(), gross=is_gross), gross=is_gross)
-                for k in lowest_minima.tolist()
-            ]
-            best_fits.append(min(fits, key=lambda fit: fit.squares))
-        return best_fits[0], best_fits[1]
+            lowest_minima = local_minima[np.argsort(sums_of_squares[local_minima])][:_N_MINIMA]
+            fits = [self._fit_near(starts[k], is_gross=is_gross) for k in lowest_minima.tolist()]
+            best_fits.append(min(fits, key=lambda fit: fit.sum_of_squares))
+        return _FitsOfBothKinds(*best_fits)
 
-    def again(self, partial: _Least, gross: _Least) -> tuple[_Least, _Least]:
-        """The best partial and the best gross loop from parameters near them."""
-        return (
-            self._within(*self.least(partial.parameters, frozenset(), gross=False), gross=False),
-            self._within(*self.least(gross.parameters, frozenset(), gross=True), gross=True),
+    def fits_near(self, fits: _FitsOfBothKinds) -> _FitsOfBothKinds:
+        """The best partial and the best gross loop, sought from `fits` on."""
+        return _FitsOfBothKinds(
+            self._fit_near(fits.partial.parameters, is_gross=False),
+            self._fit_near(fits.gross.parameters, is_gross=True),
         )
 
-    def _within(self, squares: float, parameters: Array, *, gross: bool) -> _Least:
-        """A fit, at the wall between partial and gross loops where it lies beyond."""
-        if not gross and self._beyond_sliding(parameters):
-            parameters = parameters.copy()
-            parameters[LOG_F] = math.log(self.curve.sliding * parameters[RANGE])
-            squares, parameters = self.least(parameters, frozenset([SLIDE]), gross=True)
-        if gross and parameters[SLIDE] < 0:
-            parameters = parameters.copy()
-            parameters[SLIDE] = 0.0
-            squares, parameters = self.least(parameters, frozenset([SLIDE]), gross=True)
-        return _Least(squares, parameters)
+    def _fit_near(self, start_parameters: Array, *, is_gross: bool) -> _LeastSquaresFit:
+        """The best loop of one kind, sought from parameters (7,) on. Where it would be of the other
+        kind, it is the best loop between both: gross with a slide of 0.
+        """
+        fit = self.least_squares_fit(start_parameters, is_gross=is_gross)
+        if not is_gross and self._would_slide(fit.parameters):
+            parameters = fit.parameters.copy()
+            parameters[LOG_F] = math.log(self.curve.sliding_friction_per_load * parameters[RANGE])
+            return self._fit_without_slide(parameters)
+        if is_gross and fit.parameters[SLIDE] < 0:
+            return self._fit_without_slide(fit.parameters)
+        return fit
 
-    def _beyond_sliding(self, parameters: Array) -> bool:
-        return bool(math.exp(parameters[LOG_F]) < self.curve.sliding * parameters[RANGE])
+    def _fit_without_slide(
+        self, start_parameters: Array, held_parameters: frozenset[int] = frozenset()
+    ) -> _LeastSquaresFit:
+        """The best loop between both kinds, gross with a slide of 0, sought from parameters (7,)
+        on; `held_parameters` are indices of those that keep their start value.
+        """
+        parameters = start_parameters.copy()
+        parameters[SLIDE] = 0.0
+        return self.least_squares_fit(
+            parameters, is_gross=True, held_parameters=held_parameters | {SLIDE}
+        )
 
-    def at_friction(self, log_friction: float, start: Array, *, gross: bool) -> _Least:
-        """The best loop at a given coefficient of friction f, `log_friction` = ln f: the best gross
-        loop if `gross`, else the best partial one. `start` (7,) are the parameters from which it is
-        sought.
+    def _would_slide(self, parameters: Array) -> bool:
+        """Whether the contact of a partial loop with parameters (7,) would slide as a whole."""
+        return bool(
+            math.exp(parameters[LOG_F]) < self.curve.sliding_friction_per_load * parameters[RANGE]
+        )
+
+    def fit_at_friction(
+        self, log_friction: float, start_parameters: Array, *, is_gross: bool
+    ) -> _LeastSquaresFit:
+        """The best loop of one kind at a given coefficient of friction f, `log_friction` = ln f:
+        gross (the contact slides as a whole at its ends), or partial. It is sought from
+        `start_parameters` (7,) on.
 
         The sum of squares of a partial loop is infinite where its contact would slide as a whole.
         """
-        held_parameters = frozenset([LOG_F])
-        parameters = start.copy()
+        index_of_friction = frozenset([LOG_F])
+        parameters = start_parameters.copy()
         parameters[LOG_F] = log_friction
-        if not gross:
-            squares, parameters = self.least(parameters, held_parameters, gross=False)
-            return _Least(math.inf if self._beyond_sliding(parameters) else squares, parameters)
-        squares, parameters = self.least(parameters, held_parameters, gross=True)
-        if parameters[SLIDE] < 0:
-            parameters = parameters.copy()
-            parameters[SLIDE] = 0.0
-            squares, parameters = self.least(parameters, held_parameters | {SLIDE}, gross=True)
-        return _Least(squares, parameters)
+        fit = self.least_squares_fit(
+            parameters, is_gross=is_gross, held_parameters=index_of_friction
+        )
+        if is_gross and fit.parameters[SLIDE] < 0:
+            return self._fit_without_slide(fit.parameters, held_parameters=index_of_friction)
+        if not is_gross and self._would_slide(fit.parameters):
+            return _LeastSquaresFit(math.inf, fit.parameters)
+        return fit
 
     def interval_end(
-        self, fits: tuple[_Least, _Least], side: float, excess: float, first_step: float
+        self, fits: _FitsOfBothKinds, direction: float, excess: float, first_step: float
     ) -> Array | None:
         """One end of the 95 % interval of f: the seven parameters (7,) of the loop at the f where
         the least sum of squares exceeds that of the better fit by `excess`. None where it never
@@ -432,69 +475,75 @@ class _Search:
         Parameters
         ----------
         fits
-            the best partial loop, and the best gross one. Loops of the worse kind are admitted with
-            more excess, since the rows chose between the two kinds
-        side
+            the best partial loop, and the best gross one (the contact slides as a whole at its
+            ends). Loops of the worse kind are admitted with more excess, since the rows chose
+            between the two kinds
+        direction
             1 for the upper end, -1 for the lower one
         excess
             admitted rise of the sum of squares
         first_step
             first step in ln f
         """
-        sum_of_best_fit, best_parameters = min(fits, key=lambda fit: fit.squares)
-        gross_is_better = fits[1].squares < fits[0].squares
-        parameters_by_kind = {
-            gross: fit.parameters for gross, fit in zip((False, True), fits, strict=True)
-        }
-        nearest_kind_is_gross = gross_is_better
+        is_gross_better = fits.is_gross_better
+        # of each kind (is it gross?) the latest fit, from which the next one is sought
+        parameters_by_kind = {False: fits.partial.parameters, True: fits.gross.parameters}
+        is_nearest_kind_gross = is_gross_better
 
-        def root_of_relative_rise(log_trial: float) -> float:
+        def root_of_relative_rise(log_friction: float) -> float:
             """Root of the rise of the least sum of squares over its admitted rise, at ln f =
-            `log_trial`: 0 at the best f, 1 at the end of the interval, nearly linear in between.
+            `log_friction`: 0 at the best f, 1 at the end of the interval, nearly linear in between.
+            The loop is of that kind, partial or gross, for which it is less.
             """
-            nonlocal nearest_kind_is_gross
+            nonlocal is_nearest_kind_gross
             least_relative_rise = math.inf
-            for gross in (nearest_kind_is_gross, not nearest_kind_is_gross):
-                fit = self.at_friction(log_trial, parameters_by_kind[gross], gross=gross)
-                if math.isfinite(fit.squares):
-                    parameters_by_kind[gross] = fit.parameters
-                # a loop of the other kind than the best fit is admitted with more
-                admitted_rise = excess if gross == gross_is_better else _OTHER_KIND * excess
-                relative_rise = max(fit.squares - sum_of_best_fit, 0.0) / admitted_rise
+            for is_gross in (is_nearest_kind_gross, not is_nearest_kind_gross):
+                fit = self.fit_at_friction(
+                    log_friction, parameters_by_kind[is_gross], is_gross=is_gross
+                )
+                if math.isfinite(fit.sum_of_squares):
+                    parameters_by_kind[is_gross] = fit.parameters
+                admitted_rise = excess
+                if is_gross != is_gross_better:
+                    admitted_rise = _EXCESS_OF_OTHER_KIND * excess
+                rise = max(fit.sum_of_squares - fits.better_fit.sum_of_squares, 0.0)
+                relative_rise = rise / admitted_rise
                 if relative_rise < least_relative_rise:
                     least_relative_rise = relative_rise
-                    nearest_kind_is_gross = gross
+                    is_nearest_kind_gross = is_gross
                 if least_relative_rise <= 1:  # within the interval, whatever the other kind gives
                     break
             return math.sqrt(least_relative_rise)
 
         log_friction_at_end = where_function_reaches_one(
-            root_of_relative_rise, float(best_parameters[LOG_F]), side, first_step
+            root_of_relative_rise, float(fits.better_fit.parameters[LOG_F]), direction, first_step
         )
         if log_friction_at_end is None:
             return None
-        return self.at_friction(
+        fit_at_end = self.fit_at_friction(
             log_friction_at_end,
-            parameters_by_kind[nearest_kind_is_gross],
-            gross=nearest_kind_is_gross,
-        ).parameters
+            parameters_by_kind[is_nearest_kind_gross],
+            is_gross=is_nearest_kind_gross,
+        )
+        return fit_at_end.parameters
 
 
 def where_function_reaches_one(
-    function: Callable[[float], float], begin: float, direction: float, step: float
+    function: Callable[[float], float], x_at_zero: float, direction: float, first_step: float
 ) -> float | None:
-    """The x at which a function that grows from 0 at x = `begin` reaches 1, to 1 % of the distance
-    from `begin`: steps outwards, then false position between the last two.
+    """The x at which a function that grows from 0 at `x_at_zero` reaches 1, to 1 % of the distance
+    between both: by steps outwards, then by false position between the last two.
 
-    None where it stays below 1 as far as ln 60 from `begin` (x is ln f: 60 times as much friction).
+    None where it stays below 1 as far as ln 60 from `x_at_zero` (x is ln f: 60 times as much
+    friction).
 
     Parameters
     ----------
-    begin
+    x_at_zero
         x at which the function is 0
     direction
-        1 for x above `begin`, -1 below
-    step
+        1 for x above `x_at_zero`, -1 below
+    first_step
         first distance tried
 
     Examples
@@ -503,78 +552,85 @@ def where_function_reaches_one(
     >>> abs(end - 0.5) < 0.005
     True
     """
+    # distances in x from `x_at_zero`: the last one with a value below 1, the first one above it
     distance_within = 0.0
     value_within = 0.0
-    for _ in range(_STEPS):
+    step = first_step
+    for _ in range(_MOST_STEPS):
         distance_beyond = distance_within + min(step, 0.5)
-        value_beyond = function(begin + direction * distance_beyond)
+        value_beyond = function(x_at_zero + direction * distance_beyond)
         if value_beyond > 1:
             break
-        if distance_beyond > math.log(_FARTHEST):
+        if distance_beyond > math.log(_LARGEST_FRICTION_RATIO):
             return None
         step = 1.3 * distance_beyond * (1 / max(value_beyond, 0.1)) - distance_beyond
         distance_within = distance_beyond
         value_within = value_beyond
     else:
         return None
-    for _ in range(_NARROWED):
+    for _ in range(_MOST_NARROWINGS):
         if distance_beyond - distance_within < 0.01 * distance_beyond:
             break
         fraction_by_secant = (1 - value_within) / (min(value_beyond, 1e6) - value_within)
         fraction = float(np.clip(fraction_by_secant, 0.1, 0.9))
         distance_between = distance_within + fraction * (distance_beyond - distance_within)
-        value_between = function(begin + direction * distance_between)
+        value_between = function(x_at_zero + direction * distance_between)
         if abs(value_between - 1) < 0.01:
-            return begin + direction * distance_between
+            return x_at_zero + direction * distance_between
         if value_between > 1:
             distance_beyond = distance_between
             value_beyond = value_between
         else:
             distance_within = distance_between
             value_within = value_between
-    return begin + direction * distance_beyond
+    return x_at_zero + direction * distance_beyond
 
 
 def _noise_of_rows(
     distances: Distances,
-    weights: Weights,
+    sigma: Weights,
     least_noise: Weights,
     degrees_of_freedom: int,
     log_noise_ratio: tuple[float, float],
 ) -> Weights:
     """Standard deviations (sigma) of U and of Q that make the distances of the rows from a fitted
-    loop most likely.
+    loop most likely, and their own ratio too (it scatters about the one that neighbouring rows
+    show).
 
     Parameters
     ----------
     distances
-        distances of the rows, over the sigma in `weights`, with the unit normals of the loop
-    weights
-        sigma of U and of Q so far
+        distances of the rows, over the given `sigma`, with the unit normals of the loop
+    sigma
+        standard deviations so far
     least_noise
-        least sigma of U and Q, by the digits of the rows
+        least standard deviations of U and Q, by the digits of the rows
     degrees_of_freedom
-        rows minus fitted parameters
+        number of rows minus number of fitted parameters
     log_noise_ratio
         ln(sigma of U/sigma of Q) that neighbouring rows show, and its scatter
     """
-    # a factor is that by which sigma of U or of Q changes
-    expected_log_ratio = log_noise_ratio[0] - math.log(weights.shift / weights.load)
     from scipy.optimize import minimize
 
-    squared_distances = distances.value**2 * len(distances.value) / degrees_of_freedom
+    # a factor is that by which sigma of U or of Q changes
+    expected_log_ratio = log_noise_ratio[0] - math.log(sigma.shift / sigma.load)
+    # a fitted loop lies nearer to the rows than the true one
+    squared_distances = (
+        distances.signed_distance**2 * len(distances.signed_distance) / degrees_of_freedom
+    )
     squared_normals = distances.unit_normal**2
 
     def minus_log_likelihood(log_factors: Array) -> float:
+        """Twice the negative logarithm of the likelihood, but for a constant, of the distances and
+        of the ratio, with sigma times the exponentials of `log_factors` (2,) for U and Q.
+        """
         variance = squared_normals @ np.exp(2 * log_factors)
-        prior = (
-            float((log_factors[0] - log_factors[1] - expected_log_ratio) ** 2)
-            / log_noise_ratio[1] ** 2
-        )
-        return float(np.sum(squared_distances / variance + np.log(variance))) + prior
+        error_of_log_ratio = log_factors[0] - log_factors[1] - expected_log_ratio
+        term_of_ratio = float(error_of_log_ratio**2) / log_noise_ratio[1] ** 2
+        return float(np.sum(squared_distances / variance + np.log(variance))) + term_of_ratio
 
     log_of_common_factor = math.log(max(math.sqrt(float(np.mean(squared_distances))), 1e-12))
-    least_log_factors = np.log(np.array(least_noise) / np.array(weights))
+    least_log_factors = np.log(np.array(least_noise) / np.array(sigma))
     minimum = minimize(
         minus_log_likelihood,
         np.maximum(log_of_common_factor, least_log_factors),
@@ -583,11 +639,7 @@ def _noise_of_rows(
         options={"xatol": 1e-3},
     )
     factors = np.exp(np.maximum(minimum.x, least_log_factors))
-    return Weights(float(factors[0]) * weights.shift, float(factors[1]) * weights.load)
-
-
-def _better(fits: tuple[_Least, _Least]) -> _Least:
-    return min(fits, key=lambda fit: fit.squares)
+    return Weights(float(factors[0]) * sigma.shift, float(factors[1]) * sigma.load)
 
 
 @dataclass(frozen=True, eq=False)
@@ -596,83 +648,108 @@ class BestLoop:
 
     Attributes
     ----------
+    search
+        the rows, the memory curve and the noise, with which other loops are fitted
+    fits
+        the best partial and the best gross loop
     parameters
-        (7,) its parameters
-    gross
+        (7,) of the better of both
+    is_gross
         whether the contact slides as a whole at its ends
-    distances, misfit
-        of the rows, and what they show
+    distances
+        of the rows from it
+    misfit
+        correlation of the distances of neighbouring rows, and their systematic part
+    degrees_of_freedom
+        number of rows minus number of fitted parameters
     """
 
     search: _Search
-    fits: tuple[_Least, _Least]
+    fits: _FitsOfBothKinds
     parameters: Array
-    gross: bool
+    is_gross: bool
     distances: Distances
     misfit: Misfit
-    freedom: int
+    degrees_of_freedom: int
 
     @property
     def hangs_on_digits(self) -> bool:
         """Whether no noise moves the last digit of a plateau: its rows lie beside it together."""
-        digits = _digits_of_plateau(self.search.rows, self.search.curve, self.search.weights)
-        return self.gross and digits > 0
+        error_by_digits = _error_by_digits(self.search.rows, self.search.curve, self.search.sigma)
+        return self.is_gross and error_by_digits > 0
 
-    def change_with(self, when: Array) -> Change:
-        """How the loop changes with `when` (n,), a number of each row.
+    def change_with(self, row_variable: Array) -> Change:
+        """How the parameters of the loop change with a number of each row (n,), such as its time.
 
-        U at the middle is left out: that it changes with time is drift.
+        U at the middle is left out: its change with time is drift.
         """
-        free = _free_parameters(self.search.rows, gross=self.gross)
-        columns = self._columns
-        varying = np.isin(free, [ORIGIN, DRIFT_RATE], invert=True)
-        centred = when - np.mean(when)
-        return change_of(self.distances.value, columns, columns[:, varying] * centred[:, None])
+        is_varied = np.isin(self._fitted_indices, [ORIGIN, DRIFT_RATE], invert=True)
+        variable_from_mean = row_variable - np.mean(row_variable)
+        derivatives = self._derivatives_by_parameters
+        added_derivatives = derivatives[:, is_varied] * variable_from_mean[:, None]
+        return change_of(self.distances.signed_distance, derivatives, added_derivatives)
 
-    def change_of_size_with(self, when: Array) -> Change:
-        """How much U and Q of the loop grow with `when` (n,), over themselves: two terms."""
-        centred = when - np.mean(when)
-        growth = self._columns_of_size * centred[:, None]
-        return change_of(self.distances.value, self._columns, growth)
-
-    def log_friction_at_end(self, growth: Array, when: Array) -> float:
-        """Of ln f, by how much it changes if U and Q (2,) grow so with `when` (n,), and all rows
-        are made as large as the last ones.
+    def change_of_size_with(self, row_variable: Array) -> Change:
+        """How U and Q of the loop grow with a number of each row (n,), over themselves: the two
+        added values of the change are the growth of U and of Q per unit of it.
         """
-        as_large_as_last = self._columns_of_size @ growth * (when - when[-1])
-        influence = _influence(self.search, self.parameters, self.gross)
-        return float(influence[LOG_F, : len(when)] @ as_large_as_last)
+        variable_from_mean = row_variable - np.mean(row_variable)
+        added_derivatives = self._derivatives_by_size * variable_from_mean[:, None]
+        return change_of(
+            self.distances.signed_distance, self._derivatives_by_parameters, added_derivatives
+        )
+
+    def log_friction_change(self, growth: Array, row_variable: Array) -> float:
+        """Change of ln f if all rows are made as large as the last ones. U and Q grow by `growth`
+        (2,), over themselves, per unit of the number of each row (n,), such as its time.
+        """
+        variable_to_end = row_variable - row_variable[-1]
+        change_of_distances = self._derivatives_by_size @ growth * variable_to_end
+        influence = _influence(self.search, self.parameters, self.is_gross)
+        return float(influence[LOG_F, : len(row_variable)] @ change_of_distances)
 
     def rise_along_slide(self) -> tuple[float, Change]:
-        """By how much Q rises while the contact slides as a whole, over R; what it explains."""
-        along = np.mod(self.distances.place, 1.0)
-        side = np.where(self.distances.place > 1, -1.0, 1.0)
-        share_of_slide = np.clip(2 * along - 1, 0.0, 1.0)
-        of_load = self.parameters[RANGE] * side * share_of_slide
-        column = -self.distances.unit_normal[:, 1] * of_load / self.search.weights.load
-        change = change_of(self.distances.value, self._columns, column[:, None])
-        return float(change.terms[0]), change
-
-    @property
-    def _columns(self) -> Array:
-        """Derivatives (n, k) of the distances by the parameters that are fitted."""
-        free = _free_parameters(self.search.rows, gross=self.gross)
-        columns = _columns_of_fit(
-            self.search, self.parameters, self.distances.derivatives, self.gross
+        """By how much Q rises while the contact slides as a whole, over the range R of Q; with how
+        much of the distances such a rise explains.
+        """
+        place_on_loop = self.distances.place_on_loop
+        share_of_branch = np.mod(place_on_loop, 1.0)  # the second half of a branch is its slide
+        share_of_slide = np.clip(2 * share_of_branch - 1, 0.0, 1.0)
+        sign_of_branch = np.where(place_on_loop > 1, -1.0, 1.0)
+        rise_of_load = self.parameters[RANGE] * sign_of_branch * share_of_slide
+        load_normal = self.distances.unit_normal[:, 1]
+        added_derivative = -load_normal * rise_of_load / self.search.sigma.load
+        change = change_of(
+            self.distances.signed_distance,
+            self._derivatives_by_parameters,
+            added_derivative[:, None],
         )
-        return columns[:, free]
+        return float(change.added_values[0]), change
 
     @property
-    def _columns_of_size(self) -> Array:
+    def _fitted_indices(self) -> list[int]:
+        """Indices of the parameters that are fitted."""
+        return _fitted_parameters(self.search.rows, is_gross=self.is_gross)
+
+    @property
+    def _derivatives_by_parameters(self) -> Array:
+        """Derivatives (n, k) of the distances by the k fitted parameters, over their sizes."""
+        derivatives = _scaled_derivatives(
+            self.search, self.parameters, self.distances.derivatives, self.is_gross
+        )
+        return derivatives[:, self._fitted_indices]
+
+    @property
+    def _derivatives_by_size(self) -> Array:
         """Derivatives (n, 2) of the distances by the sizes of U and of Q, over themselves."""
         loop = MasingLoop(self.search.curve, self.parameters)
-        at_rows = np.column_stack(loop.at_rows(self.distances.place))
-        return -self.distances.unit_normal * at_rows / np.array(self.search.weights)
+        points_at_rows = np.column_stack(loop.points_at_rows(self.distances.place_on_loop))
+        return -self.distances.unit_normal * points_at_rows / np.array(self.search.sigma)
 
 
-def _misfit_of_loop(distances: Distances, weights: Weights, least_noise: Weights) -> Misfit:
+def _misfit_of_loop(distances: Distances, sigma: Weights, least_noise: Weights) -> Misfit:
     """Whether neighbouring rows lie on the same side of the fitted loop, so that their distances
-    are more than scatter.
+    are more than scatter: the correlation of neighbours, and the systematic part.
 
     Neighbours in time and neighbours along the loop, which are of several cycles, are both tried;
     the larger correlation counts. Where the digits of the rows explain the distances nothing is
@@ -680,30 +757,34 @@ def _misfit_of_loop(distances: Distances, weights: Weights, least_noise: Weights
 
     Parameters
     ----------
-    weights
-        sigma of U and of Q with which the distances were taken
+    distances
+        of the rows from the loop, over `sigma`
+    sigma
+        standard deviation of the noise of U and of Q
     least_noise
-        sigma that the digits of the rows leave
+        standard deviations that the digits of the rows leave
     """
-    variance_by_digits = distances.unit_normal**2 @ (np.array(least_noise) / np.array(weights)) ** 2
-    digits_explain_all = float(np.mean(distances.value**2)) < _BY_DIGITS * float(
-        np.mean(variance_by_digits)
-    )
+    variance_by_digits = distances.unit_normal**2 @ (np.array(least_noise) / np.array(sigma)) ** 2
+    digits_explain_all = float(
+        np.mean(distances.signed_distance**2)
+    ) < _MEAN_SQUARE_BY_DIGITS * float(np.mean(variance_by_digits))
     # Neighbours on the loop are rounded alike. That is no fault of the model, but they count as
     # fewer rows, and any correlation counts: it is no chance.
     least_significance = 0.0 if digits_explain_all else BY_CHANCE
-    order_on_loop = np.argsort(distances.place, kind="stable")
+    order_on_loop = np.argsort(distances.place_on_loop, kind="stable")
     # positive inside the loop on both branches: to the right of the rising one, left of the falling
-    distance_to_inside = np.where(distances.place > 1, -1.0, 1.0) * distances.value
-    misfit_in_time = misfit_of(distances.value, weights.shift, least_significance)
-    misfit_on_loop = misfit_of(distance_to_inside[order_on_loop], weights.shift, least_significance)
+    distance_to_inside = (
+        np.where(distances.place_on_loop > 1, -1.0, 1.0) * distances.signed_distance
+    )
+    misfit_in_time = misfit_of(distances.signed_distance, sigma.shift, least_significance)
+    misfit_on_loop = misfit_of(distance_to_inside[order_on_loop], sigma.shift, least_significance)
     larger_misfit = max(misfit_in_time, misfit_on_loop, key=lambda misfit: misfit.correlation)
-    return replace(larger_misfit, systematic=0.0) if digits_explain_all else larger_misfit
+    return replace(larger_misfit, systematic_rms=0.0) if digits_explain_all else larger_misfit
 
 
 def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
     """Find the loop that fits the rows best, of those that slip partially or slide as a whole
-    (gross), with the noise of U and Q. Fit and noise are found by turns until the noise no longer
+    (gross), with the noise of U and Q. Loop and noise are found by turns until the noise no longer
     changes.
 
     `curve` is the memory curve of theory at constant P: U over half the change of Q since a turning
@@ -715,42 +796,42 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
             for step, values_of_rows in zip(rows.resolution, (rows.shift, rows.load), strict=True)
         )
     )
-    weights = Weights(
+    sigma = Weights(
         max(row_noise(rows.shift), least_noise.shift), max(row_noise(rows.load), least_noise.load)
     )
-    search = _Search(rows, curve, weights)
+    search = _Search(rows, curve, sigma)
     degrees_of_freedom = len(rows.shift) - 6 - (rows.compliance is None)
-    fits = search.best()
-    log_noise_ratio = (math.log(weights.shift / weights.load), _RATIO_OF_NOISE)
-    for times_reweighted in range(_REWEIGHTED):
-        distances = distances_from(rows, curve, _better(fits).parameters, search.weights)
+    fits = search.best_fits()
+    log_noise_ratio = (math.log(sigma.shift / sigma.load), _SCATTER_OF_NOISE_RATIO)
+    for times_reweighted in range(_MOST_REWEIGHTINGS):
+        distances = distances_from_loop(rows, curve, fits.better_fit.parameters, search.sigma)
         if times_reweighted == 0:
             # Where the first fit leaves what neighbouring rows show, they show noise alone.
-            scatter_by_fit = abs(math.log(max(float(np.std(distances.value)), 1e-9)))
-            least_scatter = _OF_ROW_NOISE / math.sqrt(len(rows.shift))
+            scatter_by_fit = abs(math.log(max(float(np.std(distances.signed_distance)), 1e-9)))
+            least_scatter = _SCATTER_OF_ROW_NOISE / math.sqrt(len(rows.shift))
             log_noise_ratio = (
                 log_noise_ratio[0],
-                min(max(scatter_by_fit, least_scatter), _RATIO_OF_NOISE),
+                min(max(scatter_by_fit, least_scatter), _SCATTER_OF_NOISE_RATIO),
             )
-        weights = _noise_of_rows(
-            distances, search.weights, least_noise, degrees_of_freedom, log_noise_ratio
+        sigma = _noise_of_rows(
+            distances, search.sigma, least_noise, degrees_of_freedom, log_noise_ratio
         )
-        changes = np.array(weights) / np.array(search.weights) - 1
-        if np.max(np.abs(changes)) < _SAME_NOISE:
+        changes_of_sigma = np.array(sigma) / np.array(search.sigma) - 1
+        if np.max(np.abs(changes_of_sigma)) < _CHANGE_OF_SAME_NOISE:
             break
-        search = replace(search, weights=weights)
+        search = replace(search, sigma=sigma)
         # With another noise another minimum may be the lowest.
-        fits = search.best() if times_reweighted == 0 else search.again(*fits)
-    parameters = _better(fits).parameters
-    distances = distances_from(rows, curve, parameters, search.weights)
+        fits = search.best_fits() if times_reweighted == 0 else search.fits_near(fits)
+    parameters = fits.better_fit.parameters
+    distances = distances_from_loop(rows, curve, parameters, search.sigma)
     return BestLoop(
         search=search,
         fits=fits,
         parameters=parameters,
-        gross=fits[1].squares < fits[0].squares,
+        is_gross=fits.is_gross_better,
         distances=distances,
-        misfit=_misfit_of_loop(distances, search.weights, least_noise),
-        freedom=degrees_of_freedom,
+        misfit=_misfit_of_loop(distances, search.sigma, least_noise),
+        degrees_of_freedom=degrees_of_freedom,
     )
 
 
@@ -760,8 +841,9 @@ def with_interval(best_loop: BestLoop, error_of_theory: float) -> MasingFit:
     widened where neighbouring rows lie on the same side of the loop (`Misfit.widening`), and by
     errors that more rows would not lessen.
 
-    A loop is gross where the contact slides as a whole at its ends, else partial. `high` of the
-    answer is None where the rows do not bound f from above: the sum of squares never rises so far.
+    A loop is gross where the contact slides as a whole at its ends, else partial. The highest f of
+    the interval is None where the rows do not bound f from above: the sum of squares never rises so
+    far.
 
     Parameters
     ----------
@@ -774,27 +856,26 @@ def with_interval(best_loop: BestLoop, error_of_theory: float) -> MasingFit:
     from scipy.stats import f as f_distribution
 
     search = best_loop.search
-    partial_and_gross_fit = best_loop.fits
-    variance = max(_better(partial_and_gross_fit).squares / best_loop.freedom, 1.0)
-    # what a change of each residual by its sigma changes in the parameters
-    influence = _influence(search, best_loop.parameters, best_loop.gross)
+    fits = best_loop.fits
+    # of the residuals, each over its sigma: about 1
+    variance = max(fits.better_fit.sum_of_squares / best_loop.degrees_of_freedom, 1.0)
+    # (7, m) change of each parameter per unit of each residual
+    influence = _influence(search, best_loop.parameters, best_loop.is_gross)
     standard_errors = np.sqrt(variance * np.sum(influence**2, axis=1))
     widening = best_loop.misfit.widening
-    admitted_rise = float(f_distribution.ppf(0.95, 1, best_loop.freedom)) * widening**2 * variance
+    admitted_rise = (
+        float(f_distribution.ppf(0.95, 1, best_loop.degrees_of_freedom)) * widening**2 * variance
+    )
     first_step = float(np.clip(2 * standard_errors[LOG_F] * widening, 1e-9, 0.3))
     friction = math.exp(best_loop.parameters[LOG_F])
-    parameters_at_lower_end = search.interval_end(
-        partial_and_gross_fit, -1.0, admitted_rise, first_step
-    )
-    parameters_at_upper_end = search.interval_end(
-        partial_and_gross_fit, 1.0, admitted_rise, first_step
-    )
-    # of f: the plateaus of a gross loop, at f P, are rounded to the last digit of Q
-    error_by_last_digit = 0.0
-    if best_loop.gross:
-        error_by_last_digit = _digits_of_plateau(search.rows, search.curve, search.weights)
+    parameters_at_lower_end = search.interval_end(fits, -1.0, admitted_rise, first_step)
+    parameters_at_upper_end = search.interval_end(fits, 1.0, admitted_rise, first_step)
+    # error of f: the plateaus of a gross loop, at Q = f P, are rounded to the last digit of Q
+    error_by_digits = 0.0
+    if best_loop.is_gross:
+        error_by_digits = _error_by_digits(search.rows, search.curve, search.sigma)
     # error of f that more rows would not lessen
-    error_beside_scatter = math.hypot(friction * error_of_theory, error_by_last_digit)
+    error_beside_scatter = math.hypot(friction * error_of_theory, error_by_digits)
     lowest_friction = 0.0
     if parameters_at_lower_end is not None:
         lowest_friction = friction - math.hypot(
@@ -807,54 +888,65 @@ def with_interval(best_loop: BestLoop, error_of_theory: float) -> MasingFit:
         )
     return MasingFit(
         friction=friction,
-        low=max(lowest_friction, 0.0),
-        high=highest_friction,
+        lowest_friction=max(lowest_friction, 0.0),
+        highest_friction=highest_friction,
         parameters=best_loop.parameters,
-        errors=standard_errors,
-        gross=best_loop.gross,
-        weights=search.weights,
+        standard_errors=standard_errors,
+        is_gross=best_loop.is_gross,
+        sigma=search.sigma,
         distances=best_loop.distances,
         misfit=best_loop.misfit,
         influence=influence,
-        freedom=best_loop.freedom,
-        by_digits=error_by_last_digit,
-        ends=(parameters_at_lower_end, parameters_at_upper_end),
+        degrees_of_freedom=best_loop.degrees_of_freedom,
+        error_by_digits=error_by_digits,
+        interval_ends=(parameters_at_lower_end, parameters_at_upper_end),
     )
 
 
-def _digits_of_plateau(rows: MeasuredRows, curve: MemoryCurve, weights: Weights) -> float:
-    """Of f, by the last digit of Q: the rows of a plateau all have the same one if no noise moves
-    them.
+def _error_by_digits(rows: MeasuredRows, curve: MemoryCurve, sigma: Weights) -> float:
+    """Error of f (95 %) of a gross loop by the last digit of Q: all rows of a plateau have the same
+    digits where no noise moves them. 0 where noise does.
     """
     step = rows.resolution[1]
-    if weights.load**2 - step**2 / 12 > (_MOVES_DIGITS * step) ** 2:
+    if sigma.load**2 - step**2 / 12 > (_NOISE_OF_CHANGING_DIGITS * step) ** 2:
         return 0.0
     # f = R/2P, and R is the difference of two plateaus that are rounded alike.
-    return 2 * _OF_STEP * step * curve.sliding
+    return 2 * _SHARE_OF_STEP * step * curve.sliding_friction_per_load
 
 
-def _influence(search: _Search, parameters: Array, gross: bool) -> Array:
-    """Change of the parameters (7,) per unit of each residual (m,) in linear least squares."""
-    free = _free_parameters(search.rows, gross=gross)
-    columns = _columns_of_fit(search, parameters, search.residuals(parameters)[1], gross)[:, free]
-    influence = np.zeros((7, len(columns)))
-    influence[free] = -np.linalg.pinv(columns) * search.sizes[free][:, None]
-    if gross:
+def _influence(search: _Search, parameters: Array, is_gross: bool) -> Array:
+    """Change of the parameters per unit of each of the m residuals in linear least squares, (7, m);
+    0 for parameters that are not fitted.
+    """
+    fitted_parameters = _fitted_parameters(search.rows, is_gross=is_gross)
+    _, derivatives = search.residuals(parameters)
+    scaled_derivatives = _scaled_derivatives(search, parameters, derivatives, is_gross)
+    pseudo_inverse = np.linalg.pinv(scaled_derivatives[:, fitted_parameters])
+    sizes = search.parameter_sizes[fitted_parameters]
+    influence = np.zeros((7, len(derivatives)))
+    influence[fitted_parameters] = -pseudo_inverse * sizes[:, None]
+    if is_gross:  # the range R of Q follows from ln f: R = 2 f P
         influence[RANGE] = parameters[RANGE] * influence[LOG_F]
     return influence
 
 
-def _free_parameters(rows: MeasuredRows, *, gross: bool) -> NDArray[np.intp]:
-    """Places of the parameters that are fitted: in a gross loop R goes with f."""
-    held = {RANGE} if gross else {SLIDE}
+def _fitted_parameters(rows: MeasuredRows, *, is_gross: bool) -> list[int]:
+    """Indices of the parameters that are fitted: all but the slide of a partial loop, the range of
+    a gross one, which follows from f, and a compliance of the rig that is stated.
+    """
+    held_parameters = {RANGE} if is_gross else {SLIDE}
     if rows.compliance is not None:
-        held.add(COMPLIANCE)
-    return np.array([k for k in range(7) if k not in held])
+        held_parameters.add(COMPLIANCE)
+    return [k for k in range(7) if k not in held_parameters]
 
 
-def _columns_of_fit(search: _Search, parameters: Array, derivatives: Array, gross: bool) -> Array:
-    """Derivatives (n, 7) by the parameters over their sizes; where R goes with f, by both."""
-    columns = derivatives.copy()
-    if gross:
-        columns[:, LOG_F] += parameters[RANGE] * columns[:, RANGE]
-    return np.asarray(columns * search.sizes)
+def _scaled_derivatives(
+    search: _Search, parameters: Array, derivatives: Array, is_gross: bool
+) -> Array:
+    """Derivatives (n, 7) by the parameters over their typical sizes. In a gross loop the range of Q
+    follows from f: the derivative by ln f is that along both.
+    """
+    total_derivatives = derivatives.copy()
+    if is_gross:
+        total_derivatives[:, LOG_F] += parameters[RANGE] * derivatives[:, RANGE]
+    return np.asarray(total_derivatives * search.parameter_sizes)

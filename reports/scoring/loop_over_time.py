@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from reports.scoring.loop_fitted import FittedLoop, fit_rig, said_of_scale
+from reports.scoring.loop_fitted import FittedLoop, fit_rig, sentences_on_scale
 from reports.scoring.loop_rows import MeasuredLoop
 from reports.scoring.loop_theory import INSTANTS, SHARES, cycle_loads, least_friction, theory_shift
 from scenes import InputError, Scene
@@ -25,17 +25,17 @@ from scenes.array_types import Array
 
 _LEAST_CYCLES = 0.9
 _MOST_CYCLES = 2000
-# Coefficients that are scanned, from gross sliding to so many times as much; beyond, a loop is a
-# line.
-_SCANNED = 60
-_WIDEST = 40.0
-# Rows that do not follow the scene's Q better than this share of its amplitude are another
-# experiment's.
-_FOLLOWS = 0.15
+# Number of coefficients of friction that are scanned, and the largest over f of gross sliding;
+# beyond it a loop is a line.
+_N_TRIALS = 60
+_LARGEST_RATIO = 40.0
+# Rows are of another experiment where their Q differs from the scene's by more than this share of
+# its amplitude (root mean square).
+_LARGEST_MISFIT = 0.15
 # Error of a fitted f by theory at so many instants, straight between, of itself.
-_OF_THEORY = 1e-5
+_ERROR_OF_THEORY = 1e-5
 # Chance gives so much of the sum of squares over its mean in 95 %: chi squared of one degree.
-_CHI = 3.841
+_CHI_SQUARED = 3.841
 
 
 def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None) -> FittedLoop:
@@ -50,67 +50,73 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
     rig_compliance
         compliance C of the rig between the places where U is measured [1/stress]; None fits it too
     """
-    place = _on_the_cycle(loop, scene)
-    scale = place.scale
-    load_of_cycle = cycle_loads(scene)[1]
-    search = _Search(loop, scene, load_of_cycle, rig_compliance)
-    least_f = least_friction(scene)
+    alignment = _required_alignment(loop, scene)
+    # The file's Q is r times the scene's, at the same P: so is f.
+    scale = alignment.scale
+    search = _Search(loop, scene, cycle_loads(scene)[1], rig_compliance)
+    least_scene_friction = least_friction(scene)
 
-    # scan of ln f, then the best one between the neighbours of the best trial
-    trials = np.log(least_f) + np.linspace(1e-6, math.log(_WIDEST), _SCANNED)
-    sums = np.array([search.sum_of_squares(trial, place.share, scale) for trial in trials.tolist()])
-    best_trial = int(np.argmin(sums))
+    # scan of ln f of the scene, then the best one between the neighbours of the best trial
+    trials = np.log(least_scene_friction) + np.linspace(1e-6, math.log(_LARGEST_RATIO), _N_TRIALS)
+    sums_of_squares = np.array(
+        [search.sum_of_squares(trial, alignment.share_of_cycle, scale) for trial in trials.tolist()]
+    )
+    index_of_best = int(np.argmin(sums_of_squares))
     neighbours_of_best = (
-        float(trials[max(best_trial - 1, 0)]),
-        float(trials[min(best_trial + 1, _SCANNED - 1)]),
+        float(trials[max(index_of_best - 1, 0)]),
+        float(trials[min(index_of_best + 1, _N_TRIALS - 1)]),
     )
     log_friction = min(
-        search.best(neighbours_of_best, place.share, scale),
-        float(trials[best_trial]),
-        key=lambda trial: search.sum_of_squares(trial, place.share, scale),
+        search.best_log_friction(neighbours_of_best, alignment.share_of_cycle, scale),
+        float(trials[index_of_best]),
+        key=lambda trial: search.sum_of_squares(trial, alignment.share_of_cycle, scale),
     )
-    least_sum, compliance, _ = search.against_theory(log_friction, place.share, scale)
-    degrees_of_freedom = len(place.share) - 3 - (rig_compliance is None)
+    least_sum, compliance, _ = search.rig_fit(log_friction, alignment.share_of_cycle, scale)
+    degrees_of_freedom = len(loop.time) - 3 - (rig_compliance is None)
     # The scatter is at least what the digits of the rows leave.
     noise = max(math.sqrt(least_sum / degrees_of_freedom), loop.resolution[0] / math.sqrt(12))
     friction = scale * math.exp(log_friction)
 
     # ends of the interval by the scatter of the rows
-    limit = least_sum + _CHI * noise**2
-    trials_beyond = trials[sums > limit]
-    trials_below = trials_beyond[trials_beyond < log_friction]
-    trials_above = trials_beyond[trials_beyond > log_friction]
-    log_at_lower_end = search.where_it_passes(limit, log_friction, trials_below, place)
-    log_at_upper_end = search.where_it_passes(limit, log_friction, trials_above, place)
+    limit = least_sum + _CHI_SQUARED * noise**2
+    trials_outside = trials[sums_of_squares > limit]
+    trials_below = trials_outside[trials_outside < log_friction]
+    trials_above = trials_outside[trials_outside > log_friction]
+    log_at_lower_end = search.log_friction_at_limit(limit, log_friction, trials_below, alignment)
+    log_at_upper_end = search.log_friction_at_limit(limit, log_friction, trials_above, alignment)
     distance_down = abs(scale * math.exp(log_at_lower_end) - friction)
     distance_up = abs(scale * math.exp(log_at_upper_end) - friction)
 
-    noise_of_load, changes_of_friction = _by_noise_of_load(
-        search, place, neighbours_of_best, friction
+    noise_of_load, changes_of_friction = _friction_changes_by_load_noise(
+        search, alignment, neighbours_of_best, friction
     )
-    other_errors = (friction * _OF_THEORY, *changes_of_friction)
-    cycles = float(loop.time[-1] / place.period)
+    other_errors = (friction * _ERROR_OF_THEORY, *changes_of_friction)
+    lowest_friction = friction - math.hypot(distance_down, *other_errors)
+    highest_friction = None
+    if not math.isinf(distance_up):
+        highest_friction = friction + math.hypot(distance_up, *other_errors)
+    cycles = float(loop.time[-1] / alignment.period)
     sentences = [
         (
             f"The rows cover {cycles:.4g} cycles and follow the scene's Q over time to"
-            f" {100 * place.misfit:.2g} % of its amplitude"
+            f" {100 * alignment.misfit:.2g} % of its amplitude"
         ),
-        *said_of_scale(scale),
+        *sentences_on_scale(scale),
     ]
     return FittedLoop(
         scene=scene,
         friction=friction,
-        low=max(friction - math.hypot(distance_down, *other_errors), scale * least_f),
-        high=None if math.isinf(distance_up) else friction + math.hypot(distance_up, *other_errors),
+        lowest_friction=max(lowest_friction, scale * least_scene_friction),
+        highest_friction=highest_friction,
         compliance=compliance,
-        share=place.share,
-        phase=loop.time / place.period,
+        share_of_cycle=alignment.share_of_cycle,
+        phase=loop.time / alignment.period,
         cycles=cycles,
         scale=scale,
-        offset=place.offset,
+        offset=alignment.offset,
         shift_noise=noise,
         load_noise=max(noise_of_load, loop.resolution[1] / math.sqrt(12)),
-        said=tuple(sentences),
+        sentences=tuple(sentences),
     )
 
 
@@ -131,91 +137,97 @@ class _Search:
     load_of_cycle: Array
     rig_compliance: float | None
 
-    def against_theory(
-        self, log_friction: float, share: Array, scale: float
+    def rig_fit(
+        self, log_friction: float, share_of_cycle: Array, scale: float
     ) -> tuple[float, float, float]:
-        """Sum of squares of U of the rows minus that of theory with a rig, and the C and U0 of this
-        rig.
+        """Fit a rig to theory's loop and the rows: U = r U_theory + C r Q + U0. Returns the sum of
+        squared residuals of U [length^2], the rig's compliance C [1/stress] and origin U0 [length].
 
         Parameters
         ----------
         log_friction
             ln f of the scene
-        share
-            (n,) place of the rows on the cycle
+        share_of_cycle
+            (n,) share of the scene's cycle that is over at each row
         scale
             r, the file's Q over the scene's
         """
         displacement = theory_shift(self.scene, math.exp(log_friction))
         load = scale * self.load_of_cycle
-        return fit_rig(self.loop, displacement, share, load, scale, self.rig_compliance)
+        return fit_rig(self.loop, displacement, share_of_cycle, load, scale, self.rig_compliance)
 
-    def sum_of_squares(self, log_friction: float, share: Array, scale: float) -> float:
-        """The sum of squares alone."""
-        return self.against_theory(log_friction, share, scale)[0]
+    def sum_of_squares(self, log_friction: float, share_of_cycle: Array, scale: float) -> float:
+        """Sum of squared residuals of U of the rows with this ln f of the scene [length^2]."""
+        return self.rig_fit(log_friction, share_of_cycle, scale)[0]
 
-    def best(self, between: tuple[float, float], share: Array, scale: float) -> float:
-        """The friction coefficient f at which the sum of squares between theory and rows is least,
-        as ln f, among those between the two values of ln f in `between`. `share` (n,) is where the
-        rows lie on the cycle, `scale` the factor from the scene's Q to that of the rows.
+    def best_log_friction(
+        self, log_friction_bounds: tuple[float, float], share_of_cycle: Array, scale: float
+    ) -> float:
+        """The ln f of the scene, between two bounds, at which the sum of squared differences of U
+        between theory and rows is least.
+
+        Parameters
+        ----------
+        share_of_cycle
+            (n,) share of the scene's cycle that is over at each row
+        scale
+            r, the file's Q over the scene's
         """
         from scipy.optimize import minimize_scalar
 
         minimum = minimize_scalar(
             self.sum_of_squares,
-            bounds=between,
-            args=(share, scale),
+            bounds=log_friction_bounds,
+            args=(share_of_cycle, scale),
             method="bounded",
             options={"xatol": 1e-7},
         )
         return float(minimum.x)
 
-    def where_it_passes(
-        self, limit: float, log_friction: float, trials_beyond: Array, place: _Place
+    def log_friction_at_limit(
+        self, limit: float, best_log_friction: float, trials: Array, alignment: _Alignment
     ) -> float:
-        """The ln f at which the sum of squares of a fit passes `limit`, on the way from the best
-        one, `log_friction`, to the nearest of the trials at which it lies beyond. Infinite without
-        any. `place` holds where the rows lie on the scene's cycle, as a share of it, and the factor
-        of their loads.
+        """The ln f of the scene at which the sum of squares reaches `limit`, between the best one
+        and the nearest of `trials` (k,). The sum exceeds the limit at all of these, on one side of
+        the best one. Infinite without any trial.
         """
         from scipy.optimize import brentq
 
-        if not len(trials_beyond):
+        if not len(trials):
             return math.inf
-        nearest_beyond = trials_beyond[np.argmin(np.abs(trials_beyond - log_friction))]
-        return float(
-            brentq(
-                lambda trial: self.sum_of_squares(trial, place.share, place.scale) - limit,
-                log_friction,
-                nearest_beyond,
-                xtol=1e-7,
-            )
-        )
+        nearest_trial = trials[np.argmin(np.abs(trials - best_log_friction))]
+
+        def excess(log_friction: float) -> float:
+            """Sum of squares minus the limit."""
+            squares = self.sum_of_squares(log_friction, alignment.share_of_cycle, alignment.scale)
+            return squares - limit
+
+        return float(brentq(excess, best_log_friction, nearest_trial, xtol=1e-7))
 
 
-class _Place(NamedTuple):
+class _Alignment(NamedTuple):
     """Where the rows lie on the scene's cycle.
 
     Attributes
     ----------
-    share
+    share_of_cycle
         (n,) share of the cycle that is over at each row, 0 to 1
     scale, offset
-        r and Q0 with which the file's Q is r Q(tau) + Q0
+        r and Q0 with which the file's Q is r Q + Q0 of the scene
     period
         of the cycle, in the file's unit of time
     misfit
         root mean square of the file's Q − (r Q + Q0), over the amplitude of r Q
     """
 
-    share: Array
+    share_of_cycle: Array
     scale: float
     offset: float
     period: float
     misfit: float
 
 
-def _on_the_cycle(loop: MeasuredLoop, scene: Scene) -> _Place:
+def _required_alignment(loop: MeasuredLoop, scene: Scene) -> _Alignment:
     """Where on the scene's cycle each row of a measured loop lies, by its time, and the file's
     period, scale and offset of Q: those with which the scene's Q fits that of the rows.
 
@@ -225,17 +237,17 @@ def _on_the_cycle(loop: MeasuredLoop, scene: Scene) -> _Place:
         For less than a cycle, and for rows that do not follow the scene's Q.
     """
     load_of_cycle = cycle_loads(scene)[1]
-    # Rows of a whole cycle between straight loads are also half of a cycle twice as large: the
-    # whole one counts.
-    alignment = _aligned(loop, load_of_cycle, _LEAST_CYCLES)
-    if alignment.misfit > _FOLLOWS:
-        alignment = _aligned(loop, load_of_cycle)
+    # Rows of one cycle between straight loads are also half of a cycle twice as large: the whole
+    # cycle is tried first.
+    alignment = _best_alignment(loop, load_of_cycle, _LEAST_CYCLES)
+    if alignment.misfit > _LARGEST_MISFIT:
+        alignment = _best_alignment(loop, load_of_cycle)
     cycles = loop.time[-1] / alignment.period
-    if alignment.misfit > _FOLLOWS:
+    if alignment.misfit > _LARGEST_MISFIT:
         raise InputError(
             f"{loop.source}: its Q follows that of {scene.name} to {100 * alignment.misfit:.0f} %"
-            f" of its amplitude only (limit {100 * _FOLLOWS:.0f} %): give a column time, whole"
-            " cycles, and a scene with this form of Q"
+            f" of its amplitude only (limit {100 * _LARGEST_MISFIT:.0f} %): give a column time,"
+            " whole cycles, and a scene with this form of Q"
         )
     if cycles < _LEAST_CYCLES:
         raise InputError(
@@ -244,19 +256,21 @@ def _on_the_cycle(loop: MeasuredLoop, scene: Scene) -> _Place:
     return alignment
 
 
-def _aligned(loop: MeasuredLoop, load_of_cycle: Array, least_cycles: float = 0.0) -> _Place:
+def _best_alignment(
+    loop: MeasuredLoop, load_of_cycle: Array, least_cycles: float = 0.0
+) -> _Alignment:
     """Find where the rows lie on the scene's cycle: period, phase, scale and offset at which Q of
     this cycle follows Q of the rows best.
 
-    Guesses of the period come from the spectrum of the file's Q; each is tried at 24 phases, and
-    the best one is refined.
+    Trial periods come from the spectrum of the file's Q; each is tried at 24 phases, and the best
+    trial is refined.
 
     Parameters
     ----------
     load_of_cycle
-        Q of the scene at the instants `SHARES` of its cycle
+        (n_instants,) Q of the scene at the instants `SHARES` of its cycle
     least_cycles
-        guesses by which the rows cover fewer cycles are left out, as long as others remain
+        periods of which the rows cover fewer are left out, as long as others remain
     """
     from scipy.optimize import minimize
 
@@ -265,123 +279,136 @@ def _aligned(loop: MeasuredLoop, load_of_cycle: Array, least_cycles: float = 0.0
     amplitude = np.ptp(load_of_cycle) / 2
     n_rows = len(loop.load)
 
-    def fit_of(frequency: float, phase: float) -> tuple[float, Array, float, float]:
-        """How well Q of the rows follows scale * Q of the scene's cycle + offset, for a frequency
-        and phase (share of a cycle at time 0). Returns the root mean square misfit, the share of
-        the cycle at each row, scale and offset. A negative scale gets a misfit too large to be the
-        best.
+    def alignment_at(frequency: float, phase: float) -> _Alignment:
+        """The alignment with a given frequency and phase (share of a cycle at time 0) of the cycle.
+        Its misfit is still the root mean square in units of Q; a negative scale gets one too large
+        to be the best.
         """
-        share = np.mod(frequency * loop.time + phase, 1.0)
-        scene_load = np.interp(share, SHARES, load_of_cycle)
+        share_of_cycle = np.mod(frequency * loop.time + phase, 1.0)
+        scene_load = np.interp(share_of_cycle, SHARES, load_of_cycle)
         columns = np.column_stack([scene_load, np.ones(n_rows)])
         scale, offset = np.linalg.lstsq(columns, loop.load, rcond=None)[0].tolist()
-        residual = loop.load - scale * scene_load - offset
-        misfit = float(np.sqrt(residual @ residual / n_rows))
-        # Turned Q fits a sine as well as Q half a cycle later: only the upright one counts.
+        residuals = loop.load - scale * scene_load - offset
+        misfit = float(np.sqrt(residuals @ residuals / n_rows))
+        # A negative scale fits a sine as well as the positive one half a cycle later: only this
+        # one counts.
         if scale <= 0:
             misfit += 10 * float(np.ptp(loop.load))
-        return misfit, share, scale, offset
+        return _Alignment(share_of_cycle, scale, offset, float(1 / frequency), misfit)
 
     frequencies, first_frequency = _trial_frequencies(loop, least_cycles)
-    starts = [(frequency, phase) for frequency in frequencies for phase in np.arange(24) / 24]
-    start = min(starts, key=lambda start: fit_of(*start)[0])
+    trials = [(frequency, phase) for frequency in frequencies for phase in np.arange(24) / 24]
+    best_trial = min(trials, key=lambda trial: alignment_at(*trial).misfit)
+    # steps of a part of a cycle over the whole record
     frequency_step = 0.3 / max(loop.time[-1] * first_frequency, 1.0) * first_frequency * 0.3
     simplex_steps = np.array([[0.0, 0.0], [frequency_step, 0.0], [0.0, 0.02]])
     minimum = minimize(
-        lambda point: fit_of(*point)[0],
-        start,
+        lambda frequency_and_phase: alignment_at(*frequency_and_phase).misfit,
+        best_trial,
         method="Nelder-Mead",
         options={
-            "initial_simplex": np.array(start) + simplex_steps,
+            "initial_simplex": np.array(best_trial) + simplex_steps,
             "xatol": 1e-9 * first_frequency,
             "fatol": 1e-12 * amplitude,
             "maxiter": 800,
         },
     )
-    misfit, share, scale, offset = fit_of(*minimum.x)
-    return _Place(share, scale, offset, float(1 / minimum.x[0]), misfit / (abs(scale) * amplitude))
+    alignment = alignment_at(*minimum.x)
+    return alignment._replace(misfit=alignment.misfit / (abs(alignment.scale) * amplitude))
 
 
 def _trial_frequencies(loop: MeasuredLoop, least_cycles: float) -> tuple[list[float], float]:
     """Frequencies of the cycle to try [cycles per unit of time], from the spectrum of Q of the
-    rows; and the frequency of its highest line.
+    rows; and the frequency at which this spectrum is highest.
 
     Those by which the rows cover fewer than `least_cycles` are left out, as long as others remain.
     """
     even_times = np.linspace(0.0, loop.time[-1], min(len(loop.load), 4096))
-    wave = np.interp(even_times, loop.time, loop.load)
-    spectrum = np.abs(np.fft.rfft((wave - wave.mean()) * np.hanning(len(wave)), 8 * len(wave)))
-    period_of_spectrum = loop.time[-1] * len(even_times) / (len(even_times) - 1)
-    # The spectrum has eight lines to a cycle; the first four belong to the mean.
-    most_cycles = min(_MOST_CYCLES, len(even_times) // 4)
-    cycles_in_rows = float(np.argmax(spectrum[4 : 8 * most_cycles]) + 4) / 8
-    first_frequency = max(cycles_in_rows, 0.5) / period_of_spectrum
-    # The highest line of a cycle with several waves may be its second or third.
+    even_loads = np.interp(even_times, loop.time, loop.load)
+    load_from_mean = even_loads - even_loads.mean()
+    n_times = len(even_times)
+    spectrum = np.abs(np.fft.rfft(load_from_mean * np.hanning(n_times), 8 * n_times))
+    record_length = loop.time[-1] * n_times / (n_times - 1)
+    # Eight values of the spectrum belong to one cycle in the record; the first four to the mean.
+    most_cycles = min(_MOST_CYCLES, n_times // 4)
+    cycles_in_record = float(np.argmax(spectrum[4 : 8 * most_cycles]) + 4) / 8
+    first_frequency = max(cycles_in_record, 0.5) / record_length
+    # The spectrum may be highest at the second or third harmonic of the cycle.
     frequencies = [
-        first_frequency / n_waves * factor for n_waves in (1, 2, 3) for factor in (0.94, 1.0, 1.06)
+        first_frequency / harmonic * factor
+        for harmonic in (1, 2, 3)
+        for factor in (0.94, 1.0, 1.06)
     ]
-    if first_frequency * period_of_spectrum < 3:  # a spectrum of a few cycles has no sharp line
-        frequencies += (np.arange(0.9, 3.0, 0.05) / period_of_spectrum).tolist()
-    long_enough = [
+    if first_frequency * record_length < 3:  # a spectrum of a few cycles has no sharp maximum
+        frequencies += (np.arange(0.9, 3.0, 0.05) / record_length).tolist()
+    frequencies_of_enough_cycles = [
         frequency for frequency in frequencies if frequency * loop.time[-1] >= least_cycles
     ]
-    return long_enough or frequencies, first_frequency
+    return frequencies_of_enough_cycles or frequencies, first_frequency
 
 
-def _by_noise_of_load(
-    search: _Search, place: _Place, neighbours_of_best: tuple[float, float], friction: float
+def _friction_changes_by_load_noise(
+    search: _Search,
+    alignment: _Alignment,
+    log_friction_bounds: tuple[float, float],
+    friction: float,
 ) -> tuple[float, tuple[float, float]]:
-    """Noise of the load Q of the rows [force per thickness], and what it may change in the fitted
-    friction coefficient f: it leaves open when the load acts and how large it is. Since a loop that
-    is shifted in time opens, f is found again with the rows late, and with the load large.
+    """Noise of the load Q of the rows [force per thickness], and two changes of the fitted friction
+    coefficient f that it may cause.
+
+    Noise leaves a small error in when the load acts, and in how large it is. A loop that is shifted
+    in time opens: f is fitted again with all rows late, and with the scene's load larger, each by
+    1.96 standard errors.
 
     Parameters
     ----------
     search
         finds the f that fits best
-    place
+    alignment
         where the rows lie on the scene's cycle
-    neighbours_of_best
+    log_friction_bounds
         values of ln f between which it is sought
     friction
         the fitted f
     """
     noise_of_load, place_error, scale_error = _noise_of_load(
-        search.loop, place.share, place.scale, search.load_of_cycle
+        search.loop, alignment.share_of_cycle, alignment.scale, search.load_of_cycle
     )
-    late_share = np.mod(place.share + 1.96 * place_error, 1.0)
-    large_scale = place.scale * (1 + 1.96 * scale_error)
-    log_if_late = search.best(neighbours_of_best, late_share, place.scale)
-    log_if_large = search.best(neighbours_of_best, place.share, large_scale)
-    change_if_late = place.scale * math.exp(log_if_late) - friction
-    change_if_large = large_scale * math.exp(log_if_large) - friction
-    return noise_of_load, (change_if_late, change_if_large)
+    late_share = np.mod(alignment.share_of_cycle + 1.96 * place_error, 1.0)
+    larger_scale = alignment.scale * (1 + 1.96 * scale_error)
+    log_friction_if_late = search.best_log_friction(
+        log_friction_bounds, late_share, alignment.scale
+    )
+    log_friction_if_larger = search.best_log_friction(
+        log_friction_bounds, alignment.share_of_cycle, larger_scale
+    )
+    change_if_late = alignment.scale * math.exp(log_friction_if_late) - friction
+    change_if_larger = larger_scale * math.exp(log_friction_if_larger) - friction
+    return noise_of_load, (change_if_late, change_if_larger)
 
 
 def _noise_of_load(
-    loop: MeasuredLoop, share: Array, scale: float, load_of_cycle: Array
+    loop: MeasuredLoop, share_of_cycle: Array, scale: float, load_of_cycle: Array
 ) -> tuple[float, float, float]:
     """Standard deviation of Q of the rows about r Q of the scene [force per thickness], and the
     standard errors that it leaves in the place on the cycle [share of a cycle] and in r, over r.
 
     Parameters
     ----------
-    share
-        (n,) place of the rows on the cycle
+    share_of_cycle
+        (n,) share of the scene's cycle that is over at each row
     scale
-        r
+        r, the file's Q over the scene's
     load_of_cycle
-        Q of the scene at the instants `SHARES` of its cycle
+        (n_instants,) Q of the scene at the instants `SHARES` of its cycle
     """
-    scene_load = scale * np.interp(share, SHARES, load_of_cycle)
+    scene_load = scale * np.interp(share_of_cycle, SHARES, load_of_cycle)
     load_from_mean = scene_load - scene_load.mean()
     noise = float(np.std(loop.load - scene_load))
-    load_per_cycle = np.interp(
-        share,
-        (SHARES[1:] + SHARES[:-1]) / 2,
-        scale * np.diff(load_of_cycle) * (INSTANTS - 1),
-        period=1.0,
-    )
-    place_error = noise / math.sqrt(float(load_per_cycle @ load_per_cycle))
+    # slope of r Q over the share of the cycle, at the middle between two instants
+    slopes = scale * np.diff(load_of_cycle) * (INSTANTS - 1)
+    middles = (SHARES[1:] + SHARES[:-1]) / 2
+    slope_at_rows = np.interp(share_of_cycle, middles, slopes, period=1.0)
+    place_error = noise / math.sqrt(float(slope_at_rows @ slope_at_rows))
     scale_error = noise / math.sqrt(float(load_from_mean @ load_from_mean))
     return noise, place_error, scale_error

@@ -54,8 +54,8 @@ def content(score: LoopScore) -> dict[str, Any]:
         "cycles": score.cycles,
         "noise": score.noise,
         "metrics": {
-            row.name: {name: value for name, value in vars(row).items() if name != "name"}
-            for row in score.rows
+            loop_row.name: {key: value for key, value in vars(loop_row).items() if key != "name"}
+            for loop_row in score.rows
         },
         "read_as": score.read_as,
         "notes": list(score.said),
@@ -65,29 +65,29 @@ def content(score: LoopScore) -> dict[str, Any]:
 
 def table(score: LoopScore) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Column heads, and a row of text cells for each loop: name, f, area W, W over the measured one
-    minus 1, slope, and distance from the rows (– where a loop has none).
+    minus 1, slope, and distance from the measured rows (– where a loop has none).
     """
     unit_of_length, unit_of_stress = units(score.scene)[1:]
     area_head = f"area W [{energy_unit(score.scene)}]"
     distance_head = f"mean rows − loop, rms [{unit_of_length}]"
     slope_head = f"slope dU/dQ [1/{unit_of_stress}]"
     heads = ("loop", "f", area_head, "W/measured − 1", slope_head, distance_head)
-    measured_row = score.rows[0]
-    rows: list[tuple[str, ...]] = []
-    for row in score.rows:
-        area_cell = f"{row.area:.5g}"
-        if row.area_uncertainty:
-            area_cell += f" ± {row.area_uncertainty:.2g}"
+    measured_loop = score.rows[0]
+    table_rows: list[tuple[str, ...]] = []
+    for loop in score.rows:
+        area_cell = f"{loop.area:.5g}"
+        if loop.area_uncertainty:
+            area_cell += f" ± {loop.area_uncertainty:.2g}"
         difference_cell = "–"
-        if row is not measured_row:
-            difference_cell = minus(f"{100 * (row.area / measured_row.area - 1):+.2g} %")
-        friction_cell = "–" if row.friction is None else f"{row.friction:.4g}"
-        distance_cell = f"{row.distance:.3g}" if math.isfinite(row.distance) else "–"
-        slope_cell = f"{row.slope:.5g}"
-        rows.append(
-            (row.name, friction_cell, area_cell, difference_cell, slope_cell, distance_cell)
+        if loop is not measured_loop:
+            difference_cell = minus(f"{100 * (loop.area / measured_loop.area - 1):+.2g} %")
+        friction_cell = "–" if loop.friction is None else f"{loop.friction:.4g}"
+        distance_cell = f"{loop.distance:.3g}" if math.isfinite(loop.distance) else "–"
+        slope_cell = f"{loop.slope:.5g}"
+        table_rows.append(
+            (loop.name, friction_cell, area_cell, difference_cell, slope_cell, distance_cell)
         )
-    return heads, rows
+    return heads, table_rows
 
 
 class _Means(NamedTuple):
@@ -95,9 +95,9 @@ class _Means(NamedTuple):
 
     Attributes
     ----------
-    rows
-        how many rows a mean is of
-    share
+    row_counts
+        number of rows of which a mean is taken
+    share_of_cycle
         share of the cycle that is over
     shift, load
         U and Q
@@ -105,8 +105,8 @@ class _Means(NamedTuple):
         U minus U of the best fit
     """
 
-    rows: Array
-    share: Array
+    row_counts: Array
+    share_of_cycle: Array
     shift: Array
     load: Array
     residual: Array
@@ -114,43 +114,50 @@ class _Means(NamedTuple):
 
 def _plates(score: LoopScore) -> tuple[Plate, ...]:
     """Two figures of a measured loop: the loop itself, and the residuals of its best fit. Dots are
-    means of neighbouring rows; the CSV files hold every row.
+    means of rows in equal parts of the cycle; the CSV files hold every row.
     """
-    residuals = score.shift - np.interp(score.tau, SHARES, score.curves[0][1])
+    best_fit = score.curves[0]
+    residuals = score.shift - np.interp(score.tau, SHARES, best_fit.shift)
     means = _Means(*means_of_parts(score.tau, score.tau, score.shift, score.load, residuals))
-    row_counts: dict[str, Any] = {
-        "fewest": f"{means.rows.min():.0f}",
-        "most": f"{means.rows.max():.0f}",
-        "parts": len(means.rows),
+    caption_numbers: dict[str, Any] = {
+        "fewest": f"{means.row_counts.min():.0f}",
+        "most": f"{means.row_counts.max():.0f}",
+        "parts": len(means.row_counts),
         "columns": 1,
     }
     return (
-        _figure_of_loop(score, means, row_counts),
-        _figure_of_residuals(score, means, residuals, row_counts),
+        _figure_of_loop(score, means, caption_numbers),
+        _figure_of_residuals(score, means, residuals, caption_numbers),
     )
 
 
-def _figure_of_loop(score: LoopScore, means: _Means, row_counts: dict[str, Any]) -> Plate:
-    """The figure of U − slope Q over Q, for the rows and the computed loops. The slope is that of
-    the best fit, so that a thin loop opens. `row_counts` are numbers for the caption.
+def _figure_of_loop(score: LoopScore, means: _Means, caption_numbers: dict[str, Any]) -> Plate:
+    """The figure of U − slope Q over Q, for the rows and the computed loops. The slope dU/dQ is
+    that of the best fit, so that a thin loop opens.
     """
     unit_of_length = units(score.scene)[1]
     unit_of_load = load_unit(score.scene)
-    slope = score.rows[1].slope
+    best_fit = score.rows[1]
+    slope = best_fit.slope
     mean_offset = float(np.mean(score.shift - slope * score.load))
-    opened_shift = means.shift - slope * means.load - mean_offset
+    dot_heights = means.shift - slope * means.load - mean_offset
     curves = [
-        Curve(loads, shifts - slope * loads - mean_offset, f"line-{number}", name)
-        for number, (name, shifts, loads) in enumerate(score.curves, 1)
+        Curve(
+            curve.load,
+            curve.shift - slope * curve.load - mean_offset,
+            f"line-{number}",
+            curve.name,
+        )
+        for number, curve in enumerate(score.curves, 1)
     ]
     panel = Panel(
         "loop",
         Axis(*limits(means.load, curves[0].x), f"Q  [{unit_of_load}]"),
         Axis(
-            *limits(opened_shift, *(curve.y for curve in curves)),
+            *limits(dot_heights, *(curve.y for curve in curves)),
             f"U − slope Q  [{unit_of_length}]",
         ),
-        [*_dots(means.load, opened_shift), *curves],
+        [*_dots(means.load, dot_heights), *curves],
         "Loop of displacement over tangential load",
         _WIDTH,
         380.0,
@@ -162,11 +169,13 @@ def _figure_of_loop(score: LoopScore, means: _Means, row_counts: dict[str, Any])
         f"U [{unit_of_length}]": score.shift,
     }
     keys = [Key(curve.css, curve.label) for curve in curves]
-    return figure_with_texts("loop", [panel], columns, keys, slope=f"{slope:.4g}", **row_counts)
+    return figure_with_texts(
+        "loop", [panel], columns, keys, slope=f"{slope:.4g}", **caption_numbers
+    )
 
 
 def _figure_of_residuals(
-    score: LoopScore, means: _Means, residuals: Array, row_counts: dict[str, Any]
+    score: LoopScore, means: _Means, residuals: Array, caption_numbers: dict[str, Any]
 ) -> Plate:
     """The figure of what the best fit leaves of a measured loop, against time as a share of the
     cycle: means of neighbouring rows are drawn, the residual of every row is its data to download.
@@ -177,15 +186,15 @@ def _figure_of_residuals(
         means over neighbouring rows: share of the cycle and residual, (k,) each
     residuals
         (n,) U of the rows minus U of the best fit [length]
-    row_counts
-        numbers for the caption
+    caption_numbers
+        how many rows a mean is of, and how many means there are
     """
     unit_of_length = units(score.scene)[1]
     panel = Panel(
         "loop-rest",
         Axis(0.0, 1.0, "share of the cycle"),
         Axis(*limits(means.residual), f"mean rows − best fit  [{unit_of_length}]"),
-        [*_dots(means.share, means.residual), Rule(0.0, "zero")],
+        [*_dots(means.share_of_cycle, means.residual), Rule(0.0, "zero")],
         "Residuals of the best fit over the cycle",
         _WIDTH,
         260.0,
@@ -197,7 +206,7 @@ def _figure_of_residuals(
         {"tau": score.tau, f"U - fit [{unit_of_length}]": residuals},
         noise=f"{score.noise:.3g}",
         length=unit_of_length,
-        **row_counts,
+        **caption_numbers,
     )
 
 
@@ -210,7 +219,7 @@ def write(
     score: LoopScore,
     out: str | Path,
     command: str,
-    further: dict[str, Any] | None = None,
+    further_entries: dict[str, Any] | None = None,
     sentences: Sequence[str] = (),
 ) -> Path:
     """Write the page report.html, loop.json and the CSV of each figure into the folder `out`;
@@ -218,10 +227,10 @@ def write(
 
     Parameters
     ----------
-    further
+    further_entries
         entries of loop.json beside those of the score
     sentences
-        what the page says below its first one
+        what the page states below its first sentence
     """
     from reports.comparison.json_values import strict
 
@@ -230,7 +239,7 @@ def write(
     table_heads, table_rows = table(score)
     with results_folder(out) as new_folder:
         write_tables(plates, new_folder)
-        json_content = strict(content(score) | (further or {})) | {"command": command}
+        json_content = strict(content(score) | (further_entries or {})) | {"command": command}
         (new_folder / "loop.json").write_text(
             json.dumps(json_content, indent=1, ensure_ascii=False) + "\n", encoding="utf-8"
         )

@@ -31,18 +31,21 @@ _SHIFT_NAMES = (
     "slip",
     "U1",
 )
-_BY_NUMBER = "columns.slip = 1 and columns.tangential_load = 2 of a mapping"
+_KEYS_BY_NUMBER = "columns.slip = 1 and columns.tangential_load = 2 of a mapping"
 # Rows that show with how many digits numbers are written.
-_DIGITS_SEEN = 1000
-_FEWEST = 20
+_ROWS_WITH_DIGITS = 1000
+_FEWEST_ROWS = 20
 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredLoop:
-    """Rows of a rig: `shift` U and `load` Q, (n,) in the units of the scene, `time` (n,) in any.
+    """Rows of a rig, as they were read from a file (`source`).
 
-    `read_as` is how the file was read: each column with its heading, unit and factor. `resolution`
-    is the step of U and of Q that the digits of the rows resolve, 0 where they hold every digit.
+    shift, load : (n,) relative displacement U and tangential load Q in the units of the scene
+    time : (n,) in any unit
+    read_as : how the file was read: each column with its heading, unit and factor
+    resolution : step of U and of Q that the digits of the rows resolve, 0 where they hold all
+        digits
     """
 
     source: str
@@ -54,9 +57,10 @@ class MeasuredLoop:
 
 
 def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
-    """Read a measured loop from a text table: U and Q in the units of the scene, time as the file
-    has it, with words on how each column was read. Without a column of time the rows follow each
-    other evenly. `mapping` states columns, units and signs of the file, where it must be told.
+    """Read a measured loop from a text table: relative displacement U and tangential load Q in the
+    units of the scene, time as the file has it, with words on how each column was read. Without a
+    column of time the rows follow each other evenly. `mapping` states columns, units and signs
+    where the file does not.
 
     Raises
     ------
@@ -67,10 +71,10 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
     table = text_table(
         path,
         kind=TableKind(
-            is_known=_is_of_loops,
+            is_known=_is_known_heading,
             example="U,Q",
-            keys_by_number=_BY_NUMBER,
-            numbered=_is_numbered(mapping),
+            keys_by_number=_KEYS_BY_NUMBER,
+            numbered=_takes_columns_by_number(mapping),
         ),
     )
     names = table.names
@@ -78,13 +82,13 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
     shift_name, load_name = _names_of_columns(table, mapping, file_name)
     time_name = find_column(mapping, "time", names, file_name)
     n_rows = len(table.values)
-    if n_rows < _FEWEST:
+    if n_rows < _FEWEST_ROWS:
         raise InputError(
-            f"{file_name}: {n_rows} rows are too few for a loop: at least {_FEWEST} are needed"
+            f"{file_name}: {n_rows} rows are too few for a loop: at least {_FEWEST_ROWS} are needed"
         )
-    shifts_read = _column_of_loop(file_name, table, mapping, scene, shift_name, "slip")
-    loads_read = _column_of_loop(file_name, table, mapping, scene, load_name, "tangential_load")
-    for column in (shifts_read, loads_read):
+    shift_column = _column_of_loop(file_name, table, mapping, scene, shift_name, "slip")
+    load_column = _column_of_loop(file_name, table, mapping, scene, load_name, "tangential_load")
+    for column in (shift_column, load_column):
         if not np.ptp(column.values) > 0:
             raise InputError(
                 f"{file_name}: {column.name} is the same in every row: there is no loop"
@@ -96,39 +100,40 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
         time_in_words = f"{time_name!r}, as it stands: no result depends on its unit"
     rows_before_fall = np.flatnonzero(np.diff(instants) <= 0)
     if len(rows_before_fall):
-        row = int(rows_before_fall[0]) + 1
+        row_of_fall = int(rows_before_fall[0]) + 1
         raise InputError(
-            f"{file_name}, line {table.lines[row]}: {time_name} = {instants[row]:.6g} does not"
-            " ascend: rows stand in the order of time"
+            f"{file_name}, line {table.lines[row_of_fall]}: {time_name} ="
+            f" {instants[row_of_fall]:.6g} does not ascend: rows stand in the order of time"
         )
     read_as = layout_in_words(path, table)
-    read_as.append(("relative displacement U", shifts_read.words))
-    read_as.append(("tangential load Q", loads_read.words))
+    read_as.append(("relative displacement U", shift_column.reading_words))
+    read_as.append(("tangential load Q", load_column.reading_words))
     read_as.append(("time", time_in_words))
     return MeasuredLoop(
         source=file_name,
-        shift=shifts_read.values,
-        load=loads_read.values,
+        shift=shift_column.values,
+        load=load_column.values,
         time=instants - instants[0],
         read_as=tuple(read_as),
-        resolution=(shifts_read.step, loads_read.step),
+        resolution=(shift_column.digit_step, load_column.digit_step),
     )
 
 
 class _ColumnOfLoop(NamedTuple):
-    """A column by its name in the file: `values` (n,) and the `step` of its last digit, both in the
-    unit of the scene; how it was read, in words.
+    """A column by its name in the file: its `values` (n,) and the step of their last digit, both in
+    the unit of the scene; how it was read, in words.
     """
 
     name: str
     values: Array
-    step: float
-    words: str
+    digit_step: float
+    reading_words: str
 
 
 def _names_of_columns(table: TextTable, mapping: Mapping, file_name: str) -> tuple[str, str]:
-    """Names of the columns of U and of Q in the table of a loop: by the mapping, or by known names.
-    Of two columns without names the one is U where the other is Q.
+    """Names of the columns of U (a displacement, "shift") and of Q (a load) in the table of a loop:
+    by the mapping, or by known names. Where the mapping states one of two columns without headings,
+    the other quantity has the other column.
 
     Raises
     ------
@@ -136,7 +141,6 @@ def _names_of_columns(table: TextTable, mapping: Mapping, file_name: str) -> tup
         Where there is no column for U or Q, or one for both.
     """
     names = table.names
-    # Of two columns without names the one is the other's partner.
     has_two_nameless_columns = not table.head and len(names) == 2
     load_name = find_column(
         mapping, "tangential_load", names, file_name, needed=not has_two_nameless_columns
@@ -146,8 +150,8 @@ def _names_of_columns(table: TextTable, mapping: Mapping, file_name: str) -> tup
     )
     if has_two_nameless_columns and load_name is None and stated_shift_name is not None:
         load_name = names[1 - names.index(stated_shift_name)]
-    shift_names = [name for alias in _SHIFT_NAMES for name in names if plain(name) == plain(alias)]
-    shift_name = stated_shift_name or next(iter(dict.fromkeys(shift_names)), None)
+    known_names = [name for alias in _SHIFT_NAMES for name in names if plain(name) == plain(alias)]
+    shift_name = stated_shift_name or next(iter(known_names), None)
     if has_two_nameless_columns and shift_name is None and load_name is not None:
         shift_name = names[1 - names.index(load_name)]
     if shift_name is None or load_name is None:
@@ -165,7 +169,7 @@ def _names_of_columns(table: TextTable, mapping: Mapping, file_name: str) -> tup
 
 
 def _column_of_loop(
-    where: str,
+    file_name: str,
     table: TextTable,
     mapping: Mapping,
     scene: Scene,
@@ -177,8 +181,10 @@ def _column_of_loop(
 
     Parameters
     ----------
-    where
-        file and table, for messages
+    file_name
+        for messages
+    name
+        name of the column in the table
     quantity
         "slip" for U, "tangential_load" for Q, as a mapping calls them
 
@@ -188,60 +194,63 @@ def _column_of_loop(
         For a unit that is not understood, for forces without a thickness, and for forces per length
         with one.
     """
-    kind: Literal["length", "load"] = "length" if quantity == "slip" else "load"
-    unit_of_scene = units(scene)[1] if kind == "length" else load_unit(scene)
+    # which factor of the mapping holds for the quantity
+    factor_name: Literal["length", "load"] = "length" if quantity == "slip" else "load"
+    is_load = factor_name == "load"
+    unit_of_scene = load_unit(scene) if is_load else units(scene)[1]
     column_number = table.names.index(name)
-    thickness_stated = kind == "load" and "thickness" in mapping.model_fields_set
-    factor_stated = getattr(mapping.factors, kind)
+    is_thickness_stated = is_load and "thickness" in mapping.model_fields_set
+    stated_factor = getattr(mapping.factors, factor_name)
     unit_factor = 1.0
-    words = [repr(name)]
-    if factor_stated is not None:
-        words.append(f"times {factor_stated:.9g} (factors.{kind} of the mapping)")
+    reading_words = [repr(name)]
+    if stated_factor is not None:
+        reading_words.append(f"times {stated_factor:.9g} (factors.{factor_name} of the mapping)")
     else:
-        unit = unit_of_column(table, column_number, kind, scene.units)
+        unit = unit_of_column(table, column_number, factor_name, scene.units)
         if unit.word == unit_of_scene:  # whatever words the scene has for its units
-            words_of_unit = f"{unit.word} (in its heading), times 1"
-            unit = replace(
-                unit, factor=1.0, per_length=kind == "load", fault="", remark=words_of_unit
-            )
-        if thickness_stated and "/" in unit.word:
+            words_on_unit = f"{unit.word} (in its heading), times 1"
+            unit = replace(unit, factor=1.0, per_length=is_load, fault="", remark=words_on_unit)
+        if is_thickness_stated and "/" in unit.word:
             raise InputError(
-                f"{where}: the column {name!r} is in {unit.word}, a force per length, and the"
+                f"{file_name}: the column {name!r} is in {unit.word}, a force per length, and the"
                 " mapping states a thickness, by which forces are divided: take thickness out of"
                 " the mapping, or state factors.load"
             )
-        is_plain_force = kind == "load" and unit.known and not unit.per_length
-        if unit.fault or (is_plain_force and not thickness_stated):
+        is_plain_force = is_load and unit.known and not unit.per_length
+        if unit.fault or (is_plain_force and not is_thickness_stated):
             or_thickness = ""
             if is_plain_force:
                 or_thickness = ", or the thickness of the contact, by which it is divided"
             raise InputError(
-                f"{where}: the column {name!r} is in {unit.word}, and the scene in"
-                f" {unit_of_scene}: state factors.{kind} in a mapping, by which it is"
+                f"{file_name}: the column {name!r} is in {unit.word}, and the scene in"
+                f" {unit_of_scene}: state factors.{factor_name} in a mapping, by which it is"
                 f" multiplied{or_thickness}"
             )
         unit_factor = unit.factor
-        words.append(unit.remark)
-    if thickness_stated:
-        words.append(f"over the thickness {mapping.thickness:.9g}")
+        reading_words.append(unit.remark)
+    if is_thickness_stated:
+        reading_words.append(f"over the thickness {mapping.thickness:.9g}")
     if mapping.sign(quantity) < 0:
-        words.append("sign turned")
-    step = unit_factor * np.array([_step_of_digits(table.values[:, column_number])])
+        reading_words.append("sign turned")
+    file_values = table.values[:, column_number]
+    # the mapping's factor, thickness and sign hold for the values and for the step of their digits
+    values = converted(mapping, quantity, unit_factor * file_values)
+    digit_step = unit_factor * np.array([_step_of_digits(file_values)])
     return _ColumnOfLoop(
         name=name,
-        values=converted(mapping, quantity, unit_factor * table.values[:, column_number]),
-        step=abs(float(converted(mapping, quantity, step)[0])),
-        words=", ".join(words),
+        values=values,
+        digit_step=abs(float(converted(mapping, quantity, digit_step)[0])),
+        reading_words=", ".join(reading_words),
     )
 
 
-def _is_of_loops(heading: str) -> bool:
+def _is_known_heading(heading: str) -> bool:
     """Whether a heading is one that a loop's table may have."""
-    known = (*_SHIFT_NAMES, *ALIASES["tangential_load"], *ALIASES["time"])
-    return plain(heading) in {plain(alias) for alias in known}
+    aliases = (*_SHIFT_NAMES, *ALIASES["tangential_load"], *ALIASES["time"])
+    return plain(heading) in {plain(alias) for alias in aliases}
 
 
-def _is_numbered(mapping: Mapping) -> bool:
+def _takes_columns_by_number(mapping: Mapping) -> bool:
     """Whether the mapping takes U or Q by the number of its column."""
     return isinstance(mapping.columns.slip, int) or isinstance(mapping.columns.tangential_load, int)
 
@@ -258,6 +267,6 @@ def _step_of_digits(values: Array) -> float:
     """
     exponents = [
         int(Decimal(repr(value)).normalize().as_tuple().exponent)
-        for value in values[:_DIGITS_SEEN].tolist()
+        for value in values[:_ROWS_WITH_DIGITS].tolist()
     ]
     return float(10.0 ** int(np.floor(np.median(exponents)))) if exponents else 0.0

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from reports.scoring.loop_area import polygon_area
 from reports.scoring.loop_branches import Branches, find_branches, row_noise
 from reports.scoring.loop_fit import LoopRows, LoopsOverFriction, Weights, fit_loop
-from reports.scoring.loop_fitted import FittedLoop, said_of_scale
+from reports.scoring.loop_fitted import FittedLoop, sentences_on_scale
 from reports.scoring.loop_masing import MasingLoop, MeasuredRows, MemoryCurve, memory_curve
 from reports.scoring.loop_masing_fit import BestLoop, MasingFit, best_loop, with_interval
 from reports.scoring.loop_rows import MeasuredLoop
@@ -32,7 +32,7 @@ from reports.scoring.loop_steadiness import (
     Misfit,
     differences_of_cycles,
     drift_of_shift,
-    goes_on_growing,
+    lasting_growth,
 )
 from reports.scoring.loop_theory import (
     FINE_SHARES,
@@ -46,45 +46,46 @@ from reports.units import units
 from scenes import InputError, Scene
 from scenes.array_types import Array
 
-# Error of a fitted f by theory at so many instants, straight between, of itself; and by samples of
+# Relative error of a fitted f by theory at so many instants, straight between; and by samples of
 # the memory curve. A loop that slides has f from its plateaus, but for round-off in f of sliding.
-_OF_THEORY = 1e-5
-_OF_MEMORY = 1e-6
-_OF_SLIDING = 2e-9
+_ERROR_OF_THEORY = 1e-5
+_ERROR_OF_MEMORY_CURVE = 1e-6
+_ERROR_OF_SLIDING = 2e-9
 # Part of the distances that is no scatter, over the mean opening of the loop in U, from which rows
 # under a varying P are said not to be examined.
-_STEADY = 0.02
+_LARGEST_SHARE_WHERE_LOAD_VARIES = 0.02
 # The same at constant P, beyond which rows are of no loop of theory; where nearly all of the
 # distances is no scatter (a correlation of neighbours above that), a smaller part shows as much.
-_OF_THEORY_AT_ALL = 0.015
-_NO_SCATTER_AT_ALL = 0.8
-_OF_THEORY_WITHOUT_SCATTER = 0.005
+_LARGEST_SHARE = 0.015
+_CORRELATION_WITHOUT_SCATTER = 0.8
+_LARGEST_SHARE_WITHOUT_SCATTER = 0.005
 # Part of the distances that is no scatter, in sigma of U, below which it is that of nearest points:
 # 4 % of sigma were measured where sigma is half of the opening.
-_OF_NEAREST_POINTS = 0.1
-# Theory's own error of a loop is below this share of its opening.
-_WORTH_SAYING = 1e-3
-# U that moves on by more than this share of its range in a cycle is no drift of a gauge.
-_DRIFT = 0.03
-# A drift below this share of the range of U is not worth a word.
-_DRIFT_SAID = 1e-3
+_SIGMAS_OF_NEAREST_POINTS = 0.1
+# Systematic part of the distances, over the loop's opening, from which it is stated: theory's own
+# error of a loop is below it.
+_LEAST_SHARE_STATED = 1e-3
+# A U that changes by more than this share of its range from cycle to cycle is no drift of a gauge.
+_LARGEST_DRIFT = 0.03
+# A drift below this share of the range of U over the record is not stated.
+_LEAST_DRIFT_STATED = 1e-3
 # Cycles from which on rows before the first turning point are left out.
-_MANY_CYCLES = 3.0
+_CYCLES_WITH_RUN_IN = 3.0
 # Cycles that are left without a run-in, at least: fewer do not show whether they are alike.
-_FEWEST_ALIKE = 2.4
-# Half cycles behind the first turning point that are left out, one after the other.
-_RUN_IN = (0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 16)
+_FEWEST_CYCLES = 2.4
+# Numbers of half-cycles behind the first turning point that are left out, in the order of trial.
+_HALF_CYCLES_OF_RUN_IN = (0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 16)
 # Chance of scatter alone below which a half cycle more is left out: it costs little; and below
 # which the loop is said to change.
-_LEFT_OUT = 0.02
-_CHANGES = 1e-3
+_CHANCE_TO_LEAVE_OUT = 0.02
+_CHANCE_OF_CHANGE = 1e-3
 # Chance below which the interval of f holds a change; behind a run-in it always does.
-_HELD = 0.05
-# Rise of Q along the slide of a gross loop, of its range, that is no plateau.
-_NO_PLATEAU = 0.02
-# Half cycles: a first row so near to a turning point lies on it, and a first half cycle that is
-# shorter goes with the next.
-_ON_A_TURN = 0.02
+_CHANCE_TO_WIDEN = 0.05
+# Rise of Q along the slide of a gross loop, over its range, from which it is no plateau.
+_RISE_WITHOUT_PLATEAU = 0.02
+# A first row so near to a turning point [half-cycles] lies on it; a first half-cycle that is so
+# short [cycles] is taken together with the next one.
+_HALF_CYCLES_ON_TURN = 0.02
 _SHORT_HALF_CYCLE = 0.1
 
 
@@ -95,7 +96,7 @@ def fit_steady_rows(
     coefficient f to them.
 
     Where P varies all rows are fitted. Where it is constant first half-cycles are left out until
-    what is left is steady, and a linear drift of U is taken out.
+    the remaining rows are steady, and a linear drift of U is taken out.
 
     Parameters
     ----------
@@ -110,17 +111,18 @@ def fit_steady_rows(
     Raises
     ------
     InputError
-        Where the rows are of no steady loop of theory.
+        Where cycles differ or drift, or where no loop that half-plane theory has fits the rows.
     """
     if not has_constant_normal_load(scene):
         # Distances from the nearest point of a loop are no scatter beside its turning points: three
         # of twenty good loops with noise were refused by them.
         fit = _fit_where_load_varies(loop, scene, rig_compliance)
         share_of_opening = _share_of_opening(loop, fit.misfit, fit.phase)
-        sentence = "P varies: the rows were not examined for drift, run-in and cycles that differ"
-        if share_of_opening > _STEADY or _cycles_differ(loop):
-            fit = replace(fit, said=(*fit.said, sentence))
-        return loop, _with_widening_said(fit, share_of_opening)
+        if share_of_opening > _LARGEST_SHARE_WHERE_LOAD_VARIES or _differences_of_cycles(loop):
+            fit = _with_sentence(
+                fit, "P varies: the rows were not examined for drift, run-in and cycles that differ"
+            )
+        return loop, _with_sentence_on_widening(fit, share_of_opening)
 
     drift = _drift_of_cycle(loop)
     if drift:
@@ -129,28 +131,36 @@ def fit_steady_rows(
             " its range in each cycle, so the contact slides on or the gauge does; give the rows of"
             " cycles that are alike"
         )
-    curve = memory_curve(scene, least_friction(scene) / float(np.ptp(cycle_loads(scene)[1])))
-    chosen_candidate = _steadiest(loop, curve, rig_compliance)
+    range_of_load = float(np.ptp(cycle_loads(scene)[1]))
+    curve = memory_curve(scene, least_friction(scene) / range_of_load)
+    candidate = _steadiest_rows(loop, curve, rig_compliance)
     if rig_compliance is None:
-        _require_a_loop_of_theory(chosen_candidate, loop, scene)
-    chosen_rows, fit = _fit_at_constant_load(chosen_candidate, scene, curve)
-    fit = replace(fit, cycles=_branches_of_both(loop).cycles)
-    if chosen_candidate.share > _OF_THEORY_AT_ALL:
-        sentence = (
-            f"With the stated rig compliance the best fit is {100 * chosen_candidate.share:.2g} %"
-            " of the loop's opening away from rows that lie beside each other: leave it out, and it"
-            " is fitted"
+        _require_loop_of_theory(candidate, loop, scene)
+    chosen_rows, fit = _fit_at_constant_load(candidate, scene, curve)
+    fit = replace(fit, cycles=_branches_by_height(loop).cycles)
+    if candidate.share_of_opening > _LARGEST_SHARE:
+        fit = _with_sentence(
+            fit,
+            "With the stated rig compliance the best fit is"
+            f" {100 * candidate.share_of_opening:.2g} % of the loop's opening away from rows that"
+            " lie beside each other: leave it out, and it is fitted",
         )
-        fit = replace(fit, said=(*fit.said, sentence))
-    return chosen_rows, _with_widening_said(
-        _with_change(fit, chosen_candidate), chosen_candidate.share
-    )
+    fit = _with_interval_for_change(fit, candidate)
+    return chosen_rows, _with_sentence_on_widening(fit, candidate.share_of_opening)
 
 
-def _steadiest(loop: MeasuredLoop, curve: MemoryCurve, rig_compliance: float | None) -> _Candidate:
-    """The rows of a measured loop that repeat one cycle, with the loop of theory that fits them:
-    the first that are steady, as more and more half-cycles are left out at the begin; else those
-    that are nearest to it.
+def _with_sentence(fit: FittedLoop, sentence: str) -> FittedLoop:
+    """The fit with a further sentence on what was assumed or left out."""
+    return replace(fit, sentences=(*fit.sentences, sentence))
+
+
+def _steadiest_rows(
+    loop: MeasuredLoop, curve: MemoryCurve, rig_compliance: float | None
+) -> _Candidate:
+    """The rows of a measured loop that repeat one cycle, with the loop of theory that fits them.
+
+    More and more half-cycles are left out at the begin until the remaining rows are steady. Where
+    they never are, the trial that comes nearest to it is taken.
 
     Parameters
     ----------
@@ -166,22 +176,22 @@ def _steadiest(loop: MeasuredLoop, curve: MemoryCurve, rig_compliance: float | N
     """
     candidates = []
     growth_words = ""
-    difference_of_cycles = _cycles_differ(loop)
-    for rows_without_run_in in _without_run_in(loop):
-        growth_here = rows_without_run_in.goes_on_growing
-        if growth_here:
-            growth_words = growth_here
+    difference_words = _differences_of_cycles(loop)
+    for remaining_rows in _rows_without_run_in(loop):
+        growth_of_remaining = remaining_rows.lasting_growth
+        if growth_of_remaining:
+            growth_words = growth_of_remaining
             continue
-        difference_here = _cycles_differ(rows_without_run_in.rows)
-        if difference_here:
-            difference_of_cycles = difference_of_cycles or difference_here
+        difference_of_remaining = _differences_of_cycles(remaining_rows.rows)
+        if difference_of_remaining:
+            difference_words = difference_words or difference_of_remaining
             continue
-        candidate = _candidate(rows_without_run_in, curve, rig_compliance)
+        candidate = _candidate(remaining_rows, curve, rig_compliance)
         candidates.append(candidate)
         if candidate.is_steady:
             break
     if not candidates or (growth_words and not candidates[-1].is_steady):
-        reason = difference_of_cycles
+        reason = difference_words
         if growth_words not in reason:
             reason = (
                 f"its cycles {growth_words}, and its noise is too large to tell whether the last"
@@ -193,50 +203,50 @@ def _steadiest(loop: MeasuredLoop, curve: MemoryCurve, rig_compliance: float | N
         )
     if candidates[-1].is_steady:
         return candidates[-1]
-    return min(candidates, key=lambda candidate: candidate.unsteady_share)
+    return min(candidates, key=lambda candidate: candidate.unsteady_share_of_opening)
 
 
 # ------------------------------------------------------------------ rows that may be a steady loop
 @dataclass(frozen=True, eq=False)
 class _Candidate:
-    """Rows without a run-in, and what fits them.
+    """Rows without a run-in, the loop that fits them, and tests of whether they are steady.
 
     Attributes
     ----------
-    share
-        part of the distances that is no scatter, over the loop's mean opening in U
+    share_of_opening
+        part of the distances from the loop that is no scatter, over the loop's mean opening in U
     rows
         the measured rows that are left
     branches
-        turning points of Q and the branch of each row
-    best
+        turning points and the branch of each row
+    best_loop
         the fitted loop
-    said
-        what was left out, in words
+    run_in_sentence
+        which rows were left out, in words; "" where none were
     had_run_in
         whether more than the rows before the first turning point were left out
-    change_with_time, change_of_first_half, change_by_turns
-        how the loop changes with time [cycles], between its first half cycle and the others, and
-        from one cycle to the next but one
+    change_with_time, change_of_first_half_cycle, change_every_second_cycle
+        how the loop changes with time [cycles], between its first half-cycle and the others, and
+        between every second cycle and the others
     change_of_size
         how U and Q grow with time, over themselves
-    log_friction_at_end
-        by how much ln f at the end differs for it
+    log_friction_change
+        by how much ln f of the last row differs for it from the fitted one
     sigma_over_opening
-        of U
+        standard deviation of the noise of U, over the loop's mean opening in U
     """
 
-    share: float
+    share_of_opening: float
     rows: MeasuredLoop
     branches: Branches
-    best: BestLoop
-    said: str
+    best_loop: BestLoop
+    run_in_sentence: str
     had_run_in: bool
     change_with_time: Change
-    change_of_first_half: Change
-    change_by_turns: Change
+    change_of_first_half_cycle: Change
+    change_every_second_cycle: Change
     change_of_size: Change
-    log_friction_at_end: float
+    log_friction_change: float
     sigma_over_opening: float
 
     @property
@@ -244,37 +254,38 @@ class _Candidate:
         """Whether nothing shows that the loop changes; its form is judged once, on these rows."""
         chances = (
             self.change_with_time.chance,
-            self.change_of_first_half.chance,
+            self.change_of_first_half_cycle.chance,
             self.change_of_size.chance,
         )
-        return min(chances) > _LEFT_OUT
+        return min(chances) > _CHANCE_TO_LEAVE_OUT
 
     @property
-    def unsteady_share(self) -> float:
-        """Of the distances, over the loop's opening: what is no scatter, or what a change with time
-        explains.
+    def unsteady_share_of_opening(self) -> float:
+        """Part of the distances, over the loop's opening, that is no scatter, or that a change with
+        time explains; the larger of both.
         """
-        share_by_change = self.change_with_time.rms * self.sigma_over_opening
-        return max(self.share, share_by_change)
+        share_by_change = self.change_with_time.explained_rms * self.sigma_over_opening
+        return max(self.share_of_opening, share_by_change)
 
     @property
-    def rises_along_slide(self) -> float:
-        """By how much Q rises while the contact slides as a whole, of its range; 0 where it has a
+    def rise_along_slide(self) -> float:
+        """By how much Q rises while the contact slides as a whole, over its range; 0 where it has a
         plateau, or where scatter gives as much.
         """
-        if not self.best.gross:
+        if not self.best_loop.is_gross:
             return 0.0
-        rise, change = self.best.rise_along_slide()
-        return rise if change.chance < _CHANGES and rise > _NO_PLATEAU else 0.0
+        rise, change = self.best_loop.rise_along_slide()
+        is_certain = change.chance < _CHANCE_OF_CHANGE
+        return rise if is_certain and rise > _RISE_WITHOUT_PLATEAU else 0.0
 
-    def shows(self, change: Change) -> bool:
-        """Whether the loop changes so, and not by chance, by more than theory may miss."""
-        size = change.rms * self.sigma_over_opening
-        return change.chance < _CHANGES and size > _OF_THEORY_AT_ALL
+    def is_certain(self, change: Change) -> bool:
+        """Whether a change of the loop is not by chance, and more than theory may miss."""
+        share_of_opening = change.explained_rms * self.sigma_over_opening
+        return change.chance < _CHANCE_OF_CHANGE and share_of_opening > _LARGEST_SHARE
 
 
 def _candidate(
-    without_run_in: _WithoutRunIn, curve: MemoryCurve, rig_compliance: float | None
+    remaining_rows: _RowsWithoutRunIn, curve: MemoryCurve, rig_compliance: float | None
 ) -> _Candidate:
     """Fit the loop of theory to the rows that are left without a run-in, and test whether these are
     steady: whether f, U or Q change with time, whether the first half-cycle differs, and whether
@@ -282,177 +293,193 @@ def _candidate(
 
     Parameters
     ----------
-    without_run_in
-        the rows that are left, and what was left out
+    remaining_rows
+        the rows that are left, and which were left out
     curve
         memory curve of theory, from which loops are built
     rig_compliance
         C of the rig [1/stress]; None fits it
     """
-    loop_rows = without_run_in.rows
-    branches = _branches_of_both(loop_rows)
+    loop = remaining_rows.rows
+    branches = _branches_by_height(loop)
     rows_to_fit = MeasuredRows(
-        loop_rows.shift,
-        loop_rows.load,
-        loop_rows.time,
-        branches,
-        rig_compliance,
-        loop_rows.resolution,
+        shift=loop.shift,
+        load=loop.load,
+        time=loop.time,
+        branches=branches,
+        compliance=rig_compliance,
+        resolution=loop.resolution,
     )
-    best_fit = best_loop(rows_to_fit, curve)
+    fitted_loop = best_loop(rows_to_fit, curve)
     change_with_time = NO_CHANGE
     change_of_first_half_cycle = NO_CHANGE
     change_every_second_cycle = NO_CHANGE
     change_of_size = NO_CHANGE
-    log_friction_at_end = 0.0
+    log_friction_change = 0.0
     # too few cycles show no change with time
-    if branches.cycles >= _FEWEST_ALIKE:
+    if branches.cycles >= _FEWEST_CYCLES:
         phase = np.maximum.accumulate(branches.phase)
-        first_turn = math.ceil(2 * phase[0] + _ON_A_TURN) / 2
-        if first_turn - phase[0] < _SHORT_HALF_CYCLE:
-            first_turn += 0.5
-        change_with_time = best_fit.change_with(phase)
-        change_of_first_half_cycle = best_fit.change_with((phase < first_turn).astype(float))
+        phase_of_turn = _phase_of_first_turn(phase)
+        if phase_of_turn - phase[0] < _SHORT_HALF_CYCLE:
+            phase_of_turn += 0.5
+        is_in_first_half_cycle = phase < phase_of_turn
+        change_with_time = fitted_loop.change_with(phase)
+        change_of_first_half_cycle = fitted_loop.change_with(is_in_first_half_cycle.astype(float))
+        # waves with a period of two cycles
         alternating_changes = [
-            best_fit.change_with(wave(np.pi * phase)) for wave in (np.cos, np.sin)
+            fitted_loop.change_with(wave(np.pi * phase)) for wave in (np.cos, np.sin)
         ]
         change_every_second_cycle = min(alternating_changes, key=lambda change: change.chance)
-        change_of_size = best_fit.change_of_size_with(phase)
-        log_friction_at_end = best_fit.log_friction_at_end(change_of_size.terms, phase)
-    share_of_opening = _share_of_opening(loop_rows, best_fit.misfit, branches.phase)
-    sigma_over_opening = best_fit.search.weights.shift / _opening(loop_rows, branches.phase)
-    # no more than noise moves the nearest points of the loop
-    if share_of_opening < _OF_NEAREST_POINTS * sigma_over_opening:
+        change_of_size = fitted_loop.change_of_size_with(phase)
+        log_friction_change = fitted_loop.log_friction_change(change_of_size.added_values, phase)
+    share_of_opening = _share_of_opening(loop, fitted_loop.misfit, branches.phase)
+    sigma_over_opening = fitted_loop.search.sigma.shift / _mean_opening(loop, branches.phase)
+    # noise alone moves the nearest points of the loop by as much
+    if share_of_opening < _SIGMAS_OF_NEAREST_POINTS * sigma_over_opening:
         share_of_opening = 0.0
     return _Candidate(
-        share=share_of_opening,
-        rows=loop_rows,
+        share_of_opening=share_of_opening,
+        rows=loop,
         branches=branches,
-        best=best_fit,
-        said=without_run_in.said,
-        had_run_in=without_run_in.half_cycles > 0,
+        best_loop=fitted_loop,
+        run_in_sentence=remaining_rows.sentence,
+        had_run_in=remaining_rows.half_cycles > 0,
         change_with_time=change_with_time,
-        change_of_first_half=change_of_first_half_cycle,
-        change_by_turns=change_every_second_cycle,
+        change_of_first_half_cycle=change_of_first_half_cycle,
+        change_every_second_cycle=change_every_second_cycle,
         change_of_size=change_of_size,
-        log_friction_at_end=log_friction_at_end,
+        log_friction_change=log_friction_change,
         sigma_over_opening=sigma_over_opening,
     )
 
 
-def _require_a_loop_of_theory(candidate: _Candidate, loop: MeasuredLoop, scene: Scene) -> None:
-    """Raise InputError, with the reason, where even the best fit lies so far beside the rows, as a
-    share of the loop's opening, that theory has no such steady loop. `loop` holds all rows.
+def _require_loop_of_theory(candidate: _Candidate, loop: MeasuredLoop, scene: Scene) -> None:
+    """Raise InputError, with the reason, where theory has no such steady loop: where cycles change,
+    where Q rises while the contact slides, or where even the best fit lies far beside the rows. How
+    far is stated over the mean opening of the loop in U.
 
     Parameters
     ----------
     candidate
-        the fit of the rows that were chosen, with the tests of their steadiness
+        the rows that were chosen, their fit, and the tests of their steadiness
+    loop
+        all measured rows
     """
-    misfit = candidate.best.misfit
-    limit = _OF_THEORY_AT_ALL
-    if misfit.correlation > _NO_SCATTER_AT_ALL and not candidate.best.hangs_on_digits:
-        limit = _OF_THEORY_WITHOUT_SCATTER
+    misfit = candidate.best_loop.misfit
+    limit = _LARGEST_SHARE
+    if (
+        misfit.correlation > _CORRELATION_WITHOUT_SCATTER
+        and not candidate.best_loop.hangs_on_digits
+    ):
+        limit = _LARGEST_SHARE_WITHOUT_SCATTER
     reason = ""
-    if candidate.shows(candidate.change_by_turns):
+    if candidate.is_certain(candidate.change_every_second_cycle):
         reason = "its period is another: every second cycle is alike"
-    elif candidate.shows(candidate.change_with_time) or candidate.shows(candidate.change_of_size):
-        growth = 100 * candidate.change_of_size.terms * candidate.branches.cycles
+    elif candidate.is_certain(candidate.change_with_time) or candidate.is_certain(
+        candidate.change_of_size
+    ):
+        growth = 100 * candidate.change_of_size.added_values * candidate.branches.cycles
         reason = (
             f"its cycles change to the end: U grows by {growth[0]:+.2g} % and Q by"
             f" {growth[1]:+.2g} % over {candidate.branches.cycles:.2g} cycles"
         )
-    elif candidate.rises_along_slide:
+    elif candidate.rise_along_slide:
         reason = (
-            f"its Q rises by {100 * candidate.rises_along_slide:.2g} % of its range while the"
+            f"its Q rises by {100 * candidate.rise_along_slide:.2g} % of its range while the"
             " contact slides as a whole: it hardens (plastic flow, debris, or a pad that tilts),"
             " and has no plateau at f P"
         )
-    elif candidate.share > limit:
+    elif candidate.share_of_opening > limit:
         reason = (
             "its cycles are alike, but their form is not that of theory (other bodies, plastic"
             " flow, wear, or noise that is no scatter)"
         )
     if not reason:
         return
-    largest_share = max(candidate.share, candidate.unsteady_share)
     raise InputError(
         f"{loop.source}: its rows are of no steady loop of {scene.name}:"
-        f" {_cycles_differ(loop) or reason}; the best fit is {100 * largest_share:.2g} % of the"
-        f" loop's opening away from rows that lie beside each other (limit {100 * limit:.2g} %)"
+        f" {_differences_of_cycles(loop) or reason}; the best fit is"
+        f" {100 * candidate.unsteady_share_of_opening:.2g} % of the loop's opening away from rows"
+        f" that lie beside each other (limit {100 * limit:.2g} %)"
     )
 
 
-def _with_change(fit: FittedLoop, candidate: _Candidate) -> FittedLoop:
+def _with_interval_for_change(fit: FittedLoop, candidate: _Candidate) -> FittedLoop:
     """The fit of a measured loop with its interval of f widened by how much f still changes up to
     the last row; as it is where no such change was found.
 
     `candidate` is the fit with the tests of its rows' steadiness.
     """
-    log_friction_change = candidate.log_friction_at_end
-    if candidate.change_of_size.chance > _HELD and not candidate.had_run_in:
+    if candidate.change_of_size.chance > _CHANCE_TO_WIDEN and not candidate.had_run_in:
         return fit
-    friction_change = fit.friction * math.expm1(min(abs(log_friction_change), 1.0))
+    # of the logarithm: a change by more than a factor e counts as one by e
+    log_change = candidate.log_friction_change
+    friction_change = fit.friction * math.expm1(min(abs(log_change), 1.0))
+    distance_down = math.hypot(fit.friction - fit.lowest_friction, friction_change)
+    highest_friction = None
+    if fit.highest_friction is not None:
+        distance_up = math.hypot(fit.highest_friction - fit.friction, friction_change)
+        highest_friction = fit.friction + distance_up
     sentence = (
         "The loop still changes over the rows that are left, f by"
-        f" {100 * math.expm1(min(log_friction_change, 1.0)):+.2g} % to the last one: the interval"
+        f" {100 * math.expm1(min(log_change, 1.0)):+.2g} % to the last one: the interval"
         " of f holds it"
     )
-    lowest_friction = fit.friction - math.hypot(fit.friction - fit.low, friction_change)
-    highest_friction = (
-        None
-        if fit.high is None
-        else fit.friction + math.hypot(fit.high - fit.friction, friction_change)
-    )
     return replace(
-        fit, low=max(lowest_friction, 0.0), high=highest_friction, said=(*fit.said, sentence)
+        _with_sentence(fit, sentence),
+        lowest_friction=max(fit.friction - distance_down, 0.0),
+        highest_friction=highest_friction,
     )
 
 
 @dataclass(frozen=True, eq=False)
-class _WithoutRunIn:
-    """Rows that may be of one steady loop: all from the row `first` of `every_row` on; what was
-    done, in words.
+class _RowsWithoutRunIn:
+    """Rows that may be of one steady loop: those from the index `first_row` of `all_rows` on. The
+    rows before it hold so many `half_cycles` behind the first turning point; `sentence` states
+    which were left out.
     """
 
-    every_row: MeasuredLoop
-    first: int
+    all_rows: MeasuredLoop
+    first_row: int
     half_cycles: int
-    said: str
+    sentence: str
 
     @property
     def rows(self) -> MeasuredLoop:
-        """Those that are left."""
-        loop = self.every_row
+        """The rows that are left."""
+        loop = self.all_rows
         return replace(
             loop,
-            shift=loop.shift[self.first :],
-            load=loop.load[self.first :],
-            time=loop.time[self.first :],
+            shift=loop.shift[self.first_row :],
+            load=loop.load[self.first_row :],
+            time=loop.time[self.first_row :],
         )
 
     @property
-    def goes_on_growing(self) -> str:
-        """Whether what was left out is no run-in, since the rest may grow or shrink as all rows do;
-        in a word.
+    def lasting_growth(self) -> str:
+        """The word "grow" or "shrink" where the remaining cycles may still do so as all cycles do:
+        then the rows that were left out are no run-in. Else "".
         """
         if not self.half_cycles:
             return ""
-        loop = self.every_row
-        return goes_on_growing(loop.shift, loop.load, loop.time, self.first, _noise_of_load(loop))
+        loop = self.all_rows
+        return lasting_growth(
+            loop.shift, loop.load, loop.time, self.first_row, _noise_of_load(loop)
+        )
 
 
-def _without_run_in(loop: MeasuredLoop) -> Iterator[_WithoutRunIn]:
-    """A measured loop with ever more of its first half-cycles left out, as a run-in, and a sentence
-    on what was. The whole loop comes first, where it has few cycles.
+def _rows_without_run_in(loop: MeasuredLoop) -> Iterator[_RowsWithoutRunIn]:
+    """The rows of a measured loop without a run-in, of which more and more first half-cycles are
+    left out, each with a sentence that states it. Where the loop has few cycles, all rows come
+    first.
     """
-    phase = np.maximum.accumulate(_branches_of_both(loop).phase)
-    if phase[-1] - phase[0] < _MANY_CYCLES:
-        yield _WithoutRunIn(loop, 0, 0, "")
-    first_turn = math.ceil(2 * phase[0] + _ON_A_TURN) / 2
-    for half_cycles in _RUN_IN:
-        first_row = int(np.argmax(phase >= first_turn + half_cycles / 2))
-        if phase[-1] - phase[first_row] < _FEWEST_ALIKE or not first_row:
+    phase = np.maximum.accumulate(_branches_by_height(loop).phase)  # cycles that have passed
+    if phase[-1] - phase[0] < _CYCLES_WITH_RUN_IN:
+        yield _RowsWithoutRunIn(loop, first_row=0, half_cycles=0, sentence="")
+    phase_of_turn = _phase_of_first_turn(phase)
+    for half_cycles in _HALF_CYCLES_OF_RUN_IN:
+        first_row = int(np.argmax(phase >= phase_of_turn + half_cycles / 2))
+        if phase[-1] - phase[first_row] < _FEWEST_CYCLES or not first_row:
             return
         sentence = f"Rows 1 to {first_row} are left out: run-in, unlike the later cycles"
         if not half_cycles:
@@ -460,62 +487,79 @@ def _without_run_in(loop: MeasuredLoop) -> Iterator[_WithoutRunIn]:
                 f"Rows 1 to {first_row}, before the first turning point, are left out: they may be"
                 " of the initial loading"
             )
-        yield _WithoutRunIn(loop, first_row, half_cycles, sentence)
+        yield _RowsWithoutRunIn(loop, first_row, half_cycles, sentence)
 
 
-def _branches_of_both(loop: MeasuredLoop) -> Branches:
-    """Branches of the rows by U and Q together, each over its range: their sum has its turning
-    points where the branches have theirs, also where Q stays while the contact slides.
+def _phase_of_first_turn(phase: Array) -> float:
+    """Phase [cycles] of the first turning point behind the first row; `phase` (n,) is that of the
+    rows, and turning points lie at its multiples of 1/2.
+    """
+    return math.ceil(2 * phase[0] + _HALF_CYCLES_ON_TURN) / 2
+
+
+def _branches_by_height(loop: MeasuredLoop) -> Branches:
+    """Branches of the rows by the height U/(range of U) + Q/(range of Q): it has its turning points
+    where the branches have theirs, also where Q stays while the contact slides.
     """
     range_of_shift = float(np.ptp(loop.shift))
     range_of_load = float(np.ptp(loop.load))
-    both = loop.shift / range_of_shift + loop.load / range_of_load
-    step = loop.resolution[0] / range_of_shift + loop.resolution[1] / range_of_load
-    return find_branches(loop.shift, both, loop.time, step, loop.source)
+    height = loop.shift / range_of_shift + loop.load / range_of_load
+    step_of_digits = loop.resolution[0] / range_of_shift + loop.resolution[1] / range_of_load
+    return find_branches(loop.shift, height, loop.time, step_of_digits, loop.source)
 
 
 def _share_of_opening(loop: MeasuredLoop, misfit: Misfit, phase: Array) -> float:
-    """The part of the distances that is no scatter over the mean opening of the loop in U."""
-    return misfit.systematic / _opening(loop, phase)
+    """The part of the distances that is no scatter, over the mean opening of the loop in U."""
+    return misfit.systematic_rms / _mean_opening(loop, phase)
 
 
-def _opening(loop: MeasuredLoop, phase: Array) -> float:
-    """Mean opening of the loop in U [length]."""
+def _mean_opening(loop: MeasuredLoop, phase: Array) -> float:
+    """Mean opening of the loop in U [length]: its area over the range of Q. `phase` (n,) are the
+    cycles that have passed at each row.
+    """
     area = polygon_area(loop.shift, loop.load, phase, 0.0, 0.0).value
     return max(abs(area), 1e-300) / float(np.ptp(loop.load))
 
 
-def _cycles_differ(loop: MeasuredLoop) -> str:
-    """How the cycles differ, in words; "" where they do not."""
+def _differences_of_cycles(loop: MeasuredLoop) -> str:
+    """How the cycles of a measured loop differ, in words; "" where they do not."""
     return differences_of_cycles(loop.shift, loop.load, loop.time, _noise_of_load(loop))
 
 
 def _noise_of_load(loop: MeasuredLoop) -> float:
-    """Sigma of Q, by neighbouring rows and by its digits."""
+    """Standard deviation of the noise of Q: that of neighbouring rows, at least that of its
+    digits.
+    """
     return max(row_noise(loop.load), loop.resolution[1] / math.sqrt(12))
 
 
-def _with_widening_said(fit: FittedLoop, share: float) -> FittedLoop:
-    if fit.misfit.widening == 1.0 or share < _WORTH_SAYING:
+def _with_sentence_on_widening(fit: FittedLoop, share_of_opening: float) -> FittedLoop:
+    """The fit with a sentence on how much wider its interval of f is since neighbouring rows lie on
+    the same side of it. `share_of_opening` is how far, over the loop's mean opening in U; below a
+    limit nothing is stated.
+    """
+    if fit.misfit.widening == 1.0 or share_of_opening < _LEAST_SHARE_STATED:
         return fit
-    sentence = (
+    return _with_sentence(
+        fit,
         "Neighbouring rows lie on the same side of the best fit (correlation"
-        f" {fit.misfit.correlation:.2g}), by {100 * share:.2g} % of the loop's opening: the"
-        f" interval of f is {fit.misfit.widening:.2g} times as wide for it"
+        f" {fit.misfit.correlation:.2g}), by {100 * share_of_opening:.2g} % of the loop's opening:"
+        f" the interval of f is {fit.misfit.widening:.2g} times as wide for it",
     )
-    return replace(fit, said=(*fit.said, sentence))
 
 
 def _drift_of_cycle(loop: MeasuredLoop) -> float:
-    """Of U in a cycle, over its range, where it is no drift of a gauge; else 0."""
+    """Drift of U in a cycle, over the range of U, where it is too large for the drift of a gauge;
+    else 0.
+    """
     branches = find_branches(loop.shift, loop.load, loop.time, loop.resolution[1], loop.source)
-    rate = drift_of_shift(loop.shift, loop.load, loop.time, branches)
-    if rate is None:
+    drift_rate = drift_of_shift(loop.shift, loop.load, loop.time, branches)
+    if drift_rate is None:
         return 0.0
     range_of_shift = float(np.ptp(loop.shift))
-    drift = rate * float(np.ptp(loop.time)) / branches.cycles / range_of_shift
-    by_noise = 2 * row_noise(loop.shift) / range_of_shift
-    return drift if abs(drift) > _DRIFT + by_noise else 0.0
+    drift = drift_rate * float(np.ptp(loop.time)) / branches.cycles / range_of_shift
+    drift_by_noise = 2 * row_noise(loop.shift) / range_of_shift
+    return drift if abs(drift) > _LARGEST_DRIFT + drift_by_noise else 0.0
 
 
 # -------------------------------------------------------------------------------------- their fits
@@ -537,78 +581,84 @@ def _fit_at_constant_load(
     """
     loop = candidate.rows
     branches = candidate.branches
-    fit = with_interval(candidate.best, _OF_SLIDING if candidate.best.gross else _OF_MEMORY)
+    error_of_theory = _ERROR_OF_MEMORY_CURVE
+    if candidate.best_loop.is_gross:
+        error_of_theory = _ERROR_OF_SLIDING
+    fit = with_interval(candidate.best_loop, error_of_theory)
     share_of_time = (loop.time - loop.time[0]) / float(np.ptp(loop.time))
     rows_without_drift = replace(loop, shift=loop.shift - fit.drift * (share_of_time - 0.5))
     load_of_cycle = cycle_loads(scene)[1]
-    scale = (fit.highest - fit.lowest) / float(np.ptp(load_of_cycle))
-    which_rows = " that are left" if candidate.said else ""
+    scale = (fit.highest_load - fit.lowest_load) / float(np.ptp(load_of_cycle))
+    which_rows = " that are left" if candidate.run_in_sentence else ""
     sentences = [
         (
-            f"The rows{which_rows} cover {branches.cycles:.4g} cycles between Q = {fit.lowest:.6g}"
-            f" and {fit.highest:.6g}; P is constant, so that the form of Q and U over time"
-            " counts for nothing"
+            f"The rows{which_rows} cover {branches.cycles:.4g} cycles between"
+            f" Q = {fit.lowest_load:.6g} and {fit.highest_load:.6g}; P is constant, so that the"
+            " form of Q and U over time counts for nothing"
         ),
-        *said_of_scale(scale),
+        *sentences_on_scale(scale),
     ]
-    if candidate.said:
-        sentences.append(candidate.said)
+    if candidate.run_in_sentence:
+        sentences.append(candidate.run_in_sentence)
     range_of_shift = float(np.ptp(loop.shift))
     drift_uncertainty = 1.96 * fit.drift_error
-    if abs(fit.drift) > max(drift_uncertainty, _DRIFT_SAID * range_of_shift):
+    if abs(fit.drift) > max(drift_uncertainty, _LEAST_DRIFT_STATED * range_of_shift):
         sentences.append(
             f"U drifts by {100 * fit.drift / range_of_shift / branches.cycles:+.2g} % of its range"
             " in a cycle: taken out"
         )
-    if fit.gross:
+    # 0 to 1 on the rising branch, 1 to 2 on the falling one
+    place_on_loop = fit.distances.place_on_loop
+    if fit.is_gross:
+        half_range = (fit.highest_load - fit.lowest_load) / 2
         sentences.append(
             f"The contact slides as a whole by {fit.slide:.3g} {units(scene)[1]} at each end of the"
-            f" loop: f is Q/P there, with Q = {(fit.highest - fit.lowest) / 2:.6g} from the middle"
+            f" loop: f is Q/P there, with Q = {half_range:.6g} from the middle"
         )
-    if fit.gross:
-        share_of_cycle = np.mod(fit.distances.place / 2 + 0.5, 1.0)
+        # a computed loop that slides begins at the highest Q
+        share_of_cycle = np.mod(place_on_loop / 2 + 0.5, 1.0)
     else:
-        share_of_cycle = _share_by_load(loop.load, fit.distances.place < 1, fit, load_of_cycle)
+        share_of_cycle = _share_by_load(loop.load, place_on_loop < 1, fit, load_of_cycle)
     return rows_without_drift, FittedLoop(
         scene=scene,
         friction=fit.friction,
-        low=fit.low,
-        high=fit.high,
+        lowest_friction=fit.lowest_friction,
+        highest_friction=fit.highest_friction,
         compliance=fit.compliance,
-        share=share_of_cycle,
+        share_of_cycle=share_of_cycle,
         phase=branches.phase,
         cycles=branches.cycles,
         scale=scale,
-        offset=fit.lowest - scale * float(load_of_cycle.min()),
-        shift_noise=fit.weights.shift,
-        load_noise=fit.weights.load,
-        said=tuple(sentences),
+        offset=fit.lowest_load - scale * float(load_of_cycle.min()),
+        shift_noise=fit.sigma.shift,
+        load_noise=fit.sigma.load,
+        sentences=tuple(sentences),
         misfit=fit.misfit,
-        model=MasingLoop(curve, fit.parameters),
-        masing=fit,
-        gross=fit.gross,
+        masing_loop=MasingLoop(curve, fit.parameters),
+        masing_fit=fit,
+        is_gross=fit.is_gross,
     )
 
 
 def _fit_where_load_varies(
     loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
 ) -> FittedLoop:
-    """Fit f to a measured loop whose scene has a varying P and two branches of Q in a cycle:
-    theory's loop between the turning points of Q is fitted to the rows. `rig_compliance` is C of
-    the rig; None fits it too.
+    """Fit the coefficient of friction f to a measured loop whose scene has a varying normal load P
+    and two branches of Q in a cycle: theory's loop between the turning points of Q is fitted to
+    the rows. `rig_compliance` is C of the rig [1/stress]; None fits it too.
     """
     branches = find_branches(loop.shift, loop.load, loop.time, loop.resolution[1], loop.source)
     rows = LoopRows(loop.shift, loop.load, branches, rig_compliance)
     load_of_cycle = cycle_loads(scene)[1]
     load_at_fine_instants = cycle_loads(scene, FINE_SHARES)[1]
-    model = LoopsOverFriction(
+    loops_of_theory = LoopsOverFriction(
         load_at_fine_instants,
         least_friction(scene),
         lambda friction: theory_shift(scene, friction, FINE_SHARES),
     )
-    fit = fit_loop(rows, model, loop.resolution, _OF_THEORY)
-    weights = Weights(fit.shift_noise, fit.load_noise)
-    nearest_points = model.nearest_points(rows, fit.friction, fit.terms, weights)
+    fit = fit_loop(rows, loops_of_theory, loop.resolution, _ERROR_OF_THEORY)
+    sigma = Weights(fit.shift_noise, fit.load_noise)
+    nearest_points = loops_of_theory.nearest_points(rows, fit.friction, fit.terms, sigma)
     scale = (fit.highest - fit.lowest) / float(np.ptp(load_of_cycle))
     sentences = [
         (
@@ -616,57 +666,61 @@ def _fit_where_load_varies(
             f" {fit.highest:.6g}; P was taken over Q as in the scene, so that the form of Q and U"
             " over time counts for nothing"
         ),
-        *said_of_scale(scale),
+        *sentences_on_scale(scale),
     ]
     return FittedLoop(
         scene=scene,
         friction=fit.friction,
-        low=fit.low,
-        high=fit.high,
+        lowest_friction=fit.low,
+        highest_friction=fit.high,
         compliance=fit.compliance,
-        share=np.mod(nearest_points.place / (len(load_at_fine_instants) - 1), 1.0),
+        share_of_cycle=np.mod(nearest_points.place / (len(load_at_fine_instants) - 1), 1.0),
         phase=branches.phase,
         cycles=branches.cycles,
         scale=scale,
         offset=fit.lowest - scale * float(load_of_cycle.min()),
         shift_noise=fit.shift_noise,
         load_noise=fit.load_noise,
-        said=tuple(sentences),
+        sentences=tuple(sentences),
         misfit=fit.misfit,
     )
 
 
 def _share_by_load(
-    load: Array, row_rises: NDArray[np.bool_], fit: MasingFit, load_of_cycle: Array
+    row_loads: Array, row_rises: NDArray[np.bool_], fit: MasingFit, load_of_cycle: Array
 ) -> Array:
     """Share of the scene's cycle that is over where its Q equals that of each row, (n,), on the
-    same branch.
+    same branch: from lowest to highest Q (rising), or back.
 
     Parameters
     ----------
-    load, row_rises
+    row_loads, row_rises
         (n,) Q of the rows, and whether each lies on the rising branch
     fit
-        gives the turning points of the rows
+        gives lowest and highest Q of the rows, to which those of the scene are scaled
     load_of_cycle
         (n_instants,) Q of the scene through a cycle
     """
-    scale = (fit.highest - fit.lowest) / float(np.ptp(load_of_cycle))
+    scale = (fit.highest_load - fit.lowest_load) / float(np.ptp(load_of_cycle))
     lowest_instant = int(np.argmin(load_of_cycle[:-1]))
     highest_instant = int(np.argmax(load_of_cycle[:-1]))
-    share_of_cycle = np.empty(len(load))
-    for rising in (True, False):
-        is_on_branch = row_rises == rising
-        begin = lowest_instant if rising else highest_instant
-        end = highest_instant if rising else lowest_instant
-        if end < begin:
-            end += INSTANTS - 1
-        instants = np.arange(begin, end + 1)
-        if not rising:
+    share_of_cycle = np.empty(len(row_loads))
+    for is_branch_rising in (True, False):
+        is_on_branch = row_rises == is_branch_rising
+        first_instant = lowest_instant if is_branch_rising else highest_instant
+        last_instant = highest_instant if is_branch_rising else lowest_instant
+        if last_instant < first_instant:
+            last_instant += INSTANTS - 1
+        instants = np.arange(first_instant, last_instant + 1)
+        # in the order of ascending Q
+        if not is_branch_rising:
             instants = instants[::-1]
-        loads_of_branch = load_of_cycle[instants % (INSTANTS - 1)]
-        load_of_scene = load_of_cycle[lowest_instant] + (load[is_on_branch] - fit.lowest) / scale
-        share_of_cycle[is_on_branch] = (
-            np.interp(load_of_scene, loads_of_branch, instants / (INSTANTS - 1)) % 1.0
+        branch_loads = load_of_cycle[instants % (INSTANTS - 1)]
+        load_from_lowest = (row_loads[is_on_branch] - fit.lowest_load) / scale
+        shares_of_rows = np.interp(
+            load_of_cycle[lowest_instant] + load_from_lowest,
+            branch_loads,
+            instants / (INSTANTS - 1),
         )
+        share_of_cycle[is_on_branch] = shares_of_rows % 1.0
     return share_of_cycle

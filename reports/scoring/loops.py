@@ -90,6 +90,14 @@ class LoopRow:
     by_noise: float = 0.0
 
 
+class LoopCurve(NamedTuple):
+    """A computed loop for the figure: `shift` U with the rig, and `load` Q, (n_instants,) each."""
+
+    name: str
+    shift: Array
+    load: Array
+
+
 @dataclass(frozen=True, eq=False)
 class LoopScore:
     """What a measured loop says.
@@ -133,7 +141,7 @@ class LoopScore:
     tau: Array
     shift: Array
     load: Array
-    curves: tuple[tuple[str, Array, Array], ...]
+    curves: tuple[LoopCurve, ...]
 
     @property
     def agrees(self) -> bool:
@@ -231,16 +239,16 @@ def score_loop(
         fit = fit_over_time(loop, scene, rig_compliance)
     measured_row, sentence = _measured_row(loop, fit)
     # at the ends of the loop the contact slides as a whole
-    if fit.gross and fit.model is not None:
-        computed_loops = _sliding_loops(loop, fit, fit.model, scene, against)
+    if fit.is_gross and fit.masing_loop is not None:
+        computed_loops = _sliding_loops(loop, fit, fit.masing_loop, scene, against)
     else:
         computed_loops = _partial_loops(loop, fit, scene, rig_compliance, against)
     return LoopScore(
         scene=fit.scene,
         source=loop.source,
         friction=fit.friction,
-        low=fit.low,
-        high=fit.high,
+        low=fit.lowest_friction,
+        high=fit.highest_friction,
         compliance=fit.compliance,
         compliance_fitted=rig_compliance is None,
         scale=fit.scale,
@@ -248,12 +256,13 @@ def score_loop(
         noise=fit.shift_noise,
         rows=(measured_row, *(computed.row for computed in computed_loops.loops)),
         read_as=loop.read_as,
-        said=(*fit.said, sentence, *computed_loops.said),
-        tau=fit.share,
+        said=(*fit.sentences, sentence, *computed_loops.sentences),
+        tau=fit.share_of_cycle,
         shift=loop.shift,
         load=loop.load,
         curves=tuple(
-            (computed.row.name, computed.shift, computed.load) for computed in computed_loops.loops
+            LoopCurve(computed.row.name, computed.shift, computed.load)
+            for computed in computed_loops.loops
         ),
     )
 
@@ -263,11 +272,11 @@ def _measured_row(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow, str]:
     """The measured loop as a row of the table of loops (area W with its uncertainty, slope dU/dQ),
     and a sentence on how W was found.
     """
-    if fit.model is None or fit.masing is None:
+    if fit.masing_loop is None or fit.masing_fit is None:
         area = polygon_area(loop.shift, loop.load, fit.phase, fit.shift_noise, fit.load_noise)
         method_words = "the area of the polygon of the rows"
     else:
-        area = area_about_fit(fit.model, fit.masing, float(fit.phase[-1] - fit.phase[0]))
+        area = area_about_fit(fit.masing_loop, fit.masing_fit, float(fit.phase[-1] - fit.phase[0]))
         method_words = "the area of the best fit, with what the rows enclose beside it,"
     load_of_cycle = fit.scale * cycle_loads(fit.scene)[1]
     row = LoopRow(
@@ -275,7 +284,7 @@ def _measured_row(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow, str]:
         friction=None,
         area=area.value,
         area_uncertainty=area.uncertainty,
-        slope=_slope(loop.shift, np.interp(fit.share, SHARES, load_of_cycle)),
+        slope=_slope(loop.shift, np.interp(fit.share_of_cycle, SHARES, load_of_cycle)),
         distance=math.nan,
         by_distance=area.by_distance,
         by_noise=area.by_noise,
@@ -303,7 +312,7 @@ class _Beside(NamedTuple):
     """The computed loops, and what was left out, in words."""
 
     loops: list[_ComputedLoop]
-    said: list[str]
+    sentences: list[str]
 
 
 def _partial_loops(
@@ -372,12 +381,12 @@ def _with_rig(
     load_of_cycle = cycle_loads(fit.scene)[1]
     load = fit.scale * load_of_cycle
     _, compliance, origin = fit_rig(
-        loop, computed.shift, fit.share, load, fit.scale, rig_compliance
+        loop, computed.shift, fit.share_of_cycle, load, fit.scale, rig_compliance
     )
     displacement = fit.scale * computed.shift + compliance * load + origin
     mean_load = (load_of_cycle[1:] + load_of_cycle[:-1]) / 2
     work = fit.scale**2 * float(np.sum(mean_load * np.diff(computed.shift)))
-    slope, distance = _beside_rows(loop, fit.share, displacement, load)
+    slope, distance = _beside_rows(loop, fit.share_of_cycle, displacement, load)
     row = LoopRow(computed.name, computed.friction, work, 0.0, slope, distance)
     return _ComputedLoop(row, displacement, load + fit.offset)
 
@@ -390,17 +399,17 @@ def _sliding_loops(
     elements are left out, which is stated where `against` is "fe".
     """
     sliding_loops = {"theory, best f": fitted_loop}
-    loop_of_scene = fitted_loop.with_friction(scene.friction.coefficient)
+    loop_of_scene = fitted_loop.gross_loop_with_friction(scene.friction.coefficient)
     if loop_of_scene is not None:
         sliding_loops[f"theory, {OF_SCENE}"] = loop_of_scene
     middle_load = float(loop.load.max() + loop.load.min()) / 2
     loops = []
     for name, sliding_loop in sliding_loops.items():
-        displacement, load = sliding_loop.closed(SHARES)
+        displacement, load = sliding_loop.closed_curve(SHARES)
         # U counts from anywhere: moved to the mean of the measured one
-        displacement_at_rows = np.interp(fit.share, SHARES, displacement)
+        displacement_at_rows = np.interp(fit.share_of_cycle, SHARES, displacement)
         displacement = displacement + float(np.mean(loop.shift - displacement_at_rows))
-        slope, distance = _beside_rows(loop, fit.share, displacement, load)
+        slope, distance = _beside_rows(loop, fit.share_of_cycle, displacement, load)
         row = LoopRow(
             name,
             sliding_loop.friction,
