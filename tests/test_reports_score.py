@@ -36,7 +36,7 @@ from reports.scoring.history import history_of_result
 from reports.scoring.loops import MeasuredLoop, score_loop
 from reports.scoring.mapping import Mapping
 from reports.scoring.mesh_folder import score_folder
-from reports.scoring.study import Level, element_size, results_in, study
+from reports.scoring.study import Level, element_size, result_files, study
 from reports.scoring.surface import SurfaceResult, surface_result
 from scene_cases import FOLDER, scene_of
 from scenes import Bodies, ContactSolution, InputError, Scene, load_scene
@@ -535,24 +535,28 @@ def level(
 def test_a_planted_order_is_found_and_the_rest_is_left(order: float, amount: float) -> None:
     known = study([level(points, order, amount, 2e-3) for points in POINTS])
     for key in ("peak_pressure", "pressure"):
-        line = known.line(key)
-        assert order - 0.02 < line.extrapolation.order < order + 0.02, key
-        assert line.extrapolation.value == pytest.approx(2e-3, rel=1e-3), key
-        assert abs(line.extrapolation.value - 2e-3) <= line.extrapolation.uncertainty, key
-        assert line.mesh == pytest.approx(amount * known.levels[0].size ** order, rel=1e-3), key
+        row = known.row_of_metric(key)
+        assert order - 0.02 < row.extrapolation.order < order + 0.02, key
+        assert row.extrapolation.value == pytest.approx(2e-3, rel=1e-3), key
+        assert abs(row.extrapolation.value - 2e-3) <= row.extrapolation.uncertainty, key
+        error = amount * known.levels[0].size ** order
+        assert row.error_of_finest_mesh == pytest.approx(error, rel=1e-3), key
 
 
 def test_the_finest_comes_first_errors_that_grow_have_no_order_and_nor_do_two_meshes() -> None:
     known = study([level(points) for points in (105, 27, 53)])
     assert [mesh.name for mesh in known.levels] == ["run105.csv", "run53.csv", "run27.csv"]
-    assert known.line("peak_pressure").values[0] == min(known.line("peak_pressure").values)
-    grows = study([level(points, -1.0, 1e-4) for points in POINTS[:3]]).line("peak_pressure")
-    assert (grows.extrapolation.kind, grows.mesh) == ("diverging", None)
+    values = known.row_of_metric("peak_pressure").values
+    assert values[0] == min(values)
+    growing = study([level(points, -1.0, 1e-4) for points in POINTS[:3]])
+    row = growing.row_of_metric("peak_pressure")
+    assert (row.extrapolation.kind, row.error_of_finest_mesh) == ("diverging", None)
     # both where the finest is worst
-    mesh, coarse = study([level(53, worst=2), level(27, worst=6)]).line("peak_pressure").values
-    assert coarse / mesh == pytest.approx(4 / 2)
+    of_two = study([level(53, worst=2), level(27, worst=6)])
+    fine, coarse = of_two.row_of_metric("peak_pressure").values
+    assert coarse / fine == pytest.approx(4 / 2)
     two = study([level(points) for points in (27, 53)])
-    assert two.line("peak_pressure").extrapolation.order is None
+    assert two.row_of_metric("peak_pressure").extrapolation.order is None
     assert any("Two meshes show no order" in sentence for sentence in two.sentences)
     for levels, words in (
         ([level(27)], "takes two meshes at least"),
@@ -604,17 +608,17 @@ FOLDERS = {
 def test_which_files_of_a_folder_are_results(tmp_path: Path, case: str) -> None:
     """Each instant of a PVD would else be a mesh of its own."""
     with pytest.raises(InputError, match="no result is in this folder"):
-        results_in(tmp_path)
+        result_files(tmp_path)
     files, names, note = FOLDERS[case]
     for name, text in files.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
-    paths, notes = results_in(tmp_path)
+    paths, notes = result_files(tmp_path)
     assert [path.name for path in paths] == names.split()
     assert notes == ((note,) if note else ())
     if case == "collections":
         (tmp_path / "fine.pvd").write_text("<VTKFile", encoding="utf-8")
         with pytest.raises(InputError, match=r"fine\.pvd: this can't be read as a \.pvd file"):
-            results_in(tmp_path)
+            result_files(tmp_path)
 
 
 def test_what_can_not_be_read_in_a_folder_is_listed_and_the_rest_is_scored(tmp_path: Path) -> None:

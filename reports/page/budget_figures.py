@@ -357,7 +357,7 @@ def study_convergence(study: Study) -> Plate | None:
     """
     sizes = [level.size for level in study.levels]
     distances_by_label: dict[str, list[tuple[float, float]]] = {}
-    for row in study.lines:
+    for row in study.metric_rows:
         limit = row.extrapolation.value
         if not row.metric.headline or row.extrapolation.kind != "monotone" or limit is None:
             continue

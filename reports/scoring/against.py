@@ -18,8 +18,8 @@ from reports.comparison.laws import DERIVED, certificates, derived
 from reports.comparison.metrics import WHOLE_CYCLE
 from reports.report import Report
 from reports.scoring.mapping import Mapping
-from reports.scoring.reading import OWN, read
-from reports.scoring.solution import by_same_rule, contact_solution, whole_path
+from reports.scoring.reading import OWN_SUFFIX, read
+from reports.scoring.solution import contact_solution, reference_by_same_rule, whole_path
 from reports.scoring.surface import SurfaceResult, surface_result
 from scenes import ContactSolution, InputError, Scene, load_scene
 from scenes.frozen import validated
@@ -122,7 +122,7 @@ def score_file(
     names of columns, units and signs. The reference is half-plane theory for `against` = "exact",
     finite elements for "fe". `tolerances` holds the largest |E| that passes, by key of the metric.
     """
-    is_of_this_program = path.suffix.lower() == OWN and path.is_file()
+    is_of_this_program = path.suffix.lower() == OWN_SUFFIX and path.is_file()
     if is_of_this_program:
         return score_solution(
             stored_solution(path, scene),
@@ -231,13 +231,15 @@ def score_solution(
     notes_on_rule: tuple[str, ...] = ()
     if theory_of_path is not None:
         half_width = scales(theory_of_path).half_width
-        reference_by_rule, notes_on_rule = by_same_rule(reference, solution, half_width)
+        reference_by_rule, notes_on_rule = reference_by_same_rule(reference, solution, half_width)
+    # Without a rule that both follow the reference stands for itself.
+    plain_reference = None if reference_by_rule is reference else reference
     comparison = compare(
         reference_by_rule,
         solution,
         polygon_reference=theory_on_polygon,
         scales_from=theory_of_path,
-        plain_reference=None if reference_by_rule is reference else reference,
+        plain_reference=plain_reference,
         tolerances=tolerances,
         effects=effects_between(reference, solution),
     )

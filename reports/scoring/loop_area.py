@@ -263,8 +263,7 @@ def _error_by_scatter(loop: MasingLoop, fit: MasingFit, area_per_sigma: Array) -
     # is the change of the parameters by each residual
     area_by_residuals = area_by_parameters @ fit.influence
     area_by_residuals[: len(area_per_sigma)] += area_per_sigma
-    # The scatter is at least what the digits of the rows
-    # leave: sigma is no smaller.
+    # The scatter is at least what the digits of the rows leave: sigma is no smaller.
     variance = max(
         float(fit.distances.signed_distance @ fit.distances.signed_distance)
         / fit.degrees_of_freedom,

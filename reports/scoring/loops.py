@@ -65,8 +65,8 @@ Against = Literal["exact", "fe"]
 OF_SCENE = "the scene's f"
 """Which f a computed loop has, in the name of its row."""
 
-# Parts of the cycle in which rows are averaged for the figures.
-_PARTS = 200
+# Number of parts of the cycle in which rows are averaged for the figures, at most.
+_MOST_PARTS = 200
 
 
 @dataclass(frozen=True)
@@ -100,29 +100,34 @@ class LoopCurve(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class LoopScore:
-    """What a measured loop says.
+    """The friction coefficient f that a measured loop shows, and the loops computed beside it.
 
     Attributes
     ----------
+    scene
+        the scene that the loop was scored against
+    source
+        file of the loop
     friction, low, high
-        f that fits best and its 95 % interval; high None where no larger f can be told from it
+        f that fits best and its 95 % interval; high is None where the rows exclude no larger f
     compliance, compliance_fitted
-        of the rig [1/stress]
+        C of the rig [1/stress], and whether it was fitted
     scale
         r, the file's Q over the scene's
     cycles
-        how many the rows cover
+        number of cycles that the rows cover
     noise
-        rms of U about the best fit [length]
+        standard deviation of the noise of U [length]
     rows
-        measured, then each computed loop
+        the loops as rows of a table: the measured one, then each computed one
     read_as
         how the file was read
     said
-        what was assumed
-    tau, shift, load, curves
-        the rows on the cycle [share], and each computed loop (U with the rig, Q), for the
-        figure
+        sentences on what was assumed or left out
+    tau, shift, load
+        (n,) share of the cycle that is over, U and Q of the measured rows
+    curves
+        the computed loops, for the figure
     """
 
     scene: Scene
@@ -155,20 +160,17 @@ class LoopScore:
     @property
     def sentence(self) -> str:
         """The finding in one sentence: the best f, its 95 % interval, and whether the scene's f
-        lies in it. As many digits as tell the three apart.
+        lies in it. The best f and the ends of the interval have as many digits as they need to
+        differ.
         """
-        ends = [self.low, self.friction]
+        frictions = [self.low, self.friction]
         if self.high is not None:
-            ends.append(self.high)
-        # As many digits as tell the ends of the interval from its middle.
-        digits = next(
-            (
-                count
-                for count in range(4, 16)
-                if len({f"{end:.{count}g}" for end in ends}) == len(set(ends))
-            ),
-            16,
-        )
+            frictions.append(self.high)
+        digits = 4
+        while digits < 16:
+            if len({f"{friction:.{digits}g}" for friction in frictions}) == len(set(frictions)):
+                break
+            digits += 1
         upper_end = "no upper limit" if self.high is None else f"{self.high:.{digits}g}"
         verdict = "lies within" if self.agrees else "lies outside"
         return (
@@ -272,6 +274,7 @@ def _measured_row(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow, str]:
     """The measured loop as a row of the table of loops (area W with its uncertainty, slope dU/dQ),
     and a sentence on how W was found.
     """
+    # only a loop of Masing's rule, at constant P, has an area of its own
     if fit.masing_loop is None or fit.masing_fit is None:
         area = polygon_area(loop.shift, loop.load, fit.phase, fit.shift_noise, fit.load_noise)
         method_words = "the area of the polygon of the rows"
@@ -301,14 +304,16 @@ def _measured_row(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow, str]:
 # ------------------------------------------------------------------------- computed loops beside it
 @dataclass(frozen=True, eq=False)
 class _ComputedLoop:
-    """A loop of an engine beside the measured one: U with the rig, and Q (n_instants,)."""
+    """A loop of theory or finite elements beside the measured one: its row of the table, U with the
+    rig, and Q (n_instants,).
+    """
 
     row: LoopRow
     shift: Array
     load: Array
 
 
-class _Beside(NamedTuple):
+class _ComputedLoops(NamedTuple):
     """The computed loops, and what was left out, in words."""
 
     loops: list[_ComputedLoop]
@@ -321,7 +326,7 @@ def _partial_loops(
     scene: Scene,
     rig_compliance: float | None,
     against: Against,
-) -> _Beside:
+) -> _ComputedLoops:
     """Loops beside a measured one that slips partially: what theory, and with `against` "fe" the
     finite elements, compute under the loads of the rows, with the best f and with the scene's f.
     With them a sentence for each f at which the contact would slide as a whole.
@@ -346,10 +351,10 @@ def _partial_loops(
                 fit.scene, friction_at_scene_q
             )
         loops += [
-            _with_rig(loop, fit, _LoopOfScene(name_of_loop, friction, shift), rig_compliance)
+            _loop_with_rig(loop, fit, _LoopOfScene(name_of_loop, friction, shift), rig_compliance)
             for name_of_loop, shift in shifts.items()
         ]
-    return _Beside(loops, sentences)
+    return _ComputedLoops(loops, sentences)
 
 
 class _LoopOfScene(NamedTuple):
@@ -362,7 +367,7 @@ class _LoopOfScene(NamedTuple):
     shift: Array
 
 
-def _with_rig(
+def _loop_with_rig(
     loop: MeasuredLoop, fit: FittedLoop, computed: _LoopOfScene, rig_compliance: float | None
 ) -> _ComputedLoop:
     """A computed loop with the rig added, U = r U_computed + C Q + U0, C and U0 such that it lies
@@ -378,22 +383,23 @@ def _with_rig(
     computed
         name, f, and U through a cycle of the scene
     """
-    load_of_cycle = cycle_loads(fit.scene)[1]
-    load = fit.scale * load_of_cycle
+    load_of_scene = cycle_loads(fit.scene)[1]
+    load = fit.scale * load_of_scene
     _, compliance, origin = fit_rig(
         loop, computed.shift, fit.share_of_cycle, load, fit.scale, rig_compliance
     )
-    displacement = fit.scale * computed.shift + compliance * load + origin
-    mean_load = (load_of_cycle[1:] + load_of_cycle[:-1]) / 2
-    work = fit.scale**2 * float(np.sum(mean_load * np.diff(computed.shift)))
-    slope, distance = _beside_rows(loop, fit.share_of_cycle, displacement, load)
-    row = LoopRow(computed.name, computed.friction, work, 0.0, slope, distance)
-    return _ComputedLoop(row, displacement, load + fit.offset)
+    shift = fit.scale * computed.shift + compliance * load + origin
+    # the rig is elastic: it adds nothing to the area
+    mean_load = (load_of_scene[1:] + load_of_scene[:-1]) / 2
+    area = fit.scale**2 * float(np.sum(mean_load * np.diff(computed.shift)))
+    slope, distance = _slope_and_distance(loop, fit.share_of_cycle, shift, load)
+    row = LoopRow(computed.name, computed.friction, area, 0.0, slope, distance)
+    return _ComputedLoop(row, shift, load + fit.offset)
 
 
 def _sliding_loops(
     loop: MeasuredLoop, fit: FittedLoop, fitted_loop: MasingLoop, scene: Scene, against: Against
-) -> _Beside:
+) -> _ComputedLoops:
     """The loops beside a measured one that slides as a whole: the fitted one (`fitted_loop`), and
     the one that theory has with the scene's f and the same range of U, where it slides too. Finite
     elements are left out, which is stated where `against` is "fe".
@@ -405,11 +411,11 @@ def _sliding_loops(
     middle_load = float(loop.load.max() + loop.load.min()) / 2
     loops = []
     for name, sliding_loop in sliding_loops.items():
-        displacement, load = sliding_loop.closed_curve(SHARES)
-        # U counts from anywhere: moved to the mean of the measured one
-        displacement_at_rows = np.interp(fit.share_of_cycle, SHARES, displacement)
-        displacement = displacement + float(np.mean(loop.shift - displacement_at_rows))
-        slope, distance = _beside_rows(loop, fit.share_of_cycle, displacement, load)
+        shift, load = sliding_loop.closed_curve(SHARES)
+        # U has any origin: it is moved to the mean of the measured one
+        shift_at_rows = np.interp(fit.share_of_cycle, SHARES, shift)
+        shift = shift + float(np.mean(loop.shift - shift_at_rows))
+        slope, distance = _slope_and_distance(loop, fit.share_of_cycle, shift, load)
         row = LoopRow(
             name,
             sliding_loop.friction,
@@ -418,42 +424,52 @@ def _sliding_loops(
             slope=slope,
             distance=distance,
         )
-        loops.append(_ComputedLoop(row, displacement, load + middle_load))
+        loops.append(_ComputedLoop(row, shift, load + middle_load))
     sentences = []
     if against == "fe":
         sentences.append(
             "Finite elements are left out: under given P and Q they can't slide as a whole"
         )
-    return _Beside(loops, sentences)
+    return _ComputedLoops(loops, sentences)
 
 
-def _beside_rows(
-    loop: MeasuredLoop, share: Array, shift: Array, load: Array
+def _slope_and_distance(
+    loop: MeasuredLoop, share_of_cycle: Array, shift: Array, load: Array
 ) -> tuple[float, float]:
-    """Slope of a computed loop, U and Q at the shares of a cycle of the engines, and the root mean
-    square of its distances from the rows along U; `share` (n_rows,) places the rows on it.
+    """Slope dU/dQ of a computed loop, and the root mean square of its distances from the means of
+    the rows, along U.
+
+    Parameters
+    ----------
+    loop
+        the measured rows
+    share_of_cycle
+        (n_rows,) share of the cycle that is over at each row
+    shift, load
+        (n_instants,) U and Q of the computed loop at `SHARES` of the cycle
     """
-    shift_at_rows = np.interp(share, SHARES, shift)
-    slope = _slope(shift_at_rows, np.interp(share, SHARES, load))
-    _, distances = means_of_parts(share, loop.shift - shift_at_rows)
+    shift_at_rows = np.interp(share_of_cycle, SHARES, shift)
+    slope = _slope(shift_at_rows, np.interp(share_of_cycle, SHARES, load))
+    _, distances = means_of_parts(share_of_cycle, loop.shift - shift_at_rows)
     return slope, math.sqrt(float(np.mean(distances**2)))
 
 
 def _slope(shift: Array, load: Array) -> float:
-    """dU/dQ of the straight line through a loop."""
-    apart = load - load.mean()
-    return float(apart @ shift / (apart @ apart))
+    """Slope dU/dQ of the straight line through the rows of a loop, (n,) each [1/stress]."""
+    load_from_mean = load - load.mean()
+    return float(load_from_mean @ shift / (load_from_mean @ load_from_mean))
 
 
-def means_of_parts(share: Array, *values: Array) -> tuple[Array, ...]:
-    """The cycle is cut into equal parts: how many rows lie in each part that has any, and the mean
-    of each of `values` (n,) there, (k,) each. `share` (n,) is the share of the cycle that is over
-    at each row.
+def means_of_parts(share_of_cycle: Array, *row_values: Array) -> tuple[Array, ...]:
+    """Means of row values in equal parts of the cycle: the number of rows in each part that has
+    any, then the mean of each of `row_values` (n,) there, (k,) each. `share_of_cycle` (n,) is the
+    share of the cycle that is over at each row.
     """
-    parts = np.floor(share * max(20, min(_PARTS, len(share) // 8))).astype(int)
-    count = np.bincount(parts)
-    has_rows = count > 0
-    return (
-        count[has_rows].astype(float),
-        *(np.bincount(parts, series)[has_rows] / count[has_rows] for series in values),
-    )
+    n_parts = max(20, min(_MOST_PARTS, len(share_of_cycle) // 8))
+    part_of_row = np.floor(share_of_cycle * n_parts).astype(int)
+    row_counts = np.bincount(part_of_row)
+    has_rows = row_counts > 0
+    means = [
+        np.bincount(part_of_row, values)[has_rows] / row_counts[has_rows] for values in row_values
+    ]
+    return (row_counts[has_rows].astype(float), *means)

@@ -25,7 +25,7 @@ Quantity = Literal[
 ]
 
 # Likeness of two names of columns from which on one may be meant by the other.
-_NEARLY = 0.75
+_LEAST_SIMILARITY = 0.75
 
 _Factor = Annotated[float, Field(gt=0)]
 _Column = str | Annotated[int, Field(ge=1)]
@@ -169,6 +169,8 @@ def find_column(
     """Which of a file's column `names` holds `quantity`: the one that the mapping states, else the
     first known alias that is there; None where none is.
 
+    `where` is the file in messages; `needed` makes a missing column an error.
+
     Raises
     ------
     InputError
@@ -185,8 +187,10 @@ def find_column(
         return names[stated_name - 1]
     if stated_name is not None:
         if stated_name not in names:
-            near_names = difflib.get_close_matches(stated_name, names, n=1)
-            hint = f"did you mean {near_names[0]!r}?" if near_names else f"it has {listed(names)}"
+            similar_names = difflib.get_close_matches(stated_name, names, n=1)
+            hint = f"it has {listed(names)}"
+            if similar_names:
+                hint = f"did you mean {similar_names[0]!r}?"
             raise InputError(
                 f"{where}: the mapping says columns.{quantity} = {stated_name!r}, which is not"
                 f" there; {hint}"
@@ -204,26 +208,26 @@ def find_column(
     if needed:
         raise InputError(
             f"{where}: no column for {quantity} (looked for {', '.join(ALIASES[quantity][:4])} ...)"
-            f" among {listed(names)}; {_how_to_name(quantity, names)}"
+            f" among {listed(names)}; {_naming_advice(quantity, names)}"
         )
     return None
 
 
-def _how_to_name(quantity: str, names: Sequence[str]) -> str:
-    """A phrase for an error message that says how to name the column of a quantity in a mapping:
-    with the very lines to write where one of the column `names` is spelt nearly like the quantity.
+def _naming_advice(quantity: str, names: Sequence[str]) -> str:
+    """A phrase for an error message: how to name the column of a quantity in a mapping, with the
+    lines to write where one of the column `names` is spelt nearly like the quantity.
     """
-    name_by_plain_name = {plain(name): name for name in names}
-    near_names = [
-        match
+    name_by_spelling = {plain(name): name for name in names}
+    similar_spellings = [
+        spelling
         for alias in ALIASES[quantity]
-        for match in difflib.get_close_matches(
-            plain(alias), name_by_plain_name, n=1, cutoff=_NEARLY
+        for spelling in difflib.get_close_matches(
+            plain(alias), name_by_spelling, n=1, cutoff=_LEAST_SIMILARITY
         )
     ]
-    if not near_names:
+    if not similar_spellings:
         return f"name it by columns.{quantity} of a mapping (`halfplane score --mapping-example`)"
-    name = name_by_plain_name[near_names[0]]
+    name = name_by_spelling[similar_spellings[0]]
     return (
         f"if {name!r} is it, write the lines [columns] and {quantity} = {json.dumps(name)} into a"
         " file mapping.toml, and add --mapping mapping.toml"
@@ -252,7 +256,7 @@ def converted(mapping: Mapping, quantity: Quantity, values: Array) -> Array:
     """
     if quantity == "frame":
         return values
-    kinds = {
+    factor_names = {
         "x": "length",
         "y": "length",
         "slip": "length",
@@ -260,15 +264,15 @@ def converted(mapping: Mapping, quantity: Quantity, values: Array) -> Array:
         "shear": "stress",
         "time": "time",
     }
-    kind = kinds.get(quantity, "load")
-    factor = getattr(mapping.factors, kind) or 1.0
+    factor_name = factor_names.get(quantity, "load")
+    factor = getattr(mapping.factors, factor_name) or 1.0
     with np.errstate(over="ignore"):  # what is not finite is refused by the reader, with its place
         scaled_values = values * factor * mapping.sign(quantity)
         if quantity == "x":
             return np.asarray(scaled_values - mapping.x_offset)
         if quantity == "y":
             return np.asarray(scaled_values - mapping.y_offset)
-        if kind == "load":
+        if factor_name == "load":
             return np.asarray(scaled_values / mapping.thickness)
         return np.asarray(scaled_values)
 
@@ -283,15 +287,16 @@ def conversion_in_words(mapping: Mapping, quantity: Quantity) -> str:
     >>> conversion_in_words(Mapping(), "slip")
     'slip'
     """
-    change_for_one = converted(mapping, quantity, np.ones(1)) - converted(
-        mapping, quantity, np.zeros(1)
-    )
+    converted_zero = converted(mapping, quantity, np.zeros(1))
+    converted_one = converted(mapping, quantity, np.ones(1))
+    # sign times factor, over the thickness
+    slope = (converted_one - converted_zero)[0]
     is_load = quantity in ("normal_load", "tangential_load")
     thickness = mapping.thickness if is_load else 1.0
     phrases = []
-    if abs(change_for_one[0]) * thickness != 1:
-        phrases.append(f"times {abs(change_for_one[0]) * thickness:g}")
-    if change_for_one[0] < 0:
+    if abs(slope) * thickness != 1:
+        phrases.append(f"times {abs(slope) * thickness:g}")
+    if slope < 0:
         phrases.append("sign turned")
     if thickness != 1:
         phrases.append(f"divided by the thickness {thickness:g}")

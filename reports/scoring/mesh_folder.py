@@ -9,7 +9,7 @@ from reports.console import Stages
 from reports.report import Report
 from reports.scoring.against import Against, diagnosed, score_file
 from reports.scoring.mapping import Mapping
-from reports.scoring.study import Level, UnscoredFile, element_size, results_in, study
+from reports.scoring.study import Level, UnscoredFile, element_size, result_files, study
 from scenes import InputError, Scene
 
 
@@ -34,7 +34,7 @@ def score_folder(
     InputError
         Where no file can be scored, with the reason for the first; where two are of one mesh.
     """
-    files, notes_on_files = results_in(folder)
+    files, notes_on_files = result_files(folder)
     levels = []
     reports = []
     faults: dict[str, InputError] = {}

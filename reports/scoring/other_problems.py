@@ -11,6 +11,7 @@ contact and stick, xi = x/a, p0 largest pressure of an ellipse
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
@@ -24,73 +25,75 @@ from scenes import SLIP_FORWARD, SLIP_REVERSE, Hertz
 from scenes.array_types import Array
 from semi_analytic.profiles import contact_of
 
-# Over the outermost point that carries, the half-widths that are tried: a singular traction ends
-# within a spacing of it.
-_EDGES_TRIED = 60
-# Of the largest pressure, a tension that extrapolation beyond an edge does not make; and points in
-# tension on each side, one of which a mesh makes.
-_TENSION = 0.05
+# Number of half-widths that are tried beyond the outermost point with a pressure: a singular
+# traction ends within a spacing of it.
+_N_HALF_WIDTHS = 60
+# Least tension, over the largest pressure, that extrapolation beyond an edge does not make; and
+# fewest points in tension on each side: a mesh makes one.
+_LEAST_TENSION = 0.05
 _FEWEST_IN_TENSION = 2
-# Of the largest pressure of an instant, below which a point is open; above which it is well inside
-# the contact of the reference.
-_OPEN = 1e-3
-_WELL_INSIDE = 0.2
-# Points of a gap between two zones of contact, gaps, and the share of P that the reference carries
-# over them: one point may be a corner node, one gap a hole in the table.
+# Pressure, over the largest of an instant, below which a point is open; above which it is well
+# inside the contact of the reference.
+_OPEN_PRESSURE = 1e-3
+_INNER_PRESSURE = 0.2
+# Fewest points of a gap between two zones of contact, fewest gaps at an instant, and least share of
+# P that the reference carries over them: one point may be a corner node, one gap a hole in the
+# table.
 _FEWEST_IN_GAP = 2
 _FEWEST_GAPS = 2
-_LEAST_OVER_GAPS = 0.1
-# Over P, by which the sum of the pressures of another problem may differ from it.
-_BALANCED = 0.1
-# Points of an instant on which a pressure is at its limit; how far elastic theory exceeds it there.
+_LEAST_SHARE_OVER_GAPS = 0.1
+# Difference of the sum of the pressures of another problem from P, over P, at most.
+_LARGEST_IMBALANCE = 0.1
+# Fewest points of an instant on which a pressure is at its limit; elastic theory there exceeds the
+# limit by this factor.
 _FEWEST_ON_LIMIT = 5
-_ABOVE_LIMIT = 1.1
+_EXCESS_OVER_LIMIT = 1.1
 # Loads over P of the elastic pressure that a limit is put on: a contact with a limit is wider.
-_WIDER = np.linspace(1.0, 2.5, 31)
-# Of f p_ref, the constant of a law of friction that is no coefficient; points in slip that show it;
-# what the law may leave of the shear that is not proportional to p.
+_LOAD_RATIOS = np.linspace(1.0, 2.5, 31)
+# Least constant, over f p_ref, of a law of friction that is no coefficient; fewest points in slip
+# that show it; what the law may leave (rms) of the shear that is not proportional to p.
 _LEAST_CONSTANT = 0.05
 _FEWEST_IN_SLIP = 8
-_LEFT_OF_LAW = 0.1
-# Slope of the pressure of a sphere over its half-width, over that of a cylinder: p0/a = 2 E*/(pi R)
-# and E*/(2 R).
-_SPHERE = 4 / np.pi
-# Over P and over the pressure, by which two instants of one load may differ; of the pressure, what
-# differs between them where the bodies are not elastic.
-_SAME_LOAD = 0.01
-_OTHER_PRESSURE = 0.05
-# Of the square of that difference, what may change from point to point, and values that show it:
-# of noise all does, but for 0.22 of it where 20 values and their mirror images are known.
-_SMOOTH = 0.2
-_FEWEST_SMOOTH = 40
+_SHARE_LEFT_BY_LAW = 0.1
+# p0/a of a sphere, 2 E*/(pi R), over that of a cylinder, E*/(2 R).
+_SPHERE_OVER_CYLINDER = 4 / np.pi
+# Relative difference of P, and of the sum of the pressures, at two instants with the same load; and
+# least difference of their pressures, over the pressure, where the bodies are not elastic.
+_DIFFERENCE_OF_SAME_LOAD = 0.01
+_LEAST_PRESSURE_CHANGE = 0.05
+# Share of the squares of that difference that may be noise, and fewest values that show it: of pure
+# noise all is, but for 0.22 of it where 20 values and their mirror images are known.
+_LARGEST_NOISE = 0.2
+_FEWEST_VALUES = 40
 
 
 @dataclass(frozen=True, eq=False)
 class ProblemFit:
-    """What a problem makes of a result.
+    """Tractions that a result would have if it solved another problem than the scene's.
 
     Attributes
     ----------
-    predicted
-        tractions of the problem, its sizes fitted; those of the reference where it says nothing
+    predicted_tractions
+        (2, k, n) pressure and shear of the problem, its sizes fitted to the result; those of the
+        reference where the problem says nothing
     tractions_to_beat
-        those that it must do better than: the reference's, or those of the best cause that it
-        could be taken for
-    parameters
-        sizes that were fitted beyond those of `tractions_to_beat`
+        (2, k, n) those that it must do better than: the reference's, or those of the best cause
+        that it could be taken for
+    n_sizes
+        number of sizes that were fitted beyond those of `tractions_to_beat`
     judged_points
         (k, n) points on which it is judged
-    figures
-        numbers of its sentence
+    sentence_values
+        values for the problem's sentence in templates/faults.toml
     evidence
         measured values, in words
     """
 
-    predicted: Tractions
+    predicted_tractions: Tractions
     tractions_to_beat: Tractions
-    parameters: int
+    n_sizes: int
     judged_points: Mask
-    figures: dict[str, float | str] = field(default_factory=dict)
+    sentence_values: dict[str, float | str] = field(default_factory=dict)
     evidence: tuple[str, ...] = ()
 
 
@@ -105,7 +108,8 @@ class OtherProblem:
     channel
         0 where the pressure shows it, 1 where the shear does
     fit
-        what it makes of a result; None where the result does not have its signature
+        gives the tractions of the problem that are nearest to a result; None where the result does
+        not have its signature
     """
 
     key: str
@@ -115,7 +119,7 @@ class OtherProblem:
     def residual(
         self, discrepancy: Discrepancy, tractions: Tractions, problem_fit: ProblemFit
     ) -> Residual:
-        """What tractions leave of the result's, on the points on which the problem is judged."""
+        """Result minus `tractions`, on the points on which the problem is judged."""
         residual_everywhere = discrepancy.residual(tractions, self.channel)
         return replace(
             residual_everywhere, is_inside=problem_fit.judged_points & (discrepancy.weight > 0)
@@ -123,25 +127,30 @@ class OtherProblem:
 
 
 # ------------------------------------------------------------------------- closed forms of pressure
-def _in_contact(discrepancy: Discrepancy, pressure: Array) -> Mask:
-    """(k, n) points that carry in the result, in the reference or in a problem."""
-    predicted = _with(discrepancy, PRESSURE, pressure)
-    return discrepancy.in_contact(predicted) | discrepancy.in_contact(
+def _points_in_contact(discrepancy: Discrepancy, pressure: Array) -> Mask:
+    """Whether each of the (k, n) points is in contact in the result, in the reference, or with the
+    `pressure` (k, n) of a problem.
+    """
+    predicted_tractions = _reference_with(discrepancy, PRESSURE, pressure)
+    return discrepancy.in_contact(predicted_tractions) | discrepancy.in_contact(
         discrepancy.reference_tractions
     )
 
 
-def _with(discrepancy: Discrepancy, channel: int, traction: Array) -> Tractions:
-    """The tractions expected with another pressure or shear."""
+def _reference_with(discrepancy: Discrepancy, channel: int, traction: Array) -> Tractions:
+    """The tractions of the reference, (2, k, n), with another pressure (`channel` 0) or shear (1):
+    `traction`, (k, n).
+    """
     tractions = discrepancy.reference_tractions.copy()
     tractions[channel] = traction
     return tractions
 
 
-def _carrying(discrepancy: Discrepancy) -> Mask:
-    """(k, n) points with a pressure or a tension in the result."""
-    size = np.abs(discrepancy.result_tractions[PRESSURE])
-    return np.asarray(size > _OPEN * size.max(axis=1, keepdims=True))
+def _pressed_points(discrepancy: Discrepancy) -> Mask:
+    """Whether each of the (k, n) points has a pressure or a tension in the result."""
+    pressure_size = np.abs(discrepancy.result_tractions[PRESSURE])
+    largest_size = pressure_size.max(axis=1, keepdims=True)
+    return np.asarray(pressure_size > _OPEN_PRESSURE * largest_size)
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +172,7 @@ class ClosedForm:
     half_widths: Array
 
 
-def _closed_form(
+def _fitted_closed_form(
     discrepancy: Discrepancy, functions: Callable[[Array], Array]
 ) -> ClosedForm | None:
     """Fit a sum of given functions of xi = (x − centre)/half-width to the result's pressure at each
@@ -179,62 +188,71 @@ def _closed_form(
         xi (m,), |xi| < 1 -> (m, number of functions)
     """
     fits = []
-    for pressure, carries, weight in zip(
+    for pressure, is_pressed, weights in zip(
         discrepancy.result_tractions[PRESSURE],
-        _carrying(discrepancy),
+        _pressed_points(discrepancy),
         discrepancy.weight,
         strict=True,
     ):
-        if carries.sum() < 3:
+        if is_pressed.sum() < 3:
             return None
-        fit_of_instant = _fitted_row(discrepancy.x, pressure, carries, weight, functions)
-        if np.any(fit_of_instant[1] <= 0):
+        fit_of_instant = _fit_at_instant(discrepancy.x, pressure, is_pressed, weights, functions)
+        factors_of_instant = fit_of_instant[1]
+        if np.any(factors_of_instant <= 0):
             return None
         fits.append(fit_of_instant)
     pressures, factors, half_widths = zip(*fits, strict=True)
     return ClosedForm(np.array(pressures), np.array(factors), np.array(half_widths))
 
 
-def _fitted_row(
-    x: Array, pressure: Array, carries: Mask, weight: Array, functions: Callable[[Array], Array]
+def _fit_at_instant(
+    x: Array,
+    pressure: Array,
+    is_pressed: Mask,
+    weights: Array,
+    functions: Callable[[Array], Array],
 ) -> tuple[Array, Array, float]:
     """Fit a sum of given functions to the pressure of one instant; return the fitted pressure (n,),
     the factor of each function, and the half-width of the contact.
 
-    The functions are of xi = (x - centre)/half-width. The centre is the middle of the points that
-    carry pressure; half-widths are tried from the outermost of these to a spacing beyond it, and
-    for each the factors follow by linear least squares.
+    The functions are of xi = (x - centre)/half-width. The centre is the middle of the points with a
+    pressure; half-widths are tried from the outermost of these to a spacing beyond it, and for each
+    the factors follow by linear least squares.
 
     Parameters
     ----------
-    carries
-        (n,) which points carry pressure
-    weight
-        (n,) weights of the points
+    x, pressure
+        (n,) points, and the pressure at them
+    is_pressed
+        (n,) whether a point has a pressure or a tension
+    weights
+        (n,) of the points in the sum of squares
+    functions
+        xi (m,), |xi| < 1 -> (m, number of functions)
     """
-    carrying_points = np.flatnonzero(carries)
-    first_point, last_point = carrying_points[0], carrying_points[-1]
+    pressed_points = np.flatnonzero(is_pressed)
+    first_point, last_point = pressed_points[0], pressed_points[-1]
     centre = (x[first_point] + x[last_point]) / 2
     half_distance = (x[last_point] - x[first_point]) / 2
     spacing_before = x[first_point] - x[max(first_point - 1, 0)]
     spacing_after = x[min(last_point + 1, len(x) - 1)] - x[last_point]
     spacing = max(spacing_before, spacing_after, np.diff(x).min())
-    root_of_weight = np.sqrt(weight)
-    least_square = np.inf
-    for share in (np.arange(_EDGES_TRIED) + 0.5) / _EDGES_TRIED:
-        half_width = float(half_distance + share * spacing)
+    root_of_weights = np.sqrt(weights)
+    least_sum_of_squares = np.inf
+    for share_of_spacing in (np.arange(_N_HALF_WIDTHS) + 0.5) / _N_HALF_WIDTHS:
+        half_width = float(half_distance + share_of_spacing * spacing)
         xi = (x - centre) / half_width
         is_inside = np.abs(xi) < 1
         function_values = np.zeros((len(x), functions(np.zeros(1)).shape[1]))
         function_values[is_inside] = functions(xi[is_inside])
         solution = np.linalg.lstsq(
-            root_of_weight[:, None] * function_values, root_of_weight * pressure, rcond=None
+            root_of_weights[:, None] * function_values, root_of_weights * pressure, rcond=None
         )
         factors: Array = np.asarray(solution[0], dtype=np.float64)
         fitted_pressure: Array = function_values @ factors
-        square = float(np.sum(weight * (pressure - fitted_pressure) ** 2))
-        if square < least_square:
-            least_square = square
+        sum_of_squares = float(np.sum(weights * (pressure - fitted_pressure) ** 2))
+        if sum_of_squares < least_sum_of_squares:
+            least_sum_of_squares = sum_of_squares
             best_fit = fitted_pressure, factors, half_width
     return best_fit
 
@@ -246,43 +264,42 @@ def _adhesion(discrepancy: Discrepancy) -> ProblemFit | None:
     """
     pressure = discrepancy.result_tractions[PRESSURE]
     largest_pressure = pressure.max(axis=1, keepdims=True)
-    points_in_tension = pressure < -_OPEN * largest_pressure
+    is_in_tension = pressure < -_OPEN_PRESSURE * largest_pressure
     largest_tension = float(np.max(-pressure / np.maximum(largest_pressure, 1e-300)))
-    if largest_tension < _TENSION:
+    if largest_tension < _LEAST_TENSION:
         return None
-    for pressure_of_instant, is_in_tension in zip(pressure, points_in_tension, strict=True):
+    for pressure_of_instant, tension_of_instant in zip(pressure, is_in_tension, strict=True):
         peak_index = int(np.argmax(pressure_of_instant))
-        if (
-            min(is_in_tension[:peak_index].sum(), is_in_tension[peak_index:].sum())
-            < _FEWEST_IN_TENSION
-        ):
+        points_on_left = tension_of_instant[:peak_index].sum()
+        points_on_right = tension_of_instant[peak_index:].sum()
+        if min(points_on_left, points_on_right) < _FEWEST_IN_TENSION:
             return None
 
-    def strip(xi: Array) -> Array:
-        """The two parts of the pressure at xi (m,), (m, 2): without and with tension."""
+    def pressure_terms(xi: Array) -> Array:
+        """The two terms of the pressure at xi (m,), (m, 2): of compression and of adhesion."""
         root = np.sqrt(1 - xi**2)
         return np.column_stack([root, -1 / root])
 
-    closed_form = _closed_form(discrepancy, strip)
+    closed_form = _fitted_closed_form(discrepancy, pressure_terms)
     if closed_form is None:
         return None
-    evidence = f"{int(points_in_tension.sum())} points are in tension, at both edges of contact"
+    evidence = f"{int(is_in_tension.sum())} points are in tension, at both edges of contact"
     return ProblemFit(
-        _with(discrepancy, PRESSURE, closed_form.pressure),
-        discrepancy.reference_tractions,
-        3 * len(pressure),
-        _in_contact(discrepancy, closed_form.pressure),
-        {"tension": largest_tension},
-        (evidence,),
+        predicted_tractions=_reference_with(discrepancy, PRESSURE, closed_form.pressure),
+        tractions_to_beat=discrepancy.reference_tractions,
+        n_sizes=3 * len(pressure),
+        judged_points=_points_in_contact(discrepancy, closed_form.pressure),
+        sentence_values={"tension": largest_tension},
+        evidence=(evidence,),
     )
 
 
 def _sharp_punch(discrepancy: Discrepancy) -> ProblemFit | None:
     """Fit of a flat punch with sharp corners, p = P/(pi a sqrt(1 - xi^2)), largest at the edges
-    (Johnson 1985, 2.8). None where the width changes: the edges of a punch do not move.
+    (Johnson 1985, 2.8). None where the width of the contact changes: a punch keeps its width.
     `discrepancy` holds the tractions of result and reference.
     """
-    closed_form = _closed_form(discrepancy, lambda xi: (1 / np.sqrt(1 - xi**2))[:, None])
+    closed_form = _fitted_closed_form(discrepancy, lambda xi: (1 / np.sqrt(1 - xi**2))[:, None])
     if closed_form is None:
         return None
     largest_half_width = float(closed_form.half_widths.max())
@@ -291,11 +308,11 @@ def _sharp_punch(discrepancy: Discrepancy) -> ProblemFit | None:
     if least_half_width < largest_half_width - 2 * largest_spacing:
         return None
     return ProblemFit(
-        _with(discrepancy, PRESSURE, closed_form.pressure),
-        discrepancy.reference_tractions,
-        2 * len(closed_form.half_widths),
-        _in_contact(discrepancy, closed_form.pressure),
-        {"half_width": largest_half_width},
+        predicted_tractions=_reference_with(discrepancy, PRESSURE, closed_form.pressure),
+        tractions_to_beat=discrepancy.reference_tractions,
+        n_sizes=2 * len(closed_form.half_widths),
+        judged_points=_points_in_contact(discrepancy, closed_form.pressure),
+        sentence_values={"half_width": largest_half_width},
     )
 
 
@@ -310,11 +327,11 @@ def _sphere(discrepancy: Discrepancy) -> ProblemFit | None:
     profile = discrepancy.scene.profile
     if not isinstance(profile, Hertz):
         return None
-    closed_form = _closed_form(discrepancy, lambda xi: np.sqrt(1 - xi**2)[:, None])
+    closed_form = _fitted_closed_form(discrepancy, lambda xi: np.sqrt(1 - xi**2)[:, None])
     if closed_form is None:
         return None
     scales = discrepancy.comparison.scales
-    pressure_over_half_width = _SPHERE * scales.pressure / scales.half_width
+    pressure_over_half_width = _SPHERE_OVER_CYLINDER * scales.pressure / scales.half_width
     xi = discrepancy.x / closed_form.half_widths[:, None]
     pressure = (
         pressure_over_half_width
@@ -323,11 +340,11 @@ def _sphere(discrepancy: Discrepancy) -> ProblemFit | None:
     )
     force = float(np.max(2 / 3 * np.pi * closed_form.half_widths**3 * pressure_over_half_width))
     return ProblemFit(
-        _with(discrepancy, PRESSURE, pressure),
-        discrepancy.reference_tractions,
-        len(pressure),
-        _in_contact(discrepancy, pressure),
-        {"force": force},
+        predicted_tractions=_reference_with(discrepancy, PRESSURE, pressure),
+        tractions_to_beat=discrepancy.reference_tractions,
+        n_sizes=len(pressure),
+        judged_points=_points_in_contact(discrepancy, pressure),
+        sentence_values={"force": force},
     )
 
 
@@ -343,26 +360,27 @@ def _limit_of_pressure(discrepancy: Discrepancy) -> ProblemFit | None:
     limit = float(np.median(result_pressure[result_pressure > 0.9 * result_pressure.max()]))
     limited_pressures = []
     most_on_limit = 0
-    for pressure, load, weight in zip(
+    for pressure, load, weights in zip(
         result_pressure, discrepancy.normal_load, discrepancy.weight, strict=True
     ):
-        elastic_pressures = contact.pressure(discrepancy.x, load * _WIDER[:, None])
+        elastic_pressures = contact.pressure(discrepancy.x, load * _LOAD_RATIOS[:, None])
         trial_pressures = np.minimum(elastic_pressures, limit)
-        best_trial = int(np.argmin(np.sum(weight * (pressure - trial_pressures) ** 2, axis=1)))
+        sums_of_squares = np.sum(weights * (pressure - trial_pressures) ** 2, axis=1)
+        best_trial = int(np.argmin(sums_of_squares))
         limited_pressures.append(trial_pressures[best_trial])
-        most_on_limit = max(
-            most_on_limit, int(np.sum(elastic_pressures[best_trial] > _ABOVE_LIMIT * limit))
-        )
+        is_on_limit = elastic_pressures[best_trial] > _EXCESS_OVER_LIMIT * limit
+        most_on_limit = max(most_on_limit, int(np.sum(is_on_limit)))
     if most_on_limit < _FEWEST_ON_LIMIT:
         return None
     is_above_limit = discrepancy.reference_tractions[PRESSURE] > limit
+    # a load at each instant, and the limit
     return ProblemFit(
-        _with(discrepancy, PRESSURE, np.array(limited_pressures)),
-        discrepancy.reference_tractions,
-        len(limited_pressures) + 1,
-        _in_contact(discrepancy, np.array(limited_pressures)),
-        {"limit": limit / discrepancy.comparison.scales.pressure},
-        (
+        predicted_tractions=_reference_with(discrepancy, PRESSURE, np.array(limited_pressures)),
+        tractions_to_beat=discrepancy.reference_tractions,
+        n_sizes=len(limited_pressures) + 1,
+        judged_points=_points_in_contact(discrepancy, np.array(limited_pressures)),
+        sentence_values={"limit": limit / discrepancy.comparison.scales.pressure},
+        evidence=(
             f"{most_on_limit} points of one instant have {limit:.4g}, and no point has more than"
             f" {result_pressure.max() / limit:.3g} times that, where the reference exceeds it at"
             f" {int(is_above_limit.sum())} points",
@@ -371,113 +389,122 @@ def _limit_of_pressure(discrepancy: Discrepancy) -> ProblemFit | None:
 
 
 # ------------------------------------------------------------------------------- features of rows
-def _several_zones(discrepancy: Discrepancy) -> ProblemFit | None:
-    """Fit of gaps inside the contact of the reference, whose load the zones between them carry:
-    rough or wavy faces.
+def _gaps_in_contact(discrepancy: Discrepancy) -> ProblemFit | None:
+    """Find gaps inside the contact of the reference: rough or wavy faces, which touch in several
+    zones. These carry what the reference carries over the gaps.
 
-    None where values are only missing from a table: they take their share of the load with them.
+    None where values are only missing from a table: the sum of the pressures then is too small.
     `discrepancy` holds the tractions of result and reference.
     """
     result_pressure = discrepancy.result_tractions[PRESSURE]
     reference_pressure = discrepancy.reference_tractions[PRESSURE]
     largest_pressure = result_pressure.max(axis=1, keepdims=True)
     largest_of_reference = reference_pressure.max(axis=1, keepdims=True)
-    is_well_inside = reference_pressure > _WELL_INSIDE * largest_of_reference
-    is_open = (result_pressure <= _OPEN * largest_pressure) & is_well_inside
+    is_well_inside = reference_pressure > _INNER_PRESSURE * largest_of_reference
+    is_in_gap = (result_pressure <= _OPEN_PRESSURE * largest_pressure) & is_well_inside
     gap_lengths = [
-        length for is_open_at_instant in is_open for length in _lengths_of_runs(is_open_at_instant)
+        length
+        for is_in_gap_at_instant in is_in_gap
+        for length in _run_lengths(is_in_gap_at_instant)
     ]
-    long_gaps = sum(length >= _FEWEST_IN_GAP for length in gap_lengths)
-    pressure_over_gaps = np.where(is_open, reference_pressure, 0.0)
+    n_long_gaps = sum(length >= _FEWEST_IN_GAP for length in gap_lengths)
+    pressure_over_gaps = np.where(is_in_gap, reference_pressure, 0.0)
     load_over_gaps = np.trapezoid(pressure_over_gaps, discrepancy.x, axis=1)
     load_of_reference = np.trapezoid(reference_pressure, discrepancy.x, axis=1)
     share_over_gaps = load_over_gaps / np.maximum(load_of_reference, 1e-300)
-    has_few_gaps = long_gaps < _FEWEST_GAPS * len(result_pressure)
-    if has_few_gaps or float(share_over_gaps[discrepancy.is_loaded].min()) < _LEAST_OVER_GAPS:
+    least_share = float(share_over_gaps[discrepancy.is_loaded].min())
+    has_few_gaps = n_long_gaps < _FEWEST_GAPS * len(result_pressure)
+    if has_few_gaps or least_share < _LEAST_SHARE_OVER_GAPS:
         return None
-    if abs(discrepancy.resultant_ratio - 1) > _BALANCED:
+    if abs(discrepancy.resultant_ratio - 1) > _LARGEST_IMBALANCE:
         return None
-    # the gaps themselves: open in the result, and nothing else is claimed
+    # judged on the gaps alone: the problem says that they are open, and nothing of the zones
     return ProblemFit(
-        _with(discrepancy, PRESSURE, np.where(is_open, 0.0, reference_pressure)),
-        discrepancy.reference_tractions,
-        1,
-        is_open,
-        {"gaps": long_gaps / len(result_pressure)},
-        (
+        predicted_tractions=_reference_with(
+            discrepancy, PRESSURE, np.where(is_in_gap, 0.0, reference_pressure)
+        ),
+        tractions_to_beat=discrepancy.reference_tractions,
+        n_sizes=1,
+        judged_points=is_in_gap,
+        sentence_values={"gaps": n_long_gaps / len(result_pressure)},
+        evidence=(
             f"over the gaps the reference carries {float(share_over_gaps.max()):.0%} of P; the sum"
             f" of the pressures is {discrepancy.resultant_ratio:.4g} P all the same",
         ),
     )
 
 
-def _lengths_of_runs(row: NDArray[np.bool_]) -> list[int]:
-    """Lengths of the runs of True.
+def _run_lengths(values: NDArray[np.bool_]) -> list[int]:
+    """Lengths of the runs of True in (n,) values.
 
-    >>> _lengths_of_runs(np.array([True, True, False, True]))
+    >>> _run_lengths(np.array([True, True, False, True]))
     [2, 1]
     """
-    ends = np.flatnonzero(np.diff(np.concatenate([[0], row.astype(int), [0]])))
+    ends = np.flatnonzero(np.diff(np.concatenate([[0], values.astype(int), [0]])))
     return [int(end - start) for start, end in ends.reshape(-1, 2)]
 
 
-def _not_elastic(discrepancy: Discrepancy) -> ProblemFit | None:
+def _inelastic_bodies(discrepancy: Discrepancy) -> ProblemFit | None:
     """Find two instants with the same P, by the scene and by the sum of the pressures, whose
     pressures differ most. Of elastic half-planes the pressure depends on P alone.
 
-    None where none differ. The part that is odd in x is left out: unlike bodies and bodies that
-    tilt make it. `discrepancy` holds the tractions of result and reference.
+    None where none differ. The part of the pressure that is odd in x is left out: unlike bodies and
+    bodies that tilt make it. `discrepancy` holds the tractions of result and reference.
     """
     if discrepancy.unsymmetric or len(discrepancy.rows) < 2:
         return None
     result_pressure = discrepancy.result_tractions[PRESSURE]
     even_pressure = (result_pressure + _mirrored(result_pressure, discrepancy.x)) / 2
-    sums = np.trapezoid(result_pressure, discrepancy.x, axis=1)
+    pressure_sums = np.trapezoid(result_pressure, discrepancy.x, axis=1)
     relative_change, first_instant, second_instant = _most_changed_instants(
-        discrepancy, even_pressure, sums
+        discrepancy, even_pressure, pressure_sums
     )
-    difference = even_pressure[[first_instant]] - even_pressure[[second_instant]]
-    difference = difference / discrepancy.comparison.scales.pressure
-    residual_between = Residual(
-        difference,
+    first_pressure = even_pressure[[first_instant]]
+    second_pressure = even_pressure[[second_instant]]
+    difference = Residual(
+        (first_pressure - second_pressure) / discrepancy.comparison.scales.pressure,
         discrepancy.weight[[first_instant]],
-        (even_pressure[[first_instant]] != 0) | (even_pressure[[second_instant]] != 0),
+        (first_pressure != 0) | (second_pressure != 0),
     )
     is_smooth = (
-        residual_between.noise < _SMOOTH * residual_between.square
-        and residual_between.count >= _FEWEST_SMOOTH
+        difference.noise < _LARGEST_NOISE * difference.square and difference.count >= _FEWEST_VALUES
     )
-    if relative_change < _OTHER_PRESSURE or not is_smooth:
+    if relative_change < _LEAST_PRESSURE_CHANGE or not is_smooth:
         return None
-    # The two instants, each of which the other one would predict.
+    # what elastic bodies would have: the pressure of either instant at the other one
     swapped_tractions = discrepancy.reference_tractions.copy()
     swapped_tractions[PRESSURE, first_instant] = even_pressure[second_instant]
     swapped_tractions[PRESSURE, second_instant] = even_pressure[first_instant]
-    ratio_of_sums = sums[first_instant] / sums[second_instant]
+    ratio_of_sums = pressure_sums[first_instant] / pressure_sums[second_instant]
     judged_points = np.zeros(result_pressure.shape, dtype=bool)
     judged_points[[first_instant, second_instant]] = True
     return ProblemFit(
-        _with(discrepancy, PRESSURE, even_pressure),
-        swapped_tractions,
-        1,
-        judged_points,
-        {
+        predicted_tractions=_reference_with(discrepancy, PRESSURE, even_pressure),
+        tractions_to_beat=swapped_tractions,
+        n_sizes=1,
+        judged_points=judged_points,
+        sentence_values={
             "share": relative_change,
             "first": float(discrepancy.time[first_instant]),
             "second": float(discrepancy.time[second_instant]),
         },
-        (f"the sums of both pressures agree to {abs(ratio_of_sums - 1):.1%}",),
+        evidence=(f"the sums of both pressures agree to {abs(ratio_of_sums - 1):.1%}",),
     )
 
 
-def _mirrored(rows: Array, x: Array) -> Array:
-    """Values at -x."""
-    return np.array([np.interp(-x, x, row, left=0.0, right=0.0) for row in rows])
+def _mirrored(pressure: Array, x: Array) -> Array:
+    """Pressure at -x instead of x, (k, n) -> (k, n); 0 where -x lies beyond the points."""
+    return np.array(
+        [
+            np.interp(-x, x, pressure_of_instant, left=0.0, right=0.0)
+            for pressure_of_instant in pressure
+        ]
+    )
 
 
 # ---------------------------------------------------------------------------------------- the shear
 def _most_changed_instants(
-    discrepancy: Discrepancy, pressure: Array, sums: Array
+    discrepancy: Discrepancy, pressure: Array, pressure_sums: Array
 ) -> tuple[float, int, int]:
     """The two instants with the same P whose pressures differ most: root mean square difference
     over that of the reference's pressure, and their indices. (0, 0, 0) without such a pair.
@@ -488,33 +515,29 @@ def _most_changed_instants(
         tractions of result and reference at some instants and all points
     pressure
         (k, n) of the result
-    sums
+    pressure_sums
         (k,) integrals of the pressure over x, which must agree as P does
     """
     load = discrepancy.normal_load
-    reference_size = np.sqrt(np.mean(discrepancy.reference_tractions[PRESSURE] ** 2, axis=1))
+    reference_pressure = discrepancy.reference_tractions[PRESSURE]
+    reference_rms = np.sqrt(np.mean(reference_pressure**2, axis=1))
     largest_change = (0.0, 0, 0)
-    for first_instant in range(len(pressure)):
-        for second_instant in range(first_instant + 1, len(pressure)):
-            has_same_load = abs(load[first_instant] / load[second_instant] - 1) < _SAME_LOAD
-            has_same_sum = abs(sums[first_instant] / sums[second_instant] - 1) < _SAME_LOAD
-            if (
-                discrepancy.is_loaded[first_instant]
-                and discrepancy.is_loaded[second_instant]
-                and has_same_load
-                and has_same_sum
-            ):
-                change = float(
-                    np.sqrt(np.mean((pressure[first_instant] - pressure[second_instant]) ** 2))
-                )
-                largest_change = max(
-                    largest_change,
-                    (change / float(reference_size[first_instant]), first_instant, second_instant),
-                )
+    for first, second in itertools.combinations(range(len(pressure)), 2):
+        if not (discrepancy.is_loaded[first] and discrepancy.is_loaded[second]):
+            continue
+        load_difference = abs(load[first] / load[second] - 1)
+        sum_difference = abs(pressure_sums[first] / pressure_sums[second] - 1)
+        has_same_load = load_difference < _DIFFERENCE_OF_SAME_LOAD
+        has_same_sum = sum_difference < _DIFFERENCE_OF_SAME_LOAD
+        if not (has_same_load and has_same_sum):
+            continue
+        rms_difference = float(np.sqrt(np.mean((pressure[first] - pressure[second]) ** 2)))
+        change = rms_difference / float(reference_rms[first])
+        largest_change = max(largest_change, (change, first, second))
     return largest_change
 
 
-def _rolling(discrepancy: Discrepancy) -> ProblemFit | None:
+def _tractive_rolling(discrepancy: Discrepancy) -> ProblemFit | None:
     """Fit of tractive rolling, whose stick zone begins at the leading edge: q = f [p(x, P) - p(x -+
     (a - c), P - |Q|/f)] with the sign of Q (Carter 1926; Johnson 1985, 8.3).
 
@@ -532,30 +555,30 @@ def _rolling(discrepancy: Discrepancy) -> ProblemFit | None:
     if np.any(stick_load <= 0) or np.all(np.abs(tangential_load) < 1e-9 * normal_load):
         return None
     contact = contact_of(discrepancy.scene.profile, discrepancy.scene.material)
-    shifts = contact.half_width(normal_load) - contact.half_width(stick_load)
+    # a - c, by which the middle of the stick zone lies from that of the contact
+    offsets = contact.half_width(normal_load) - contact.half_width(stick_load)
     pressure = contact.pressure(discrepancy.x, normal_load)
-    least_square = np.inf
+    least_sum_of_squares = np.inf
     for direction in (1.0, -1.0):
         stick_pressure = np.array(
             [
-                contact.pressure(discrepancy.x - direction * shift, load)
-                for shift, load in zip(shifts[:, 0], stick_load[:, 0], strict=True)
+                contact.pressure(discrepancy.x - direction * offset, load)
+                for offset, load in zip(offsets[:, 0], stick_load[:, 0], strict=True)
             ]
         )
         shear = np.sign(tangential_load) * friction * (pressure - stick_pressure)
-        square = float(
-            np.sum(discrepancy.weight * (discrepancy.result_tractions[SHEAR] - shear) ** 2)
-        )
-        if square < least_square:
-            least_square = square
+        shear_error = discrepancy.result_tractions[SHEAR] - shear
+        sum_of_squares = float(np.sum(discrepancy.weight * shear_error**2))
+        if sum_of_squares < least_sum_of_squares:
+            least_sum_of_squares = sum_of_squares
             best_shear = shear
             leading_side = "right" if direction > 0 else "left"
     return ProblemFit(
-        _with(discrepancy, SHEAR, best_shear),
-        discrepancy.reference_tractions,
-        1,
-        discrepancy.in_contact(discrepancy.reference_tractions),
-        {"side": leading_side},
+        predicted_tractions=_reference_with(discrepancy, SHEAR, best_shear),
+        tractions_to_beat=discrepancy.reference_tractions,
+        n_sizes=1,
+        judged_points=discrepancy.in_contact(discrepancy.reference_tractions),
+        sentence_values={"side": leading_side},
     )
 
 
@@ -569,68 +592,75 @@ def _law_of_friction(discrepancy: Discrepancy) -> ProblemFit | None:
     if not friction or not discrepancy.has_shear:
         return None
     state = discrepancy.comparison.reference_cycle.state[discrepancy.rows]
-    slip_direction = (state == SLIP_FORWARD) * 1.0 - (state == SLIP_REVERSE)
-    slip_direction = np.where(
-        slip_direction == 0, 0.0, np.sign(discrepancy.reference_tractions[SHEAR])
-    )
+    is_slip_state = (state == SLIP_FORWARD) | (state == SLIP_REVERSE)
+    slip_direction = np.where(is_slip_state, np.sign(discrepancy.reference_tractions[SHEAR]), 0.0)
     pressure = discrepancy.result_tractions[PRESSURE]
-    slips = (slip_direction != 0) & (pressure > _OPEN * pressure.max()) & (discrepancy.weight > 0)
-    shear = slip_direction * discrepancy.result_tractions[SHEAR]
-    if slips.sum() < _FEWEST_IN_SLIP:
+    shear_along_slip = slip_direction * discrepancy.result_tractions[SHEAR]
+    is_pressed = pressure > _OPEN_PRESSURE * pressure.max()
+    is_in_slip = (slip_direction != 0) & is_pressed & (discrepancy.weight > 0)
+    if is_in_slip.sum() < _FEWEST_IN_SLIP:
         return None
-    p = pressure[slips]
-    q = shear[slips]
+    p = pressure[is_in_slip]
+    q = shear_along_slip[is_in_slip]
     coefficient_alone = float(p @ q / (p @ p))
     (constant, slope), *_ = np.linalg.lstsq(np.column_stack([np.ones_like(p), p]), q, rcond=None)
-    square_left_by_coefficient = float(np.mean((q - coefficient_alone * p) ** 2))
-    square_left = float(np.mean((q - constant - slope * p) ** 2))
-    scale = discrepancy.comparison.scales.shear
+    mean_square_of_coefficient = float(np.mean((q - coefficient_alone * p) ** 2))
+    mean_square_of_law = float(np.mean((q - constant - slope * p) ** 2))
+    shear_scale = discrepancy.comparison.scales.shear
     # a law through the origin is a coefficient of friction; one that falls is no law
-    if constant < _LEAST_CONSTANT * scale or slope < -0.1 * friction:
+    if constant < _LEAST_CONSTANT * shear_scale or slope < -0.1 * friction:
         return None
+    shear_of_reference = discrepancy.reference_tractions[SHEAR]
     shear_by_law = np.where(
-        slips,
-        slip_direction * (constant + slope * pressure),
-        discrepancy.reference_tractions[SHEAR],
+        is_in_slip, slip_direction * (constant + slope * pressure), shear_of_reference
     )
     shear_by_coefficient = np.where(
-        slips, slip_direction * coefficient_alone * pressure, discrepancy.reference_tractions[SHEAR]
+        is_in_slip, slip_direction * coefficient_alone * pressure, shear_of_reference
     )
-    residual = discrepancy.residual(_with(discrepancy, SHEAR, shear_by_law), SHEAR)
-    noise = min(replace(residual, is_inside=slips).noise * scale**2, square_left)
-    # this law leaves hardly less than the best coefficient does
-    if square_left - noise > _LEFT_OF_LAW**2 * (square_left_by_coefficient - noise):
+    tractions_by_law = _reference_with(discrepancy, SHEAR, shear_by_law)
+    residual = replace(discrepancy.residual(tractions_by_law, SHEAR), is_inside=is_in_slip)
+    noise = min(residual.noise * shear_scale**2, mean_square_of_law)
+    # both but for the noise: the law must leave much less than the best coefficient does
+    law_leaves = mean_square_of_law - noise
+    coefficient_leaves = mean_square_of_coefficient - noise
+    if law_leaves > _SHARE_LEFT_BY_LAW**2 * coefficient_leaves:
         return None
     return ProblemFit(
-        _with(discrepancy, SHEAR, shear_by_law),
-        _with(discrepancy, SHEAR, shear_by_coefficient),
-        1,
-        slips,
-        {"constant": float(constant), "slope": float(slope)},
-        (
-            f"{int(slips.sum())} points in slip; no coefficient of friction leaves less than"
-            f" {square_left_by_coefficient**0.5 / scale:.2g} of f p_ref of their shear, this law"
-            f" leaves {square_left**0.5 / scale:.2g}",
+        predicted_tractions=tractions_by_law,
+        tractions_to_beat=_reference_with(discrepancy, SHEAR, shear_by_coefficient),
+        n_sizes=1,
+        judged_points=is_in_slip,
+        sentence_values={"constant": float(constant), "slope": float(slope)},
+        evidence=(
+            f"{int(is_in_slip.sum())} points in slip; no coefficient of friction leaves less than"
+            f" {mean_square_of_coefficient**0.5 / shear_scale:.2g} of f p_ref of their shear, this"
+            f" law leaves {mean_square_of_law**0.5 / shear_scale:.2g}",
         ),
     )
 
 
 PROBLEMS = (
-    OtherProblem("several_zones", PRESSURE, _several_zones),
+    OtherProblem("several_zones", PRESSURE, _gaps_in_contact),
     OtherProblem("adhesion", PRESSURE, _adhesion),
     OtherProblem("sharp_punch", PRESSURE, _sharp_punch),
     OtherProblem("sphere", PRESSURE, _sphere),
     OtherProblem("limit_of_pressure", PRESSURE, _limit_of_pressure),
-    OtherProblem("not_elastic", PRESSURE, _not_elastic),
-    OtherProblem("rolling", SHEAR, _rolling),
+    OtherProblem("not_elastic", PRESSURE, _inelastic_bodies),
+    OtherProblem("rolling", SHEAR, _tractive_rolling),
     OtherProblem("law_of_friction", SHEAR, _law_of_friction),
 )
 
 
-def other_problems(discrepancy: Discrepancy, fit_named: Fit | None) -> Iterator[Diagnosis]:
-    """The finding that the tractions belong to a problem which the suite does not solve, where one
-    fits and the causes `fit_named` leave much more; else none. `discrepancy` holds the tractions of
-    result and reference.
+def other_problems(discrepancy: Discrepancy, fit_of_causes: Fit | None) -> Iterator[Diagnosis]:
+    """The finding that the tractions belong to a problem which the suite does not solve; none where
+    no such problem fits, or where the likely causes leave little more of the difference.
+
+    Parameters
+    ----------
+    discrepancy
+        tractions of result and reference
+    fit_of_causes
+        tractions of the reference with the causes that were found to be likely; None where none was
     """
     # Friction follows the pressure: where that is wrong, the shear shows no problem of its own.
     pressure_residual = discrepancy.residual(discrepancy.reference_tractions, PRESSURE)
@@ -642,22 +672,22 @@ def other_problems(discrepancy: Discrepancy, fit_named: Fit | None) -> Iterator[
         problem_fit = problem.fit(discrepancy)
         if problem_fit is None:
             continue
-        residual_after = problem.residual(discrepancy, problem_fit.predicted, problem_fit)
+        residual_after = problem.residual(discrepancy, problem_fit.predicted_tractions, problem_fit)
         # what the scene itself, or the simpler law, leaves on the points of this problem
         residual_before = problem.residual(discrepancy, problem_fit.tractions_to_beat, problem_fit)
-        noise = min(residual_after.noise, residual_after.square)
-        share_left = share_of_norm(residual_after.square, residual_before.square, noise)
+        mean_square_noise = min(residual_after.noise, residual_after.square)
+        share_left = share_of_norm(residual_after.square, residual_before.square, mean_square_noise)
         chance = gain_by_chance(
             residual_after.square,
             residual_before.square,
             residual_after.count,
-            n_parameters=problem_fit.parameters,
+            n_parameters=problem_fit.n_sizes,
         )
         if share_left >= MOST_LEFT or chance >= CHANCE:
             continue
-        if fit_named is not None:
+        if fit_of_causes is not None:
             residual_of_causes = problem.residual(
-                discrepancy, fit_named.predicted_tractions, problem_fit
+                discrepancy, fit_of_causes.predicted_tractions, problem_fit
             )
             is_apart = are_apart(
                 residual_of_causes.square,
@@ -671,9 +701,8 @@ def other_problems(discrepancy: Discrepancy, fit_named: Fit | None) -> Iterator[
     if not candidates:
         return
     share_left, problem, problem_fit = min(candidates, key=lambda candidate: candidate[0])
-    sentence = (
-        f"{WORDS['other_problem']} {WORDS['problems'][problem.key].format(**problem_fit.figures)}"
-    )
+    problem_in_words = WORDS["problems"][problem.key].format(**problem_fit.sentence_values)
+    sentence = f"{WORDS['other_problem']} {problem_in_words}"
     evidence = (
         *problem_fit.evidence,
         f"tractions of that problem, its sizes fitted, leave {share_left:.1%} of the difference",

@@ -31,17 +31,17 @@ from scenes.measured import layout_in_words
 from scenes.text_tables import TableKind, TextTable, text_table
 
 _TABLES = (".csv", ".txt", ".rpt")
+# A solution of this program.
+OWN_SUFFIX = ".nc"
 # Suffix -> module and function, each read(path, mapping) -> SurfaceResult; loaded when a file asks
 # for it.
-# A solution of this program.
-OWN = ".nc"
 READERS: dict[str, str] = {
     **dict.fromkeys(_TABLES, "reading:read_table"),
     ".frd": "calculix:read_results",
     ".dat": "calculix:read_printed",
     **dict.fromkeys((".vtu", ".vtk", ".pvd"), "fields:read_fields"),
 }
-_ROWS: tuple[Quantity, ...] = (
+_QUANTITIES: tuple[Quantity, ...] = (
     "time",
     "frame",
     "normal_load",
@@ -52,11 +52,11 @@ _ROWS: tuple[Quantity, ...] = (
     "slip",
 )
 _FIELDS: tuple[Quantity, ...] = ("x", "pressure", "shear", "slip")
-_OTHERS = {plain(alias) for name in _ROWS for alias in ALIASES[name]}
+_KNOWN_HEADINGS = {plain(alias) for name in _QUANTITIES for alias in ALIASES[name]}
 # "CPRESS Frame 12", "CSHEAR1 at t=0.5", "p_3": the name, then perhaps a word for what the figure
 # counts, then the figure. A run of signs belongs to no name and is never tried in parts: 3,000
 # brackets as a name took 8 s, with the cube of their number.
-_TAGGED = re.compile(
+_HEADING_WITH_NUMBER = re.compile(
     r"^(?P<base>.+?)(?<![\s_:@,.;\-(\[])[\s_:@,.;\-(\[]++(?:at\s+)?"
     r"(?P<word>step[\s_]?time|total[\s_]?time|time|frame|increment|inc|f|t|step)?"
     r"[\s_:=#]*(?P<figure>\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)\s*s?[)\]]?$",
@@ -87,8 +87,8 @@ def read(path: Path, mapping: Mapping) -> SurfaceResult:
 
 
 def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
-    """The external result in a text table with a line of names: one row for each instant and point,
-    or one for each point and columns for frames.
+    """The external result in a text table with a line of names: one row for each instant and point;
+    or one row for each point, with columns for each frame (the values at one instant).
 
     Instants differ by time, else by a number of the frame, else by the loads. `mapping` states
     columns, units and signs of the file.
@@ -107,28 +107,26 @@ def read_table(path: Path, mapping: Mapping) -> SurfaceResult:
             role="the result",
             cure="write the contact surface alone, and fewer instants",
             is_known=lambda name: (
-                _quantity_of_heading(name, mapping).quantity is not None or plain(name) in _OTHERS
+                _read_heading(name, mapping).quantity is not None or plain(name) in _KNOWN_HEADINGS
             ),
         ),
     )
-    frames = _columns_of_frames(source, table, mapping)
-    if frames is not None:
-        columns, notes = frames
-        quantities = [_quantity_of_heading(name, mapping).quantity for name in table.names]
-        surface = _surface_of_rows(source, mapping, columns, notes)
-        surface = _with_words_on_columns(surface, table, mapping, quantities)
-        return _with_places_of_outliers(surface, table, mapping)
-    columns = {}
-    quantity_of: dict[str, Quantity] = {}
-    for quantity in _ROWS:
-        name = find_column(
-            mapping, quantity, table.names, source, needed=quantity in ("x", "pressure")
-        )
-        if name is not None:
-            columns[quantity] = converted(mapping, quantity, table.column(name))
-            quantity_of[name] = quantity
-    surface = _surface_of_rows(source, mapping, columns, [])
-    quantities = [quantity_of.get(name) for name in table.names]
+    columns_and_notes = _columns_of_frames(source, table, mapping)
+    if columns_and_notes is not None:
+        columns, notes = columns_and_notes
+        quantities = [_read_heading(name, mapping).quantity for name in table.names]
+    else:
+        columns = {}
+        notes = []
+        quantity_by_name: dict[str, Quantity] = {}
+        for quantity in _QUANTITIES:
+            is_needed = quantity in ("x", "pressure")
+            name = find_column(mapping, quantity, table.names, source, needed=is_needed)
+            if name is not None:
+                columns[quantity] = converted(mapping, quantity, table.column(name))
+                quantity_by_name[name] = quantity
+        quantities = [quantity_by_name.get(name) for name in table.names]
+    surface = _surface_of_rows(source, mapping, columns, notes)
     surface = _with_words_on_columns(surface, table, mapping, quantities)
     return _with_places_of_outliers(surface, table, mapping)
 
@@ -162,32 +160,32 @@ def _with_places_of_outliers(
     """An external result with line, column and written number in the file for each of its outliers.
 
     An outlier is a single value that stands out of all others. It is found again in the table by
-    its size, since values were multiplied by a factor on reading. `mapping` states columns, units
-    and signs of the file.
+    its magnitude, since all values of a quantity were multiplied by one factor on reading.
+    `mapping` states columns, units and signs of the file.
     """
     if not surface.outliers:
         return surface
-    sizes_in_table = np.abs(table.values)
+    magnitudes_in_table = np.abs(table.values)
     outliers = []
     for outlier in surface.outliers:
-        # The cell whose figure is the outlier's, but for the factor that all cells of its field
-        # have.
-        field = np.abs(getattr(surface, outlier.quantity))
+        magnitudes_read = np.abs(getattr(surface, outlier.quantity))
         columns_of_quantity = [
-            number
-            for number, heading in enumerate(table.names)
-            if _quantity_of_heading(heading, mapping).quantity == outlier.quantity
+            column
+            for column, heading in enumerate(table.names)
+            if _read_heading(heading, mapping).quantity == outlier.quantity
         ]
-        sizes_of_quantity = sizes_in_table[:, columns_of_quantity]
-        factor = float(field.max() / sizes_of_quantity.max())
-        table_row, number_among_columns = np.unravel_index(
-            np.argmin(np.abs(sizes_of_quantity * factor - abs(outlier.value))),
-            sizes_of_quantity.shape,
+        magnitudes_written = magnitudes_in_table[:, columns_of_quantity]
+        factor = float(magnitudes_read.max() / magnitudes_written.max())
+        difference = np.abs(magnitudes_written * factor - abs(outlier.value))
+        row, column_index = np.unravel_index(np.argmin(difference), difference.shape)
+        column = columns_of_quantity[column_index]
+        outliers.append(
+            replace(
+                outlier,
+                place=f"line {table.lines[row]}, column {table.names[column]!r} ({outlier.place})",
+                number_in_file=float(table.values[row, column]),
+            )
         )
-        column_name = table.names[columns_of_quantity[number_among_columns]]
-        place_in_file = f"line {table.lines[table_row]}, column {column_name!r} ({outlier.place})"
-        written_number = float(table.values[table_row, columns_of_quantity[number_among_columns]])
-        outliers.append(replace(outlier, place=place_in_file, figure=written_number))
     return replace(surface, outliers=tuple(outliers))
 
 
@@ -197,19 +195,21 @@ def _surface_of_rows(
     """An external result from columns with one row for each instant and point, (n_rows,) each:
     grouped by instant, sorted by x, shapes and loads checked. `notes` come first in its notes.
     """
-    instants, source_in_words = _instants_of_rows(columns)
-    points_of_instants = np.unique(instants, return_counts=True)[1]
-    if np.any(points_of_instants != points_of_instants[0]):
-        first_odd = int(np.flatnonzero(points_of_instants != points_of_instants[0])[0])
+    instants, instants_by = _instants_of_rows(columns)
+    point_counts = np.unique(instants, return_counts=True)[1]
+    instants_with_other_count = np.flatnonzero(point_counts != point_counts[0])
+    if len(instants_with_other_count):
+        other_instant = int(instants_with_other_count[0])
         raise InputError(
-            f"{source}: instant {first_odd + 1} (by {source_in_words}) has"
-            f" {points_of_instants[first_odd]} points and the first has"
-            f" {points_of_instants[0]}: every instant needs the same points, with zeros where"
+            f"{source}: instant {other_instant + 1} (by {instants_by}) has"
+            f" {point_counts[other_instant]} points and the first has"
+            f" {point_counts[0]}: every instant needs the same points, with zeros where"
             " nothing touches"
         )
     rows_by_instant = np.argsort(instants, kind="stable")
+    # (n_instants, n_points) of each quantity
     value_grids: dict[str, Array] = {
-        name: values[rows_by_instant].reshape(len(points_of_instants), -1)
+        name: values[rows_by_instant].reshape(len(point_counts), -1)
         for name, values in columns.items()
         if name != "frame"
     }
@@ -222,18 +222,19 @@ def _surface_of_rows(
     for name in ("time", "normal_load", "tangential_load"):
         values = value_grids.get(name)
         if values is not None:
-            # what a factor made infinite is refused with all that is not finite
+            # values that a factor made infinite are refused below, with all that is not finite
             with np.errstate(invalid="ignore"):
-                odd_rows = np.flatnonzero(np.ptp(values, axis=1) > 1e-9 * np.max(np.abs(values)))
-            if len(odd_rows):
-                row = values[odd_rows[0]]
+                ranges = np.ptp(values, axis=1)
+                changing_instants = np.flatnonzero(ranges > 1e-9 * np.max(np.abs(values)))
+            if len(changing_instants):
+                instant = changing_instants[0]
                 raise InputError(
-                    f"{source}: {name} goes from {row.min():.6g} to {row.max():.6g} within instant"
-                    f" {odd_rows[0] + 1} (by {source_in_words})"
+                    f"{source}: {name} goes from {values[instant].min():.6g} to"
+                    f" {values[instant].max():.6g} within instant {instant + 1} (by {instants_by})"
                 )
         series[name] = None if values is None else values[:, 0]
     if mapping.times is not None:
-        series["time"] = stated_times(source, mapping, len(points_of_instants))
+        series["time"] = stated_times(source, mapping, len(point_counts))
     if np.any(np.diff(instants) < 0):
         notes = [*notes, "the rows were not in the order of the instants and were sorted"]
     if np.any(np.diff(indices_by_x, axis=1) < 0):
@@ -259,21 +260,32 @@ def _instants_of_rows(columns: dict[Quantity, Array]) -> tuple[NDArray[np.intp],
     return np.concatenate([[0], np.cumsum(is_new)]), "the loads"
 
 
-class _Head(NamedTuple):
-    """What a column's name says."""
+class _Heading(NamedTuple):
+    """The content of a column's heading.
+
+    Attributes
+    ----------
+    quantity
+        None where it is none that is read
+    frame
+        number of the frame, or its time; None where none is stated
+    is_time
+        whether this number is a time
+    """
 
     quantity: Quantity | None
-    frame: float | None  # None: not said
-    is_time: bool  # whether that figure is a time
+    frame: float | None
+    is_time: bool
 
 
-def _quantity_of_heading(name: str, mapping: Mapping) -> _Head:
-    """What the heading of a column says: its quantity (None if it is none that is read), the number
-    of a frame or its time where one follows ('pressure t=0.5'), and whether that number is a time.
+def _read_heading(name: str, mapping: Mapping) -> _Heading:
+    """Read the heading of a column: its quantity (None if it is none that is read), the number of a
+    frame or its time where one follows ('pressure t=0.5'), and whether that number is a time.
     `mapping` states columns, units and signs of the file.
     """
 
     def quantity_of(base: str) -> Quantity | None:
+        """The quantity with this name, by the mapping, else by the known aliases."""
         for quantity in _FIELDS:
             stated_column = getattr(mapping.columns, quantity)
             aliases = ALIASES[quantity] if stated_column is None else (stated_column,)
@@ -281,33 +293,35 @@ def _quantity_of_heading(name: str, mapping: Mapping) -> _Head:
                 return quantity
         return None
 
-    tag_match = _TAGGED.match(name.strip())
-    quantity = quantity_of(tag_match["base"]) if tag_match else None
-    if tag_match is None or quantity is None:
-        return _Head(quantity_of(name), None, False)
-    word = plain(tag_match["word"] or "")
-    is_time = word in ("time", "t", "steptime", "totaltime")
-    if not word and "." in tag_match["figure"]:
+    match_with_number = _HEADING_WITH_NUMBER.match(name.strip())
+    quantity = quantity_of(match_with_number["base"]) if match_with_number else None
+    if match_with_number is None or quantity is None:
+        return _Heading(quantity_of(name), frame=None, is_time=False)
+    written_number = match_with_number["figure"]
+    word_before_number = plain(match_with_number["word"] or "")
+    is_time = word_before_number in ("time", "t", "steptime", "totaltime")
+    if not word_before_number and "." in written_number:
         is_time = True
-    return _Head(quantity, float(tag_match["figure"]), is_time)
+    return _Heading(quantity, float(written_number), is_time)
 
 
 def _columns_of_frames(
     source: str, table: TextTable, mapping: Mapping
 ) -> tuple[dict[Quantity, Array], list[str]] | None:
-    """Read a table whose frames (instants) stand side by side, as groups of columns: a column for
-    each quantity, the frames one below the other, and a note. None where the names of the columns
-    don't look like that.
+    """Read a table in which the frames (the values at one instant) stand beside each other as
+    groups of columns. Returns the values of each quantity with the frames one below the other,
+    (n_frames n_points,), and a note. None where the headings of the columns don't look like that.
 
-    Each frame has a pressure and perhaps a shear, a slip and places of its own. Its number or time
-    stands in the names, or the frames are taken in the order of the columns.
+    Each frame has a pressure and perhaps a shear, a slip and an x of its own. Its number or time
+    stands in the headings, or the frames are taken in the order of the columns.
     """
-    headings = [_quantity_of_heading(name, mapping) for name in table.names]
-    values_of: dict[Quantity, dict[float, Array]] = {quantity: {} for quantity in _FIELDS}
+    headings = [_read_heading(name, mapping) for name in table.names]
+    # of each quantity: number or time of the frame -> (n_points,)
+    frames_of_quantity: dict[Quantity, dict[float, Array]] = {quantity: {} for quantity in _FIELDS}
     for column_number, heading in enumerate(headings):
         if heading.quantity is None:
             continue
-        values_by_frame = values_of[heading.quantity]
+        values_by_frame = frames_of_quantity[heading.quantity]
         frame = float(len(values_by_frame)) if heading.frame is None else heading.frame
         if frame in values_by_frame:
             raise InputError(
@@ -317,17 +331,17 @@ def _columns_of_frames(
         values_by_frame[frame] = converted(
             mapping, heading.quantity, table.values[:, column_number]
         )
-    frames = sorted(values_of["pressure"])
+    frames = sorted(frames_of_quantity["pressure"])
     has_frame_in_name = any(
         heading.quantity == "pressure" and heading.frame is not None for heading in headings
     )
-    if not values_of["x"] or (len(frames) < 2 and not has_frame_in_name):
+    if not frames_of_quantity["x"] or (len(frames) < 2 and not has_frame_in_name):
         return None
-    if len(values_of["x"]) == 1:
-        (x,) = values_of["x"].values()
-        values_of["x"] = dict.fromkeys(frames, x)
+    if len(frames_of_quantity["x"]) == 1:
+        (x,) = frames_of_quantity["x"].values()
+        frames_of_quantity["x"] = dict.fromkeys(frames, x)
     columns = {}
-    for quantity, values_by_frame in values_of.items():
+    for quantity, values_by_frame in frames_of_quantity.items():
         if not values_by_frame:
             continue
         missing_frames = sorted(set(frames) ^ values_by_frame.keys())
@@ -337,11 +351,11 @@ def _columns_of_frames(
                 " frame needs both pressure and shear"
             )
         columns[quantity] = np.concatenate([values_by_frame[frame] for frame in frames])
-    quantity_of_frames: Quantity = (
-        "time" if any(heading.is_time for heading in headings) else "frame"
-    )
-    columns[quantity_of_frames] = converted(
-        mapping, quantity_of_frames, np.repeat(frames, len(table.values))
+    number_quantity: Quantity = "frame"
+    if any(heading.is_time for heading in headings):
+        number_quantity = "time"
+    columns[number_quantity] = converted(
+        mapping, number_quantity, np.repeat(frames, len(table.values))
     )
     has_number_in_name = any(
         heading.quantity is not None and heading.frame is not None for heading in headings

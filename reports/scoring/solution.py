@@ -39,49 +39,49 @@ from scenes.solution import last_whole_cycle
 
 Mask = NDArray[np.bool_]
 
-# A figure of the result over that of theory may lie between these and be right: a frame near
+# A value of the result over that of theory may lie between these and be right: a frame near
 # unloading, a coarse mesh, a wrong body. They are less than a factor of 1000 apart, so that at most
-# one factor brings a figure between them.
-_LEAST = 0.03
-_MOST = 10.0
-_FACTORS = (1e3, 1e-3, 1e6, 1e-6, 1e9, 1e-9)
+# one unit factor brings a value between them.
+_LEAST_RATIO = 0.03
+_LARGEST_RATIO = 10.0
+_UNIT_FACTORS = (1e3, 1e-3, 1e6, 1e-6, 1e9, 1e-9)
 # Of the half-width: a contact whose middle is farther from x = 0 was measured from elsewhere.
-_OFF_CENTRE = 0.5
-_LACKING = "not in the result"
+_LARGEST_OFFSET = 0.5
+_NOT_IN_RESULT = "not in the result"
 # Instants of a cycle below which the work of friction by the trapezoidal rule means nothing.
-_FEWEST = 8
-# A point slips where |q| is f p less this share, and, where there is a slip, that has moved by more
-# than the second share of the largest movement of the instant. A stick zone ends like the root of
-# the distance: one per cent of f p is a ten-thousandth of a.
-_CONE = 0.01
-_MOVES = 1e-3
+_FEWEST_INSTANTS = 8
+# A point slips where |q| is f p minus this share of it, and, where there is a slip, that has moved
+# by more than the second share of the largest movement of the instant. f p - |q| at the end of a
+# stick zone goes like the root of the distance: one per cent of f p is a ten-thousandth of a.
+_SHARE_BELOW_LIMIT = 0.01
+_LEAST_MOVEMENT = 1e-3
 # Outermost points in contact that a parabola of p^2 leaves out, points behind them that it takes at
 # most and at least, relative residual above which p^2 is no parabola there, spacings by which its
-# zero may differ from that of the straight line. Farther in than the share SERIES of the contact
-# two terms of a power series are too few: flat-rounded-paper erred by 0.005 a at 0.11.
-_RIM = 3
-SQUARES = 12
-_FEWEST_SQUARES = 6
-_ROUGH = 0.005
-_NEAR = 0.4
-_SERIES = 0.05
+# zero may differ from that of the straight line. Farther in than the last share of the contact two
+# terms of a power series are too few: flat-rounded-paper erred by 0.005 a at 0.11.
+_POINTS_LEFT_OUT = 3
+_FITTED_POINTS = 12
+_FEWEST_FITTED_POINTS = 6
+_LARGEST_RESIDUAL = 0.005
+_LARGEST_DIFFERENCE = 0.4
+_LARGEST_DEPTH = 0.05
 # An instant at which no point of the contact moves faster than this share of the largest rate of
 # all is at rest: where slip turns, it is the digits of the slip that tell who moves.
-_RESTS = 0.02
-# Over a_ref: a stick edge of the reference by the rule may be off its own by this; it is by more
-# only where slip has just turned and the tractions don't show it yet.
-_UNTOLD = 0.05
+_LEAST_SPEED = 0.02
+# Error of a stick edge of the reference by the rule, over a_ref, at most: it is larger only where
+# slip has just turned and the tractions don't show it yet.
+_LARGEST_STICK_ERROR = 0.05
 
 
 def contact_solution(
     surface: SurfaceResult, mapping: Mapping, theory: ContactSolution, *, sure_of_times: bool = True
 ) -> tuple[ContactSolution, tuple[str, ...]]:
-    """Turn an external result (`surface`) into a solution that can be compared with theory; with it
-    sentences on what was guessed on the way.
+    """Turn an external result (`surface`) into a solution that can be compared with theory. With it
+    come sentences on what was guessed, and on signs that look wrong.
 
     Nothing is filled in: what the result does not hold is NaN, named in `work.skipped`, and left
     out of the comparison. States and edges are found from its own tractions and slip, and of a
-    whole cycle with slip the work of friction too; notes say so.
+    whole cycle with slip the work of friction too; notes state it.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def contact_solution(
         For a history that is not the scene's.
     """
     scene = theory.scene
-    surface, history, guesses = _placed_on_path(
+    surface, history, guesses = _surface_on_path(
         surface, mapping, theory, sure_of_times=sure_of_times
     )
     if history.guess:
@@ -114,32 +114,33 @@ def contact_solution(
         )
     missing_fields = _missing_fields(surface, history.time, _instants_of_cycle(scene, history.time))
     has_work = "dissipation" not in missing_fields
-    solution_without_zones = _without_zones(surface, mapping, scene, history, missing_fields)
-    solution, method_in_words = _with_zones(
+    solution_without_zones = _solution_without_zones(
+        surface, mapping, scene, history, missing_fields
+    )
+    solution, method_in_words = _solution_with_zones(
         solution_without_zones, uses_slip=surface.slip is not None, adds_dissipation=has_work
     )
     notes = [*surface.notes, *history.notes, method_in_words]
     if has_work:
-        steps = len(solution.last_cycle)
         notes.append(
-            f"its dissipation is the sum of q ds of its own shear and slip over the {steps}"
-            " instants of a cycle"
+            "its dissipation is the sum of q ds of its own shear and slip over the"
+            f" {len(solution.last_cycle)} instants of a cycle"
         )
     if surface.normal_load is None or surface.tangential_load is None:
         notes.append("P and Q are the scene's at its instants")
     solution = replace(solution, record=replace(solution.record, notes=tuple(notes)))
-    return solution, (*guesses, *_oddities(surface, history.tangential_load, scene))
+    return solution, (*guesses, *_sentences_on_odd_signs(surface, history.tangential_load, scene))
 
 
-def _without_zones(
+def _solution_without_zones(
     surface: SurfaceResult,
     mapping: Mapping,
     scene: Scene,
     history: History,
     missing_fields: dict[str, tuple[int, str]],
 ) -> ContactSolution:
-    """An external result as a solution with its tractions, slip, times and loads alone; states,
-    edges and all that follows from them are not known yet, and NaN.
+    """An external result as a solution with its tractions, slip, times and loads alone. States are
+    all open yet; edges, and all that follows from them, are NaN.
 
     Loads that the result does not state are the scene's at its instants (`history`).
 
@@ -207,15 +208,15 @@ def _without_zones(
     )
 
 
-def _placed_on_path(
+def _surface_on_path(
     surface: SurfaceResult, mapping: Mapping, theory: ContactSolution, *, sure_of_times: bool
 ) -> tuple[SurfaceResult, History, tuple[str, ...]]:
-    """Three values: an external result in the scene's units and signs, the instants of the load
-    path at which it was found, and a sentence for each guess.
+    """An external result in the scene's units and signs; the instants of the load path to which it
+    belongs; and a sentence for each guess.
 
-    Single values that stand out of all others are left out while units and instants are found, and
-    put back. `sure_of_times` says that the result's times are those of the load path. `mapping`
-    states columns, units and signs of the file.
+    Single values that stand out of all others (outliers) are left out while units and instants are
+    found, and put back. `sure_of_times` says that the result's times are those of the load path.
+    `mapping` states columns, units and signs of the file.
     """
     fields = {"pressure": surface.pressure, "shear": surface.shear}
     if surface.slip is not None:
@@ -224,26 +225,28 @@ def _placed_on_path(
     for name, values in fields.items():
         smooth_fields[name] = without_spikes(values)
     smooth_surface = replace(surface, **smooth_fields)
-    converted_surface, guesses = _in_our_units(smooth_surface, mapping, theory)
+    converted_surface, guesses = _surface_in_scene_units(smooth_surface, mapping, theory)
     history = history_of_result(converted_surface, theory.scene, sure_of_times=sure_of_times)
     if not surface.outliers:
         return converted_surface, history, guesses
-    spiked_fields = {name: getattr(converted_surface, name).copy() for name in fields}
+    restored_fields = {name: getattr(converted_surface, name).copy() for name in fields}
     for outlier in surface.outliers:
-        # The factor and the sign that its field was given.
+        # an outlier gets the factor and the sign that the rest of its field got
         field_before = getattr(smooth_surface, outlier.quantity)
         field_after = getattr(converted_surface, outlier.quantity)
-        place_of_largest = np.unravel_index(np.argmax(np.abs(field_before)), field_before.shape)
+        index_of_largest = np.unravel_index(np.argmax(np.abs(field_before)), field_before.shape)
         factor = 1.0
-        if field_before[place_of_largest]:
-            factor = float(field_after[place_of_largest] / field_before[place_of_largest])
-        spiked_fields[outlier.quantity][outlier.instant, outlier.point] = factor * outlier.value
-    frozen_fields: dict[str, Any] = {name: freeze(values) for name, values in spiked_fields.items()}
+        if field_before[index_of_largest]:
+            factor = float(field_after[index_of_largest] / field_before[index_of_largest])
+        restored_fields[outlier.quantity][outlier.instant, outlier.point] = factor * outlier.value
+    frozen_fields: dict[str, Any] = {
+        name: freeze(values) for name, values in restored_fields.items()
+    }
     sentences = [outlier.sentence for outlier in surface.outliers]
     return replace(converted_surface, **frozen_fields), history, (*sentences, *guesses)
 
 
-def _with_zones(
+def _solution_with_zones(
     solution: ContactSolution, *, uses_slip: bool, adds_dissipation: bool
 ) -> tuple[ContactSolution, str]:
     """A solution with what follows from its own tractions: states (open, stick, slip), edges,
@@ -306,30 +309,31 @@ def _with_zones(
     return replace(solution, **changes), method_in_words
 
 
-def by_same_rule(
+def reference_by_same_rule(
     reference: ContactSolution, result: ContactSolution, length: float
 ) -> tuple[ContactSolution, tuple[str, ...]]:
-    """The reference with states, edges and dissipation found by the rules that an external result's
-    own were found by; and in sentences how far these rules err for the reference.
+    """The reference with states, edges and dissipation found by the rules by which those of an
+    external result were found; and in sentences how far these rules err for the reference.
 
-    The metrics then are about the result and not about the rules. A result that states everything
-    itself leaves the reference as it is; so does, of the dissipation, a reference on other instants
-    than the result's. `length` is the reference half-width.
+    Errors of the rules so drop out of the comparison. Where the result states all of these itself,
+    the reference stays as it is. Its dissipation also stays where its instants are not those of the
+    result. `length` is the reference half-width a_ref.
     """
     if "state" not in derived(result):
         return reference, ()
     missing_fields = missing(result)
     has_work = np.array_equal(reference.time, result.time) and "dissipation" not in missing_fields
-    reference_by_rule, _ = _with_zones(
+    reference_by_rule, _ = _solution_with_zones(
         reference, uses_slip="slip" not in missing_fields, adds_dissipation=has_work
     )
-    # Instants at which the rule finds the reference's own stick edges; all, where those are the
-    # fewer.
+    # Stick edges are judged at the instants at which the rule finds those of the reference; at all
+    # instants where these are no majority.
     stick_error = reference.stick_edges - reference_by_rule.stick_edges
-    is_judged = np.isnan(reference.stick_edges[:, 0]) == np.isnan(
-        reference_by_rule.stick_edges[:, 0]
-    )
-    is_judged &= np.max(np.abs(np.nan_to_num(stick_error)), axis=1) <= _UNTOLD * length
+    has_stick_zone = ~np.isnan(reference.stick_edges[:, 0])
+    rule_has_stick_zone = ~np.isnan(reference_by_rule.stick_edges[:, 0])
+    largest_errors = np.max(np.abs(np.nan_to_num(stick_error)), axis=1)
+    is_judged = has_stick_zone == rule_has_stick_zone
+    is_judged &= largest_errors <= _LARGEST_STICK_ERROR * length
     if 2 * is_judged.sum() <= len(is_judged):
         is_judged = np.ones_like(is_judged)
     contact_error = reference.contact_edges - reference_by_rule.contact_edges
@@ -360,27 +364,27 @@ def by_same_rule(
 
 
 def _bulk_and_tilt_at(scene: Scene, time: Array) -> dict[str, Any]:
-    """Bulk stresses and tilt of a scene at the times of a result, by name, (k,) each. A tilt that
-    follows from a moment is left out: the tractions say nothing of it.
+    """Bulk stresses and tilt of a scene at the times of a result, name of the field -> (k,). A tilt
+    that follows from a moment is left out: the tractions say nothing of it.
     """
     if not scene.unsymmetric:
         return {}
     path = scene.load.path()
-    imposed: dict[str, Any] = {}
-    for name, keys in (
+    imposed_series: dict[str, Any] = {}
+    for companion_name, field_names in (
         ("bulk", ("bulk_stress_lower", "bulk_stress_upper")),
         ("turning", ("tilt",)),
     ):
-        if name == "turning" and path.moment_given:
+        if companion_name == "turning" and path.moment_given:
             continue
         # history of these loads along the path; None where the scene has none of them
-        companion = path.companion(name)
-        for column, key in enumerate(keys):
+        companion = path.companion(companion_name)
+        for column, field_name in enumerate(field_names):
             series = np.zeros(len(time))
             if companion is not None:
                 series = companion.at(np.maximum(time, path.start))[column]
-            imposed[key] = freeze(series)
-    return imposed
+            imposed_series[field_name] = freeze(series)
+    return imposed_series
 
 
 def _instants_of_cycle(scene: Scene, time: Array) -> int:
@@ -409,34 +413,34 @@ def _missing_fields(
     instants_of_cycle
         how many of them make up the last whole cycle, 0 where they hold none
     """
-    reason_by_name = dict.fromkeys(
-        ("tangential_displacement", "normal_approach", "loop_work"), _LACKING
-    )
+    missing_names = ("tangential_displacement", "normal_approach", "loop_work")
+    reason_by_name = dict.fromkeys(missing_names, _NOT_IN_RESULT)
     if surface.slip is None:
-        reason_by_name["slip"] = _LACKING
+        reason_by_name["slip"] = _NOT_IN_RESULT
     if not surface.sheared:
-        reason_by_name |= {"shear": _LACKING} | dict.fromkeys(
-            ("state", "stick_edges"), f"{_LACKING}; it takes the shear"
-        )
+        reason_by_name["shear"] = _NOT_IN_RESULT
+        for name in ("state", "stick_edges"):
+            reason_by_name[name] = f"{_NOT_IN_RESULT}; it takes the shear"
     if not instants_of_cycle:
         reason_by_name[WHOLE_CYCLE] = (
-            f"{_LACKING}, which goes from time {time[0]:.6g} to {time[-1]:.6g}"
+            f"{_NOT_IN_RESULT}, which goes from time {time[0]:.6g} to {time[-1]:.6g}"
         )
-    too_coarse = (
-        f", for a cycle of {instants_of_cycle} instants is too coarse to work it out (less than"
-        f" {_FEWEST})"
-    )
-    condition_by_reason = {
-        "; it takes the shear": not surface.sheared,
-        "; it takes slip": surface.slip is None,
-        "; it takes a whole cycle, or a whole path from the unloaded start": not instants_of_cycle,
-        too_coarse: instants_of_cycle < _FEWEST,
-    }
-    if reason := next(
-        (condition_in_words for condition_in_words, lacks in condition_by_reason.items() if lacks),
-        "",
-    ):
-        reason_by_name |= dict.fromkeys(("dissipation", "dissipation_density"), _LACKING + reason)
+    # the work of friction needs all of these
+    why_without_work = ""
+    if not surface.sheared:
+        why_without_work = "; it takes the shear"
+    elif surface.slip is None:
+        why_without_work = "; it takes slip"
+    elif not instants_of_cycle:
+        why_without_work = "; it takes a whole cycle, or a whole path from the unloaded start"
+    elif instants_of_cycle < _FEWEST_INSTANTS:
+        why_without_work = (
+            f", for a cycle of {instants_of_cycle} instants is too coarse to work it out (less than"
+            f" {_FEWEST_INSTANTS})"
+        )
+    if why_without_work:
+        for name in ("dissipation", "dissipation_density"):
+            reason_by_name[name] = _NOT_IN_RESULT + why_without_work
     return {name: (len(time), reason) for name, reason in reason_by_name.items()}
 
 
@@ -459,14 +463,14 @@ class Zones(NamedTuple):
         (n_steps, n_points) open, stick, forward or reverse slip, as int8
     contact_edges, stick_edges
         (n_steps, 2) left and right end [length]
-    how
-        by what rule they were found, in words
+    rule_in_words
+        by which they were found
     """
 
     state: NDArray[np.int8]
     contact_edges: Array
     stick_edges: Array
-    how: str
+    rule_in_words: str
 
 
 _IN_CONTACT = f"in contact is a point with more than {TOUCHES:g} of the instant's largest pressure"
@@ -478,37 +482,37 @@ def zones(
     """States (open, stick, slip), contact edges and stick edges at every instant, from tractions on
     points, (n_steps, n_points), and from slip where there is one.
 
-    In full stick the stick edges are the contact edges, in full slip NaN. A contact edge lies where
-    the straight line of p^2 through the last two points in contact is 0, a stick edge where that of
-    (f p - |q|)^2 is, each no farther than the next point: both are roots of the distance at an
-    edge. The outermost points are the mesh's own: a parabola of p^2 through those behind them gives
-    the contact edge where it fits.
+    In full stick the stick edges are the contact edges, in full slip NaN. Near an edge, p and
+    f p - |q| go like the root of the distance from it. So a contact edge lies where the straight
+    line of p^2 through the last two points in contact is 0, a stick edge where that of
+    (f p - |q|)^2 is, each no farther than the next point. The outermost points show the mesh: a
+    parabola of p^2 through those behind them gives the contact edge where it fits.
     """
     is_touching = pressure > TOUCHES * pressure.max(axis=1, keepdims=True)
-    slips, direction, method_in_words = _points_that_slip(
+    is_slipping, slip_direction, rule_in_words = _slipping_points(
         pressure, shear, slip, is_touching, friction, time
     )
     state = np.full(pressure.shape, OPEN, dtype=np.int8)
     state[is_touching] = STICK
-    state[slips & (direction > 0)] = SLIP_FORWARD
-    state[slips & ~(direction > 0)] = SLIP_REVERSE
-    sticks = is_touching & ~slips
-    below_limit = np.maximum(friction * pressure - np.abs(shear), 0.0)
+    state[is_slipping & (slip_direction > 0)] = SLIP_FORWARD
+    state[is_slipping & ~(slip_direction > 0)] = SLIP_REVERSE
+    is_sticking = is_touching & ~is_slipping
+    margin_to_limit = np.maximum(friction * pressure - np.abs(shear), 0.0)
     contact_edges = np.empty((len(pressure), 2))
     stick_edges = np.empty((len(pressure), 2))
     for k in range(len(pressure)):
-        contact_edges[k] = _ends_of_zone(x, pressure[k] ** 2, is_touching[k], smooth=True)
-        stick_edges[k] = _ends_of_zone(x, below_limit[k] ** 2, sticks[k])
+        contact_edges[k] = _ends_of_zone(x, pressure[k] ** 2, is_touching[k], tries_parabola=True)
+        stick_edges[k] = _ends_of_zone(x, margin_to_limit[k] ** 2, is_sticking[k])
         # where the outermost points of the contact stick, the stick zone ends with it
         touching_points = np.flatnonzero(is_touching[k])
-        if len(touching_points) and sticks[k, touching_points[0]]:
+        if len(touching_points) and is_sticking[k, touching_points[0]]:
             stick_edges[k, 0] = contact_edges[k, 0]
-        if len(touching_points) and sticks[k, touching_points[-1]]:
+        if len(touching_points) and is_sticking[k, touching_points[-1]]:
             stick_edges[k, 1] = contact_edges[k, 1]
-    return Zones(state, contact_edges, stick_edges, method_in_words)
+    return Zones(state, contact_edges, stick_edges, rule_in_words)
 
 
-def _points_that_slip(
+def _slipping_points(
     pressure: Array,
     shear: Array,
     slip: Array | None,
@@ -519,9 +523,9 @@ def _points_that_slip(
     """Which points slip at each instant, the sign of their slip (1 forward), both (n_steps,
     n_points), and the rule in words.
 
-    A point slips on the Coulomb limit. Where the slip is known, it must also move with the shear by
-    more than a share of the instant's largest step; without friction, movement alone counts. The
-    first instant has no step before it: there the limit alone tells.
+    A point slips on the Coulomb limit. Where its slip displacement is known, it must also move with
+    the shear by more than a share of the instant's largest step; without friction, movement alone
+    counts. The first instant has no step before it: there the limit alone decides.
 
     Parameters
     ----------
@@ -534,98 +538,120 @@ def _points_that_slip(
     time
         (n_steps,) of the instants
     """
-    slips = is_touching & (np.abs(shear) >= (1 - _CONE) * friction * pressure)
-    direction = np.sign(shear)
+    is_slipping = is_touching & (np.abs(shear) >= (1 - _SHARE_BELOW_LIMIT) * friction * pressure)
+    slip_direction = np.sign(shear)
     rule_in_words = _IN_CONTACT
     sources = "tractions"
     if friction:
-        rule_in_words += f"; it slips where |q| is at least {1 - _CONE:g} f p"
+        rule_in_words += f"; it slips where |q| is at least {1 - _SHARE_BELOW_LIMIT:g} f p"
     if slip is not None and len(slip) > 1:
         movement = np.where(is_touching[1:], np.diff(slip, axis=0), 0.0)
         largest_movement = np.max(np.abs(movement), axis=1, keepdims=True)
         with np.errstate(divide="ignore", invalid="ignore"):
             speed = np.where(largest_movement > 0, largest_movement / np.diff(time)[:, None], 0.0)
         # at an instant at which no point moves fast, none slips
-        moves = (np.abs(movement) > _MOVES * largest_movement) & (speed >= _RESTS * np.max(speed))
+        is_fast_instant = speed >= _LEAST_SPEED * np.max(speed)
+        is_moving = (np.abs(movement) > _LEAST_MOVEMENT * largest_movement) & is_fast_instant
         if friction:
-            moves_with_shear = moves & (np.sign(movement) == direction[1:])
-            slips = np.vstack([slips[:1], slips[1:] & moves_with_shear])
+            moves_with_shear = is_moving & (np.sign(movement) == slip_direction[1:])
+            is_slipping = np.vstack([is_slipping[:1], is_slipping[1:] & moves_with_shear])
             sources = "tractions and slip"
             rule_in_words += (
-                f" and its slip has moved with the shear by more than {_MOVES:g} of the instant's"
-                f" largest step, unless no point moves faster than {_RESTS:g} of the largest rate"
+                f" and its slip has moved with the shear by more than {_LEAST_MOVEMENT:g} of the"
+                " instant's largest step, unless no point moves faster than"
+                f" {_LEAST_SPEED:g} of the largest rate"
             )
         else:
-            slips = np.vstack([slips[:1], moves])
-            direction = np.vstack([direction[:1], np.sign(movement)])
+            is_slipping = np.vstack([is_slipping[:1], is_moving])
+            slip_direction = np.vstack([slip_direction[:1], np.sign(movement)])
     elif friction:
         rule_in_words += (
             "; for want of slip, a point that just came to rest still counts as slipping"
         )
-    return slips, direction, f"states and edges are worked out from its {sources}: {rule_in_words}"
+    rule_in_words = f"states and edges are worked out from its {sources}: {rule_in_words}"
+    return is_slipping, slip_direction, rule_in_words
 
 
 def _ends_of_zone(
-    x: Array, square: Array, inside: Mask, *, smooth: bool = False
+    x: Array, squared_traction: Array, is_in_zone: Mask, *, tries_parabola: bool = False
 ) -> tuple[float, float]:
-    """Left and right end of a zone of the surface, the points `inside` (n,), from the square of a
-    traction, `square` (n,) [stress^2], which is 0 at the ends. NaN where nothing is inside.
+    """Left and right end of a zone of contact or stick on the surface. NaN for a zone without any
+    point.
 
-    Each end is where the straight line through the two outermost points is 0, or if `smooth` a
-    parabola through more of them, should that fit.
+    Each end is where the straight line through the squared traction at the two outermost points is
+    0. With `tries_parabola` it is that of a parabola through more points, where this fits.
+
+    Parameters
+    ----------
+    x, squared_traction
+        (n,) points, and a traction squared that is 0 at the ends of the zone [stress^2]
+    is_in_zone
+        (n,) which points lie in the zone
     """
-    points = np.flatnonzero(inside)
+    points = np.flatnonzero(is_in_zone)
     if not len(points):
         return np.nan, np.nan
-    left_end = _end_of_zone(x, square, points, outward=-1, smooth=smooth)
-    right_end = _end_of_zone(x, square, points, outward=1, smooth=smooth)
+    left_end = _end_of_zone(x, squared_traction, points, -1, tries_parabola=tries_parabola)
+    right_end = _end_of_zone(x, squared_traction, points, 1, tries_parabola=tries_parabola)
     return left_end, right_end
 
 
 def _end_of_zone(
-    x: Array, square: Array, points: NDArray[np.intp], *, outward: int, smooth: bool
+    x: Array,
+    squared_traction: Array,
+    points: NDArray[np.intp],
+    direction: int,
+    *,
+    tries_parabola: bool,
 ) -> float:
-    """Where the end of a zone of contact or stick lies between two points of the surface: `square`,
-    a traction squared, falls to 0 there, nearly along a line or parabola.
+    """Where a zone of contact or stick ends: x between two points of the surface, at which the
+    squared traction falls to 0, nearly along a straight line or a parabola.
 
     Parameters
     ----------
-    x, square
-        (n,) points of the surface, and the values at them
+    x, squared_traction
+        (n,) points of the surface, and the values at them [stress^2]
     points
         indices of the points in the zone, from left to right
-    outward
+    direction
         −1 for the left end, 1 for the right one
-    smooth
-        whether a parabola through many points is tried, for there is no corner at the end
+    tries_parabola
+        whether a parabola through many points is tried: the profile has no corner at the end
     """
-    last_point = int(points[0] if outward < 0 else points[-1])
-    next_point = last_point + outward
-    point_before = last_point - outward
+    last_point = int(points[0] if direction < 0 else points[-1])
+    next_point = last_point + direction
+    point_before = last_point - direction
     if not 0 <= next_point < len(x):
         return float(x[last_point])
     distance_to_next = abs(float(x[next_point] - x[last_point]))
-    if not 0 <= point_before < len(x) or square[point_before] <= square[last_point]:
-        return float(x[last_point]) + outward * distance_to_next / 2
+    # a traction that does not fall outwards has no line to 0: the end is half-way to the next point
+    if (
+        not 0 <= point_before < len(x)
+        or squared_traction[point_before] <= squared_traction[last_point]
+    ):
+        return float(x[last_point]) + direction * distance_to_next / 2
     spacing = abs(float(x[last_point] - x[point_before]))
-    spacings_to_zero = float(square[last_point] / (square[point_before] - square[last_point]))
-    zero_of_line = float(x[last_point]) + outward * min(
-        spacings_to_zero * spacing, distance_to_next
-    )
-    largest_depth = _SERIES * abs(x[points[-1]] - x[points[0]])
+    fall_of_last_spacing = squared_traction[point_before] - squared_traction[last_point]
+    spacings_to_zero = float(squared_traction[last_point] / fall_of_last_spacing)
+    distance_to_zero = min(spacings_to_zero * spacing, distance_to_next)
+    zero_of_line = float(x[last_point]) + direction * distance_to_zero
+    largest_depth = _LARGEST_DEPTH * abs(x[points[-1]] - x[points[0]])
     # fewer points where a corner of the profile is among them
-    for divisor in (1, 2, 4) if smooth else ():
-        count = min(SQUARES, len(points) // 2 - _RIM) // divisor
-        fitted_points = last_point - outward * (_RIM + np.arange(count))
-        if count < _FEWEST_SQUARES or abs(x[last_point] - x[fitted_points[-1]]) > largest_depth:
+    for divisor in (1, 2, 4) if tries_parabola else ():
+        count = min(_FITTED_POINTS, len(points) // 2 - _POINTS_LEFT_OUT) // divisor
+        fitted_points = last_point - direction * (_POINTS_LEFT_OUT + np.arange(count))
+        if count < _FEWEST_FITTED_POINTS:
             continue
-        first_place = x[fitted_points[0]]
-        depth = outward * (first_place - x[fitted_points]) / spacing
-        spacings_outward = _root_of_parabola(depth, square[fitted_points])
+        if abs(x[last_point] - x[fitted_points[-1]]) > largest_depth:
+            continue
+        # in spacings, from the outermost of the fitted points
+        first_x = x[fitted_points[0]]
+        depth = direction * (first_x - x[fitted_points]) / spacing
+        spacings_outward = _root_of_parabola(depth, squared_traction[fitted_points])
         if spacings_outward is None:
             continue
-        zero_of_parabola = float(first_place + outward * spacing * spacings_outward)
-        if abs(zero_of_parabola - zero_of_line) <= _NEAR * spacing:
+        zero_of_parabola = float(first_x + direction * spacing * spacings_outward)
+        if abs(zero_of_parabola - zero_of_line) <= _LARGEST_DIFFERENCE * spacing:
             return zero_of_parabola
     return zero_of_line
 
@@ -636,6 +662,8 @@ def _root_of_parabola(depth: Array, squared_pressure: Array) -> float | None:
 
     The fit is by least squares of relative deviations. None where the parabola does not fall
     outwards, has no zero, or does not fit.
+
+        p^2 = a d^2 + b d + c at depth d, and 0 at d = -2 c/(b + sqrt(b^2 - 4 a c))
 
     Parameters
     ----------
@@ -648,7 +676,7 @@ def _root_of_parabola(depth: Array, squared_pressure: Array) -> float | None:
     a, b, c = coefficients
     residual = np.std(np.polyval(coefficients, depth) / squared_pressure)
     discriminant = b**2 - 4 * a * c
-    if not (b > 0 and discriminant > 0 and residual < _ROUGH):
+    if not (b > 0 and discriminant > 0 and residual < _LARGEST_RESIDUAL):
         return None
     return float(2 * c / (b + np.sqrt(discriminant)))
 
@@ -663,7 +691,7 @@ def whole_path(scene: Scene) -> ContactSolution:
     return semi_analytic.solve(scene, x=[0.0], fields=())
 
 
-def _in_our_units(
+def _surface_in_scene_units(
     surface: SurfaceResult, mapping: Mapping, theory: ContactSolution
 ) -> tuple[SurfaceResult, tuple[str, ...]]:
     """An external result in the scene's units and the project's signs, and a sentence for each
@@ -685,16 +713,18 @@ def _in_our_units(
             f"{surface.source}: by signs.pressure = {mapping.signs.pressure!r} of the mapping no"
             " point is in compression: state the other sign, or leave it out"
         )
-    surface, sentences = _in_compression(surface, mapping)
+    surface, sentences = _surface_in_compression(surface, mapping)
     for yardstick in _yardsticks(surface, theory):
-        surface, sentence = _in_unit_by(yardstick, surface, mapping)
+        surface, sentence = _surface_in_unit(yardstick, surface, mapping)
         sentences.append(sentence)
-    surface, sentence = _centred(surface, mapping, theory)
+    surface, sentence = _centred_surface(surface, mapping, theory)
     sentences.append(sentence)
     return surface, tuple(filter(None, sentences))
 
 
-def _in_compression(surface: SurfaceResult, mapping: Mapping) -> tuple[SurfaceResult, list[str]]:
+def _surface_in_compression(
+    surface: SurfaceResult, mapping: Mapping
+) -> tuple[SurfaceResult, list[str]]:
     """An external result in which compression and pressing loads are positive: where its pressure,
     or its normal load, is negative throughout it is turned, with a sentence on each. `mapping`
     states columns, units and signs of the file.
@@ -716,7 +746,7 @@ def _in_compression(surface: SurfaceResult, mapping: Mapping) -> tuple[SurfaceRe
     return surface, sentences
 
 
-def _centred(
+def _centred_surface(
     surface: SurfaceResult, mapping: Mapping, theory: ContactSolution
 ) -> tuple[SurfaceResult, str]:
     """An external result with its x shifted so that the centroid of its largest pressure lies where
@@ -725,63 +755,68 @@ def _centred(
     As it is, with an empty sentence, where it is centred already, where it is far wider than the
     contact, or where the mapping states the offset.
     """
-    left_end, right_end = _extent(surface)
+    left_end, right_end = _contact_extent(surface)
     half_width = float(np.nanmax(theory.contact_half_width))
-    edges = (np.nanmin(theory.contact_edges[:, 0]), np.nanmax(theory.contact_edges[:, 1]))
-    centre = float(edges[0] + edges[1]) / 2 if theory.tilt is not None else 0.0
-    is_off_centre = abs((left_end + right_end) / 2 - centre) > _OFF_CENTRE * half_width
+    leftmost_edge = np.nanmin(theory.contact_edges[:, 0])
+    rightmost_edge = np.nanmax(theory.contact_edges[:, 1])
+    centre = float(leftmost_edge + rightmost_edge) / 2 if theory.tilt is not None else 0.0
+    is_off_centre = abs((left_end + right_end) / 2 - centre) > _LARGEST_OFFSET * half_width
     is_wide = right_end - left_end > 4 * half_width
     if mapping.x_offset or not is_off_centre or is_wide:
         return surface, ""
     pressure = surface.pressure[int(np.argmax(surface.pressure.max(axis=1)))]
     load = np.trapezoid(pressure, surface.x)
     centroid = float(np.trapezoid(pressure * surface.x, surface.x) / load)
-    shift = centroid - centre
+    offset = centroid - centre
     method_in_words = ", by the centroid" if centre else ", the centroid"
     sentence = (
-        f"x was counted from {shift:.6g}{method_in_words} of the largest pressure, where the"
+        f"x was counted from {offset:.6g}{method_in_words} of the largest pressure, where the"
         " file has it from 0 (x_offset)"
     )
-    return replace(surface, x=freeze(surface.x - shift)), sentence
+    return replace(surface, x=freeze(surface.x - offset)), sentence
 
 
 @dataclass(frozen=True)
 class _Yardstick:
-    """By what a unit is guessed: a value of the result beside the one that theory has.
+    """A value of the result beside the one that theory has, by which a unit is guessed.
 
     Attributes
     ----------
-    key
-        of the mapping's factors
-    fields
-        of the result, that have this unit
-    words
-        for these fields
+    factor_name
+        which factor of the mapping has this unit: "length", "stress" or "load"
+    field_names
+        fields of the result that have this unit
+    fields_in_words
+        these fields in a sentence
     value_of_result, value_of_theory
         the value in the result, and theory's
-    quantity
+    value_in_words
         what both are, in a sentence
     """
 
-    key: str
-    fields: tuple[str, ...]
-    words: str
+    factor_name: str
+    field_names: tuple[str, ...]
+    fields_in_words: str
     value_of_result: float
     value_of_theory: float
-    quantity: str
+    value_in_words: str
 
     @property
     def theory_in_words(self) -> str:
         """Theory's value in a sentence; of pressure it is the mean, so the least."""
-        if self.key == "stress":
+        if self.factor_name == "stress":
             return f"at least the mean one, {self.value_of_theory:.4g},"
         return f"{self.value_of_theory:.4g}"
 
     @property
     def factor(self) -> float:
         """The first of the usual factors that brings the result near theory; 1 if none does."""
-        for factor in (1.0, *_FACTORS):
-            if _LEAST <= self.value_of_result / self.value_of_theory * factor <= _MOST:
+        for factor in (1.0, *_UNIT_FACTORS):
+            if (
+                _LEAST_RATIO
+                <= self.value_of_result / self.value_of_theory * factor
+                <= _LARGEST_RATIO
+            ):
                 return factor
         return 1.0
 
@@ -794,40 +829,40 @@ def _yardsticks(surface: SurfaceResult, theory: ContactSolution) -> tuple[_Yards
     Beside the largest pressure stands theory's mean pressure: units differ by far more than these
     two do, and the mean needs no field.
     """
-    left_end, right_end = _extent(surface)
+    left_end, right_end = _contact_extent(surface)
     half_width_of_theory = float(np.nanmax(theory.contact_half_width))
     largest_load_of_theory = float(np.max(theory.normal_load))
     mean_pressure_of_theory = largest_load_of_theory / (2 * half_width_of_theory)
     largest_load = 0.0 if surface.normal_load is None else float(np.max(surface.normal_load))
     return (
         _Yardstick(
-            "length",
-            ("x", "slip"),
-            "x",
-            (right_end - left_end) / 2,
-            half_width_of_theory,
-            "the contact's half-width is",
+            factor_name="length",
+            field_names=("x", "slip"),
+            fields_in_words="x",
+            value_of_result=(right_end - left_end) / 2,
+            value_of_theory=half_width_of_theory,
+            value_in_words="the contact's half-width is",
         ),
         _Yardstick(
-            "stress",
-            ("pressure", "shear"),
-            "pressure and shear",
-            float(surface.pressure.max()),
-            mean_pressure_of_theory,
-            "the largest pressure is",
+            factor_name="stress",
+            field_names=("pressure", "shear"),
+            fields_in_words="pressure and shear",
+            value_of_result=float(surface.pressure.max()),
+            value_of_theory=mean_pressure_of_theory,
+            value_in_words="the largest pressure is",
         ),
         _Yardstick(
-            "load",
-            ("normal_load", "tangential_load"),
-            "P and Q",
-            largest_load,
-            largest_load_of_theory,
-            "the largest P is",
+            factor_name="load",
+            field_names=("normal_load", "tangential_load"),
+            fields_in_words="P and Q",
+            value_of_result=largest_load,
+            value_of_theory=largest_load_of_theory,
+            value_in_words="the largest P is",
         ),
     )
 
 
-def _in_unit_by(
+def _surface_in_unit(
     yardstick: _Yardstick, surface: SurfaceResult, mapping: Mapping
 ) -> tuple[SurfaceResult, str]:
     """Guess the unit of one kind of field of an external result (lengths, stresses or loads) from
@@ -837,9 +872,9 @@ def _in_unit_by(
     As it is, with an empty sentence, where the mapping states the factor or none is needed.
     `yardstick` names the fields, with the size of the result and that of theory.
     """
-    fields = {name: getattr(surface, name) for name in yardstick.fields}
+    fields = {name: getattr(surface, name) for name in yardstick.field_names}
     present_fields = {name: values for name, values in fields.items() if values is not None}
-    is_stated = getattr(mapping.factors, yardstick.key) is not None
+    is_stated = getattr(mapping.factors, yardstick.factor_name) is not None
     factor = yardstick.factor
     if is_stated or not present_fields or not yardstick.value_of_result or factor == 1.0:
         return surface, ""
@@ -847,20 +882,23 @@ def _in_unit_by(
         name: freeze(values * factor) for name, values in present_fields.items()
     }
     sentence = (
-        f"{yardstick.words} multiplied by {factor:g}, for {yardstick.quantity}"
+        f"{yardstick.fields_in_words} multiplied by {factor:g}, for {yardstick.value_in_words}"
         f" {yardstick.value_of_result:.4g} and theory has {yardstick.theory_in_words} "
-        f"(factors.{yardstick.key} = {factor:g} says it for certain)"
+        f"(factors.{yardstick.factor_name} = {factor:g} says it for certain)"
     )
     return replace(surface, **scaled_fields), sentence
 
 
-def _extent(surface: SurfaceResult) -> tuple[float, float]:
-    """Leftmost and rightmost x that carries pressure at any instant."""
-    touched = surface.x[(surface.pressure > TOUCHES * surface.pressure.max()).any(axis=0)]
-    return float(touched[0]), float(touched[-1])
+def _contact_extent(surface: SurfaceResult) -> tuple[float, float]:
+    """Leftmost and rightmost x of the points that are in contact at any instant."""
+    is_touching = (surface.pressure > TOUCHES * surface.pressure.max()).any(axis=0)
+    x_in_contact = surface.x[is_touching]
+    return float(x_in_contact[0]), float(x_in_contact[-1])
 
 
-def _oddities(surface: SurfaceResult, tangential_load: Array, scene: Scene) -> Iterator[str]:
+def _sentences_on_odd_signs(
+    surface: SurfaceResult, tangential_load: Array, scene: Scene
+) -> Iterator[str]:
     """Sentences about signs of a result that look wrong though they are scored as they are:
     tension, shear against Q, slip against the shear. `tangential_load` (k,) is Q of the scene at
     the result's instants.
@@ -880,8 +918,9 @@ def _oddities(surface: SurfaceResult, tangential_load: Array, scene: Scene) -> I
             ' is scored as it is (signs.shear = "on upper" turns it)'
         )
     if surface.slip is not None and scene.friction.coefficient and len(surface.slip) > 1:
-        work = (surface.shear[1:] + surface.shear[:-1]) / 2 * np.diff(surface.slip, axis=0)
-        if float(np.sum(work)) < -0.5 * float(np.sum(np.abs(work))):
+        mean_shear = (surface.shear[1:] + surface.shear[:-1]) / 2
+        works_of_steps = mean_shear * np.diff(surface.slip, axis=0)
+        if float(np.sum(works_of_steps)) < -0.5 * float(np.sum(np.abs(works_of_steps))):
             yield (
                 "the slip goes against the shear, so that friction would feed energy in: it looks"
                 ' like lower over upper; it is scored as it is (signs.slip = "lower over upper"'

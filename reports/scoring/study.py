@@ -23,15 +23,15 @@ from reports.comparison.metrics import Metric
 from reports.comparison.words import amount
 from reports.scoring.field_files import collected_files
 from reports.scoring.mapping import Mapping
-from reports.scoring.reading import OWN, READERS
+from reports.scoring.reading import OWN_SUFFIX, READERS
 from scenes import InputError
 
 # "h=0.05", "h0.05", "mesh_0.025mm", "size-0.1": a figure after such a word in the name of a file.
-_SIZE = re.compile(
+_SIZE_IN_NAME = re.compile(
     r"(?:^|[_\-. ])(?:h|size|mesh|element|el|le)[_\-= ]?(\d+(?:\.\d+)?(?:e-?\d+)?)", re.IGNORECASE
 )
-# Sizes closer than this are one mesh twice.
-_DISTINCT = 1.02
+# Ratio of element sizes below which two files are of the same mesh.
+_LEAST_SIZE_RATIO = 1.02
 _ROUNDING = 1e-12
 
 
@@ -58,8 +58,18 @@ class UnscoredFile:
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """One mesh: its file, its element size at the contact [length], where that figure is from, and
-    its score.
+    """A result on one mesh of a study.
+
+    Attributes
+    ----------
+    name
+        of the file
+    size
+        of the elements at the contact [length]
+    source_of_size
+        where it is from, in words
+    comparison
+        of the result with the reference
     """
 
     name: str
@@ -70,21 +80,31 @@ class Level:
 
 @dataclass(frozen=True, eq=False)
 class StudyRow:
-    """One metric over the meshes."""
+    """One metric over the meshes of a study.
 
-    metric: Metric  # that of the finest mesh
-    # on each mesh, the finest first, all at the instant at which the finest is worst
+    Attributes
+    ----------
+    metric
+        as it is on the finest mesh
+    values
+        on each mesh, the finest first, all at the instant at which the finest is worst
+    extrapolation
+        order, kind, and value at element size zero with its uncertainty
+    """
+
+    metric: Metric
     values: tuple[float, ...]
-    extrapolation: Extrapolation  # order, kind, value at size zero with its uncertainty
+    extrapolation: Extrapolation
 
     @property
-    def mesh(self) -> float | None:
-        """E - E_0: what the finest mesh itself adds; None where no value was extrapolated."""
-        is_known = self.extrapolation.value is not None and self.extrapolation.kind not in (
-            "oscillating",
-            "diverging",
-        )
-        return self.values[0] - float(self.extrapolation.value or 0.0) if is_known else None
+    def error_of_finest_mesh(self) -> float | None:
+        """Value on the finest mesh minus the one at size zero; None where no value was
+        extrapolated.
+        """
+        limit = self.extrapolation.value
+        if limit is None or self.extrapolation.kind in ("oscillating", "diverging"):
+            return None
+        return self.values[0] - float(limit)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,12 +112,12 @@ class Study:
     """The meshes, the finest first, and every metric that has a value on all of them."""
 
     levels: tuple[Level, ...]
-    lines: tuple[StudyRow, ...]
+    metric_rows: tuple[StudyRow, ...]
     notes: tuple[str, ...] = ()
 
-    def line(self, key: str) -> StudyRow:
-        """The line of a metric; KeyError for one that has none."""
-        return {line.metric.key: line for line in self.lines}[key]
+    def row_of_metric(self, key: str) -> StudyRow:
+        """The row of a metric; KeyError for one that has none."""
+        return {row.metric.key: row for row in self.metric_rows}[key]
 
     @property
     def heads(self) -> tuple[str, ...]:
@@ -107,13 +127,13 @@ class Study:
 
     @property
     def rows(self) -> list[tuple[str, ...]]:
-        """Headlines, one row each."""
-        return [_words(line) for line in self.lines if line.metric.headline]
+        """Cells of the table: a row for each metric that is a headline."""
+        return [_cells_of_row(row) for row in self.metric_rows if row.metric.headline]
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Sentences below the table of a mesh study: the element size of each mesh and where it is
-        from, what the limit at h = 0 does not cover, and the notes of the study.
+        """Sentences below the table of a mesh study: the element size h of each mesh and where it
+        is from, what the limit at h = 0 does not cover, and the notes of the study.
         """
         sizes = ", ".join(
             f"{level.name}: {level.size:.4g} ({level.source_of_size})" for level in self.levels
@@ -144,10 +164,10 @@ class Study:
                     "kind": row.extrapolation.kind,
                     "at_zero": row.extrapolation.value,
                     "uncertainty": row.extrapolation.uncertainty,
-                    "mesh": row.mesh,
+                    "mesh": row.error_of_finest_mesh,
                     "rule": row.extrapolation.rule,
                 }
-                for row in self.lines
+                for row in self.metric_rows
             },
             "notes": self.notes,
         }
@@ -175,14 +195,16 @@ def study(levels: Sequence[Level], notes: Sequence[str] = ()) -> Study:
             "a mesh study takes two meshes at least; name the file itself to score one"
         )
     for fine_level, coarse_level in itertools.pairwise(levels_by_size):
-        if coarse_level.size < _DISTINCT * fine_level.size:
+        if coarse_level.size < _LEAST_SIZE_RATIO * fine_level.size:
             raise InputError(
                 f"{fine_level.name} and {coarse_level.name} have the same element size,"
                 f" {fine_level.size:.4g} and {coarse_level.size:.4g}"
                 f" ({fine_level.source_of_size}): state sizes under [element_sizes] of a mapping,"
                 " or leave one out"
             )
-    rows = (_line(metric, levels_by_size) for metric in levels_by_size[0].comparison.metrics)
+    rows = (
+        _row_of_metric(metric, levels_by_size) for metric in levels_by_size[0].comparison.metrics
+    )
     all_notes = list(notes)
     if len(levels_by_size) == 2:
         all_notes.append(
@@ -192,10 +214,12 @@ def study(levels: Sequence[Level], notes: Sequence[str] = ()) -> Study:
     return Study(levels_by_size, known_rows, tuple(all_notes))
 
 
-def _line(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
-    """One metric over the meshes of a study, with its extrapolation to size zero: its value at the
-    instant at which the finest mesh (`levels[0]`) is worst, or, where the meshes have other
-    instants, each mesh at its own worst. None where a mesh has no value.
+def _row_of_metric(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
+    """One metric over the meshes of a study (`levels`, the finest first), with its extrapolation to
+    element size zero. None where a mesh has no value.
+
+    Its value is that at the instant at which the finest mesh is worst. A mesh with other instants
+    has the value at its own worst.
     """
     values = []
     times_of_finest = levels[0].comparison.result_cycle.time
@@ -216,25 +240,25 @@ def _line(metric: Metric, levels: Sequence[Level]) -> StudyRow | None:
     return StudyRow(metric, tuple(values), extrapolate(refinement))
 
 
-def _words(line: StudyRow) -> tuple[str, ...]:
-    """The cells of one row of a mesh study: metric, value of each mesh, order, limit, its
-    uncertainty, error of the finest mesh.
+def _cells_of_row(row: StudyRow) -> tuple[str, ...]:
+    """The cells of one row of a mesh study: metric, value of each mesh, order, limit at element
+    size zero, its uncertainty, error of the finest mesh; – where there is none.
     """
-    extrapolation = line.extrapolation
-    has_sign = line.metric.signed
+    extrapolation = row.extrapolation
+    is_signed = row.metric.signed
 
-    def cell_of(value: float | None, plus: bool = has_sign) -> str:
-        return "–" if value is None else amount(value, line.metric, plus=plus, digits=3)
+    def cell_of(value: float | None, has_plus: bool = is_signed) -> str:
+        return "–" if value is None else amount(value, row.metric, plus=has_plus, digits=3)
 
     order = f"{extrapolation.order:.2f}" if extrapolation.order is not None else extrapolation.kind
-    limit = None if line.mesh is None else extrapolation.value
+    limit = None if row.error_of_finest_mesh is None else extrapolation.value
     return (
-        line.metric.label,
-        *map(cell_of, line.values),
+        row.metric.label,
+        *map(cell_of, row.values),
         order,
         cell_of(limit),
-        cell_of(extrapolation.uncertainty, False),
-        cell_of(line.mesh),
+        cell_of(extrapolation.uncertainty, has_plus=False),
+        cell_of(row.error_of_finest_mesh),
     )
 
 
@@ -244,7 +268,7 @@ def element_size(path: Path, mapping: Mapping, comparison: Comparison) -> tuple[
     """
     if path.name in mapping.element_sizes:
         return mapping.element_sizes[path.name], "from the mapping"
-    if size_in_name := _SIZE.search(path.stem):
+    if size_in_name := _SIZE_IN_NAME.search(path.stem):
         return float(size_in_name[1]), "from the file's name"
     x = comparison.result.x
     largest_edge = float(np.nanmax(np.abs(comparison.result_cycle.contact_edges)))
@@ -257,17 +281,17 @@ def element_size(path: Path, mapping: Mapping, comparison: Comparison) -> tuple[
     return float(np.median(np.diff(points_in_contact))), "median spacing of the points in contact"
 
 
-def results_in(folder: Path) -> tuple[tuple[Path, ...], tuple[str, ...]]:
+def result_files(folder: Path) -> tuple[tuple[Path, ...], tuple[str, ...]]:
     """Result files in a folder that a reader takes, one for each stem (the first suffix in the
-    order of the readers); and notes on what was left out. What a collection names is read through
-    it.
+    order of the readers); and notes on what was left out. Files that a collection (.pvd) names are
+    read through it.
 
     Raises
     ------
     InputError
         Where there is none, or a collection can't be read.
     """
-    known_suffixes = [*READERS, OWN]
+    known_suffixes = [*READERS, OWN_SUFFIX]
     files = sorted(
         path for path in folder.iterdir() if path.is_file() and not path.name.startswith(".")
     )
@@ -275,7 +299,7 @@ def results_in(folder: Path) -> tuple[tuple[Path, ...], tuple[str, ...]]:
     files_alone = [path for path in files if path.resolve() not in collected_parts]
 
     results = [path for path in files_alone if path.suffix.lower() in known_suffixes]
-    # the last one counts
+    # of files with one stem the last one counts
     file_by_stem = {
         path.stem: path
         for path in sorted(results, key=lambda p: -known_suffixes.index(p.suffix.lower()))

@@ -34,7 +34,7 @@ class Outlier:
     """A spike of a result: its field, the indices of its instant and point, its value, where it
     stands in the file.
 
-    `figure` is the value as the file has it, in the file's unit and sign.
+    `number_in_file` is the value as the file has it, in the file's unit and sign.
     """
 
     quantity: str  # "pressure", "shear" or "slip"
@@ -42,13 +42,14 @@ class Outlier:
     point: int
     value: float
     place: str
-    figure: float
+    number_in_file: float
 
     @property
     def sentence(self) -> str:
         """Row, column and value, and what was done."""
         return (
-            f"{self.place}: {self.quantity} {self.figure:.9g} stands out of all values around it;"
+            f"{self.place}: {self.quantity} {self.number_in_file:.9g} stands out of all values"
+            " around it;"
             " it is scored as it is, and left out where units, instants and causes are looked for:"
             " mend this cell"
         )
@@ -186,7 +187,7 @@ def _outliers(arrays: dict[str, Array], x: Array) -> Iterator[Outlier]:
         for instant, point in np.argwhere(spikes(arrays[name])):
             value = float(arrays[name][instant, point])
             place = f"instant {instant + 1}, x = {x[point]:.6g}"
-            yield Outlier(name, int(instant), int(point), value, place, figure=value)
+            yield Outlier(name, int(instant), int(point), value, place, number_in_file=value)
 
 
 def _one_line(source: str, places: Array) -> tuple[Array, str]:
