@@ -28,7 +28,7 @@ from reports.scoring.surface import (
     SAME,
     SurfaceResult,
     extent,
-    material_above,
+    height_of_material,
     one_plane,
     surface_result,
 )
@@ -97,7 +97,7 @@ class CalculixMesh:
         for element in file.elements:
             nodes_by_count.setdefault(len(element.nodes), []).append(element.nodes)
         rows = [self.rows(np.array(nodes, np.int64)) for nodes in nodes_by_count.values()]
-        self.material_heights = material_above(self.points, rows)
+        self.material_heights = height_of_material(self.points, rows)
 
     def rows(self, nodes: Integers) -> Integers:
         """Rows of node numbers of any shape; InputError for a node without coordinates."""

@@ -22,7 +22,7 @@ from reports.scoring.surface import (
     SAME,
     SurfaceResult,
     extent,
-    material_above,
+    height_of_material,
     one_plane,
     surface_result,
 )
@@ -329,7 +329,7 @@ def _surface_points(
     tolerance = SAME * extent(mesh.points)
     is_on_face = np.abs(height) <= tolerance
     # of the cells at a point: negative at the face of the lower body, NaN without cells
-    material_height = material_above(mesh.points, bulk_cells)
+    material_height = height_of_material(mesh.points, bulk_cells)
     points_of_face = {
         "lower": np.flatnonzero(is_on_face & (material_height < 0)),
         "upper": np.flatnonzero(is_on_face & (material_height > 0)),

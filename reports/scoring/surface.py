@@ -19,13 +19,13 @@ from scenes.measured import ReadAs
 Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
-# Of the largest pressure; below it a point counts as open.
+# Pressure, over the largest one, below which a point counts as open.
 TOUCHES = 1e-3
-# Deformed places of one point may differ from instant to instant by this share of the spacing;
-# beyond it they are no one point.
+# The deformed x of one point may differ from instant to instant by this share of the spacing;
+# beyond it these are different points.
 _SAME_PLACE = 0.1
-# Places that differ by less than this share of the mesh's extent are one: text files carry six
-# digits.
+# Coordinates that differ by less than this share of the mesh's extent are equal: text files carry
+# six digits.
 SAME = 1e-6
 
 
@@ -49,9 +49,8 @@ class Outlier:
         """Row, column and value, and what was done."""
         return (
             f"{self.place}: {self.quantity} {self.number_in_file:.9g} stands out of all values"
-            " around it;"
-            " it is scored as it is, and left out where units, instants and causes are looked for:"
-            " mend this cell"
+            " around it; it is scored as it is, and left out where units, instants and causes are"
+            " looked for: mend this cell"
         )
 
 
@@ -104,7 +103,7 @@ def surface_result(
     notes
         sentences that come first in its notes
     x
-        (n_points,), or (n_steps, n_points) where every instant has its own places
+        (n_points,), or (n_steps, n_points) where points move from instant to instant
     fields
         pressure, and shear and slip or None, (n_steps, n_points) or (n_points,) of a single
         instant
@@ -127,38 +126,38 @@ def surface_result(
         for name, values in series.items()
         if values is not None
     }
-    places = np.array(x, dtype=float)
+    x_of_points = np.array(x, dtype=float)
     all_notes = list(notes)
     shape = field_arrays["pressure"].shape
     n_steps, n_points = shape
-    shape_of: dict[str, tuple[int, ...]] = dict.fromkeys(field_arrays, shape)
-    shape_of |= dict.fromkeys(series_arrays, (n_steps,))
-    shape_of["x"] = (n_points,) if places.ndim == 1 else shape
-    for name, values in (*field_arrays.items(), *series_arrays.items(), ("x", places)):
-        if values.shape != shape_of[name]:
+    needed_shapes: dict[str, tuple[int, ...]] = dict.fromkeys(field_arrays, shape)
+    needed_shapes |= dict.fromkeys(series_arrays, (n_steps,))
+    needed_shapes["x"] = (n_points,) if x_of_points.ndim == 1 else shape
+    for name, values in (*field_arrays.items(), *series_arrays.items(), ("x", x_of_points)):
+        if values.shape != needed_shapes[name]:
             raise InputError(
-                f"{source}: {name} has the shape {values.shape} where {shape_of[name]} is needed:"
-                " pressure is (instants, points), x one figure a point, time and loads one an"
-                " instant"
+                f"{source}: {name} has the shape {values.shape} where {needed_shapes[name]} is"
+                " needed: pressure is (instants, points), x one figure a point, time and loads one"
+                " an instant"
             )
         _refuse_no_numbers(source, name, values)
-    _require_distinct_points(source, places)
-    if places.ndim == 2:
-        places, sentence = _one_line(source, places)
+    _require_distinct_points(source, x_of_points)
+    if x_of_points.ndim == 2:
+        x_of_points, sentence = _mean_x_of_points(source, x_of_points)
         if sentence:
             all_notes.append(sentence)
-    indices_by_x = np.argsort(places, kind="stable")
+    indices_by_x = np.argsort(x_of_points, kind="stable")
     if np.any(np.diff(indices_by_x) < 0):
         all_notes.append("the points were not in the order of x and were sorted")
     arrays = {"shear": freeze(np.full(shape, np.nan))}
     arrays |= {name: freeze(values[:, indices_by_x]) for name, values in field_arrays.items()}
     arrays |= {name: freeze(values) for name, values in series_arrays.items()}
-    sorted_x = freeze(places[indices_by_x])
+    sorted_x = freeze(x_of_points[indices_by_x])
     outliers = tuple(_outliers(arrays, sorted_x))
     return SurfaceResult(
-        source,
-        code,
-        sorted_x,
+        source=source,
+        code=code,
+        x=sorted_x,
         notes=tuple(all_notes),
         outliers=outliers,
         read_as=(),
@@ -190,46 +189,49 @@ def _outliers(arrays: dict[str, Array], x: Array) -> Iterator[Outlier]:
             yield Outlier(name, int(instant), int(point), value, place, number_in_file=value)
 
 
-def _one_line(source: str, places: Array) -> tuple[Array, str]:
-    """The mean place of each point from `places` (n_steps, n_points), and a sentence where points
-    move from instant to instant. InputError where they move by much of their spacing.
+def _mean_x_of_points(source: str, x: Array) -> tuple[Array, str]:
+    """The mean x of each point, (n_points,), from its x at every instant (n_steps, n_points), and a
+    sentence where points move from instant to instant; "" where they do not. InputError where they
+    move by much of their spacing.
     """
-    mean_places = places.mean(axis=0)
-    largest_movement = float(np.max(np.abs(places - mean_places)))
-    if largest_movement <= 1e-9 * float(np.ptp(mean_places)):
-        return places[0], ""
-    spacing = float(np.median(np.diff(np.sort(mean_places))))
+    mean_x = x.mean(axis=0)
+    movement = np.abs(x - mean_x)
+    largest_movement = float(np.max(movement))
+    if largest_movement <= 1e-9 * float(np.ptp(mean_x)):
+        return x[0], ""
+    spacing = float(np.median(np.diff(np.sort(mean_x))))
+    movement_in_spacings = largest_movement / spacing
     if largest_movement > _SAME_PLACE * spacing:
-        row, column = np.unravel_index(np.argmax(np.abs(places - mean_places)), places.shape)
+        instant, point = np.unravel_index(np.argmax(movement), x.shape)
         raise InputError(
-            f"{source}: the points are not the same at every instant: point {column + 1} has x ="
-            f" {places[row, column]:.6g} at instant {row + 1} and {mean_places[column]:.6g} in the"
-            f" mean, {largest_movement / spacing:.2g} spacings off; give undeformed places"
+            f"{source}: the points are not the same at every instant: point {point + 1} has x ="
+            f" {x[instant, point]:.6g} at instant {instant + 1} and {mean_x[point]:.6g} in the"
+            f" mean, {movement_in_spacings:.2g} spacings off; give undeformed places"
         )
-    return (
-        mean_places,
-        (
-            f"x moves from instant to instant by at most {largest_movement / spacing:.1g} of the"
-            " points' spacing; its mean was taken"
-        ),
+    sentence = (
+        f"x moves from instant to instant by at most {movement_in_spacings:.1g} of the points'"
+        " spacing; its mean was taken"
     )
+    return mean_x, sentence
 
 
-def _require_distinct_points(source: str, places: Array) -> None:
+def _require_distinct_points(source: str, x: Array) -> None:
     """InputError, naming `source`, for fewer than three points, or a point that stands there twice
-    in one instant; `places` are (n_points,) or (n_steps, n_points).
+    in one instant; `x` of the points is (n_points,) or (n_steps, n_points).
     """
-    for row in np.atleast_2d(np.sort(places)):
-        if len(row) < 3:
+    for x_of_instant in np.atleast_2d(np.sort(x)):
+        if len(x_of_instant) < 3:
             raise InputError(
-                f"{source}: {len(row)} points are no surface: three at least are needed"
+                f"{source}: {len(x_of_instant)} points are no surface: three at least are needed"
             )
-        equal_neighbours = np.flatnonzero(np.diff(row) <= 1e-12 * np.ptp(row))
-        if len(equal_neighbours):
+        spacings = np.diff(x_of_instant)
+        doubled_points = np.flatnonzero(spacings <= 1e-12 * np.ptp(x_of_instant))
+        if len(doubled_points):
             raise InputError(
-                f"{source}: the point x = {row[equal_neighbours[0]]:.9g} stands there twice in one"
-                f" instant ({len(equal_neighbours)} such in all); leave one out, or name a column"
-                " that tells the instants apart (columns.time or columns.frame of a mapping)"
+                f"{source}: the point x = {x_of_instant[doubled_points[0]]:.9g} stands there twice"
+                f" in one instant ({len(doubled_points)} such in all); leave one out, or name a"
+                " column that tells the instants apart (columns.time or columns.frame of a"
+                " mapping)"
             )
 
 
@@ -240,9 +242,9 @@ def extent(points: Array) -> float:
 
 
 def one_plane(points: Array, chosen: Integers) -> tuple[Integers, float, list[str]]:
-    """Three values: of the `chosen` rows of `points` (n, 3), those of the plane z = const that
-    holds most of them, ascending in x; the depth from the first to the last plane [length], 0 for a
-    plane model; and a list with a note where there are several planes.
+    """Of the `chosen` rows of `points` (n, 3), those in the plane z = const that holds most of
+    them, ascending in x. With them come the distance from the first to the last plane [length],
+    0 for a plane model, and a list with a note where there are several planes.
 
     >>> thick = np.array([[1.0, 0, 0], [0.0, 0, 0], [0.0, 0, 1.0], [1.0, 0, 1.0]])
     >>> rows, depth, notes = one_plane(thick, np.arange(4))
@@ -262,26 +264,28 @@ def one_plane(points: Array, chosen: Integers) -> tuple[Integers, float, list[st
     rows = rows[np.argsort(points[rows, 0], kind="stable")]
     if not plane_number.any():
         return rows, 0.0, []
-    height_of_plane = float(z_of_rows[is_in_plane].min())
+    z_of_plane = float(z_of_rows[is_in_plane].min())
     thickness = float(np.ptp(z_of_rows))
     note = (
         f"the model is {thickness:.6g} thick: the tractions are those of its plane z ="
-        f" {height_of_plane:.6g}, one of {plane_number.max() + 1}"
+        f" {z_of_plane:.6g}, one of {plane_number.max() + 1}"
     )
     return rows, thickness, [note]
 
 
-def material_above(points: Array, cells: Iterable[Integers]) -> Array:
+def height_of_material(points: Array, cells: Iterable[Integers]) -> Array:
     """How far the middles of a point's cells lie above it in the mean, (n_points,) [length]; NaN
     for a point that is in no cell.
 
     Negative at the top face of the lower body, positive at the bottom face of the upper one.
-    `cells` are blocks of rows of points.
+    `cells` are blocks of cells of one kind, (n_cells, n_nodes) rows of `points` each.
     """
     sum_of_heights = np.zeros(len(points))
-    count = np.zeros(len(points))
+    n_cells = np.zeros(len(points))
     for block in cells:
-        heights = points[block, 1]
-        np.add.at(sum_of_heights, block, heights.mean(axis=1)[:, None] - heights)
-        np.add.at(count, block, 1.0)
-    return np.divide(sum_of_heights, count, out=np.full(len(points), np.nan), where=count > 0)
+        y_of_nodes = points[block, 1]
+        y_of_middles = y_of_nodes.mean(axis=1)[:, None]
+        np.add.at(sum_of_heights, block, y_of_middles - y_of_nodes)
+        np.add.at(n_cells, block, 1.0)
+    mean_heights = np.full(len(points), np.nan)
+    return np.divide(sum_of_heights, n_cells, out=mean_heights, where=n_cells > 0)

@@ -41,12 +41,12 @@ from semi_analytic.bulk_and_tilt import one_curve
 from semi_analytic.elasticity import composite_modulus
 from semi_analytic.profiles import contact_of
 
-# Revolution of the steady cycle on which delayed instants are looked up: after two all paths of the
-# library repeat.
-_STEADY = 2
-# Places between two nodes at which theory is averaged.
-_BETWEEN_NODES = 48
-# Height of the two blocks [a_ref] whose numbers, times their figure, are those of bodies too small:
+# Number of the cycle, from 0 on, at which delayed instants are looked up: after two cycles all
+# paths of the library repeat.
+_STEADY_CYCLE = 2
+# Points between two nodes at which theory is averaged.
+_POINTS_BETWEEN_NODES = 48
+# Height of the two blocks [a_ref] whose curvatures, times a factor, are those of bodies too small:
 # curvatures go as one over the square of the height.
 BLOCK_HEIGHT = 5.0
 # Curvature of the gap per P, and of the tangential displacement per Q, of two blocks twice as wide
@@ -56,9 +56,9 @@ _NORMAL_CURVATURE = 0.4918
 _TANGENTIAL_CURVATURE = 0.8069
 # Steps of a revolution that cells follow: legs of two, three or four a cycle end on them.
 _STEPS_A_CYCLE = 24
-# Loads that differ by less than this share of the largest P are one: those of one revolution and
-# the next differ by rounding.
-_SAME_LOAD = 1e-9
+# Loads that differ by less than this share of the largest P are equal: those of one cycle and the
+# next differ by rounding.
+_DIFFERENCE_OF_SAME_LOADS = 1e-9
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ class Variant:
     beta
         Dundurs' constant of the bodies
     odd
-        whether all is changed that is odd in x
+        whether the part of the tractions that is odd in x is taken from the result
     on_mesh
         whether tractions are nodal forces over the spacing
     stretch, offset
@@ -120,9 +120,9 @@ class Predictions:
     tractions_by_variant: dict[tuple[Variant, bool], Tractions] = field(default_factory=dict)
 
     def of(self, variant: Variant, *, sheared: bool = True) -> Tractions:
-        """Tractions p and q, (2, k, n), that a result with the faults of `variant` has at the
-        points and instants of the result: a wrong modulus, a factor of the file's pressure, p and q
-        swapped, and others.
+        """Pressure p and shear q, (2, k, n), at the points and instants of the result, if it had
+        the faults of `variant`: a wrong modulus, a factor of the file's pressure, p and q swapped,
+        and others (`Variant`).
 
         Unless `sheared` q is the reference's: the pressure alone needs no history of friction, and
         is solved in a tenth of the time.
@@ -134,22 +134,21 @@ class Predictions:
             points, whose seconds are too many for a search.
         """
         # faults of the file alone are applied below, and need no solve
-        variant_solved = replace(
+        solved_variant = replace(
             variant, pressure_factor=1.0, shear_factor=1.0, swapped=False, odd=False
         )
         needs_shear = sheared or variant.swapped
-        if (variant_solved, needs_shear) not in self.tractions_by_variant:
-            self.tractions_by_variant[variant_solved, needs_shear] = self._solved(
-                variant_solved, sheared=needs_shear
+        if (solved_variant, needs_shear) not in self.tractions_by_variant:
+            self.tractions_by_variant[solved_variant, needs_shear] = self._solved_tractions(
+                solved_variant, sheared=needs_shear
             )
-        tractions = self.tractions_by_variant[variant_solved, needs_shear]
+        tractions = self.tractions_by_variant[solved_variant, needs_shear]
         if variant.swapped:
             tractions = tractions[::-1]
         tractions = pair(variant.pressure_factor, variant.shear_factor) * tractions
         if variant.odd:
-            tractions = tractions + self._odd_part(
-                self.discrepancy.result_tractions - tractions, variant.offset
-            )
+            difference = self.discrepancy.result_tractions - tractions
+            tractions = tractions + self._odd_part(difference, variant.offset)
         return tractions
 
     def _odd_part(self, difference: Tractions, offset: float) -> Tractions:
@@ -162,7 +161,7 @@ class Predictions:
         mirrored = np.apply_along_axis(lambda row: np.interp(mirrored_x, x, row), 2, difference)
         return (difference - mirrored) / 2
 
-    def _solved(self, variant: Variant, *, sheared: bool) -> Tractions:
+    def _solved_tractions(self, variant: Variant, *, sheared: bool) -> Tractions:
         """Tractions p and q of half-plane theory with some faults put in (`variant`, such as other
         times or a coarse mesh), (2, k, n), at the n points of a result and k instants. The points
         are shifted or stretched where that is among the faults.
@@ -225,8 +224,8 @@ class Predictions:
             raise InputError("its memory of friction is no one curve: not looked for")
         tractions = _tractions(scene, x, time, effects=effects)
         if variant.beta:
-            loads, rows = _steps(scene, time)
-            tractions[SHEAR] += shear_by_coupling(scene, x, loads, rows, variant.beta)
+            loads, step_numbers = _steps(scene, time)
+            tractions[SHEAR] += shear_by_coupling(scene, x, loads, step_numbers, variant.beta)
         return tractions
 
     def _scene_of(self, variant: Variant) -> Scene:
@@ -257,7 +256,7 @@ class Predictions:
         if variant.delay:
             assert path.period is not None
             fraction = np.mod(discrepancy.cycle_fraction - variant.delay, 1.0)
-            return path.cycle_start + (_STEADY + fraction) * path.period
+            return path.cycle_start + (_STEADY_CYCLE + fraction) * path.period
         return discrepancy.time
 
     def _pressure(
@@ -274,22 +273,23 @@ class Predictions:
 
 
 def _shape_functions(nodes: Array) -> tuple[Array, Array]:
-    """What turns tractions into nodal forces over lengths, on linear elements: points between the
-    nodes, (m,), and weights (m, n) by which tractions there are multiplied and summed for each of
-    the n nodes.
+    """Points between the nodes of linear elements, (m,), and weights (m, n): tractions at these
+    points times the weights, summed, are the force of each of the n nodes over its length.
+    `nodes` (n,) are their x.
     """
     spacings = np.diff(nodes)
     spacing_before = np.concatenate([spacings[:1], spacings])
     spacing_after = np.concatenate([spacings, spacings[-1:]])
     ends = np.concatenate([[nodes[0] - spacing_before[0]], nodes, [nodes[-1] + spacing_after[-1]]])
-    share_of_spacing = np.arange(_BETWEEN_NODES) / _BETWEEN_NODES
+    share_of_spacing = np.arange(_POINTS_BETWEEN_NODES) / _POINTS_BETWEEN_NODES
     points = (ends[:-1, None] + np.diff(ends)[:, None] * share_of_spacing).ravel()
     distance = points[:, None] - nodes
-    shape_values = np.maximum(
-        1 - np.where(distance > 0, distance / spacing_after, -distance / spacing_before), 0.0
-    )
-    lengths = np.repeat(np.diff(ends) / _BETWEEN_NODES, _BETWEEN_NODES)
-    return points, shape_values * lengths[:, None] / ((spacing_before + spacing_after) / 2)
+    relative_distance = np.where(distance > 0, distance / spacing_after, -distance / spacing_before)
+    # the hat function of each node at each point
+    shape_values = np.maximum(1 - relative_distance, 0.0)
+    lengths_of_points = np.repeat(np.diff(ends) / _POINTS_BETWEEN_NODES, _POINTS_BETWEEN_NODES)
+    lengths_of_nodes = (spacing_before + spacing_after) / 2
+    return points, shape_values * lengths_of_points[:, None] / lengths_of_nodes
 
 
 def _tractions(
@@ -317,19 +317,18 @@ def _tractions(
     return np.array([solution.pressure[rows_of_times], solution.shear[rows_of_times]])
 
 
-def _steps(scene: Scene, instants: Array) -> tuple[Array, NDArray[np.intp]]:
-    """Loads P and Q of fine steps along the load path, (n, 2), and for each of the `instants` (k,)
-    the number of its step. The steps go up to the end of the second cycle, in which instants of a
-    cycle are looked for, since it is steady.
+def _steps(scene: Scene, times: Array) -> tuple[Array, NDArray[np.intp]]:
+    """Loads P and Q of fine steps along the load path, (n, 2), and for each of the times (k,) the
+    number of its step. The steps go up to the end of the second cycle, in which times of a cycle
+    are looked for, since it is steady.
     """
     path = scene.load.path()
     if path.period is None:
-        times_of_instants = instants
-        step_times = np.linspace(path.start, instants.max(), 2 * _STEPS_A_CYCLE)
+        times_on_steps = times
+        step_times = np.linspace(path.start, times.max(), 2 * _STEPS_A_CYCLE)
     else:
-        times_of_instants = path.cycle_start + path.period * (
-            1 + np.mod((instants - path.cycle_start) / path.period, 1.0)
-        )
+        cycle_fraction = np.mod((times - path.cycle_start) / path.period, 1.0)
+        times_on_steps = path.cycle_start + path.period * (1 + cycle_fraction)
         step_times = np.concatenate(
             [
                 np.linspace(path.start, path.cycle_start, _STEPS_A_CYCLE // 3 + 1),
@@ -337,8 +336,8 @@ def _steps(scene: Scene, instants: Array) -> tuple[Array, NDArray[np.intp]]:
             ]
         )
     loaded_times = step_times[step_times > path.start]  # at the start nothing touches
-    step_times = np.unique(np.concatenate([loaded_times, times_of_instants]))
-    return np.transpose(path.at(step_times)), np.searchsorted(step_times, times_of_instants)
+    step_times = np.unique(np.concatenate([loaded_times, times_on_steps]))
+    return np.transpose(path.at(step_times)), np.searchsorted(step_times, times_on_steps)
 
 
 def _of_blocks(discrepancy: Discrepancy, scene: Scene, share: float) -> BodyEffects:
@@ -376,11 +375,11 @@ def _without_memory(scene: Scene, x: Array, time: Array) -> Tractions:
 
 def _long_steps(discrepancy: Discrepancy, scene: Scene, x: Array, *, takes_ends: bool) -> Tractions:
     """Tractions p and q, (2, k, n), if the result's own load increments replace the load path: by
-    straight lines, or (`takes_ends`) as a solver takes them that meets the Coulomb law at their
-    ends.
+    straight lines in the plane of P and Q, or (`takes_ends`) as a solver takes them that meets the
+    Coulomb law at their ends.
 
-    While P rises such an increment is that of P first and then that of Q at the new pressure; while
-    P falls it is a straight line. Finite elements in steps that end on no event follow it to 0.983
+    While P rises such an increment is that of P first, and then that of Q at the new P; while P
+    falls it is a straight line. Finite elements in steps that end on no event follow it to 0.983
     of the difference from theory at 48 steps a cycle, to 0.9999 at 4. `discrepancy` holds the
     tractions of result and reference.
     """
@@ -392,8 +391,8 @@ def _long_steps(discrepancy: Discrepancy, scene: Scene, x: Array, *, takes_ends:
     times_of_instants = discrepancy.time
     if times_of_result[0] > path.cycle_start:  # the cycle alone: twice, after the initial loading
         fraction = fraction_of_cycle(discrepancy.comparison)
-        cycles = [path.cycle_start + (revolution + fraction) * path.period for revolution in (0, 1)]
-        times = np.concatenate([np.linspace(path.start, path.cycle_start, 9), *cycles])
+        times_of_cycles = [path.cycle_start + (cycle + fraction) * path.period for cycle in (0, 1)]
+        times = np.concatenate([np.linspace(path.start, path.cycle_start, 9), *times_of_cycles])
         times_of_instants = path.cycle_start + (1 + discrepancy.cycle_fraction) * path.period
     times = np.unique(times[times > path.start])
     rows_of_instants = np.abs(times[:, None] - times_of_instants).argmin(axis=0)
@@ -401,16 +400,16 @@ def _long_steps(discrepancy: Discrepancy, scene: Scene, x: Array, *, takes_ends:
         return _tractions(scene, x, times, straight=True)[:, rows_of_instants]
     polygon = [(0.0, 0.0)]
     polygon_times = []
-    least_change = _SAME_LOAD * float(np.max(path.at(times)[0]))
+    least_change = _DIFFERENCE_OF_SAME_LOADS * float(np.max(path.at(times)[0]))
     for normal_load, tangential_load in np.transpose(path.at(times)).tolist():
         corner = (normal_load, polygon[-1][1])
         end_of_step = (normal_load, tangential_load)
         is_rising = normal_load > polygon[-1][0]
-        for load_pair in (corner, end_of_step) if is_rising else (end_of_step,):
-            normal_change = abs(load_pair[0] - polygon[-1][0])
-            tangential_change = abs(load_pair[1] - polygon[-1][1])
+        for vertex in (corner, end_of_step) if is_rising else (end_of_step,):
+            normal_change = abs(vertex[0] - polygon[-1][0])
+            tangential_change = abs(vertex[1] - polygon[-1][1])
             if max(normal_change, tangential_change) > least_change:
-                polygon.append(load_pair)
+                polygon.append(vertex)
         polygon_times.append(float(len(polygon) - 1))  # a polygon takes one unit of time a segment
     scene_of_polygon = scene.vary(load=PolygonLoad(initial_loading=tuple(polygon[1:])))
     return _tractions(scene_of_polygon, x, np.array(polygon_times)[rows_of_instants])
@@ -432,10 +431,10 @@ def with_friction(scene: Scene, coefficient: float) -> Scene:
 
 
 def wrong_loads(scene: Scene) -> dict[str, dict[str, Any]]:
-    """Changes of the scene's load that are likely faults, by name: bulk stress, or tilt, of the
-    other sign, or left out.
+    """Changes of the scene's load that are likely faults, name of the fault -> changed entries of
+    the load: bulk stress, or tilt, of the other sign, or left out (None).
     """
-    changes = {}
+    changes_by_fault = {}
     for name, keys in (
         ("bulk", ("bulk_stress_lower", "bulk_stress_upper")),
         ("tilt", ("tilt", "moment", "line_of_action")),
@@ -444,20 +443,20 @@ def wrong_loads(scene: Scene) -> dict[str, dict[str, Any]]:
             key: value for key in keys if (value := getattr(scene.load, key)) is not None
         }
         if stated_values:
-            changes[f"{name}_sign"] = {
-                key: _of_other_sign(value) for key, value in stated_values.items()
+            changes_by_fault[f"{name}_sign"] = {
+                key: _with_other_sign(value) for key, value in stated_values.items()
             }
-            changes[f"{name}_left_out"] = dict.fromkeys(stated_values)
-    return changes
+            changes_by_fault[f"{name}_left_out"] = dict.fromkeys(stated_values)
+    return changes_by_fault
 
 
-def _of_other_sign(value: Any) -> Any:
+def _with_other_sign(value: Any) -> Any:
     """A bulk stress, tilt or moment of the other sign, in the form that it was stated in.
 
     >>> (
-    ...     _of_other_sign(0.5),
-    ...     _of_other_sign((0.0, 2.0)),
-    ...     _of_other_sign(LineOfAction(x=1.0, height=3.0)),
+    ...     _with_other_sign(0.5),
+    ...     _with_other_sign((0.0, 2.0)),
+    ...     _with_other_sign(LineOfAction(x=1.0, height=3.0)),
     ... )
     (-0.5, (-0.0, -2.0), LineOfAction(x=-1.0, height=-3.0))
     """
@@ -467,14 +466,14 @@ def _of_other_sign(value: Any) -> Any:
             return value.vary(
                 mean=-value.mean,
                 phase_degrees=phase,
-                initial_loading=_of_other_sign(value.initial_loading),
+                initial_loading=_with_other_sign(value.initial_loading),
             )
         case WaveSum():
             waves = tuple((amplitude, phase + 180) for amplitude, phase in value.harmonics)
             return value.vary(
                 mean=-value.mean,
                 harmonics=waves,
-                initial_loading=_of_other_sign(value.initial_loading),
+                initial_loading=_with_other_sign(value.initial_loading),
             )
         case LineOfAction():
             return value.vary(x=-value.x, height=-value.height)

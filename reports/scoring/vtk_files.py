@@ -23,20 +23,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-_FARTHEST = 1e100  # the square of a larger coordinate would be none
+_LARGEST_COORDINATE = 1e100  # the square of a larger coordinate would be none
 
 
 def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
-    """Mesh and fields of a .vtu or .vtk file, as arrays by name. Cells of one kind and size make a
-    block; the blocks are counted by n, the fields by k.
+    """Mesh and fields of a .vtu or .vtk file, as arrays by name. Cells of one type with one number
+    of nodes make a block; the blocks are counted by n, the fields by k.
 
     points : (n_points, 3)
-    cells.n : (n_cells, n_nodes) rows of points
+    cells.n : (n_cells, n_nodes) rows of points, of the n-th block
     dimensions : (n_blocks,) topological dimension of each block: 0 vertices, 1 lines, 2 faces, 3
         solids
     point names, cell names : of the fields
-    point.k : (n_points,) or (n_points, m), the k-th of the point names
-    cell.k.n : the same of the k-th of the cell names on the n-th cells
+    point.k : (n_points,) or (n_points, m), values of the k-th field of the points
+    cell.k.n : (n_cells,) or (n_cells, m), values of the k-th field of the cells in the n-th block
 
     Raises
     ------
@@ -47,7 +47,7 @@ def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
     from vtkmodules.util.numpy_support import vtk_to_numpy
 
     with _Complaints() as complaints:
-        grid = _grid_of(path)
+        grid = _read_grid(path)
     if complaints.text:
         raise ValueError(complaints.first)
     if grid is None:
@@ -55,8 +55,10 @@ def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
     points = np.zeros((0, 3))
     if grid.GetNumberOfPoints():
         points = np.asarray(vtk_to_numpy(grid.GetPoints().GetData()), float)
-    if not (np.abs(points) <= _FARTHEST).all():
-        raise ValueError(f"its points are not three finite numbers each, of at most {_FARTHEST:g}")
+    if not (np.abs(points) <= _LARGEST_COORDINATE).all():
+        raise ValueError(
+            f"its points are not three finite numbers each, of at most {_LARGEST_COORDINATE:g}"
+        )
     arrays: dict[str, NDArray[Any]] = {"points": points}
     nodes = np.asarray(vtk_to_numpy(grid.GetCells().GetConnectivityArray()), np.int64)
     starts = np.asarray(vtk_to_numpy(grid.GetCells().GetOffsetsArray()), np.int64)
@@ -66,11 +68,15 @@ def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
         raise ValueError("a cell has no points")
     n_cells = grid.GetNumberOfCells()
     cell_types = np.array([grid.GetCellType(cell) for cell in range(n_cells)], np.int64)
-    kinds = np.column_stack([cell_types, np.diff(starts)])
-    blocks = [np.flatnonzero((kinds == kind).all(axis=1)) for kind in np.unique(kinds, axis=0)]
+    types_and_sizes = np.column_stack([cell_types, np.diff(starts)])
+    # indices of the cells of each block
+    blocks = [
+        np.flatnonzero((types_and_sizes == type_and_size).all(axis=1))
+        for type_and_size in np.unique(types_and_sizes, axis=0)
+    ]
     for block_number, block in enumerate(blocks):
-        nodes_of_cell = kinds[block[0], 1]
-        arrays[f"cells.{block_number}"] = nodes[starts[block][:, None] + np.arange(nodes_of_cell)]
+        n_nodes = types_and_sizes[block[0], 1]
+        arrays[f"cells.{block_number}"] = nodes[starts[block][:, None] + np.arange(n_nodes)]
     arrays["dimensions"] = np.array(
         [grid.GetCell(int(block[0])).GetCellDimension() for block in blocks], np.int64
     )
@@ -86,7 +92,7 @@ def arrays_of(path: Path) -> dict[str, NDArray[Any]]:
     return arrays
 
 
-def _grid_of(path: Path) -> Any:
+def _read_grid(path: Path) -> Any:
     """The vtkUnstructuredGrid in a .vtu file, or of whatever mesh a .vtk file holds; None where it
     holds none.
     """
@@ -110,16 +116,17 @@ def _grid_of(path: Path) -> Any:
     mesh = reader.GetOutput()
     if mesh is None or mesh.GetClassName() == "vtkUnstructuredGrid":
         return mesh
-    append = vtkAppendFilter()
-    append.SetOutputPointsPrecision(vtkAppendFilter.DOUBLE_PRECISION)
-    append.AddInputData(mesh)
-    append.Update()
-    return append.GetOutput()
+    # the filter that appends meshes turns a single one of another class into an unstructured grid
+    append_filter = vtkAppendFilter()
+    append_filter.SetOutputPointsPrecision(vtkAppendFilter.DOUBLE_PRECISION)
+    append_filter.AddInputData(mesh)
+    append_filter.Update()
+    return append_filter.GetOutput()
 
 
 def _numeric_fields(attributes: Any, count: int) -> dict[str, NDArray[Any]]:
-    """Name -> array of `count` rows, of those fields of points or cells (`attributes`) that hold
-    numbers.
+    """Name -> array, of those fields of points or cells (`attributes`) that hold numbers. Each
+    array has a row for each of the `count` points or cells.
 
     Raises
     ------
@@ -141,8 +148,8 @@ def _numeric_fields(attributes: Any, count: int) -> dict[str, NDArray[Any]]:
 
 
 class _Complaints:
-    """What VTK writes into its output window meanwhile, errors and warnings: it reads on after many
-    of them.
+    """A context that records what VTK writes into its output window, errors and warnings: it reads
+    on after many of them.
     """
 
     text = ""
@@ -172,7 +179,7 @@ class _Complaints:
         return re.sub(r" \(0x[0-9a-f]+\)", "", lines[0]) if lines else "VTK gives no reason"
 
 
-def _limit(most_bytes: int, seconds: int) -> None:
+def _limit_process(most_bytes: int, seconds: int) -> None:
     """Limit this process from now on: it may grow by `most_bytes` of memory and compute for
     `seconds` (POSIX only; nothing is limited elsewhere).
     """
@@ -180,13 +187,13 @@ def _limit(most_bytes: int, seconds: int) -> None:
         import resource
     except ImportError:
         return
-    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
-    most_memory = pages * resource.getpagesize() + most_bytes
-    for kind, largest_amount in ((resource.RLIMIT_AS, most_memory), (resource.RLIMIT_CPU, seconds)):
-        hard_limit = resource.getrlimit(kind)[1]
-        limit = largest_amount
+    pages_of_memory = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+    memory_bytes = pages_of_memory * resource.getpagesize() + most_bytes
+    for kind, amount in ((resource.RLIMIT_AS, memory_bytes), (resource.RLIMIT_CPU, seconds)):
+        _, hard_limit = resource.getrlimit(kind)
+        limit = amount
         if hard_limit != resource.RLIM_INFINITY:
-            limit = min(largest_amount, hard_limit)
+            limit = min(amount, hard_limit)
         resource.setrlimit(kind, (limit, limit))
 
 
@@ -215,7 +222,7 @@ def main() -> None:
     import vtkmodules.vtkIOLegacy
     import vtkmodules.vtkIOXML  # noqa: F401
 
-    _limit(int(sys.argv[1]), int(sys.argv[2]))
+    _limit_process(int(sys.argv[1]), int(sys.argv[2]))
     content = io.BytesIO()
     np.savez(content, **dict(numbered(json.load(sys.stdin))))  # type: ignore[arg-type]
     sys.stdout.buffer.write(content.getbuffer())
