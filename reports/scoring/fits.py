@@ -15,7 +15,7 @@ import numpy as np
 
 from reports.scoring.causes import CAUSES, ODD_PART, Cause
 from reports.scoring.discrepancy import PRESSURE, SHEAR, Discrepancy, Residual, Tractions
-from reports.scoring.traces import NOISIER
+from reports.scoring.traces import LARGEST_NOISE_RATIO
 from reports.scoring.variants import Predictions, Variant
 from scenes import InputError
 from scenes.array_types import Array
@@ -327,7 +327,7 @@ class Search:
             sizes,
             predicted_tractions,
             residuals=self.discrepancy.residuals(predicted_tractions),
-            largest_noise_ratio=NOISIER / friction if friction else np.inf,
+            largest_noise_ratio=LARGEST_NOISE_RATIO / friction if friction else np.inf,
         )
 
 

@@ -9,7 +9,7 @@ import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,43 +27,44 @@ WORDS: dict[str, Any] = tomllib.loads((_TEMPLATES / "faults.toml").read_text("ut
 """Sentences of each fault, of other findings, and quotients of E*/R with a likely cause."""
 FAULTS: dict[str, str] = WORDS["faults"]
 
-# Of f p, below which a point sticks for certain; of the largest step of the slip, below which it
-# rests.
-_STICKS = 0.9
-_AT_REST = 1e-3
-# Share of the creep that is proportional to the change of the shear, where a penalty makes it: a
-# third of its norm is left; over the largest step of slip, below which nobody need know; fewest
-# points and instants that show it.
-_PROPORTIONAL = 8 / 9
-_NO_CREEP = 3e-3
-# Square of the gain over its standard deviation: noise alone gives one as large once in 10^11.
-_GAIN = 45.0
-_FEWEST_CREEPING = 20
-# Share of the points that should stick and lie on the Coulomb limit, where nothing sticks; of f p,
-# how near to the limit is on it: shear beyond it is another fault.
-_ALL_SLIP = 0.9
-_ON_LIMIT = 0.01
+# Shear over f p, below which a point sticks for certain; step of the slip over the largest one,
+# below which a point rests.
+_STICK_SHARE_OF_LIMIT = 0.9
+_STEP_AT_REST = 1e-3
+# Least share of the square of the creep that is proportional to the change of the shear, where a
+# penalty makes it (a third of the norm is left); least creep that is stated, over the largest step
+# of slip.
+_LEAST_PROPORTIONAL_SHARE = 8 / 9
+_LEAST_CREEP = 3e-3
+# Least ratio of F of the fit by a stiffness: noise alone gives one as large once in 10^11; fewest
+# values that show a creep.
+_LEAST_GAIN = 45.0
+_FEWEST_CREEP_STEPS = 20
+# Least share on the Coulomb limit of the points that should stick, where nothing sticks; distance
+# from the limit, over f p, within which a point lies on it: shear beyond it is another fault.
+_LEAST_SHARE_AT_LIMIT = 0.9
+_DISTANCE_TO_LIMIT = 0.01
 # Standard deviations of the noise by which a point may exceed the Coulomb limit and the contact law
 # still be kept.
-_BY_NOISE = 5.0
+_DEVIATIONS_BY_NOISE = 5.0
 # Standard deviation of the noise of the shear over that of the pressure, at most: few points may
-# look like noise by chance; of both scales, below which there is no noise.
-NOISIER = 5.0
-_EXACT = 1e-10
-# Of the norm of a difference that alternates from node to node, what means over three leave;
-# standard deviations by which its ratio of von Neumann exceeds that of noise.
-_LEFT_OF_ALTERNATION = 1 / 3
-_ALTERNATES = 5.0
-# Spacings to each side of an edge that a mesh can get wrong: the element with the edge in it, and
+# look like noise by chance. Noise over p_ref below which there is none.
+LARGEST_NOISE_RATIO = 5.0
+_LEAST_NOISE = 1e-10
+# Share of the norm of a difference that means over three nodes leave, at most, where it alternates
+# from node to node; standard deviations by which its ratio of von Neumann exceeds that of noise.
+_LARGEST_SHARE_LEFT = 1 / 3
+_LEAST_DEVIATIONS = 5.0
+# Spacings on each side of an edge that a mesh can get wrong: the element with the edge in it, and
 # its neighbour.
-_REACH = 2.0
+_SPACINGS_NEAR_EDGE = 2.0
 # A traction that leaves the edge as a root has an error of about sqrt(2 h/a) of its peak over the
 # element with the edge: shear, at stick edges, up to 1.2 of that on meshes of a/5 to a/24, pressure
 # up to 0.36, its edge being found to a part of an element. A soft layer or a short body moves the
 # pressure's edge by 0.7 to 1.5 of that.
-_MOST = (0.4, 1.0)
-# Of the points in contact that lie near an edge, where "near" still means something.
-_MOST_NEAR = 0.6
+_LARGEST_ERROR_AT_EDGE = (0.4, 1.0)
+# Share of the points in contact that lie near an edge, at most, where "near" still means something.
+_LARGEST_SHARE_NEAR_EDGES = 0.6
 
 
 @dataclass(frozen=True)
@@ -133,19 +134,17 @@ def full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     has_pressure = result_cycle.pressure > 0.01 * comparison.scales.pressure
     # comparison.is_judged: instants with enough load to be judged
     is_pressed = has_pressure & comparison.is_judged[:, None]
-    # well below the limit in the reference
-    should_stick = (
-        is_pressed
-        & (reference_cycle.state == STICK)
-        & (np.abs(reference_cycle.shear) < _STICKS * friction * reference_cycle.pressure)
-    )
+    stick_limit = _STICK_SHARE_OF_LIMIT * friction * reference_cycle.pressure
+    is_well_below_limit = np.abs(reference_cycle.shear) < stick_limit
+    should_stick = is_pressed & (reference_cycle.state == STICK) & is_well_below_limit
     coulomb_limit = friction * result_cycle.pressure
-    is_at_limit = np.abs(np.abs(result_cycle.shear) - coulomb_limit) <= _ON_LIMIT * coulomb_limit
+    distance_to_limit = np.abs(np.abs(result_cycle.shear) - coulomb_limit)
+    is_at_limit = distance_to_limit <= _DISTANCE_TO_LIMIT * coulomb_limit
     n_sticking = int(should_stick.sum())
-    if not n_sticking or is_at_limit[is_pressed].mean() < _ALL_SLIP:
+    if not n_sticking or is_at_limit[is_pressed].mean() < _LEAST_SHARE_AT_LIMIT:
         return
     share_at_limit = float((should_stick & is_at_limit).sum()) / n_sticking
-    if share_at_limit < _ALL_SLIP:
+    if share_at_limit < _LEAST_SHARE_AT_LIMIT:
         return
     stick_half_width = float(np.nanmax(np.diff(reference_cycle.stick_edges, axis=1))) / 2
     sentence = WORDS["others"]["full_slip"].format(
@@ -159,41 +158,41 @@ def full_slip(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
 
 
 def elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> Iterator[Diagnosis]:
-    """A finding where points that stick creep in proportion to the shear, as with a penalty contact
-    of stiffness k: a change dq moves them by dq/k.
+    """A finding where the slip of points that stick changes (they creep) in proportion to the
+    shear, as with a penalty contact of stiffness k: a change dq moves them by dq/k.
 
     `shear_sign` is -1 where the file is known to have a shear of the wrong sign. `discrepancy`
     holds the tractions of result and reference.
     """
-    changes = _changes_of_sticking(discrepancy, shear_sign)
+    changes = _changes_in_stick(discrepancy, shear_sign)
     if changes is None:
         return
-    slip_change, shear_change, sticks, largest_change = changes
-    creep = slip_change[sticks]
-    shear_change_there = shear_change[sticks]
-    if len(creep) < _FEWEST_CREEPING or not shear_change_there.any() or not creep.any():
+    is_sticking = changes.is_sticking
+    creep = changes.slip[is_sticking]
+    shear_change = changes.shear[is_sticking]
+    if len(creep) < _FEWEST_CREEP_STEPS or not shear_change.any() or not creep.any():
         return
-    compliance = float(creep @ shear_change_there / (shear_change_there @ shear_change_there))
-    slip_left = slip_change - compliance * shear_change
-    both_stick = sticks[:, 1:] & sticks[:, :-1]
-    noise = 0.0
-    if both_stick.any():
-        noise = float(np.mean(np.diff(slip_left, axis=1)[both_stick] ** 2)) / 2
+    # 1/k by least squares
+    compliance = float(creep @ shear_change / (shear_change @ shear_change))
+    residual_slip = changes.slip - compliance * changes.shear
     mean_square = float(np.mean(creep**2))
-    square_left = float(np.mean(slip_left[sticks] ** 2))
-    noise = min(noise, square_left)
-    if mean_square <= noise:
+    mean_square_left = float(np.mean(residual_slip[is_sticking] ** 2))
+    mean_square_noise = 0.0
+    is_pair_sticking = is_sticking[:, 1:] & is_sticking[:, :-1]
+    if is_pair_sticking.any():
+        differences = np.diff(residual_slip, axis=1)[is_pair_sticking]
+        mean_square_noise = float(np.mean(differences**2)) / 2
+    mean_square_noise = min(mean_square_noise, mean_square_left)
+    if mean_square <= mean_square_noise:
         return
-    share_proportional = 1 - (square_left - noise) / (mean_square - noise)
+    share_left = (mean_square_left - mean_square_noise) / (mean_square - mean_square_noise)
+    share_proportional = 1 - share_left
     # ratio of F: what the shear explains of the creep over what it leaves, per value
-    gain_of_fit = (mean_square - square_left) / max(square_left, 1e-300) * len(creep)
-    relative_creep = float(np.sqrt(mean_square - noise)) / largest_change
-    if (
-        compliance <= 0
-        or share_proportional < _PROPORTIONAL
-        or relative_creep < _NO_CREEP
-        or gain_of_fit < _GAIN
-    ):
+    mean_square_explained = mean_square - mean_square_left
+    gain_of_fit = mean_square_explained / max(mean_square_left, 1e-300) * len(creep)
+    relative_creep = float(np.sqrt(mean_square - mean_square_noise)) / changes.largest_slip
+    is_creep = compliance > 0 and share_proportional >= _LEAST_PROPORTIONAL_SHARE
+    if not is_creep or relative_creep < _LEAST_CREEP or gain_of_fit < _LEAST_GAIN:
         return
     scales = discrepancy.comparison.scales
     stiffness = scales.compliance * scales.half_width / (2 * compliance)  # over E*/a, E* = 2/A
@@ -207,15 +206,32 @@ def elastic_slip(discrepancy: Discrepancy, *, shear_sign: float = 1.0) -> Iterat
     yield Diagnosis("elastic_slip", FAULTS["elastic_slip"], evidence, share_proportional)
 
 
-def _changes_of_sticking(
-    discrepancy: Discrepancy, shear_sign: float
-) -> tuple[Array, Array, NDArray[np.bool_], float] | None:
-    """Change of the result's slip and of its shear (times `shear_sign`) from instant to instant, (k
-    - 1, n); which of these are of points that stick; and the largest change of slip.
+class _ChangesInStick(NamedTuple):
+    """Changes of a result from instant to instant.
+
+    Attributes
+    ----------
+    slip, shear
+        (k - 1, n) change of each
+    is_sticking
+        (k - 1, n) which of the changes are of points that stick
+    largest_slip
+        largest change of the slip of any point in contact [length]
+    """
+
+    slip: Array
+    shear: Array
+    is_sticking: NDArray[np.bool_]
+    largest_slip: float
+
+
+def _changes_in_stick(discrepancy: Discrepancy, shear_sign: float) -> _ChangesInStick | None:
+    """Changes of the result's slip and of its shear (times `shear_sign`) from instant to instant,
+    and which of them are of points that stick. None without friction, shear or slip.
 
     Points that stick from one instant to the next are those with |q| < 0.9 f p at both, in the
-    result and in the reference, whose slip rests in the reference. None without friction, shear or
-    slip. `discrepancy` holds the tractions of result and reference.
+    result and in the reference, whose slip rests in the reference. `discrepancy` holds the
+    tractions of result and reference.
     """
     comparison = discrepancy.comparison
     friction = comparison.scene.friction.coefficient
@@ -228,29 +244,30 @@ def _changes_of_sticking(
     is_well_inside = comparison.is_judged[:, None] & ~comparison.isolated["shear"]
     for cycle in (result_cycle, reference_cycle):
         is_well_inside &= cycle.pressure > 0.01 * comparison.scales.pressure
-        is_well_inside &= np.abs(cycle.shear) < _STICKS * friction * cycle.pressure
+        is_well_inside &= np.abs(cycle.shear) < _STICK_SHARE_OF_LIMIT * friction * cycle.pressure
     slip_change = np.diff(result_cycle.slip, axis=0)
     slip_change_of_reference = np.diff(reference_cycle.slip, axis=0)
     shear_change = shear_sign * np.diff(result_cycle.shear, axis=0)
     is_touching = (result_cycle.pressure[1:] > 0) & (result_cycle.pressure[:-1] > 0)
     largest_change = float(np.max(np.abs(slip_change), where=is_touching, initial=0.0))
-    rests_in_reference = np.abs(slip_change_of_reference) <= _AT_REST * largest_change
-    sticks = is_well_inside[1:] & is_well_inside[:-1] & rests_in_reference
-    return slip_change, shear_change, sticks, largest_change
+    is_at_rest = np.abs(slip_change_of_reference) <= _STEP_AT_REST * largest_change
+    is_sticking = is_well_inside[1:] & is_well_inside[:-1] & is_at_rest
+    return _ChangesInStick(slip_change, shear_change, is_sticking, largest_change)
 
 
 def alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     """A finding where pressures alternate from node to node: nodal forces or extrapolated stresses
     of corner and mid-side nodes of quadratic elements.
 
-    The mean (1, 2, 1)/4 over neighbours takes out what alternates. The ratio of von Neumann is 2
-    where all does, and 1 for white noise, about which it scatters by 1/sqrt(n). `discrepancy` holds
-    the tractions of result and reference.
+    The mean (1, 2, 1)/4 over neighbours takes out what alternates. The ratio of von Neumann (half
+    the mean square of the change between neighbours, over the mean square) is 2 where all
+    alternates. It is 1 for white noise, and scatters by 1/sqrt(n). `discrepancy` holds the
+    tractions of result and reference.
     """
     residual = discrepancy.residual(discrepancy.reference_tractions, PRESSURE)
     is_inside = residual.is_inside
     all_three_inside = is_inside[:, :-2] & is_inside[:, 1:-1] & is_inside[:, 2:]
-    # Of one instant: a mesh errs alike at all.
+    # points of one instant: a mesh errs alike at all instants
     n_points = int(all_three_inside.sum(axis=1).max())
     if not n_points or discrepancy.is_within(PRESSURE):
         return
@@ -258,9 +275,10 @@ def alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     smooth_values = (values[:, :-2] + 2 * values[:, 1:-1] + values[:, 2:])[all_three_inside] / 4
     neighbour_changes = np.diff(values, axis=1)[is_inside[:, 1:] & is_inside[:, :-1]]
     mean_square = float(np.mean(values[:, 1:-1][all_three_inside] ** 2))
-    ratio = float(np.mean(neighbour_changes**2)) / 2 / mean_square
+    ratio_of_neumann = float(np.mean(neighbour_changes**2)) / 2 / mean_square
+    deviations_from_noise = (ratio_of_neumann - 1) * np.sqrt(n_points)
     share_left = float(np.sqrt(np.mean(smooth_values**2) / mean_square))
-    if share_left > _LEFT_OF_ALTERNATION or (ratio - 1) * np.sqrt(n_points) < _ALTERNATES:
+    if share_left > _LARGEST_SHARE_LEFT or deviations_from_noise < _LEAST_DEVIATIONS:
         return
     evidence = (
         f"{n_points} points of an instant have both neighbours in contact; their means over three"
@@ -271,7 +289,7 @@ def alternating_nodes(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
 
 def scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
     """A finding where the difference is that tractions scatter from point to point; it states how
-    many points exceed the Coulomb limit by that. `discrepancy` holds the tractions of result and
+    many points exceed the Coulomb limit |q| = f p. `discrepancy` holds the tractions of result and
     reference.
     """
     scales = discrepancy.comparison.scales
@@ -286,14 +304,15 @@ def scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
         residual.is_noise for residual in residuals_with_difference
     ):
         return
+    # standard deviations, of p/p_ref and of q/(f p_ref)
     noise_by_channel = [min(residual.noise, residual.square) ** 0.5 for residual in residuals]
-    if len(noise_by_channel) > 1 and scales.friction * noise_by_channel[SHEAR] > NOISIER * max(
-        noise_by_channel[PRESSURE], _EXACT
-    ):
-        return  # one code, one file: a shear alone does not scatter
-    share_of_noise = sum(value**2 for value in noise_by_channel) / sum(
-        residual.square for residual in residuals
-    )
+    if len(noise_by_channel) > 1:
+        pressure_noise = max(noise_by_channel[PRESSURE], _LEAST_NOISE)
+        # one code, one file: a shear alone does not scatter
+        if scales.friction * noise_by_channel[SHEAR] > LARGEST_NOISE_RATIO * pressure_noise:
+            return
+    square_of_noise = sum(noise**2 for noise in noise_by_channel)
+    share_of_noise = square_of_noise / sum(residual.square for residual in residuals)
     evidence = [
         f"noise from point to point makes {share_of_noise:.0%} of the square of the discrepancy"
     ]
@@ -302,17 +321,18 @@ def scatter(discrepancy: Discrepancy) -> Iterator[Diagnosis]:
         noise_in_words += f" and {noise_by_channel[1]:.2g} in q/(f p_ref)"
         result_cycle = discrepancy.comparison.result_cycle  # at all instants
         is_touching = discrepancy.comparison.reference_cycle.pressure > 1e-3 * scales.pressure
+        # of |q| over f p, in f p_ref
         excess = np.abs(result_cycle.shear) / scales.shear - result_cycle.pressure / scales.pressure
-        count = int(np.sum(excess[is_touching] > 0))
+        n_beyond_limit = int(np.sum(excess[is_touching] > 0))
         largest_excess = float(np.max(excess[is_touching]))
-        excess_by_noise = _BY_NOISE * sum(value**2 for value in noise_by_channel) ** 0.5
+        excess_by_noise = _DEVIATIONS_BY_NOISE * square_of_noise**0.5
         size_in_words = "more than noise alone makes"
         if largest_excess <= excess_by_noise:
             size_in_words = "no more than noise makes: no fault of the contact law"
         evidence.insert(
             0,
-            f"{count} of {int(is_touching.sum())} points in contact exceed the Coulomb limit, by"
-            f" {largest_excess:.2g} of f p_ref at most: {size_in_words}",
+            f"{n_beyond_limit} of {int(is_touching.sum())} points in contact exceed the Coulomb"
+            f" limit, by {largest_excess:.2g} of f p_ref at most: {size_in_words}",
         )
     sentence = WORDS["others"][NOISE].format(size=noise_in_words)
     yield Diagnosis(NOISE, sentence, tuple(evidence), share_of_noise)
@@ -333,21 +353,21 @@ def long_steps_by_work(comparison: Comparison) -> Iterator[Diagnosis]:
         return
     if not abs(error) > limit or not abs(error_on_lines) < abs(error) / 2:
         return
-    steps = len(comparison.result_cycle.time) - 1
+    n_steps = len(comparison.result_cycle.time) - 1
     evidence = (
         (
             f"error of the dissipation {error:.2g}; against that of the straight lines between the"
-            f" {steps} steps {error_on_lines:.2g}"
+            f" {n_steps} steps {error_on_lines:.2g}"
         ),
         "the tractions are within their tolerances",
     )
-    yield Diagnosis(
-        "steps", FAULTS["steps"].format(steps=steps), evidence, 1 - abs(error_on_lines / error)
-    )
+    sentence = FAULTS["steps"].format(steps=n_steps)
+    yield Diagnosis("steps", sentence, evidence, 1 - abs(error_on_lines / error))
 
 
 def near_edges(discrepancy: Discrepancy) -> NDArray[np.bool_]:
-    """(k, n) points within two spacings of an edge of contact or stick of the reference.
+    """Whether each of the (k, n) points lies within two spacings of an edge of contact or stick of
+    the reference.
 
     The edges are those of the instant, and those of the smallest stick zone of the cycle: what a
     mesh gets wrong there stays locked in. `discrepancy` holds the tractions of result and
@@ -372,10 +392,11 @@ def near_edges(discrepancy: Discrepancy) -> NDArray[np.bool_]:
         )
     shape = discrepancy.reference_tractions[PRESSURE].shape
     with np.errstate(invalid="ignore"):
-        is_near_one = [
-            np.broadcast_to(np.abs(x - edge) <= _REACH * spacing, shape) for edge in edge_positions
+        is_near_each_edge = [
+            np.broadcast_to(np.abs(x - edge) <= _SPACINGS_NEAR_EDGE * spacing, shape)
+            for edge in edge_positions
         ]
-    return np.any(is_near_one, axis=0)
+    return np.any(is_near_each_edge, axis=0)
 
 
 def _wider_spacing(x: Array) -> Array:
@@ -385,21 +406,25 @@ def _wider_spacing(x: Array) -> Array:
 
 
 def coarse_edge(discrepancy: Discrepancy) -> tuple[Tractions, NDArray[np.bool_]] | None:
-    """What a mesh too coarse at the edges would give: tractions with the difference within two
-    spacings of an edge, as far as the spacing can account for its size; and which points these are,
-    (k, n).
+    """Tractions that a mesh too coarse at the edges would give, (2, k, n), and which points lie
+    near an edge, (k, n). There the reference is changed by the difference of the result, as far as
+    the spacing can account for it.
 
-    None where the points tell no edge from the rest. An elastic traction leaves the edge of contact
-    as (1 - x/a)^(1/2), and q the stick edge likewise. Interpolated on elements of length h its
-    error is of the order of p_ref sqrt(2 h/a) over the element with the edge. What goes beyond that
-    is not the mesh's. `discrepancy` holds the tractions of result and reference.
+    None where nearly all points lie near an edge. An elastic traction leaves the edge of contact as
+    (1 - x/a)^(1/2), and q the stick edge likewise. Interpolated on elements of length h its error
+    is of the order of p_ref sqrt(2 h/a) over the element with the edge. A larger difference is not
+    the mesh's. `discrepancy` holds the tractions of result and reference.
     """
     is_near_edge = near_edges(discrepancy)
     is_in_contact = discrepancy.in_contact(discrepancy.reference_tractions)
-    if not is_near_edge.any() or np.mean(is_near_edge[is_in_contact]) > _MOST_NEAR:
+    if not is_near_edge.any() or np.mean(is_near_edge[is_in_contact]) > _LARGEST_SHARE_NEAR_EDGES:
         return None
     spacing = _wider_spacing(discrepancy.x)
-    largest_error = pair(*_MOST) * np.sqrt(2 * spacing / discrepancy.half_width) * discrepancy.units
+    largest_error = (
+        pair(*_LARGEST_ERROR_AT_EDGE)
+        * np.sqrt(2 * spacing / discrepancy.half_width)
+        * discrepancy.units
+    )
     difference = np.clip(
         discrepancy.result_tractions - discrepancy.reference_tractions,
         -largest_error,
