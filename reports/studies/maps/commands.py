@@ -30,7 +30,7 @@ def make_map(name: str, options: Options) -> Answer:
     from reports.folder import replace_text
     from reports.studies.maps import pages
     from reports.studies.maps.errors import (
-        computed,
+        compute_missing_rows,
         distances_of,
         rows_in,
         table_of_distances,
@@ -40,23 +40,25 @@ def make_map(name: str, options: Options) -> Answer:
     folder = options.out or Path("out/maps")
     kinds = list(KINDS.values()) if name == "all" else [kind_named(name)]
     pages.require_free(folder)
-    if not options.pages:
+    computes_maps = not options.pages
+    if computes_maps:
         folder.mkdir(parents=True, exist_ok=True)
         stages = Stages(options.quiet)
         for kind in kinds:
-            table, heights = (folder / file for file in pages.table_names(kind))
+            file_of_errors, file_of_heights = (folder / file for file in pages.table_names(kind))
             if options.remake:
-                table.unlink(missing_ok=True)
+                file_of_errors.unlink(missing_ok=True)
             with stages.stage(kind.title, "points") as report:
-                is_new = computed(kind, table, report)
-                if is_new or not heights.exists():
-                    distances = distances_of(kind, rows_in(table), report)
-                    replace_text(heights, table_of_distances(distances))
+                has_new_rows = compute_missing_rows(kind, file_of_errors, report)
+                if has_new_rows or not file_of_heights.exists():
+                    distances = distances_of(kind, rows_in(file_of_errors), report)
+                    replace_text(file_of_heights, table_of_distances(distances))
     pages.write(folder)
     page = str(folder / "README.md")
-    tables_shown = [tables for tables in pages.stored(folder) if tables.kind in kinds]
+    tables_shown = [tables for tables in pages.stored_maps(folder) if tables.kind in kinds]
 
     def parts() -> Iterator[Part]:
+        """What the terminal shows."""
         title = "height/a from which theory is within 1; 5; 10 %"
         yield Sheet(title, pages.HEADS_OF_HEIGHTS, pages.rows_of_heights(tables_shown))
         yield page
@@ -182,7 +184,7 @@ def _sheet_of_changes(scene: Scene, changes: Mapping[str, Change], source_in_wor
     from reports.units import energy_unit, units
 
     _, unit_of_length, unit_of_stress = units(scene)
-    unit_of = {
+    unit_by_quantity = {
         "dissipation": energy_unit(scene),
         "peak_pressure": unit_of_stress,
         "edge_tension": unit_of_stress,
@@ -193,7 +195,7 @@ def _sheet_of_changes(scene: Scene, changes: Mapping[str, Change], source_in_wor
         rows.append(
             (
                 quantity_in_words,
-                f"{theory:.6g} {unit_of.get(name, unit_of_length)}",
+                f"{theory:.6g} {unit_by_quantity.get(name, unit_of_length)}",
                 change_in_words,
             )
         )

@@ -44,15 +44,18 @@ MESH = MeshSettings(element_size=1 / 16, edge_element_size=1 / 64)
 """Of the kernel solve: beside the default mesh, which the finite elements have, W within 3e-4, the
 edge tension within 6e-3.
 """
-# Of the edge tension: twice what it is where the right instant is taken.
-_MOST_UNCERTAIN = 0.02
-# Of the logarithm of a height: less than the digits that are shown.
-_OF_HEIGHT = 5e-3
+# Largest uncertainty of the error of the edge tension: twice what it is where the right instant is
+# taken.
+_LARGEST_UNCERTAINTY = 0.02
+# Error of the logarithm of a height: less than the digits that are shown.
+_LOG_HEIGHT_TOLERANCE = 5e-3
 _UNKNOWN = Estimate(math.nan, math.nan)
 
 
 class Row(NamedTuple):
-    """The errors at a point by one way; NaN of what it does not give."""
+    """The errors of half-plane theory at a point of a map, where the bodies are solved in one way;
+    NaN of what this way does not give.
+    """
 
     way: Way
     place: Place
@@ -94,7 +97,7 @@ def _changes_by_kernels(scene: Scene) -> Mapping[str, Change]:
     """
     changes = changes_of(halfplane_fe.solve(scene, MESH, bodies="kernel"))
     tension = changes.get("edge_tension")
-    if tension is None or tension.change.uncertainty <= _MOST_UNCERTAIN:
+    if tension is None or tension.change.uncertainty <= _LARGEST_UNCERTAINTY:
         return changes
     return changes_of(halfplane_fe.solve(scene, bodies="kernel"))
 
@@ -120,7 +123,7 @@ def points_of(kind: Kind) -> list[tuple[Place, Way]]:
         points.append((place, "kernels"))
         if not kind.is_curved:
             points.append((place, "numbers"))
-    points += [(place, "elements") for place in kind.places(kind.checked)]
+    points += [(place, "elements") for place in kind.places(kind.checked_heights)]
     return points
 
 
@@ -168,7 +171,7 @@ def _row_of_record(record: dict[str, Any]) -> Row:
     return Row(record["way"], place, errors)
 
 
-def computed(kind: Kind, table: Path, report: Report) -> bool:
+def compute_missing_rows(kind: Kind, table: Path, report: Report) -> bool:
     """Compute the rows that the table of a map still lacks, and write the table after each. Returns
     whether any row was computed.
 
@@ -182,6 +185,7 @@ def computed(kind: Kind, table: Path, report: Report) -> bool:
         called with (number of the row, how many, text)
     """
     rows = {(row.place, row.way): row for row in rows_in(table)}
+    # each with the way in which the bodies are solved
     points = points_of(kind)
     missing_points = [point for point in points if point not in rows]
     for number, (place, way) in enumerate(missing_points, start=1):
@@ -211,8 +215,9 @@ class Distance(NamedTuple):
 
 def distances_of(kind: Kind, rows: Sequence[Row], report: Report) -> list[Distance]:
     """The least heights of bodies from which on half-plane theory is within 1, 5 and 10 %, for
-    every width and quantity of a map; the largest of those for the map's friction coefficients.
-    Theory is compared with half-planes to which the bodies' compliance is added (kernels).
+    every width and quantity of a map. Each is the largest of those for the map's friction
+    coefficients. Theory is compared with half-planes to which the bodies' compliance is added
+    (kernels).
 
     Parameters
     ----------
@@ -265,29 +270,31 @@ def _least_height(kind: Kind, rows_of_line: Sequence[Row], quantity: str, level:
         largest |error| that is allowed, 0.05 for 5 %
     """
     error_sizes = np.array([abs(row.errors[quantity].value) for row in rows_of_line])
-    rows_above = np.flatnonzero(error_sizes > level)
-    if not len(rows_above):
+    indices_above = np.flatnonzero(error_sizes > level)
+    if not len(indices_above):
         return 0.0
-    last_above = int(rows_above[-1])
+    last_above = int(indices_above[-1])
     if last_above + 1 == len(rows_of_line):
         return math.inf
-    log_heights = [math.log(row.place.height) for row in rows_of_line[last_above : last_above + 2]]
-    row_at_end = dict(zip(log_heights, rows_of_line[last_above : last_above + 2], strict=True))
+    # the last row above the level and the first one below it
+    rows_at_ends = rows_of_line[last_above : last_above + 2]
+    log_heights = [math.log(row.place.height) for row in rows_at_ends]
+    row_by_log_height = dict(zip(log_heights, rows_at_ends, strict=True))
 
     def log_excess(log_height: float) -> float:
-        """log(|error|/level); its end where the error is 0."""
-        row = row_at_end.get(log_height)
+        """Logarithm of |error|/level; an error below 1e-9 counts as that."""
+        row = row_by_log_height.get(log_height)
         if row is None:
-            place = rows_of_line[last_above].place._replace(height=math.exp(log_height))
-            row = _by_kernels(kind.name, place)
+            place = rows_at_ends[0].place._replace(height=math.exp(log_height))
+            row = _row_by_kernels(kind.name, place)
         error = row.errors[quantity].value
         return math.log(max(abs(error), 1e-9) / level)
 
-    return math.exp(brentq(log_excess, *log_heights, xtol=_OF_HEIGHT))
+    return math.exp(brentq(log_excess, *log_heights, xtol=_LOG_HEIGHT_TOLERANCE))
 
 
 @lru_cache(maxsize=256)
-def _by_kernels(name: str, place: Place) -> Row:
+def _row_by_kernels(name: str, place: Place) -> Row:
     return row_of(KINDS[name], place, "kernels")
 
 

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from scenes import EllipseLoad, InputError, Scene, load_scene
 from semi_analytic.profiles import contact_of
 
-# Of flat bodies, which do not bend the face; a of Hertz' contact does not depend on it.
+# Radius of the profile between flat bodies [mm]: a of Hertz' contact does not depend on it.
 _RADIUS = 1000.0
 _WIDTH_OF_LAYER = 12.0
 # Shares of the width of the flange, and of its height.
@@ -22,12 +22,13 @@ _STEM_OF_FLANGE = 0.6
 _HEIGHT_OF_T = 3.0
 # The face of a flat pad reaches so far beyond its flat, over the radius of its edges: at 8 a and
 # above contact ends long before.
-_BESIDE_FLAT = 0.7
+_LENGTH_BESIDE_FLAT = 0.7
 _HALF_PLANE = {"kind": "half_plane"}
 _FRICTIONS = (0.3, 0.9)
 _HEIGHTS = (4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0)
-# The least one, and one at which theory errs by some per cent.
-_CHECKED = (4.0, 12.0)
+# Heights at which finite elements check a map: the least one, and one at which theory errs by some
+# per cent.
+_CHECKED_HEIGHTS = (4.0, 12.0)
 
 
 class Place(NamedTuple):
@@ -60,7 +61,7 @@ class Kind:
         of both coordinates
     bodies
         lower and upper body, from height and width
-    widths, frictions, heights, checked
+    widths, frictions, heights, checked_heights
         coordinates of its points; heights at which finite elements check it
     is_curved
         whether its faces are arcs, of radius h: no numbers of the bodies, no edge tension
@@ -77,7 +78,7 @@ class Kind:
     width_words: str = "width/height"
     frictions: tuple[float, ...] = _FRICTIONS
     heights: tuple[float, ...] = _HEIGHTS
-    checked: tuple[float, ...] = _CHECKED
+    checked_heights: tuple[float, ...] = _CHECKED_HEIGHTS
     is_curved: bool = False
     is_flat_pad: bool = False
 
@@ -137,7 +138,7 @@ def _t_shape(flange_height: float, width: float) -> dict[str, Any]:
 
 
 def _flat_pad(radius: float, flat_half_length: float) -> dict[str, Any]:
-    width = 2 * (flat_half_length + _BESIDE_FLAT * radius)
+    width = 2 * (flat_half_length + _LENGTH_BESIDE_FLAT * radius)
     return {"kind": "pad", "width": width, "height": radius}
 
 
@@ -174,7 +175,7 @@ KINDS = {
             lambda height, width: {"lower": _t_shape(height, width), "upper": _HALF_PLANE},
             (3.0,),
             heights=_HEIGHTS[1:],
-            checked=(6.0, 16.0),
+            checked_heights=(6.0, 16.0),
         ),
         Kind(
             "pad",
@@ -187,7 +188,7 @@ KINDS = {
             (1.0, 1.6),
             height_words="R/a",
             heights=_HEIGHTS[1:],
-            checked=(8.0, 16.0),
+            checked_heights=(8.0, 16.0),
             is_curved=True,
         ),
         Kind(
@@ -199,7 +200,7 @@ KINDS = {
             height_words="R/a",
             width_words="b/a",
             heights=_HEIGHTS[1:],
-            checked=(8.0, 16.0),
+            checked_heights=(8.0, 16.0),
             is_curved=True,
             is_flat_pad=True,
         ),

@@ -29,10 +29,10 @@ from scenes import Estimate, InputError
 
 HEADS_OF_HEIGHTS = ("kind", "width/height", *OF_DESIGNERS.values())
 PUBLISHED = Path(__file__).parents[2] / "published" / "maps"
-# Errors below are not drawn, in per cent: less than what finite elements are uncertain by.
+# Errors below this are not drawn [%]: less than the uncertainty of finite elements.
 _LEAST_DRAWN = 0.03
-# Foot of a panel at most, so that 1 % is in it.
-_MOST_AT_THE_FOOT = 0.5
+# Lower end of a panel's axis at most [%], so that 1 % is in it.
+_HIGHEST_FOOT = 0.5
 _TICKS = (0.1, 1.0, 5.0, 10.0, 100.0)
 _WIDTH = 310.0
 _HEIGHT = 250.0
@@ -49,7 +49,7 @@ _NO_TENSION = (
 
 
 class Tables(NamedTuple):
-    """What is stored of a map."""
+    """The two tables of a map: errors at its points, and heights from which theory holds."""
 
     kind: Kind
     rows: list[Row]
@@ -71,19 +71,19 @@ def require_free(folder: Path) -> None:
     usable_folder(folder, names)
 
 
-def stored(folder: Path) -> list[Tables]:
+def stored_maps(folder: Path) -> list[Tables]:
     """The maps that are complete in `folder`: both tables are there, and half-planes with the
     bodies' compliance (kernels) were solved at every point where finite elements were. A map that
     was interrupted is not among them.
     """
     maps = []
     for kind in KINDS.values():
-        errors, heights = (folder / name for name in table_names(kind))
-        if not (errors.exists() and heights.exists()):
+        file_of_errors, file_of_heights = (folder / name for name in table_names(kind))
+        if not (file_of_errors.exists() and file_of_heights.exists()):
             continue
-        tables = Tables(kind, rows_in(errors), distances_in(heights))
-        solved_places = _by_place(tables.rows, "kernels").keys()
-        if solved_places and _by_place(tables.rows, "elements").keys() <= solved_places:
+        tables = Tables(kind, rows_in(file_of_errors), distances_in(file_of_heights))
+        solved_places = _errors_by_place(tables.rows, "kernels").keys()
+        if solved_places and _errors_by_place(tables.rows, "elements").keys() <= solved_places:
             maps.append(tables)
     return maps
 
@@ -97,7 +97,7 @@ def write(folder: Path) -> None:
     InputError
         Where there are no tables.
     """
-    maps = stored(folder)
+    maps = stored_maps(folder)
     if not maps:
         raise InputError(f"{folder}: no map has its tables here; make them by `halfplane map all`")
     with results_folder(folder, stale_prefixes=()) as staging:
@@ -118,14 +118,14 @@ def page(tables: Tables) -> str:
     heads = [kind.height_words, kind.width_words, "f"]
     for quantity in quantities_shown:
         heads += [f"{QUANTITIES[quantity]}, %", "kernels"]
-    errors_by_kernels = _by_place(tables.rows, "kernels")
-    rows = []
-    for place, errors in _by_place(tables.rows, "elements").items():
+    errors_by_kernels = _errors_by_place(tables.rows, "kernels")
+    table_rows = []
+    for place, errors_by_elements in _errors_by_place(tables.rows, "elements").items():
         cells = [f"{coordinate:g}" for coordinate in place]
         for quantity in quantities_shown:
-            cells.append(_percent(errors[quantity]))
+            cells.append(_percent(errors_by_elements[quantity]))
             cells.append(_value(errors_by_kernels[place][quantity]))
-        rows.append(cells)
+        table_rows.append(cells)
     lines = [
         f"# {kind.title}",
         f"<!-- written by `halfplane map {kind.name}` -->",
@@ -136,7 +136,7 @@ def page(tables: Tables) -> str:
         f"## {kind.height_words} from which theory is within 1, 5, 10 %",
         heights_of([tables]),
         "## Finite elements beside the kernel solve",
-        markdown_table(heads, rows),
+        markdown_table(heads, table_rows),
         f"Error = finite elements/theory − 1. [All points]({kind.name}.csv).",
     ]
     if kind.is_curved:
@@ -209,18 +209,20 @@ def _value(error: Estimate) -> str:
     return "–" if math.isnan(error.value) else in_percent(error.value)
 
 
-def _by_place(rows: Sequence[Row], way: Way) -> dict[Place, dict[str, Estimate]]:
-    """The errors by one way."""
+def _errors_by_place(rows: Sequence[Row], way: Way) -> dict[Place, dict[str, Estimate]]:
+    """The errors of theory at each point of a map at which the bodies are solved in one way."""
     return {row.place: row.errors for row in rows if row.way == way}
 
 
 def _quantities(tables: Tables, way: Way) -> list[str]:
-    """The quantities that a way gives of a kind."""
-    by_way = _by_place(tables.rows, way).values()
+    """The quantities whose errors are known at any point of a map by one way of solving the
+    bodies.
+    """
+    errors_at_points = _errors_by_place(tables.rows, way).values()
     return [
         quantity
         for quantity in QUANTITIES
-        if not all(math.isnan(errors[quantity].value) for errors in by_way)
+        if not all(math.isnan(errors[quantity].value) for errors in errors_at_points)
     ]
 
 
@@ -230,27 +232,30 @@ def figure(tables: Tables) -> Plate:
     line for each width and friction coefficient f.
     """
     kind = tables.kind
-    looks: dict[tuple[float, float], tuple[int, str]] = {}
-    keys = []
+    # (width, friction) -> number of the colour, style of the line
+    line_looks: dict[tuple[float, float], tuple[int, str]] = {}
+    legend_keys = []
     for colour_number, width in enumerate(kind.widths):
         for friction, line_style in zip(kind.frictions, ("", " dash"), strict=False):
-            looks[width, friction] = (colour_number, line_style)
+            line_looks[width, friction] = (colour_number, line_style)
             line_in_words = f"{kind.width_words} {width:g}, f = {friction:g}"
-            keys.append(Key(f"c{colour_number}{line_style}", line_in_words))
-    panels = [_panel(tables, quantity, looks) for quantity in _quantities(tables, "kernels")]
-    return Plate(kind.name, kind.title, _CAPTION, _CAPTION, tuple(panels), {}, tuple(keys), 2)
+            legend_keys.append(Key(f"c{colour_number}{line_style}", line_in_words))
+    panels = [_panel(tables, quantity, line_looks) for quantity in _quantities(tables, "kernels")]
+    return Plate(
+        kind.name, kind.title, _CAPTION, _CAPTION, tuple(panels), {}, tuple(legend_keys), 2
+    )
 
 
 def _panel(
-    tables: Tables, quantity: str, looks: dict[tuple[float, float], tuple[int, str]]
+    tables: Tables, quantity: str, line_looks: dict[tuple[float, float], tuple[int, str]]
 ) -> Panel:
-    """A panel of a map: |error| of one quantity over the height, both logarithmic, a line for each
-    width and friction in `looks`.
+    """A panel of a map: |error| of one quantity in per cent over the height, both logarithmic, a
+    line for each width and friction in `line_looks`, which gives its colour and style.
     """
     kind = tables.kind
-    error_sizes = [100 * abs(row.errors[quantity].value) for row in tables.rows]
-    largest_size = float(np.nanmax(error_sizes))
-    lower_end = float(np.clip(np.nanmin(error_sizes) / 1.5, _LEAST_DRAWN, _MOST_AT_THE_FOOT))
+    errors_in_percent = [100 * abs(row.errors[quantity].value) for row in tables.rows]
+    largest_error = float(np.nanmax(errors_in_percent))
+    lower_end = float(np.clip(np.nanmin(errors_in_percent) / 1.5, _LEAST_DRAWN, _HIGHEST_FOOT))
     x_axis = Axis(
         0.9 * kind.heights[0],
         1.1 * kind.heights[-1],
@@ -258,7 +263,7 @@ def _panel(
         log=True,
         ticks=tuple(zip(kind.heights, labels(kind.heights), strict=True)),
     )
-    upper_end = max(1.5 * largest_size, 15.0)
+    upper_end = max(1.5 * largest_error, 15.0)
     ticks = [tick for tick in _TICKS if lower_end <= tick <= upper_end]
     y_axis = Axis(
         lower_end,
@@ -268,7 +273,7 @@ def _panel(
         ticks=tuple(zip(ticks, labels(ticks), strict=True)),
     )
     marks: list[Mark] = [Rule(100 * level, "slope order-2") for level in LEVELS]
-    for (width, friction), (colour_number, line_style) in looks.items():
+    for (width, friction), (colour_number, line_style) in line_looks.items():
         rows_of_line = [row for row in tables.rows if row.place[1:] == (width, friction)]
         marks += _marks_of_line(rows_of_line, quantity, colour_number, line_style)
     title = QUANTITIES[quantity]
@@ -292,11 +297,12 @@ def _marks_of_line(
         colour and dashes of the line
     """
     rows_by_kernels = [row for row in rows_of_line if row.way == "kernels"]
-    error_sizes = np.array([100 * abs(row.errors[quantity].value) for row in rows_by_kernels])
     heights = np.array([row.place.height for row in rows_by_kernels])
+    # in per cent
+    errors = np.array([100 * abs(row.errors[quantity].value) for row in rows_by_kernels])
     uncertainties = np.array([100 * row.errors[quantity].uncertainty for row in rows_by_kernels])
-    is_hidden = (error_sizes < _LEAST_DRAWN) | (error_sizes <= uncertainties)
-    yield Curve(heights, np.where(is_hidden, np.nan, error_sizes), f"c{colour_number}{line_style}")
+    is_hidden = (errors < _LEAST_DRAWN) | (errors <= uncertainties)
+    yield Curve(heights, np.where(is_hidden, np.nan, errors), f"c{colour_number}{line_style}")
     for row in rows_of_line:
         error = row.errors[quantity]
         error_in_percent = 100 * abs(error.value)
