@@ -386,6 +386,7 @@ class _Search:
         log_least_friction = math.log(
             self.curve.sliding_friction_per_load * float(high_load - low_load)
         )
+        # trials closer and closer towards gross sliding
         roots = np.linspace(
             math.sqrt(_LEAST_LOG_RATIO), math.sqrt(math.log(_LARGEST_RATIO)), _N_TRIALS
         )
@@ -398,11 +399,12 @@ class _Search:
         for starts, is_gross in ((partial_starts, False), (gross_starts, True)):
             sums_of_squares = np.array([self.sum_of_squares(start) for start in starts])
             sums_with_walls = np.concatenate([[math.inf], sums_of_squares, [math.inf]])
-            local_minima = np.flatnonzero(
+            minimum_indices = np.flatnonzero(
                 (sums_of_squares <= sums_with_walls[:-2]) & (sums_of_squares <= sums_with_walls[2:])
             )
-            lowest_minima = local_minima[np.argsort(sums_of_squares[local_minima])][:_N_MINIMA]
-            fits = [self._fit_near(starts[k], is_gross=is_gross) for k in lowest_minima.tolist()]
+            order = np.argsort(sums_of_squares[minimum_indices])
+            lowest_indices = minimum_indices[order][:_N_MINIMA]
+            fits = [self._fit_near(starts[k], is_gross=is_gross) for k in lowest_indices.tolist()]
             best_fits.append(min(fits, key=lambda fit: fit.sum_of_squares))
         return _FitsOfBothKinds(*best_fits)
 

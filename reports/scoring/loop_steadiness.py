@@ -276,9 +276,9 @@ def trend_of_sizes(values: Array, load: Array, time: Array, noise: float) -> Tre
     # the slope of the straight line is the sum of the sizes times these weights
     weights = deviation_from_mean / float(deviation_from_mean @ deviation_from_mean)
     median_size = float(np.median(sizes))
-    rows_of_cycle = 2 * len(load) / (len(sizes) + 1)
-    error_by_noise = row_noise(values) / (median_size * math.sqrt(rows_of_cycle))
-    error_of_size = math.hypot(error_by_noise, _ERROR_OF_SIZE / rows_of_cycle)
+    rows_per_cycle = 2 * len(load) / (len(sizes) + 1)
+    error_by_noise = row_noise(values) / (median_size * math.sqrt(rows_per_cycle))
+    error_of_size = math.hypot(error_by_noise, _ERROR_OF_SIZE / rows_per_cycle)
     # neighbouring sizes share half of their rows: half of the variance is their covariance
     variance = error_of_size**2 * float(weights @ weights + weights[1:] @ weights[:-1])
     return Trend(rate=float(weights @ sizes) / median_size, error=math.sqrt(variance))
@@ -328,9 +328,9 @@ def differences_of_cycles(shift: Array, load: Array, time: Array, noise: float) 
         if len(sizes) < 2:
             return ""
         median_size = float(np.median(sizes))
-        rows_of_cycle = 2 * len(load) / (len(sizes) + 1)
+        rows_per_cycle = 2 * len(load) / (len(sizes) + 1)
         range_by_noise = (
-            _RANGE_OF_NOISE * row_noise(values) / (median_size * math.sqrt(rows_of_cycle))
+            _RANGE_OF_NOISE * row_noise(values) / (median_size * math.sqrt(rows_per_cycle))
         )
         relative_sizes = sizes / median_size - 1
         if float(np.ptp(relative_sizes)) < _LEAST_DIFFERENCE + range_by_noise:
@@ -364,10 +364,10 @@ def _growth_through_noise(shift: Array, load: Array, time: Array, noise: float) 
         return ""
     largest_trend = max(known_trends, key=lambda trend: abs(trend.rate))
     sum_of_squared_ratios = sum((trend.rate / trend.error) ** 2 for trend in known_trends)
-    cycles = len(sizes_of_cycles(load, load, time, noise)) / 2
+    n_cycles = len(sizes_of_cycles(load, load, time, noise)) / 2
     if sum_of_squared_ratios < _SQUARES_OF_CERTAIN_TRENDS:
         return ""
-    if abs(largest_trend.rate) * cycles < _LEAST_DIFFERENCE:
+    if abs(largest_trend.rate) * n_cycles < _LEAST_DIFFERENCE:
         return ""
     verb = "grow" if largest_trend.rate > 0 else "shrink"
     return (

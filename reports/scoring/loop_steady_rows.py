@@ -687,14 +687,14 @@ def _fit_where_load_varies(
 
 
 def _share_by_load(
-    row_loads: Array, row_rises: NDArray[np.bool_], fit: MasingFit, load_of_cycle: Array
+    row_loads: Array, is_row_rising: NDArray[np.bool_], fit: MasingFit, load_of_cycle: Array
 ) -> Array:
     """Share of the scene's cycle that is over where its Q equals that of each row, (n,), on the
     same branch: from lowest to highest Q (rising), or back.
 
     Parameters
     ----------
-    row_loads, row_rises
+    row_loads, is_row_rising
         (n,) Q of the rows, and whether each lies on the rising branch
     fit
         gives lowest and highest Q of the rows, to which those of the scene are scaled
@@ -706,7 +706,7 @@ def _share_by_load(
     highest_instant = int(np.argmax(load_of_cycle[:-1]))
     share_of_cycle = np.empty(len(row_loads))
     for is_branch_rising in (True, False):
-        is_on_branch = row_rises == is_branch_rising
+        is_on_branch = is_row_rising == is_branch_rising
         first_instant = lowest_instant if is_branch_rising else highest_instant
         last_instant = highest_instant if is_branch_rising else lowest_instant
         if last_instant < first_instant:
