@@ -689,13 +689,13 @@ def other_problems(discrepancy: Discrepancy, fit_of_causes: Fit | None) -> Itera
             residual_of_causes = problem.residual(
                 discrepancy, fit_of_causes.predicted_tractions, problem_fit
             )
-            is_apart = are_apart(
+            is_better_than_causes = are_apart(
                 residual_of_causes.square,
                 residual_after.square,
                 residual_after.count,
                 is_noise=residual_after.is_noise,
             )
-            if not is_apart:
+            if not is_better_than_causes:
                 continue
         candidates.append((share_left, problem, problem_fit))
     if not candidates:
