@@ -127,7 +127,7 @@ def table_of_heights() -> Iterator[str]:
     """From which height on theory holds, as the published maps have it."""
     yield '<div class="wide">'
     yield ""
-    yield maps.heights_of(maps.stored(maps.PUBLISHED))
+    yield maps.heights_of(maps.stored_maps(maps.PUBLISHED))
     yield ""
     yield "</div>"
 

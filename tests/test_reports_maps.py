@@ -34,7 +34,7 @@ from reports.studies.maps.families import KINDS, Kind, Place
 from reports.studies.maps.pages import PUBLISHED, Tables
 from scenes import EllipseLoad, Estimate, FlatRounded, InputError
 
-MAPS = {tables.kind.name: tables for tables in pages.stored(PUBLISHED)}
+MAPS = {tables.kind.name: tables for tables in pages.stored_maps(PUBLISHED)}
 # By which the largest pressure at nodes of finite elements strays next to the end of a flat; see
 # `smooth_largest_pressure` in test_halfplane_fe_kernels.
 LEFT_OF_FLAT_PAD = 6e-3
@@ -81,11 +81,11 @@ def test_half_width_at_the_mean_load_is_1_and_the_height_is_that_of_the_body(nam
 def test_heights_are_where_the_error_is_the_level(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of the larger friction, and the ends of the map where there is no such height."""
     monkeypatch.setattr(errors, "row_of", of_square_law)
-    errors._by_kernels.cache_clear()
+    errors._row_by_kernels.cache_clear()
     kind = KINDS["block"]
     rows = [of_square_law(kind, place, "kernels") for place in kind.places(kind.heights)]
     distances = distances_of(kind, rows, silent)
-    errors._by_kernels.cache_clear()
+    errors._row_by_kernels.cache_clear()
     assert len(distances) == len(kind.widths) * 3 * len(LEVELS)
     for distance in distances:
         height = 2 * math.sqrt(0.9 / distance.level)
