@@ -737,17 +737,19 @@ def _fitted_edge(x: Array, p: Array, fit: EdgeFit) -> _FittedEdge | None:
     the distance, so a polynomial fitted to p^2 is zero there. None where no smooth edge is seen.
 
     The outermost nodes, which the mesh distorts, are left out. While the residual is large (a
-    corner of the profile may be near), half as many nodes are fitted, down to six.
+    corner of the profile may be near), or the polynomial has no zero outside the nodes, half as
+    many nodes are fitted, down to six. With fewer nodes there is no edge.
 
     Parameters
     ----------
     x, p
-        (n,) places of the touching nodes, ascending, and the pressure there
+        (n,) places of the touching nodes, ascending, and the pressure there, over its form near
+        jumps of curvature; of a right edge both are mirrored
     fit
         how many nodes are left out, how many fitted, the degree, and the largest residual
     """
     width = x[-1] - x[0]
-    # Fitted nodes lie within a part of the half-width; one at the very end of it counts.
+    # Nodes available lie within a part of the half-width; one at the very end of it counts.
     end_of_fit = x[min(fit.nodes_left_out, len(x) - 1)] + (_FITTED_SPAN / 2 + _ROUND_OFF) * width
     nodes_available = int(np.searchsorted(x, end_of_fit)) - fit.nodes_left_out
     n_nodes = round(

@@ -117,8 +117,8 @@ def surface_force_traction(x: Array, y: Array, normal: Array, force_at: Array) -
     Returns
     -------
     (2, n, 2, m)
-        Traction component (x, y), point, force component (x, y), place [1/length per force per
-        thickness].
+        Traction component (x, y), point, force component (x, y), place, by a unit force per
+        thickness [1/length].
 
     Examples
     --------

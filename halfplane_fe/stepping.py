@@ -125,19 +125,22 @@ def follow(
     units: tuple[float, ...],
     tolerance: StepTolerance,
 ) -> Iterator[Increment]:
-    """Increments from a state along one stretch of the path, each load divided by its unit.
+    """Increments from a state along one stretch of the path, a leg of it with the times at which
+    increments are to end; each load is divided by its unit.
 
-    Landing on each node's touch (from where its slip counts) and release (up to where its friction
-    works) leaves no increment with a node that is closed for a part of it only. An increment that
-    does not converge, or whose error is above the tolerance, is halved. The state that it started
-    from is a value, so that the rejected attempt leaves no trace. Where half an increment has the
-    step error of the increment, the interface jumps from one solution to another: halving ends
-    there.
+    An increment ends where a node touches or lets go, so that no node is closed for a part of an
+    increment only. It ends where a load turns too, and on curved legs where slip ends on its way.
+    An increment that does not converge, or whose step error is above the tolerance, is halved. The
+    state that it started from is a value, so that the rejected attempt leaves no trace.
+
+    The shortest increments are accepted with a larger step error, and counted. Between unlike
+    bodies halving may not lessen the error: the interface jumps from one solution to another, and
+    the increment is accepted.
 
     Raises
     ------
     ConvergenceError
-        Where halving does not help, or events do not end.
+        Where halving does not help, the interface jumps too often, or events do not end.
     """
 
     @cache

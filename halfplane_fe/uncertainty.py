@@ -40,8 +40,14 @@ _SAME_INSTANT = 1e-9
 
 
 class Place(NamedTuple):
-    """Where the mesh makes an error of a known order: elements there over those of the coarse run,
-    and the order.
+    """A place where the mesh makes an error of a known order.
+
+    Attributes
+    ----------
+    refinement
+        r, size of the coarse run's elements there over that of the run's
+    order
+        p, power of the element size with which the error falls
     """
 
     refinement: float

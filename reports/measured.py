@@ -568,11 +568,12 @@ def _last_whole_cycle(rows: Array, time: Array, work_so_far: Array) -> LoadCycle
 
 def _work_at_rows(scene: Scene, rows: Array, shift_of_time: float) -> tuple[Array, Array]:
     """Times of the rows (n, 3: time, P, Q) and of the ends of their load cycles, (m,), and the
-    dissipation in the step that ends at each, (m,), by half-plane theory.
+    dissipation in the step that ends at each, (m,), by half-plane theory; 0 at the first time.
 
-    A cycle may end between two rows. A row is added there, on the straight line between them: the
-    load path stays the same, and the work needs no interpolation. The work is that at times later
-    by `shift_of_time`: in the last period of a record that repeats.
+    An end beyond the last row counts a period earlier. A cycle may end between two rows. A row is
+    added there, on the straight line between them: the load path stays the same, and the work needs
+    no interpolation. The work is that at times later by `shift_of_time`: in the last period of a
+    record that repeats.
     """
     import semi_analytic
 

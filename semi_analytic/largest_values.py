@@ -371,7 +371,7 @@ class _Search:
         self, place_name: str, values: Callable[[Array], Array]
     ) -> tuple[float, float]:
         """Largest value of a function of x over the contact, and its place, searched for between
-        all kinks.
+        its kinks.
 
         On straight steps the edge at each instant is a kink. Where these are hundreds, the maximum
         on the curved path, which the steps approximate, is found first; its place is the attribute

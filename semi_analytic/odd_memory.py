@@ -708,12 +708,13 @@ def _smooth_end_at_anchor(
 
 def _work_at_stroke_end(span: Span, radius: float, n_panels: int) -> Array:
     """Matrix (4, 4) of the friction work that tilt and strain add at the smooth end of the stroke
-    that ends with a `span` of slip, over (alpha_P, alpha_Q, e_P, e_Q); zero at a vertex of the load
-    path.
+    that ends with a `span` of slip, over (alpha_P, alpha_Q, e_P, e_Q); zero where there is no such
+    end (`_smooth_end`).
 
-    The two sides of the slip zone stop one after the other, which leaves tangential loads dT on
-    flat punches at loads eta. Their work is f int (P - eta) dT. `n_panels` are those of this
-    integral; `radius` is R of the parabola.
+    alpha_P, alpha_Q are tilts of the faces by unit loads P and Q, e_P, e_Q their strains. The two
+    sides of the slip zone stop one after the other, which leaves tangential loads dT on flat
+    punches at loads eta. Their work is f int (P - eta) dT. `n_panels` are those of this integral;
+    `radius` is R of the parabola.
     """
     edge_load = span.end.normal - float(span.slip_zone_load(span.end.time))
     smooth_end = _smooth_end(span, span.end.time, edge_load, radius)

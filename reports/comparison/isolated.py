@@ -91,10 +91,11 @@ def isolated_values(result_cycle: Cycle, reference_cycle: Cycle) -> dict[str, Ma
     """Isolated values in the last cycle of a result, which no neighbour supports: masks (k
     instants, n points) of "pressure", "shear" and "slip".
 
-    A value is isolated if it is far larger than all others. A pressure or shear is isolated too if
-    its difference from the reference is far larger than all other differences, away from the edges
-    of contact and stick. The difference of the slip is not used: each solution counts slip from
-    another origin.
+    A value is isolated if it is far larger than its neighbours and than all values that do not
+    stand out so. A pressure or shear is isolated too if this is true of its difference from the
+    reference, and that is above a share of the largest reference. Such a pressure lies away from
+    the edges of contact, such a shear from those of stick too. The difference of the slip is not
+    used: each solution counts slip from another origin.
     """
     # edges (k, 2) at which a difference may be large
     edges = {

@@ -145,7 +145,7 @@ def picture(skins: Sequence[Skin], window: Window, width: int) -> NDArray[np.uin
                 lighting=False,
             )
             if skin.opacity_of_lines:
-                z_of_lines = 1e-3 * (z_of_skin or 1.0)  # above that of the skin
+                z_of_lines = 1e-4 * window_height  # above their skin, below the next
                 lines = mesh.extract_all_edges().translate((0, 0, z_of_lines), inplace=False)
                 plotter.add_mesh(
                     lines,

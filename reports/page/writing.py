@@ -320,7 +320,7 @@ def _dissipations(comparison: Comparison) -> Iterator[dict[str, str]]:
 
 
 def _settings_by_name(settings: Mapping[str, Any], prefix: str = "") -> dict[str, str]:
-    """Nested settings as one dictionary of texts: names joined by dots, numbers to six digits.
+    """Nested settings as one dictionary of texts: names joined by dots, floats to six digits.
     `prefix` stands before each name.
 
     >>> _settings_by_name({"mesh": {"order": 2}, "element_size": 0.0144202817})

@@ -174,8 +174,10 @@ class Study:
 
 
 def study(levels: Sequence[Level], notes: Sequence[str] = ()) -> Study:
-    """A mesh study: for each metric the order of convergence and the limit at element size zero,
-    from results of one problem on meshes of different size.
+    """A mesh study: the order of convergence and the limit at element size zero of each metric that
+    has a value on all meshes, from results of one problem on meshes of different size.
+
+    Two meshes show no order: it is taken for two, which a note says.
 
     Parameters
     ----------
@@ -187,7 +189,7 @@ def study(levels: Sequence[Level], notes: Sequence[str] = ()) -> Study:
     Raises
     ------
     InputError
-        For a single mesh, or two of one size.
+        For fewer than two meshes, or two whose sizes are within 2 % of each other.
     """
     levels_by_size = tuple(sorted(levels, key=lambda level: level.size))
     if len(levels_by_size) < 2:
