@@ -201,8 +201,11 @@ def _off_neighbours(x: Array, values: Array) -> Array:
 def norm_uncertainties(
     x: Array, pressure: Array, shear: Array, counts: Mask, friction: float
 ) -> dict[str, float]:
-    """u of p and q in L2 over x, over the norms of p and f p, by what every second node alone would
-    give: "pressure" and "shear", each the largest of the instants that count. NaN without contact.
+    """Relative uncertainties of p and q in the L2 norm over x, "pressure" and "shear": over the
+    norm of p, and of f p.
+
+    Each is a fixed share of how far the values of nodes stand off the straight line between their
+    neighbours', at the worst of the instants that count. NaN where none counts.
 
     Parameters
     ----------
@@ -243,15 +246,16 @@ def _norm(x: Array, values: Array) -> Array:
 def of_small_contacts(load: Array, elements: Array, half_width: Array, modulus: float) -> float:
     """Error of a displacement by contacts a few elements wide, the largest of the path [length].
 
-    Where P begins to grow, the contact is no wider than an element of the middle. Neither mesh has
-    a cycle that small: their difference does not show it.
+    Where P begins to grow, the contact is no wider than an element. Two meshes are
+    compared by values of whole cycles, none of them that small: their difference does not show it.
+    The error goes as (h/a)^2, at most as 1, with h the size of elements.
 
     Parameters
     ----------
     load
         (k,) Q, or P [force per thickness]
     elements
-        (k,) at the edges of contact [length]
+        (k,) size of the elements at the edges of contact [length]
     half_width
         (k,) a; 0 out of contact [length]
     modulus

@@ -110,8 +110,8 @@ def changes_of(
     solution: ContactSolution, theory: ContactSolution | None = None
 ) -> dict[str, Change]:
     """How much the values of a solution of real bodies differ from those of half-plane theory: for
-    each quantity its name, theory's value, and solution/theory - 1 with the uncertainty that the
-    solution states.
+    each quantity its name, theory's value, and solution/theory - 1. Its uncertainty is what the
+    solution states, over theory's value; NaN where theory has none, or 0.
 
     The solution is by finite elements, or by half-planes with the compliance of the bodies added
     (kernels). Theory is solved where it is not given.
@@ -119,7 +119,7 @@ def changes_of(
     Raises
     ------
     InputError
-        Where theory dissipates nothing: no error is relative to it.
+        Where theory is not given and dissipates nothing: no error is relative to it.
     """
     import halfplane_fe
     import semi_analytic

@@ -235,7 +235,7 @@ def results_folder(
     out: str | Path, *, stale_prefixes: tuple[str, ...] = ("",), solutions: tuple[str, ...] = ()
 ) -> Generator[Path, None, None]:
     """A context that yields a temporary folder to write results in. At its end all files move to
-    `out`; after an error none does.
+    `out`; after an error none does, but for `solutions`.
 
     Files in `out` that halfplane did not write stay; the manifest in `out` lists those that it
     wrote. Files of an earlier run that are not written again are removed if their names start with
@@ -251,15 +251,16 @@ def results_folder(
         beginnings of the names of earlier files that are removed unless written again; by default
         all of them
     solutions
-        names of solution files. If an error follows after they were written, they alone are moved
-        to `out`, and a note of the error names them. Where the disk itself fails they are kept
-        beside `out`
+        names of solution files. After an error other than an InputError or Ctrl-C those written
+        are moved to `out`, and a note of the error names them. Where the disk itself fails they
+        are kept beside `out`
 
     Raises
     ------
     InputError
         Where `out` is a file, can't be made or written to, or holds a file that halfplane did not
-        write under a name that is to be written, at the start or at the end.
+        write: under a usual name of results (at the start), or a name that was written (at the
+        end).
     FilledBefore
         For a Ctrl-C that came while files were moved: all of them have been moved.
     """

@@ -89,10 +89,10 @@ class Powers:
         """Convert n Chebyshev series, coefficients (k, n), to sums of powers.
 
         [-1, 1] is divided into _PARTS_OF_PIECE = 8 equal parts, each with a sum of powers of its
-        own about its middle: on the whole interval powers would lose digits. The highest powers
-        are dropped where they are round-off on every part.
+        own about its middle: on the whole interval powers would lose digits. Before that the
+        highest Chebyshev terms are dropped, where they are round-off on every part of every series.
         """
-        # Axes from here on: part, power, series.
+        # Axes: part, Chebyshev term (a power once converted), series.
         series_on_parts = _to_parts()[..., : len(coefficients)] @ coefficients
         sizes = np.abs(series_on_parts)
         is_needed = np.any(sizes > 5e-16 * np.max(sizes, axis=(0, 1)), axis=(0, 2))

@@ -207,11 +207,11 @@ def aliases_of(column: str) -> tuple[str, ...]:
 
 
 def plain(name: str) -> str:
-    """The name of a column reduced to lower-case letters and digits, so that spellings of one name
-    compare equal: without accents, blanks, underscores, quotes, and a unit in brackets.
+    """The name of a column up to its first "[" or "(", where a unit begins, reduced to lower-case
+    letters and digits, so that spellings of one name compare equal.
 
-    A single letter keeps its case: P is a load and p a pressure. A colon stays: "points:0" is a
-    name of x.
+    Accents, blanks, underscores and other signs go. A single letter keeps its case: P is a load and
+    p a pressure. A colon stays: "points:0" is a name of x.
 
     >>> plain(" Contact_Pressure [MPa]"), plain("CSHEAR1 (top)"), plain("P [N/mm]")
     ('contactpressure', 'cshear1', 'P')

@@ -724,8 +724,9 @@ def _works_of_members(members: Members) -> Array:
 
     Rows: the work, its parts by forward and by reverse slip, the error of the work from above, and
     P_T. The integrand is the kernel Lam, the integral of ln(a/a(P_c)) over loads from P_c, that at
-    the stick edge, to P. Hertz and power laws have it in closed form, flat and rounded faces by a
-    table; other profiles by quadrature, one contact for all of a shape.
+    the stick edge, to P. Of Hertz and power laws Lam has a closed form, of flat and rounded faces a
+    table; other profiles take a quadrature, one contact for all of a shape. Over the cycle Lam is
+    integrated by quadrature.
     """
     ellipses = members.ellipses
     kind = members.kind
@@ -735,7 +736,7 @@ def _works_of_members(members: Members) -> Array:
             ellipses, quick_power_law_kernel, careful_power_law_kernel, _DEEP_SLIP
         )
         works[2] = lam_error(ellipses, works[0] + works[1], _DEEP_SLIP, 1.0)
-        # The brackets are Lam of ln P. Of a profile |x|^n it is 1/n of that: a goes as P^(1/n).
+        # The kernels are those of ln P. Lam of a profile |x|^n is 1/n of that: a goes as P^(1/n).
         exponent = members.parameters[0] if kind == "power_law" else 2
         works /= exponent
     elif kind == "flat_rounded":

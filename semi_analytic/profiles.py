@@ -188,7 +188,9 @@ def _convex_power(profile: PowerLaw) -> ConvexProfile:
         )
 
     def derivative(derivative_order: int, x: Array) -> Array:
-        """h' (order 1) or h'' (order 2) at x of any sign; 0 at x = 0."""
+        """h' (order 1) or h'' (order 2) at x of any sign; 0 at x = 0, also where h'' is not 0, or
+        infinite, there.
+        """
         derivative_at_length = (
             height_at_length
             / length**derivative_order

@@ -810,7 +810,8 @@ class PunchSuperposition:
         self, kind: Kind, load_power: int, x: Array, largest_advance: float
     ) -> tuple[Primitive, Indices]:
         """A primitive of an integral over flat punches from the cache, made where none of the last
-        eight serves; with the numbers that the points `x` have in it, (k,).
+        eight of this `kind` and `load_power` serves; with the numbers that the points `x` have in
+        it, (k,).
 
         A primitive is the integral at all its points as a function of its upper end.
 

@@ -327,7 +327,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     )
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("reports.cli.machine._SCREEN", "print('drawn')")
-        patch.setattr(fatigue, "_PLACES_OVER_HALF_WIDTH", np.array([-1.25, -1.0, -0.5, 0.0, 0.5, 1.0, 1.25]))
+        patch.setattr(
+            fatigue, "_PLACES_OVER_HALF_WIDTH", np.array([-1.25, -1.0, -0.5, 0.0, 0.5, 1.0, 1.25])
+        )
         arguments = [
             "fields",
             str(place / "pads.toml"),

@@ -1088,7 +1088,8 @@ def _tick_pairs(axis: Axis, scale: Scale) -> tuple[tuple[float, str], ...]:
 
 
 def _panel_svg(panel: Panel, *, is_standalone: bool = False, **place: object) -> str:
-    """The SVG element of a panel: its area, its axes, its marks, and the lines of text above it.
+    """The SVG element of a panel: its marks, the lines of text above it and, unless it is
+    `without_axes`, its area and axes.
 
     With `is_standalone` it is for an SVG file without style sheet, at `place` (x, y, width, height)
     in it; else for a page, with the attributes that the page's script reads.

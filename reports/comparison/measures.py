@@ -691,8 +691,8 @@ def _normal_resultant(cycle: Cycle, weights: Array, normals: Array) -> Array:
     weights
         (n,) length of surface that belongs to each point [length]
     normals
-        (2, n) components (x, y) of the unit normal out of the lower body: the pressure acts along
-        it, the shear at right angles to it
+        (2, n) components (x, y) of the unit normal n out of the lower body: on that body the
+        pressure acts against it, positive shear along (n_y, -n_x)
     """
     normal_x, normal_y = normals
     resultant = np.asarray(cycle.pressure @ (weights * normal_y))
@@ -841,9 +841,10 @@ def _has_comparable_stick_edges(
     """(k,) whether the edges of two stick zones can be compared at an instant.
 
     The arguments are the status of the whole contact in reference and result, (k,): -1 out of
-    contact, 0 full slip, 1 partial slip, 2 full stick. Neither may be in full slip, which has no
-    edges. Left out too is an instant at which the two differ because one changes its status one
-    instant earlier: the edge jumps there, which is an error of time and not of place.
+    contact (which passes; the caller leaves it out), 0 full slip, 1 partial slip, 2 full stick.
+    Neither may be in full slip, which has no edges. Left out too is an instant at which the two
+    differ because one changes its status one instant earlier: the edge jumps there, which is an
+    error of time and not of place. Of a cycle the first and last instant are neighbours.
 
     >>> _has_comparable_stick_edges(
     ...     np.array([1, 1, 2, 2, 1, 1], dtype=np.int8), np.array([1, 1, 1, 2, 1, 2], dtype=np.int8)

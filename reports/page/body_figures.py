@@ -115,8 +115,8 @@ def sketch(scene: Scene, half_width: float) -> Plate:
 
 def fit_residuals(scene: Scene, half_width: float) -> Plate | None:
     """A figure of a profile fitted to measured rows, in two panels: the trace, levelled by the fit,
-    with the fitted curve; and the residuals, row minus curve, with a band of twice the noise. None
-    for a profile that is not fitted.
+    with the fitted curve; and the residuals, row minus curve, with a band of ± twice the noise and
+    lines at ± `half_width`. None for a profile that is not fitted.
 
     Parameters
     ----------

@@ -75,7 +75,8 @@ class FieldFrame:
 
 
 def read_frames(path: str | Path) -> list[FieldFrame]:
-    """Every instant of a .vtu, .vtk or .pvd file, in the order of time where times are stated.
+    """Every instant of a .vtu, .vtk or .pvd file; those of a .pvd, which states times, in their
+    order.
 
     An instant holds one part for each file that a .pvd collection names at its time, such as one
     for each body; a part is a mesh with its fields.
@@ -84,7 +85,8 @@ def read_frames(path: str | Path) -> list[FieldFrame]:
     ------
     InputError
         File and what is wrong: can't be read, broken, larger than half a GB (2 GB unpacked), longer
-        than five minutes to read, no instant, a file of the collection missing.
+        than five minutes to read, no instant, an instant without a time, a file of the collection
+        missing.
     """
     path = Path(path)
     if path.suffix.lower() != ".pvd":

@@ -199,22 +199,26 @@ def score_loop(
     against: Against = "exact",
 ) -> LoopScore:
     """The friction coefficient f that fits a measured loop of Q over U best, with its 95 %
-    interval; and beside it the loops that theory and finite elements compute.
+    interval; and beside it the loops that theory computes, and finite elements where they are asked
+    for.
 
     Parameters
     ----------
     loop
         Q and the relative tangential displacement U of the rows
     rig_compliance
-        C of the rig [1/stress], beyond the datum length of the profile; fitted if None
+        C [1/stress]: the rig adds C Q to the displacement U of the contact, which counts from the
+        datum length of the profile; fitted if None
     against
-        "fe" has the finite elements solve the scene with its own f and with the best one too
+        "fe": loops of the finite elements too, with the scene's f and the best one; none where the
+        contact slides as a whole
 
     Raises
     ------
     InputError
-        For a scene whose loads do not repeat or have no Q, for rows that cover less than a cycle or
-        do not follow its Q.
+        For a scene whose loads do not repeat or have no Q, or with bulk stress, tilt or bodies of
+        unequal sides; for rows whose U or Q is constant, that cover less than a cycle, or that do
+        not follow the scene's Q.
 
     Examples
     --------
