@@ -185,7 +185,7 @@ def compute_missing_rows(kind: Kind, table: Path, report: Report) -> bool:
         called with (number of the row, how many, text)
     """
     rows = {(row.place, row.way): row for row in rows_in(table)}
-    # each with the way in which the bodies are solved
+    # each with the way of solving the bodies
     points = points_of(kind)
     missing_points = [point for point in points if point not in rows]
     for number, (place, way) in enumerate(missing_points, start=1):
