@@ -444,7 +444,9 @@ def test_a_finite_element_result_in_seven_digits_scores_as_the_run_does() -> Non
             "peak_pressure": 1e-6,
             "pressure": 1e-6,
             "shear": 1e-6,
-            "contact_edge": 2e-4,
+            # The run places its edges by the loads between nodes, which a file does not hold: there
+            # the edge is that of a fit to the pressure, 3.2e-4 from theory, ours 1.0e-4.
+            "contact_edge": 3e-4,
             "stick_edge": stick,
         }
         for key, limit in (limits | ({} if slip is None else {"dissipation": 1e-3})).items():
