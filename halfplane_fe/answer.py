@@ -157,15 +157,15 @@ def _edges_of_run(
     )
     by_slip = _permanent_stick(scene, problem, run, surface_states, edges["stick_edges"])
     permanent_edges = by_slip.places
+    is_by_slip = np.isfinite(by_slip.uncertainty)
     if edges_are_sharp(scene, problem):
         zone = zone_by_nodes(run)
         confined = zone.confine(permanent_edges)
-        is_by_slip = np.isfinite(by_slip.uncertainty) & (confined != zone.places_by_load)
+        is_by_slip &= confined != zone.places_by_load
         permanent_edges = np.where(is_by_slip, by_slip.places, confined)
         time = np.array([state.time for state in states])
         in_cycle = in_last_cycle(scene, time, loads[run.stored, 0])
         _hold_permanent_stick(edges, permanent_edges, zone, time, in_cycle)
-    is_by_slip = permanent_edges == by_slip.places
     return edges, Edges(permanent_edges, np.where(is_by_slip, by_slip.uncertainty, np.nan))
 
 

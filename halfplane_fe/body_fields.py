@@ -510,7 +510,7 @@ def _added_edge_tension(
             )
             uncertainties[body_number] = size_fit.uncertainty
             continue
-        kernels = _kernels_of_thin_body(solution, 0 if are_mirrored else body_number)
+        kernels = _kernels_of_thin_body(solution, body_number)
         if kernels is None:
             added_tension[:, body_number] = math.nan
             uncertainties[body_number] = math.nan
@@ -526,10 +526,11 @@ def _kernels_of_thin_body(solution: FiniteElementSolution, body_number: int) -> 
     the displacement of the face by unit forces. None for a body of which they are not known.
 
     They take two linear solves on coarse meshes, about half a second; those of the last two bodies
-    that were asked for are kept.
+    that were asked for are kept. Bodies that mirror each other have those of the lower one.
     """
+    scene = solution.scene
     reach = float(np.abs(solution.x).max())
-    return _flat_body_kernels(solution.scene, body_number, reach)
+    return _flat_body_kernels(scene, 0 if shapes_alike(scene) else body_number, reach)
 
 
 @lru_cache(maxsize=2)

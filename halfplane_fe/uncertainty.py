@@ -246,9 +246,9 @@ def _norm(x: Array, values: Array) -> Array:
 def of_small_contacts(load: Array, elements: Array, half_width: Array, modulus: float) -> float:
     """Error of a displacement by contacts a few elements wide, the largest of the path [length].
 
-    Where P begins to grow, the contact is no wider than an element. Two meshes are
-    compared by values of whole cycles, none of them that small: their difference does not show it.
-    The error goes as (h/a)^2, at most as 1, with h the size of elements.
+    Where P begins to grow, the contact is no wider than an element. Two meshes are compared by
+    values of whole cycles, none of them that small: their difference does not show it. The error
+    goes as (h/a)^2, at most as 1, with h the size of elements.
 
     Parameters
     ----------
