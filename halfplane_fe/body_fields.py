@@ -42,13 +42,14 @@ from halfplane_fe.face_stress import (
 )
 from halfplane_fe.interface import body_forces
 from halfplane_fe.kernel_bodies import BodyKernels, body_kernels
+from halfplane_fe.path import has_bulk_stress
 from halfplane_fe.remainder import require_flat
 from halfplane_fe.scales import contact_modulus
 from halfplane_fe.solution import FiniteElementSolution, KernelSolution
 from halfplane_fe.supports import shapes_alike
 from scenes import ContactSolution, Elastic, HalfPlane, InputError, Scene, Tabulated
 from scenes.array_types import Array, Indices
-from scenes.bodies import Shape, face_of
+from scenes.bodies import Block, Shape, TShape, face_of
 
 # VTK's order of an element's nodes the other way round, by number of nodes.
 _NODES_OF_MIRRORED = {
@@ -68,6 +69,8 @@ _SHARE_OF_DISTANCE_TO_SUPPORT = 0.8
 _BLENDING_SHARE = 0.2
 # A body has room for the tractions' stress only if that distance over the half-width is larger.
 _LEAST_OUTER_DISTANCE = 1.5
+# Least distance of its sides and supports for that, over the half-width.
+_LEAST_ROOM = _LEAST_OUTER_DISTANCE / _SHARE_OF_DISTANCE_TO_SUPPORT
 # Depth and distance over the half-width from which on elements are good for what the size of the
 # body adds.
 _ACCURATE_DEPTH = 0.15
@@ -815,11 +818,12 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     """The largest tension s_xx of the last cycle of a solution, along either face just outside an
     edge of contact, with its place, time and uncertainty.
 
-    None out of contact, and where it is not known what the size of a body adds. Just after a load
+    None out of contact, and where it is not known what the size of a body adds
+    (`why_tension_is_unknown`). Just after a load
     reverses, the new slip zone is narrower than an element, so that the stress is still that from
     before. The largest tension comes before a reversal: such slip adds no uncertainty to it.
     """
-    if not _has_bodies(solution) or not _effect_of_size_is_known(solution):
+    if why_tension_is_unknown(solution) is not None:
         return None
     steps = _steps_of_large_tension(solution)
     if not steps:
@@ -851,20 +855,40 @@ def largest_edge_tension(solution: ContactSolution) -> LargestTension | None:
     )
 
 
-def _effect_of_size_is_known(solution: ContactSolution) -> bool:
-    """Whether the stress can be found that the finite size of each body adds on its face: by a fit
-    beside the contact, or by kernels. Asked before either is made.
+def why_tension_is_unknown(solution: ContactSolution) -> str | None:
+    """Reason in words why `largest_edge_tension` is not known of a solution; None where neither
+    body stands in its way.
+
+    Known must be the stress that the finite size of each body adds on its face: by a fit beside the
+    contact, or by kernels. Asked before either is made.
     """
+    if not _has_bodies(solution):
+        return "a face is curved, and no body has a mesh"
     if not isinstance(solution, FiniteElementSolution):
-        return True
+        return None
     half_width = float(solution.contact_half_width[solution.last_cycle].max())
     for body_number, name in enumerate(_BODY_NAMES):
         shape = getattr(solution.scene.bodies, name)
         if isinstance(shape, HalfPlane) or _distance_of_fit(shape, half_width) is not None:
             continue
         if _kernels_of_thin_body(solution, body_number) is None:
-            return False
-    return True
+            reason = _why_no_kernels(shape, solution.scene)
+            return (
+                f"the {name} body ends within {_LEAST_ROOM:.2g} half-widths of the contact's middle"
+                f" and {reason}"
+            )
+    return None
+
+
+def _why_no_kernels(shape: Shape, scene: Scene) -> str:
+    """What keeps the kernels of a body from being known, in words that follow its name."""
+    if not isinstance(shape, Block | TShape):
+        return "its face is curved"
+    if not scene.load.is_driven and has_bulk_stress(scene.load.path()):
+        return "a bulk stress pulls it"
+    if isinstance(shape, Block) and shape.base == "rollers" and shape.sides == "free":
+        return "its rollers hold no tangential load"
+    return "is thinner than its kernels are known for"
 
 
 def _steps_of_large_tension(solution: ContactSolution) -> list[int]:

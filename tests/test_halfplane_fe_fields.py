@@ -14,7 +14,7 @@ import pytest
 import halfplane_fe
 import semi_analytic
 from halfplane_fe import SolverSettings, edge_tension, fields, largest_edge_tension, stress
-from halfplane_fe.body_fields import profile_kinks
+from halfplane_fe.body_fields import profile_kinks, why_tension_is_unknown
 from halfplane_fe.contact import InterfaceState
 from halfplane_fe.edges import NodalAnswer, StickEdges, fitted_stick_edges, stick_edges
 from halfplane_fe.face_stress import (
@@ -589,6 +589,9 @@ def test_a_narrow_pad_has_no_edge_tension_and_what_it_faces_has():
     assert np.isfinite(lower.edge_tension).all()
     assert np.isnan(upper.edge_tension).all()
     assert largest_edge_tension(answer) is None
+    assert why_tension_is_unknown(answer) == (
+        "the upper body ends within 1.9 half-widths of the contact's middle and its face is curved"
+    )
 
 
 LAYERS = Bodies(lower=Block(width=20.0, height=0.5), upper=Block(width=20.0, height=0.5))

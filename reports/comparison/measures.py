@@ -592,6 +592,8 @@ def _without_both_tensions(
     """The metric of the largest tension where a solution does not state it: no value, and the
     amount of the other solution. A tension is a pair (value, uncertainty) [stress] or None.
     """
+    from halfplane_fe.body_fields import why_tension_is_unknown
+
     unknown_tension = (math.nan, math.nan)
     reference_value, reference_uncertainty = tension_of_reference or unknown_tension
     result_value, result_uncertainty = tension_of_result or unknown_tension
@@ -600,8 +602,12 @@ def _without_both_tensions(
         engines_without_value.append(name_of(pair.reference.engine))
     if tension_of_result is None:
         engines_without_value.append(name_of(pair.result.engine))
+    note = f"not known of {' and '.join(engines_without_value)}"
+    if tension_of_result is None and pair.result.engine == "halfplane_fe":
+        reason = why_tension_is_unknown(pair.result)
+        note = f"{note}: {reason}" if reason else note
     return replace(
-        _without_value(f"not known of {' and '.join(engines_without_value)}"),
+        _without_value(note),
         amounts=(reference_value, result_value),
         stated=(reference_uncertainty, result_uncertainty),
     )

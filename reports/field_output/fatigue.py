@@ -87,13 +87,12 @@ def survey(solution: FiniteElementSolution, criteria: Criteria) -> pd.DataFrame:
 
     import halfplane_fe
     import semi_analytic
+    from halfplane_fe.body_fields import why_tension_is_unknown
 
     edge_tension = halfplane_fe.largest_edge_tension(solution)
     if edge_tension is None:
-        raise InputError(
-            "--fatigue: no stress is known beside the contact: a body is too thin, or nothing"
-            " touches in the last cycle"
-        )
+        reason = why_tension_is_unknown(solution) or "nothing touches in the last cycle"
+        raise InputError(f"--fatigue: no stress is known beside the contact: {reason}")
     times = np.unique([*_times_of_cycle(solution), edge_tension.time])
     reference = semi_analytic.solve(
         solution.scene, x=solution.x, time=times, fields=("pressure", "shear")
