@@ -284,16 +284,16 @@ def outcome_of(seed: int, number: int, folder: Path) -> Outcome:
 def compared(draw: Draw, score: LoopScore, work: float, seconds: float) -> Outcome:
     """An answer beside what is true."""
     friction = draw.scene.friction.coefficient
-    high = np.inf if score.high is None else score.high
-    measured = score.rows[0]
+    high = np.inf if score.highest_friction is None else score.highest_friction
+    measured = score.loops[0]
     above = float(high - score.friction)
-    below = score.friction - score.low
+    below = score.friction - score.lowest_friction
     return Outcome(
         draw=draw,
         friction_error=score.friction / friction - 1,
         half_interval=max(above, below) / friction,
         side_of_truth=(above if friction > score.friction else below) / friction,
-        friction_covered=bool(score.low <= friction <= high),
+        friction_covered=bool(score.lowest_friction <= friction <= high),
         work_error=measured.area / work - 1,
         work_uncertainty=measured.area_uncertainty / work,
         seconds=seconds,

@@ -200,7 +200,7 @@ def against_loop(
 
     if effects is None or not math.isfinite(effects.work_uncertainty):
         return ()
-    measured_loop = score.rows[0]
+    measured_loop = score.loops[0]
     # Standard uncertainties of the area by the distance of its points, whose bound is taken as a
     # uniform distribution, and by their scatter, which is stated for 95 %.
     u_by_distance = measured_loop.by_distance / math.sqrt(3)
@@ -210,7 +210,7 @@ def against_loop(
     u_of_measurement = math.hypot(u_of_rows, (u_of_rig or 0.0) * measured_loop.area)
     entries = []
     # loops with the scene's friction; the others have the fitted one, and agree by design
-    for computed_loop in score.rows[1:]:
+    for computed_loop in score.loops[1:]:
         model, _, friction_in_words = computed_loop.name.partition(", ")
         if friction_in_words != OF_SCENE:
             continue

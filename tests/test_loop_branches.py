@@ -150,7 +150,7 @@ def loop_of(u, q, **options):
 
 def holds(score):
     """Whether f and W lie within what is stated."""
-    measured = score.rows[0]
+    measured = score.loops[0]
     return score.agrees, abs(measured.area - CYCLE[3]) <= measured.area_uncertainty
 
 
@@ -174,15 +174,15 @@ def test_an_exact_loop_gives_f_and_its_area_within_what_is_stated(
     score = score_loop(loop_of(u, q), SCENE)
     assert holds(score) == (True, True)
     assert score.friction == pytest.approx(FRICTION, rel=2e-6)
-    assert score.low < FRICTION < score.high
-    assert score.high - score.low < 1e-4 * FRICTION
+    assert score.lowest_friction < FRICTION < score.highest_friction
+    assert score.highest_friction - score.lowest_friction < 1e-4 * FRICTION
     assert score.compliance == pytest.approx(RIG, rel=1e-5)
-    assert score.rows[1].area == pytest.approx(CYCLE[3], rel=1e-4)
+    assert score.loops[1].area == pytest.approx(CYCLE[3], rel=1e-4)
     assert score.cycles == pytest.approx(cycles, abs=0.05)
-    assert score.rows[0].slope == pytest.approx(score.rows[1].slope, rel=1e-2)
+    assert score.loops[0].slope == pytest.approx(score.loops[1].slope, rel=1e-2)
     # A polygon within the loop: its error is of the order of the square of the step, and what is
     # stated is no more than needed.
-    assert 0 < score.rows[0].area_uncertainty < 20 * CYCLE[3] * (cycles / count) ** 2
+    assert 0 < score.loops[0].area_uncertainty < 20 * CYCLE[3] * (cycles / count) ** 2
 
 
 NOISY = [
@@ -201,9 +201,11 @@ def test_noise_is_covered_by_the_intervals():
     inside = np.array([holds(score) for score in scores])
     assert inside.sum(axis=0).min() >= len(NOISY) - 1
     for score, (_, _, count, _, _) in zip(scores, NOISY, strict=True):
-        assert score.high - score.low > 0.01 * FRICTION
-        assert score.rows[0].by_noise > 0.001 * CYCLE[3]
-        assert count < 100 or score.noise == pytest.approx(0.01 * np.ptp(score.shift) / 2, rel=0.2)
+        assert score.highest_friction - score.lowest_friction > 0.01 * FRICTION
+        assert score.loops[0].by_noise > 0.001 * CYCLE[3]
+        assert count < 100 or score.noise == pytest.approx(
+            0.01 * np.ptp(score.displacement) / 2, rel=0.2
+        )
 
 
 def test_an_interval_is_as_wide_as_the_digits_of_the_rows_leave_open():
@@ -213,7 +215,9 @@ def test_an_interval_is_as_wide_as_the_digits_of_the_rows_leave_open():
     rounded = score_loop(loop_of(np.round(u / step) * step, q, resolution=(step, 0.0)), SCENE)
     stated = score_loop(loop_of(u, q, resolution=(step, 0.0)), SCENE)
     assert rounded.agrees
-    assert stated.high - stated.low > 100 * (exact.high - exact.low)
+    assert stated.highest_friction - stated.lowest_friction > 100 * (
+        exact.highest_friction - exact.lowest_friction
+    )
     assert stated.noise == pytest.approx(step / np.sqrt(12))
 
 
@@ -235,12 +239,15 @@ def test_where_p_varies_rows_begin_anywhere_and_take_any_time(name, count, start
     score = score_loop(loop_of(*rows_of_varying(name, count, start, closed)), VARYING[name])
     assert score.cycles == pytest.approx(1.0, abs=1.6 / count + 0.01)
     assert score.friction == pytest.approx(FRICTION, rel=1e-5)
-    assert score.low < FRICTION < score.high
+    assert score.lowest_friction < FRICTION < score.highest_friction
     # Where Q stands at its turning points, their Q is known to a row less exactly.
-    assert score.high - score.low < (1e-3 if name == "Q stands" else 1e-4) * FRICTION
+    assert (
+        score.highest_friction - score.lowest_friction
+        < (1e-3 if name == "Q stands" else 1e-4) * FRICTION
+    )
     work = varying_work(name)
-    assert score.rows[1].area == pytest.approx(work, rel=1e-4)
-    measured = score.rows[0]
+    assert score.loops[1].area == pytest.approx(work, rel=1e-4)
+    measured = score.loops[0]
     assert abs(measured.area - work) <= measured.area_uncertainty
     assert measured.by_distance < 30 * work / count**2
     assert measured.by_noise < 1e-3 * work
@@ -251,8 +258,8 @@ def covered_of_varying(name, start, seed):
     score = score_loop(
         loop_of(*with_noise(*rows_of_varying(name, 240, start), 0.005, seed)), VARYING[name]
     )
-    measured = score.rows[0]
-    assert score.noise == pytest.approx(0.005 * np.ptp(score.shift) / 2, rel=0.25)
+    measured = score.loops[0]
+    assert score.noise == pytest.approx(0.005 * np.ptp(score.displacement) / 2, rel=0.25)
     return score.agrees, abs(measured.area - varying_work(name)) <= measured.area_uncertainty
 
 
@@ -297,8 +304,8 @@ def test_a_path_with_more_turning_points_is_placed_over_time():
     u, q = (np.interp(places, shares, values) for values in (shift, load))
     score = score_loop(loop_of(u, q), scene)
     assert score.friction == pytest.approx(FRICTION, rel=1e-3)
-    assert score.rows[0].area == pytest.approx(work, rel=1e-2)
-    assert any("follow the scene's Q over time" in sentence for sentence in score.said)
+    assert score.loops[0].area == pytest.approx(work, rel=1e-2)
+    assert any("follow the scene's Q over time" in sentence for sentence in score.notes)
 
 
 def part_of(u, q, begin, end):
@@ -399,8 +406,8 @@ def test_a_run_in_that_fades_in_noise_is_held_by_the_interval():
     rising = q * (1 - 0.4 * np.exp(-cycle / 0.5))
     rows = with_noise(u + RIG * (rising - q), rising, 0.005, seed=6)
     score = score_loop(loop_of(*rows), SCENE)
-    assert any("are left out: run-in" in said for said in score.said)
-    assert any("the interval of f holds it" in said for said in score.said)
+    assert any("are left out: run-in" in note for note in score.notes)
+    assert any("the interval of f holds it" in note for note in score.notes)
     assert score.agrees
 
 
@@ -430,12 +437,12 @@ def gross_rows(rows_of_branch, cycles=3):
 def test_a_loop_that_slides_as_a_whole_has_f_from_its_plateaus(rows_of_branch, noise):
     u, q, work = gross_rows(rows_of_branch)
     score = score_loop(loop_of(*with_noise(u, q, noise, seed=2)), GROSS)
-    assert score.low <= NEARLY / LOAD <= score.high
+    assert score.lowest_friction <= NEARLY / LOAD <= score.highest_friction
     assert score.friction == pytest.approx(NEARLY / LOAD, rel=1e-8 + noise)
-    assert abs(score.rows[0].area - work) <= score.rows[0].area_uncertainty
-    assert score.rows[1].area == pytest.approx(work, rel=1e-4 + noise)
-    assert any("The contact slides as a whole" in said for said in score.said)
-    assert [row.name for row in score.rows] == [
+    assert abs(score.loops[0].area - work) <= score.loops[0].area_uncertainty
+    assert score.loops[1].area == pytest.approx(work, rel=1e-4 + noise)
+    assert any("The contact slides as a whole" in note for note in score.notes)
+    assert [row.name for row in score.loops] == [
         "measured",
         "theory, best f",
         "theory, the scene's f",
@@ -448,8 +455,8 @@ def test_plateaus_of_few_digits_leave_f_open_by_a_step():
     rounded = MeasuredLoop("rig", u, 5 * np.round(q / 5), 1.0 * np.arange(len(u)), (), (0.0, 5.0))
     score = score_loop(rounded, GROSS)
     assert score.friction == pytest.approx(90 / LOAD, rel=5e-3)
-    assert score.low <= FRICTION <= score.high
-    assert score.high - score.low < 3 * 5 / LOAD
+    assert score.lowest_friction <= FRICTION <= score.highest_friction
+    assert score.highest_friction - score.lowest_friction < 3 * 5 / LOAD
 
 
 def test_a_small_drift_of_u_is_taken_out_and_said():
@@ -458,7 +465,7 @@ def test_a_small_drift_of_u_is_taken_out_and_said():
     score = score_loop(loop_of(drifting, q), SCENE)
     assert holds(score) == (True, True)
     assert score.friction == pytest.approx(FRICTION, rel=0.02)
-    assert any(said.startswith("U drifts by +0.5 %") for said in score.said)
+    assert any(note.startswith("U drifts by +0.5 %") for note in score.notes)
 
 
 def test_a_run_in_is_left_out_and_said():
@@ -468,7 +475,7 @@ def test_a_run_in_is_left_out_and_said():
     score = score_loop(loop_of(u, q), SCENE)
     assert holds(score) == (True, True)
     assert score.friction == pytest.approx(FRICTION, rel=0.02)
-    assert any("may be of the initial loading" in said for said in score.said)
+    assert any("may be of the initial loading" in note for note in score.notes)
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.001])
@@ -480,7 +487,7 @@ def test_half_cycles_are_left_out_until_f_no_longer_rises(noise):
     score = score_loop(loop_of(*with_noise(u + RIG * (rising - q), rising, noise, seed=4)), SCENE)
     assert score.agrees
     assert score.friction == pytest.approx(FRICTION, rel=0.02)
-    assert any("are left out: run-in" in said for said in score.said)
+    assert any("are left out: run-in" in note for note in score.notes)
 
 
 def test_neighbours_on_one_side_of_the_fit_widen_the_interval():
@@ -489,9 +496,11 @@ def test_neighbours_on_one_side_of_the_fit_widen_the_interval():
     wave = 0.0002 * np.ptp(u) * np.sin(2 * np.pi * 7.3 * np.arange(len(u)) / len(u))
     plain = score_loop(loop_of(u, q), SCENE)
     waving = score_loop(loop_of(u + wave, q), SCENE)
-    assert waving.high - waving.low > 3 * (plain.high - plain.low)
-    assert any("Neighbouring rows lie on the same side" in said for said in waving.said)
-    assert not any("Neighbouring rows" in said for said in plain.said)
+    assert waving.highest_friction - waving.lowest_friction > 3 * (
+        plain.highest_friction - plain.lowest_friction
+    )
+    assert any("Neighbouring rows lie on the same side" in note for note in waving.notes)
+    assert not any("Neighbouring rows" in note for note in plain.notes)
 
 
 # ---------------------------------------------------------------------------------- tables of loops
@@ -550,7 +559,7 @@ def test_two_columns_without_names_are_taken_by_number(tmp_path):
     (tmp_path / "map.toml").write_text("[columns]\nslip = 1\n", encoding="utf-8")
     mapping = load_mapping(tmp_path / "map.toml")
     loop = read_loop(tmp_path / "loop.csv", mapping, SCENE)
-    np.testing.assert_allclose(loop.shift, u, rtol=1e-6, atol=1e-6 * np.ptp(u))
+    np.testing.assert_allclose(loop.displacement, u, rtol=1e-6, atol=1e-6 * np.ptp(u))
     np.testing.assert_allclose(loop.load, q, rtol=1e-6, atol=1e-6 * LARGEST)
     with refused_for("columns.slip = 3", "2 columns"):
         read_loop(tmp_path / "loop.csv", Mapping.model_validate({"columns": {"slip": 3}}), SCENE)

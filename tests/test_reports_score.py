@@ -737,13 +737,13 @@ def test_friction_to_one_per_cent_at_two_per_cent_noise_within_its_interval():
         u, q, _ = rows_of(WIDE, 0.5, 20_000, 100.0, 0.02, seed=seed)
         loop_score = score_loop(loop_of(u, q), WIDE)
         errors.append(loop_score.friction / 0.5 - 1)
-        inside += loop_score.low <= 0.5 <= loop_score.high
+        inside += loop_score.lowest_friction <= 0.5 <= loop_score.highest_friction
         assert loop_score.noise == pytest.approx(0.02 * np.ptp(u) / 2, rel=0.2)
         assert (
-            abs(loop_score.rows[0].area - loop_score.rows[1].area)
-            < 2 * loop_score.rows[0].area_uncertainty
+            abs(loop_score.loops[0].area - loop_score.loops[1].area)
+            < 2 * loop_score.loops[0].area_uncertainty
         )
-        assert (loop_score.high - loop_score.low) / 2 < 0.01 * 0.5
+        assert (loop_score.highest_friction - loop_score.lowest_friction) / 2 < 0.01 * 0.5
     assert np.max(np.abs(errors)) < 0.01
     assert inside >= 3
 
@@ -754,15 +754,15 @@ def test_a_given_rig_and_the_files_own_size_of_the_load():
     assert (loop_score.compliance, loop_score.compliance_fitted) == (rig, False)
     assert loop_score.friction == pytest.approx(0.5, rel=1e-4)
     wrong = score_loop(loop_of(u, q), WIDE, rig_compliance=2 * rig)
-    assert wrong.rows[1].distance > 100 * loop_score.rows[1].distance
+    assert wrong.loops[1].distance > 100 * loop_score.loops[1].distance
     # U and Q twice as large with twice the f are the same loop, twice as large.
     twice = score_loop(loop_of(2 * u, 2 * q), WIDE)
     assert (twice.scale, twice.friction) == (
         pytest.approx(2.0, rel=1e-6),
         pytest.approx(1.0, rel=1e-4),
     )
-    assert any("2 times that of the scene" in sentence for sentence in twice.said)
-    assert twice.rows[1].area == pytest.approx(4 * loop_score.rows[1].area, rel=1e-3)
+    assert any("2 times that of the scene" in sentence for sentence in twice.notes)
+    assert twice.loops[1].area == pytest.approx(4 * loop_score.loops[1].area, rel=1e-3)
 
 
 def test_at_constant_normal_load_the_form_of_q_over_time_does_not_matter():
@@ -779,7 +779,7 @@ def test_at_constant_normal_load_the_form_of_q_over_time_does_not_matter():
     assert loop_score.friction == pytest.approx(0.5, rel=1e-3)
     assert any(
         "the form of Q and U over time counts for nothing" in sentence
-        for sentence in loop_score.said
+        for sentence in loop_score.notes
     )
 
 
@@ -788,22 +788,22 @@ def test_rows_at_uneven_steps_need_no_times():
     chosen = np.sort(np.random.default_rng(2).choice(len(u), 150, replace=False))
     loop_score = score_loop(loop_of(u[chosen], q[chosen]), PAPER)
     assert loop_score.friction == pytest.approx(0.9, rel=1e-4)
-    assert loop_score.low < 0.9 < loop_score.high
+    assert loop_score.lowest_friction < 0.9 < loop_score.highest_friction
 
 
 def test_a_loop_that_hardly_opens_has_no_upper_limit():
     u, q, _ = rows_of(CONSTANT, 5.0, 400, 4.0, 0.02)
     loop_score = score_loop(loop_of(u, q), CONSTANT)
-    assert loop_score.high is None
+    assert loop_score.highest_friction is None
     assert "no upper limit" in loop_score.sentence
-    assert loop_score.low < 5.0
+    assert loop_score.lowest_friction < 5.0
 
 
 @pytest.mark.slow
 def test_finite_elements_lie_beside_theory():
     u, q, _ = rows_of(CONSTANT, 0.5)
     loop_score = score_loop(loop_of(u, q), CONSTANT, against="fe")
-    rows = {row.name: row for row in loop_score.rows}
+    rows = {row.name: row for row in loop_score.loops}
     assert rows["finite elements, best f"].area == pytest.approx(
         rows["theory, best f"].area, rel=3e-3
     )
@@ -945,7 +945,11 @@ def test_a_spoilt_file_is_a_score_or_one_sentence(seed, fault):
     assert (
         refusal.startswith("loop.csv: ")
         if loop_score is None
-        else loop_score.low <= loop_score.friction
+        else loop_score.lowest_friction <= loop_score.friction
     )
-    assert loop_score is None or loop_score.high is None or loop_score.friction <= loop_score.high
-    assert loop_score is None or np.isfinite([row.area for row in loop_score.rows]).all()
+    assert (
+        loop_score is None
+        or loop_score.highest_friction is None
+        or loop_score.friction <= loop_score.highest_friction
+    )
+    assert loop_score is None or np.isfinite([row.area for row in loop_score.loops]).all()

@@ -247,7 +247,7 @@ def _score_loop(
         WITHIN if score.agrees else OUTSIDE,
         [
             read_in_words(path.name, score.read_as),
-            *(f"Assumed: {sentence}." for sentence in score.said),
+            *(f"Assumed: {sentence}." for sentence in score.notes),
             sheet,
             score.sentence,
             *sentences,

@@ -55,48 +55,50 @@ class LoopArea:
         return math.hypot(self.by_distance, self.by_noise)
 
 
-def _shoelace(shift: Array, load: Array) -> float:
+def _shoelace(displacement: Array, load: Array) -> float:
     """Closed integral of Q dU along the polygon (n,) and (n,), which ends where it begins."""
-    return float(np.sum((load + np.roll(load, -1)) / 2 * (np.roll(shift, -1) - shift)))
+    return float(
+        np.sum((load + np.roll(load, -1)) / 2 * (np.roll(displacement, -1) - displacement))
+    )
 
 
-def _where_shift_returns(shift: Array, rows: NDArray[np.intp]) -> tuple[int, float]:
+def _where_displacement_returns(displacement: Array, rows: NDArray[np.intp]) -> tuple[int, float]:
     """Place in a record at which U is nearest to its first value again, between two rows: the index
     of the row behind it, and the fraction of the step from the row before, 0 to 1.
 
     Parameters
     ----------
-    shift
+    displacement
         (n,) U of the rows
     rows
         (k,) indices of the rows at the ends of the steps that are searched
 
     Examples
     --------
-    >>> _where_shift_returns(np.array([2.0, 5.0, 1.0, 1.5, 2.5, 3.0]), np.array([3, 4, 5]))
+    >>> _where_displacement_returns(np.array([2.0, 5.0, 1.0, 1.5, 2.5, 3.0]), np.array([3, 4, 5]))
     (4, 0.5)
     """
-    shift_before = shift[rows - 1]
-    step = shift[rows] - shift_before
-    distance_to_first = shift[0] - shift_before
+    displacement_before = displacement[rows - 1]
+    step = displacement[rows] - displacement_before
+    distance_to_first = displacement[0] - displacement_before
     fraction_of_step = np.clip(distance_to_first / np.where(step == 0, 1.0, step), 0.0, 1.0)
     nearest_step = int(np.argmin(np.abs(fraction_of_step * step - distance_to_first)))
     return int(rows[nearest_step]), float(fraction_of_step[nearest_step])
 
 
 def polygon_area(
-    shift: Array, load: Array, phase: Array, shift_noise: float, load_noise: float
+    displacement: Array, load: Array, phase: Array, displacement_noise: float, load_noise: float
 ) -> LoopArea:
     """Area W of a loop of Q over U per cycle, by the polygon through its rows, with its errors by
     the distance of the rows and by their noise. As many whole cycles count as the rows cover.
 
     Parameters
     ----------
-    shift, load
+    displacement, load
         relative tangential displacement U and load Q of the rows, (n,) each
     phase
         (n,) cycles since any instant
-    shift_noise, load_noise
+    displacement_noise, load_noise
         sigma of U and Q
 
     Examples
@@ -116,28 +118,28 @@ def polygon_area(
     rows_at_end = rows_at_end[rows_at_end > 0.5 * len(phase) * cycles / max(covered_cycles, cycles)]
     error_by_gap = 0.0
     if len(rows_at_end):
-        noise = (shift_noise, load_noise)
-        shift, load, error_by_gap = _closed_at_end(
-            shift, load, phase, rows_at_end, end_phase, noise
+        noise = (displacement_noise, load_noise)
+        displacement, load, error_by_gap = _closed_at_end(
+            displacement, load, phase, rows_at_end, end_phase, noise
         )
     elif end_phase - phase[-1] > missing_cycles:
         # the loop may lie anywhere between the chord and its end tangents
-        error_by_gap = abs(float((shift[-1] - shift[0]) * (load[-1] - load[0]))) / 2
-    area = _shoelace(shift, load)
+        error_by_gap = abs(float((displacement[-1] - displacement[0]) * (load[-1] - load[0]))) / 2
+    area = _shoelace(displacement, load)
     area_by_half_the_rows = (
-        _shoelace(shift[::2], load[::2]) + _shoelace(shift[1::2], load[1::2])
+        _shoelace(displacement[::2], load[::2]) + _shoelace(displacement[1::2], load[1::2])
     ) / 2
-    shift_step = (np.roll(shift, -1) - np.roll(shift, 1)) / 2
+    displacement_step = (np.roll(displacement, -1) - np.roll(displacement, 1)) / 2
     load_step = (np.roll(load, -1) - np.roll(load, 1)) / 2
     area_scatter = math.sqrt(
-        float(np.sum((shift_noise * load_step) ** 2 + (load_noise * shift_step) ** 2))
+        float(np.sum((displacement_noise * load_step) ** 2 + (load_noise * displacement_step) ** 2))
     )
     error_by_distance = abs(area - area_by_half_the_rows) / 2 + error_by_gap
     return LoopArea(area / cycles, error_by_distance / cycles, 1.96 * area_scatter / cycles, cycles)
 
 
 def _closed_at_end(
-    shift: Array,
+    displacement: Array,
     load: Array,
     phase: Array,
     rows_at_end: NDArray[np.intp],
@@ -150,7 +152,7 @@ def _closed_at_end(
 
     Parameters
     ----------
-    shift, load, phase
+    displacement, load, phase
         (n,) U, Q, and cycles passed at each row
     rows_at_end
         indices of the rows behind the end of the last whole cycle
@@ -159,36 +161,40 @@ def _closed_at_end(
     noise
         sigma of U and of Q
     """
-    shift_noise, load_noise = noise
+    displacement_noise, load_noise = noise
     row_after = int(rows_at_end[0])
     phase_before = phase[row_after - 1]
     phase_step = max(phase[row_after] - phase_before, 1e-300)
     fraction_of_step = float(np.clip((end_phase - phase_before) / phase_step, 0.0, 1.0))
-    largest_scatter_of_shift = _GAP * shift_noise
+    largest_scatter_of_displacement = _GAP * displacement_noise
     # phase in which Q changes by 4 sigma: with less, Q can stand still at a turning point
     phase_of_standstill = 4 * load_noise / (2 * float(np.ptp(load))) + _ROUNDING
     rows_in_standstill = rows_at_end[phase[rows_at_end] <= end_phase + phase_of_standstill]
     if len(rows_in_standstill) > 1:  # U moves on while Q stands: the loop closes where U returns
-        row_after, fraction_of_step = _where_shift_returns(shift, rows_in_standstill)
-        is_last_row = row_after == len(shift) - 1 and fraction_of_step == 1
+        row_after, fraction_of_step = _where_displacement_returns(displacement, rows_in_standstill)
+        is_last_row = row_after == len(displacement) - 1 and fraction_of_step == 1
         if is_last_row:  # which may be a step before the first one
-            largest_shift_step = float(np.max(np.abs(np.diff(shift[rows_in_standstill]))))
-            largest_scatter_of_shift = max(largest_scatter_of_shift, 1.6 * largest_shift_step)
-    shift_at_end, load_at_end = (
+            largest_displacement_step = float(
+                np.max(np.abs(np.diff(displacement[rows_in_standstill])))
+            )
+            largest_scatter_of_displacement = max(
+                largest_scatter_of_displacement, 1.6 * largest_displacement_step
+            )
+    displacement_at_end, load_at_end = (
         float(
             values[row_after - 1] + fraction_of_step * (values[row_after] - values[row_after - 1])
         )
-        for values in (shift, load)
+        for values in (displacement, load)
     )
     # U that does not come back closes by a chord at the first Q: an error of the gap times Q from
     # its mean there.
     error_by_gap = 0.0
-    gap_of_shift = shift_at_end - float(shift[0])
-    if abs(gap_of_shift) > largest_scatter_of_shift:
+    gap_of_displacement = displacement_at_end - float(displacement[0])
+    if abs(gap_of_displacement) > largest_scatter_of_displacement:
         middle_load = float(load.max() + load.min()) / 2
-        error_by_gap = abs(gap_of_shift) * abs(float(load[0]) - middle_load)
+        error_by_gap = abs(gap_of_displacement) * abs(float(load[0]) - middle_load)
     return (
-        np.append(shift[:row_after], shift_at_end),
+        np.append(displacement[:row_after], displacement_at_end),
         np.append(load[:row_after], load_at_end),
         error_by_gap,
     )
@@ -305,8 +311,12 @@ def _area_per_sigma(loop: MasingLoop, fit: MasingFit, rows: NDArray[np.intp]) ->
     # places are counted round the loop, from 0 to 2: the first row follows the last one
     place_before = np.concatenate([[place[-1] - 2], place[:-1]])
     place_after = np.concatenate([place[1:], [place[0] + 2]])
-    shift_before, load_before = loop.points_at_rows(np.mod((place_before + place) / 2, 2.0))
-    shift_after, load_after = loop.points_at_rows(np.mod((place + place_after) / 2, 2.0))
-    area_by_load_error = unit_normal[:, 1] * fit.sigma.load * (shift_after - shift_before)
-    area_by_shift_error = unit_normal[:, 0] * fit.sigma.shift * (load_after - load_before)
-    return np.asarray(area_by_load_error - area_by_shift_error)
+    displacement_before, load_before = loop.points_at_rows(np.mod((place_before + place) / 2, 2.0))
+    displacement_after, load_after = loop.points_at_rows(np.mod((place + place_after) / 2, 2.0))
+    area_by_load_error = (
+        unit_normal[:, 1] * fit.sigma.load * (displacement_after - displacement_before)
+    )
+    area_by_displacement_error = (
+        unit_normal[:, 0] * fit.sigma.displacement * (load_after - load_before)
+    )
+    return np.asarray(area_by_load_error - area_by_displacement_error)

@@ -88,7 +88,7 @@ def row_noise(values: Array) -> float:
 
 
 def find_branches(
-    shift: Array, load: Array, time: Array, resolution: float, source: str
+    displacement: Array, load: Array, time: Array, resolution: float, source: str
 ) -> Branches:
     """Divide a measured loop into its branches: for each row whether it lies on the branch on which
     Q rises, and the number of cycles up to it; with the turning points of Q.
@@ -99,7 +99,7 @@ def find_branches(
 
     Parameters
     ----------
-    shift, load, time
+    displacement, load, time
         relative tangential displacement U, Q and time of the rows, (n,) each; time ascends
     resolution
         step of Q that the digits of the rows resolve
@@ -114,7 +114,7 @@ def find_branches(
     noise = max(row_noise(load), resolution / math.sqrt(12))
     range_of_load = _range(load, noise)
     _refuse_scatter(load, noise, range_of_load, source)
-    record = _record_of_two_cycles(shift, load, time, noise, range_of_load, source)
+    record = _record_of_two_cycles(displacement, load, time, noise, range_of_load, source)
     crossing_times = _crossing_times(
         record.load, record.time, record.rows_before, record.rows_after, sum(range_of_load) / 2
     )
@@ -191,7 +191,7 @@ def _refuse_scatter(
 
 
 def _record_of_two_cycles(
-    shift: Array,
+    displacement: Array,
     load: Array,
     time: Array,
     noise: float,
@@ -204,7 +204,7 @@ def _record_of_two_cycles(
 
     Parameters
     ----------
-    shift, load, time
+    displacement, load, time
         (n,) U, Q and time of the rows
     noise
         sigma of Q
@@ -214,7 +214,7 @@ def _record_of_two_cycles(
     rows_before, rows_after, rises_at_crossing = _crossings(load, *range_of_load)
     if len(rows_before) >= 3:
         return _Record(load, time, rows_before, rows_after, rises_at_crossing)
-    closing_row = _closing_row(shift, load, rows_before, rises_at_crossing, noise)
+    closing_row = _closing_row(displacement, load, rows_before, rises_at_crossing, noise)
     if closing_row is None:
         least_load, largest_load = range_of_load
         travel_of_load = np.sum(np.abs(np.diff(_turned(load, rows_before, rows_after))))
@@ -406,7 +406,7 @@ def _turned(load: Array, begins: NDArray[np.intp], ends: NDArray[np.intp]) -> Ar
 
 
 def _closing_row(
-    shift: Array,
+    displacement: Array,
     load: Array,
     rows_before: NDArray[np.intp],
     rises_at_crossing: NDArray[np.bool_],
@@ -417,7 +417,7 @@ def _closing_row(
 
     Parameters
     ----------
-    shift, load
+    displacement, load
         (n,) U and Q of the rows
     rows_before, rises_at_crossing
         (k,) last row before each crossing of the middle of Q, and whether Q rises there
@@ -452,18 +452,24 @@ def _closing_row(
         rows_to_next_turn = int(np.argmin(loads_behind_turn))
     row_beyond_branch = turning_row + rows_to_next_turn + 1
     load_from_first = load[turning_row:row_beyond_branch] - load[0]
-    shift_from_first = shift[turning_row:row_beyond_branch] - shift[0]
+    displacement_from_first = displacement[turning_row:row_beyond_branch] - displacement[0]
     largest_load_step = float(np.max(np.abs(np.diff(load))))
-    largest_shift_step = float(np.max(np.abs(np.diff(shift))))
+    largest_displacement_step = float(np.max(np.abs(np.diff(displacement))))
     # Along the branch U changes with Q, roughly as over the whole loop; across the loop it changes
     # alone.
-    distance_across_loop = shift_from_first - np.ptp(shift) / np.ptp(load) * load_from_first
+    distance_across_loop = (
+        displacement_from_first - np.ptp(displacement) / np.ptp(load) * load_from_first
+    )
     is_near_in_load = np.abs(load_from_first) <= 2 * largest_load_step + 4 * noise
-    is_near_across_loop = np.abs(distance_across_loop) <= largest_shift_step + 5 * row_noise(shift)
+    is_near_across_loop = np.abs(distance_across_loop) <= largest_displacement_step + 5 * row_noise(
+        displacement
+    )
     is_near_first = is_near_in_load & is_near_across_loop
     if not np.any(is_near_first):
         return None
-    relative_distance = np.hypot(load_from_first / np.ptp(load), shift_from_first / np.ptp(shift))
+    relative_distance = np.hypot(
+        load_from_first / np.ptp(load), displacement_from_first / np.ptp(displacement)
+    )
     return turning_row + int(np.argmin(np.where(is_near_first, relative_distance, math.inf)))
 
 

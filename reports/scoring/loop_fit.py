@@ -69,10 +69,10 @@ _STRIDE = 16
 _ROWS_AT_ONCE = 8192
 
 
-class Weights(NamedTuple):
-    """Sigma of U and of Q of a row."""
+class RowNoise(NamedTuple):
+    """Standard deviations of the noise of U [length] and of Q [force / thickness] in a row."""
 
-    shift: float
+    displacement: float
     load: float
 
 
@@ -82,7 +82,7 @@ class LoopRows:
 
     Attributes
     ----------
-    shift, load
+    displacement, load
         (n,) U [length] and Q [force / thickness]
     branches
         whether each row lies on the rising or on the falling branch, and the turning points of Q
@@ -90,7 +90,7 @@ class LoopRows:
         C of the rig [1/stress], or None where it is fitted
     """
 
-    shift: Array
+    displacement: Array
     load: Array
     branches: Branches
     compliance: float | None
@@ -99,9 +99,14 @@ class LoopRows:
     def sizes(self) -> Array:
         """Typical sizes of Q_max, Q_min, C and U0, (4,): steps of a fit are counted in them."""
         range_of_load = float(np.ptp(self.load))
-        range_of_shift = float(np.ptp(self.shift))
+        range_of_displacement = float(np.ptp(self.displacement))
         return np.array(
-            [range_of_load, range_of_load, range_of_shift / range_of_load, range_of_shift]
+            [
+                range_of_load,
+                range_of_load,
+                range_of_displacement / range_of_load,
+                range_of_displacement,
+            ]
         )
 
     def fitted_rig(
@@ -118,7 +123,7 @@ class LoopRows:
             (n,) which of the rows count; all of them by default
         """
         is_used = np.ones(len(displacement), dtype=bool) if rows is None else rows
-        rig_displacement = (self.shift - displacement)[is_used]
+        rig_displacement = (self.displacement - displacement)[is_used]
         load = self.load[is_used]
         if self.compliance is not None:
             return self.compliance, float(np.mean(rig_displacement - self.compliance * load))
@@ -133,13 +138,14 @@ class LoopFit:
 
     Attributes
     ----------
-    friction, low, high
-        f and its 95 % interval; high None where no larger f can be told from it
+    friction, lowest_friction, highest_friction
+        f that fits best, and the ends of its 95 % interval; the upper one is None where the rows
+        exclude no larger f
     highest, lowest
         turning points of Q [force per thickness]
     compliance, origin
         C [1/stress] and U0 [length]
-    shift_noise, load_noise
+    displacement_noise, load_noise
         sigma of U and of Q
     misfit
         what the distances of the rows show beside scatter: correlation of neighbours, and the
@@ -147,13 +153,13 @@ class LoopFit:
     """
 
     friction: float
-    low: float
-    high: float | None
+    lowest_friction: float
+    highest_friction: float | None
     highest: float
     lowest: float
     compliance: float
     origin: float
-    shift_noise: float
+    displacement_noise: float
     load_noise: float
     misfit: Misfit
 
@@ -170,12 +176,12 @@ class NearestPoints:
 
     place : (n,) index of an instant of the loop, with a fraction
     distance : (n,) in sigma, positive on the left of the loop's direction
-    shift_part, load_part : (n,) components of the unit vector from the loop to the row
+    displacement_part, load_part : (n,) components of the unit vector from the loop to the row
     """
 
     place: Array
     distance: Array
-    shift_part: Array
+    displacement_part: Array
     load_part: Array
 
 
@@ -230,7 +236,7 @@ class LoopsOverFriction:
             self.solved[step] = self.solve(self.sliding * math.exp((_ROOT_STEP * step) ** 2))
         return self.solved[step]
 
-    def shift(self, friction: float) -> Array:
+    def displacement(self, friction: float) -> Array:
         """U (m,) of the scene with this f [length]."""
         root = self._root_in_steps(friction)
         step = round(root)
@@ -239,13 +245,13 @@ class LoopsOverFriction:
         weights, _ = _cubic_weights(root - math.floor(root))
         return np.asarray(weights @ self._solved_around(root))
 
-    def shift_by_log_friction(self, friction: float) -> Array:
+    def displacement_by_log_friction(self, friction: float) -> Array:
         """Derivative (m,) of U by ln f [length]."""
         # The root has no derivative at gross sliding itself: that just above is taken.
         root = max(self._root_in_steps(friction), 1e-3)
         _, weights_of_derivative = _cubic_weights(root - math.floor(root))
-        shift_by_step = np.asarray(weights_of_derivative @ self._solved_around(root))
-        return shift_by_step / (2 * _ROOT_STEP**2 * root)
+        displacement_by_step = np.asarray(weights_of_derivative @ self._solved_around(root))
+        return displacement_by_step / (2 * _ROOT_STEP**2 * root)
 
     def _root_in_steps(self, friction: float) -> float:
         """sqrt(ln(f/sliding)) in steps of `_ROOT_STEP`; 0 below gross sliding, where U is that of
@@ -323,26 +329,28 @@ class LoopsOverFriction:
             Q at the upper and at the lower turning point of the rows
         """
         scale = self.scale(highest_load, lowest_load)
-        shift_of_scene = self.shift(friction / scale)
+        displacement_of_scene = self.displacement(friction / scale)
         fraction_of_range = (rows.load - lowest_load) / (highest_load - lowest_load)
         load_of_scene = self.load.min() + self.range_of_load * np.clip(fraction_of_range, 0.0, 1.0)
         n_instants = len(self.load) - 1
-        shift_at_rows = np.empty(len(rows.load))
+        displacement_at_rows = np.empty(len(rows.load))
         for rising in (True, False):
             is_on_branch = rows.branches.rising == rising
             begin, end = self.ends_of_branch(rising=rising)
             instants = np.arange(begin, end + 1) % n_instants
             instants_by_load = instants if rising else instants[::-1]
             ascending_loads = np.maximum.accumulate(self.load[instants_by_load])
-            shift_at_rows[is_on_branch] = np.interp(
-                load_of_scene[is_on_branch], ascending_loads, shift_of_scene[instants_by_load]
+            displacement_at_rows[is_on_branch] = np.interp(
+                load_of_scene[is_on_branch],
+                ascending_loads,
+                displacement_of_scene[instants_by_load],
             )
         is_in_middle = (fraction_of_range > _MIDDLE[0]) & (fraction_of_range < _MIDDLE[1])
         rows_that_count = is_in_middle if np.count_nonzero(is_in_middle) > 8 else None
-        return rows.fitted_rig(scale * shift_at_rows, rows_that_count)
+        return rows.fitted_rig(scale * displacement_at_rows, rows_that_count)
 
     def nearest_points(
-        self, rows: LoopRows, friction: float, terms: Array, weights: Weights
+        self, rows: LoopRows, friction: float, terms: Array, noise: RowNoise
     ) -> NearestPoints:
         """The point of theory's loop that is nearest to each row, on the branch of the row or just
         beyond its turning points: place (instant of the loop, with a fraction), distance and unit
@@ -354,19 +362,23 @@ class LoopsOverFriction:
             f of the loop
         terms
             (4,) highest Q, lowest Q, and C and U0 of the rig
-        weights
+        noise
             sigma of U and of Q, by which both are divided
         """
         highest_load, lowest_load, compliance, origin = terms.tolist()
         scale = self.scale(highest_load, lowest_load)
         load_of_loop = lowest_load + scale * (self.load - self.load.min())
-        shift_of_loop = scale * self.shift(friction / scale) + compliance * load_of_loop + origin
+        displacement_of_loop = (
+            scale * self.displacement(friction / scale) + compliance * load_of_loop + origin
+        )
         n_instants = len(self.load) - 1
         # for each row: place, distance, unit vector in U and in Q
         nearest = np.empty((4, len(rows.load)))
         nearest[1] = math.inf
-        row_points = np.array([rows.shift / weights.shift, rows.load / weights.load])
-        loop_points = np.array([shift_of_loop / weights.shift, load_of_loop / weights.load])
+        row_points = np.array([rows.displacement / noise.displacement, rows.load / noise.load])
+        loop_points = np.array(
+            [displacement_of_loop / noise.displacement, load_of_loop / noise.load]
+        )
         for is_branch_rising in (True, False):
             rows_of_branch = np.flatnonzero(rows.branches.rising == is_branch_rising)
             for instants in self.branch_parts[is_branch_rising]:
@@ -379,12 +391,12 @@ class LoopsOverFriction:
                     nearest[:, rows_of_block[is_nearer]] = candidate[:, is_nearer]
         return NearestPoints(*nearest)
 
-    def distances(self, rows: LoopRows, friction: float, terms: Array, weights: Weights) -> Array:
+    def distances(self, rows: LoopRows, friction: float, terms: Array, noise: RowNoise) -> Array:
         """Distances (n,) of the rows from their branches of theory's loop, in sigma."""
-        return self.nearest_points(rows, friction, terms, weights).distance
+        return self.nearest_points(rows, friction, terms, noise).distance
 
     def distances_with_derivatives(
-        self, rows: LoopRows, friction: float, terms: Array, weights: Weights
+        self, rows: LoopRows, friction: float, terms: Array, noise: RowNoise
     ) -> tuple[Array, Array]:
         """Distances of the rows from theory's loop in sigma (n,), and their derivatives by ln f,
         highest Q, lowest Q, C and U0 (n, 5).
@@ -395,39 +407,43 @@ class LoopsOverFriction:
             f of the loop
         terms
             (4,) highest Q, lowest Q, and C and U0 of the rig
-        weights
+        noise
             sigma of U and of Q
         """
         highest_load, lowest_load, compliance, _ = terms.tolist()
         # r: range of Q of these turning points over that of the scene
         scale = self.scale(highest_load, lowest_load)
-        nearest_points = self.nearest_points(rows, friction, terms, weights)
+        nearest_points = self.nearest_points(rows, friction, terms, noise)
         # place of the nearest point in the scene's cycle, as a number of instants
         place = np.mod(nearest_points.place, len(self.load) - 1)
         instants = np.arange(len(self.load))
         load_above_lowest = np.interp(place, instants, self.load - self.load.min())
         fraction_of_range = load_above_lowest / self.range_of_load
-        shift_at_place = np.interp(place, instants, self.shift(friction / scale))
-        shift_by_log = self.shift_by_log_friction(friction / scale)
-        shift_by_log_at_place = scale * np.interp(place, instants, shift_by_log)
+        displacement_at_place = np.interp(place, instants, self.displacement(friction / scale))
+        displacement_by_log = self.displacement_by_log_friction(friction / scale)
+        displacement_by_log_at_place = scale * np.interp(place, instants, displacement_by_log)
         # Derivatives of U and Q of the nearest point. It moves along the loop too; the distance,
         # measured across the loop, does not change by that. U depends on r by r U(tau; f/r).
-        shift_by_range = (shift_at_place - shift_by_log_at_place / scale) / self.range_of_load
-        shift_derivatives = np.column_stack(
+        displacement_by_range = (
+            displacement_at_place - displacement_by_log_at_place / scale
+        ) / self.range_of_load
+        displacement_derivatives = np.column_stack(
             [
-                shift_by_log_at_place,
-                shift_by_range + compliance * fraction_of_range,
-                -shift_by_range + compliance * (1 - fraction_of_range),
+                displacement_by_log_at_place,
+                displacement_by_range + compliance * fraction_of_range,
+                -displacement_by_range + compliance * (1 - fraction_of_range),
                 lowest_load + (highest_load - lowest_load) * fraction_of_range,
                 np.ones_like(fraction_of_range),
             ]
         )
-        load_derivatives = np.zeros_like(shift_derivatives)
+        load_derivatives = np.zeros_like(displacement_derivatives)
         load_derivatives[:, 1] = fraction_of_range
         load_derivatives[:, 2] = 1 - fraction_of_range
         derivatives = (
-            -nearest_points.shift_part[:, None] * shift_derivatives / weights.shift
-            - nearest_points.load_part[:, None] * load_derivatives / weights.load
+            -nearest_points.displacement_part[:, None]
+            * displacement_derivatives
+            / noise.displacement
+            - nearest_points.load_part[:, None] * load_derivatives / noise.load
         )
         return nearest_points.distance, derivatives
 
@@ -540,14 +556,14 @@ class _Search:
 
     rows: LoopRows
     model: LoopsOverFriction
-    weights: Weights
+    noise: RowNoise
     sliding_friction: float  # f of gross sliding between the turning points of the rows
 
     def residuals(self, friction: float, terms: Array) -> Array:
         """Distances of the rows from theory's loop, then of the two turning points from those that
         the rows of Q show, each over its sigma: (n + 2,). `terms` are Q_max, Q_min, C and U0.
         """
-        distances = self.model.distances(self.rows, friction, terms, self.weights)
+        distances = self.model.distances(self.rows, friction, terms, self.noise)
         return np.concatenate([distances, self._residuals_of_turns(terms)])
 
     def _residuals_of_turns(self, terms: Array) -> Array:
@@ -563,7 +579,7 @@ class _Search:
     ) -> tuple[Array, Array]:
         """The residuals (n + 2,), and their derivatives by ln f and the terms (n + 2, 5)."""
         distances, derivatives_of_distances = model.distances_with_derivatives(
-            self.rows, friction, terms, self.weights
+            self.rows, friction, terms, self.noise
         )
         derivatives_of_turns = np.zeros((2, 5))
         derivatives_of_turns[0, 1] = 1 / self.rows.branches.highest.error
@@ -763,39 +779,39 @@ def fit_loop(
     top_load = rows.branches.highest.load
     bottom_load = rows.branches.lowest.load
     sliding_friction = model.least_friction(top_load, bottom_load)
-    least_noise = Weights(
+    least_noise = RowNoise(
         *(
             max(step / math.sqrt(12), _LEAST_NOISE * float(np.max(np.abs(values))))
-            for step, values in zip(resolution, (rows.shift, rows.load), strict=True)
+            for step, values in zip(resolution, (rows.displacement, rows.load), strict=True)
         )
     )
-    weights = Weights(
-        max(row_noise(rows.shift), least_noise.shift),
+    noise = RowNoise(
+        max(row_noise(rows.displacement), least_noise.displacement),
         max(rows.branches.load_noise, least_noise.load),
     )
-    search = _Search(rows, model, weights, sliding_friction)
+    search = _Search(rows, model, noise, sliding_friction)
 
     # terms: highest Q, lowest Q, C and U0
     friction, terms = search.first_fit(model.first_frictions(top_load, bottom_load))
-    degrees_of_freedom = len(rows.shift) - 4 - (rows.compliance is None)
+    degrees_of_freedom = len(rows.displacement) - 4 - (rows.compliance is None)
     for _ in range(_REWEIGHTED):
         _, friction, terms = search.best(friction, terms)
         search = search.with_rows_at_turns_moved(friction, terms)
         sum_of_squares = float(np.sum(search.residuals(friction, terms)[:-2] ** 2))
         # noise that the fit leaves, over the noise it was weighted with
         noise_ratio = math.sqrt(sum_of_squares / degrees_of_freedom)
-        weights = Weights(
-            max(noise_ratio * search.weights.shift, least_noise.shift),
-            max(noise_ratio * search.weights.load, least_noise.load),
+        noise = RowNoise(
+            max(noise_ratio * search.noise.displacement, least_noise.displacement),
+            max(noise_ratio * search.noise.load, least_noise.load),
         )
-        noise_changes = np.array(weights) / np.array(search.weights) - 1
-        search = replace(search, weights=weights)
+        noise_changes = np.array(noise) / np.array(search.noise) - 1
+        search = replace(search, noise=noise)
         if np.max(np.abs(noise_changes)) < 0.05:
             break
     least_sum, friction, terms = search.best(friction, terms)
     friction = max(friction, sliding_friction * (1 + 1e-9))
     distances = search.residuals(friction, terms)[:-2]
-    misfit = misfit_of(distances, search.weights.shift)
+    misfit = misfit_of(distances, search.noise.displacement)
     largest_sum = least_sum + _CHI * misfit.widening**2 * max(least_sum / degrees_of_freedom, 1.0)
     log_friction = math.log(friction)
     log_lower_end = search.interval_end(
@@ -808,13 +824,15 @@ def fit_loop(
     lower_end = sliding_friction if log_lower_end is None else math.exp(log_lower_end)
     return LoopFit(
         friction=friction,
-        low=max(sliding_friction, lower_end - sampling_error),
-        high=None if log_upper_end is None else math.exp(log_upper_end) + sampling_error,
+        lowest_friction=max(sliding_friction, lower_end - sampling_error),
+        highest_friction=None
+        if log_upper_end is None
+        else math.exp(log_upper_end) + sampling_error,
         highest=float(terms[0]),
         lowest=float(terms[1]),
         compliance=float(terms[2]),
         origin=float(terms[3]),
-        shift_noise=search.weights.shift,
-        load_noise=search.weights.load,
+        displacement_noise=search.noise.displacement,
+        load_noise=search.noise.load,
         misfit=misfit,
     )

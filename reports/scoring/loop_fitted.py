@@ -42,7 +42,7 @@ class FittedLoop:
         number of cycles that the rows cover
     scale, offset
         r and Q0 with which the file's Q is r Q + Q0 of the scene
-    shift_noise, load_noise
+    displacement_noise, load_noise
         standard deviation of the noise of U and of Q
     sentences
         what was assumed or left out
@@ -65,7 +65,7 @@ class FittedLoop:
     cycles: float
     scale: float
     offset: float
-    shift_noise: float
+    displacement_noise: float
     load_noise: float
     sentences: tuple[str, ...]
     misfit: Misfit = _NO_MISFIT
@@ -113,7 +113,7 @@ def fit_rig(
     """
     load_at_rows = np.interp(fraction_of_cycle, SHARES, load_of_cycle)
     displacement_of_theory = scale * np.interp(fraction_of_cycle, SHARES, displacement)
-    displacement_of_rig = loop.shift - displacement_of_theory
+    displacement_of_rig = loop.displacement - displacement_of_theory
     if rig_compliance is not None:
         displacement_of_rig = displacement_of_rig - rig_compliance * load_at_rows
         origin = float(np.mean(displacement_of_rig))

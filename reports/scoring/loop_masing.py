@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 import semi_analytic
 from reports.scoring.loop_branches import Branches
-from reports.scoring.loop_fit import Weights, nearest_on_polyline
+from reports.scoring.loop_fit import RowNoise, nearest_on_polyline
 from scenes import Scene
 from scenes.array_types import Array
 
@@ -51,14 +51,14 @@ LOG_F, MIDDLE, RANGE, COMPLIANCE, ORIGIN, DRIFT_RATE, SLIDE = range(7)
 class MeasuredRows:
     """The measured rows to which a loop is fitted.
 
-    shift, load, time : (n,) U, Q and time of the rows
+    displacement, load, time : (n,) U, Q and time of the rows
     branches : branch of each row, by their order; its turning points are those of the height
         U/(range of U) + Q/(range of Q)
     compliance : C of the rig [1/stress], None where it is fitted
     resolution : steps of U and Q that the digits of the rows resolve
     """
 
-    shift: Array
+    displacement: Array
     load: Array
     time: Array
     branches: Branches
@@ -93,21 +93,21 @@ class MeasuredRows:
     @property
     def ranges(self) -> tuple[float, float]:
         """Range of U and range of Q, highest minus lowest."""
-        return float(np.ptp(self.shift)), float(np.ptp(self.load))
+        return float(np.ptp(self.displacement)), float(np.ptp(self.load))
 
     @property
     def parameter_sizes(self) -> Array:
         """Typical sizes of the parameters of a loop (7,), by which steps of a fit are scaled."""
-        range_of_shift, range_of_load = self.ranges
+        range_of_displacement, range_of_load = self.ranges
         return np.array(
             [
                 1.0,
                 range_of_load,
                 range_of_load,
-                range_of_shift / range_of_load,
-                range_of_shift,
-                range_of_shift,
-                range_of_shift,
+                range_of_displacement / range_of_load,
+                range_of_displacement,
+                range_of_displacement,
+                range_of_displacement,
             ]
         )
 
@@ -192,8 +192,8 @@ def memory_curve(scene: Scene, sliding_friction_per_load: float) -> MemoryCurve:
     solution = semi_analytic.solve(
         nearly_sliding_scene, x=0.0, time=times, fields="tangential_displacement", cycles="steady"
     )
-    shift = solution.tangential_displacement
-    memory_values = (shift[0] - shift) / (2 * friction)
+    displacement = solution.tangential_displacement
+    memory_values = (displacement[0] - displacement) / (2 * friction)
     spline = CubicSpline(largest_argument * share_of_branch, memory_values)
     return MemoryCurve(largest_argument, sliding_friction_per_load, spline, spline.derivative())
 
@@ -245,25 +245,32 @@ class MasingLoop:
         fraction_of_range = self._fraction_of_load_range(place)
         friction = self.friction
         half_range = self.parameters[RANGE] / 2
-        shift_at_turn = friction * self.curve.value(np.array(half_range / friction))
-        shift_from_turn = 2 * friction * self.curve.value(fraction_of_range * half_range / friction)
-        shift_of_slide = self.parameters[SLIDE] * (np.clip(place - 1, 0.0, 1.0) - 0.5)
+        displacement_at_turn = friction * self.curve.value(np.array(half_range / friction))
+        displacement_from_turn = (
+            2 * friction * self.curve.value(fraction_of_range * half_range / friction)
+        )
+        displacement_of_slide = self.parameters[SLIDE] * (np.clip(place - 1, 0.0, 1.0) - 0.5)
         if self._has_slide:
-            shift_past_end = 2 * shift_at_turn * np.maximum(place - 2, 0.0)
-            shift_of_slide = shift_of_slide + shift_past_end
+            displacement_past_end = 2 * displacement_at_turn * np.maximum(place - 2, 0.0)
+            displacement_of_slide = displacement_of_slide + displacement_past_end
         load = (2 * fraction_of_range - 1) * half_range
-        shift_of_rig = self.parameters[COMPLIANCE] * load
-        shift = shift_from_turn - shift_at_turn + shift_of_slide + shift_of_rig
-        return shift, load
+        displacement_of_rig = self.parameters[COMPLIANCE] * load
+        displacement = (
+            displacement_from_turn
+            - displacement_at_turn
+            + displacement_of_slide
+            + displacement_of_rig
+        )
+        return displacement, load
 
     def closed_curve(self, share_of_cycle: Array) -> tuple[Array, Array]:
         """U and Q from the middle of the loop at shares of a cycle (n,), from the highest Q on."""
         is_falling = share_of_cycle < 0.5
         share_of_branch = 2 * np.where(is_falling, share_of_cycle, share_of_cycle - 0.5)
-        shift, load = self.points(np.clip(2 * share_of_branch, 0.0, 2.0))
+        displacement, load = self.points(np.clip(2 * share_of_branch, 0.0, 2.0))
         # the falling branch is the rising one turned about the middle
         sign_of_branch = np.where(is_falling, -1.0, 1.0)
-        return sign_of_branch * shift, sign_of_branch * load
+        return sign_of_branch * displacement, sign_of_branch * load
 
     def points_at_rows(self, place_on_loop: Array) -> tuple[Array, Array]:
         """U and Q from the middle of the loop at places of rows (n,): 0 to 1 on the rising branch,
@@ -271,10 +278,10 @@ class MasingLoop:
         """
         is_falling = place_on_loop > 1
         share_of_branch = np.where(is_falling, place_on_loop - 1, place_on_loop)
-        shift, load = self.points(2 * share_of_branch)
+        displacement, load = self.points(2 * share_of_branch)
         # the falling branch is the rising one turned about the middle
         sign_of_branch = np.where(is_falling, -1.0, 1.0)
-        return sign_of_branch * shift, sign_of_branch * load
+        return sign_of_branch * displacement, sign_of_branch * load
 
     @property
     def area(self) -> float:
@@ -283,8 +290,8 @@ class MasingLoop:
         """
         areas = []
         for n_points in (2001, 4001):
-            shift, load = self.closed_curve(np.linspace(0.0, 1.0, n_points))
-            areas.append(float(np.sum((load[1:] + load[:-1]) / 2 * np.diff(shift))))
+            displacement, load = self.closed_curve(np.linspace(0.0, 1.0, n_points))
+            areas.append(float(np.sum((load[1:] + load[:-1]) / 2 * np.diff(displacement))))
         return areas[1] + (areas[1] - areas[0]) / 3
 
     @property
@@ -316,11 +323,11 @@ class MasingLoop:
         parameters = self.parameters.copy()
         parameters[LOG_F] = math.log(friction)
         parameters[RANGE] = friction / self.curve.sliding_friction_per_load
-        shift_at_end, _ = self.points(place_of_end)
-        shift_with_same_slide, _ = MasingLoop(self.curve, parameters).points(place_of_end)
-        missing_shift = float(shift_at_end[0] - shift_with_same_slide[0])
+        displacement_at_end, _ = self.points(place_of_end)
+        displacement_with_same_slide, _ = MasingLoop(self.curve, parameters).points(place_of_end)
+        missing_displacement = float(displacement_at_end[0] - displacement_with_same_slide[0])
         # half of the slide lies on each side of the middle of the loop
-        parameters[SLIDE] += 2 * missing_shift
+        parameters[SLIDE] += 2 * missing_displacement
         return MasingLoop(self.curve, parameters) if parameters[SLIDE] > 0 else None
 
     def tangents(self, place: Array) -> tuple[Array, Array]:
@@ -331,8 +338,8 @@ class MasingLoop:
         rate = self.curve.rate(
             self._fraction_of_load_range(place) * self.parameters[RANGE] / 2 / self.friction
         )
-        tangent_shift = np.where(is_in_partial_slip, rate + self.parameters[COMPLIANCE], 1.0)
-        return tangent_shift, is_in_partial_slip.astype(float)
+        tangent_displacement = np.where(is_in_partial_slip, rate + self.parameters[COMPLIANCE], 1.0)
+        return tangent_displacement, is_in_partial_slip.astype(float)
 
     def derivatives(self, place: Array) -> tuple[Array, Array]:
         """Derivatives of U and of Q of the rising branch at places (n,) by the seven parameters of
@@ -354,25 +361,25 @@ class MasingLoop:
         load_over_friction = fraction_of_range * half_range / friction
         slope_at_turn = self.curve.rate(load_over_friction_at_turn)
         slope_at_place = self.curve.rate(load_over_friction)
-        shift_derivatives = np.zeros((len(place), 7))
+        displacement_derivatives = np.zeros((len(place), 7))
         load_derivatives = np.zeros((len(place), 7))
         # d(f v(h/f))/df = v - (h/f) v'
-        shift_by_friction = 2 * (
+        displacement_by_friction = 2 * (
             self.curve.value(load_over_friction) - load_over_friction * slope_at_place
         )
-        shift_by_friction -= (
+        displacement_by_friction -= (
             self.curve.value(load_over_friction_at_turn)
             - load_over_friction_at_turn * slope_at_turn
         )
-        shift_derivatives[:, LOG_F] = friction * shift_by_friction
+        displacement_derivatives[:, LOG_F] = friction * displacement_by_friction
         load_derivatives[:, RANGE] = fraction_of_range - 0.5
-        shift_by_range = fraction_of_range * slope_at_place - slope_at_turn / 2
-        shift_derivatives[:, RANGE] = shift_by_range + self.parameters[COMPLIANCE] * (
+        displacement_by_range = fraction_of_range * slope_at_place - slope_at_turn / 2
+        displacement_derivatives[:, RANGE] = displacement_by_range + self.parameters[COMPLIANCE] * (
             fraction_of_range - 0.5
         )
-        shift_derivatives[:, COMPLIANCE] = (2 * fraction_of_range - 1) * half_range
-        shift_derivatives[:, SLIDE] = np.clip(place - 1, 0.0, 1.0) - 0.5
-        return shift_derivatives, load_derivatives
+        displacement_derivatives[:, COMPLIANCE] = (2 * fraction_of_range - 1) * half_range
+        displacement_derivatives[:, SLIDE] = np.clip(place - 1, 0.0, 1.0) - 0.5
+        return displacement_derivatives, load_derivatives
 
 
 # Places of the corners. Those of the slide too: the nearest corner lies beside the nearest point
@@ -384,7 +391,7 @@ _PLACES_OF_CORNERS = (
 
 
 def distances_from_loop(
-    rows: MeasuredRows, curve: MemoryCurve, parameters: Array, sigma: Weights
+    rows: MeasuredRows, curve: MemoryCurve, parameters: Array, sigma: RowNoise
 ) -> Distances:
     """Distances of the rows of a measured loop from the loop of Masing's rule with the seven
     `parameters`, over sigma, with their derivatives by these. A row beside a turning point is
@@ -403,20 +410,22 @@ def distances_from_loop(
         standard deviation of the noise of U and of Q, by which both are divided
     """
     loop = MasingLoop(curve, parameters)
-    shift = rows.shift - parameters[ORIGIN] - parameters[DRIFT_RATE] * rows.share_of_time
+    displacement = (
+        rows.displacement - parameters[ORIGIN] - parameters[DRIFT_RATE] * rows.share_of_time
+    )
     load = rows.load - parameters[MIDDLE]
     corners_of_branch = np.array(loop.points(_PLACES_OF_CORNERS))
     corners_of_branch /= np.array(sigma)[:, None]
     branch_sign = np.where(rows.branches.rising, 1.0, -1.0)
     # (4, n) each: distance, normal in U, normal in Q, place
     from_branch_of_rows = _distances_from_branch(
-        loop, corners_of_branch, shift, load, branch_sign, sigma
+        loop, corners_of_branch, displacement, load, branch_sign, sigma
     )
     rows_beside_turns = rows.rows_beside_turns
     from_other_branch = _distances_from_branch(
         loop,
         corners_of_branch,
-        shift[rows_beside_turns],
+        displacement[rows_beside_turns],
         load[rows_beside_turns],
         -branch_sign[rows_beside_turns],
         sigma,
@@ -428,21 +437,21 @@ def distances_from_loop(
     from_branch_of_rows[:, rows_of_other_branch] = from_other_branch[:, is_other_nearer]
     branch_sign[rows_of_other_branch] *= -1
 
-    distance, normal_shift, normal_load, place = from_branch_of_rows
-    shift_derivatives, load_derivatives = loop.derivatives(place)
-    shift_derivatives *= branch_sign[:, None]
+    distance, normal_displacement, normal_load, place = from_branch_of_rows
+    displacement_derivatives, load_derivatives = loop.derivatives(place)
+    displacement_derivatives *= branch_sign[:, None]
     load_derivatives *= branch_sign[:, None]
-    shift_derivatives[:, ORIGIN] = 1.0
-    shift_derivatives[:, DRIFT_RATE] = rows.share_of_time
+    displacement_derivatives[:, ORIGIN] = 1.0
+    displacement_derivatives[:, DRIFT_RATE] = rows.share_of_time
     load_derivatives[:, MIDDLE] = 1.0
     # a distance shrinks by what the point of the loop moves along the normal
-    derivatives = -normal_shift[:, None] * shift_derivatives / sigma.shift
+    derivatives = -normal_displacement[:, None] * displacement_derivatives / sigma.displacement
     derivatives -= normal_load[:, None] * load_derivatives / sigma.load
     share_of_branch = np.clip(place, 0.0, 2.0) / 2
     return Distances(
         signed_distance=distance,
         derivatives=derivatives,
-        unit_normal=np.column_stack([normal_shift, normal_load]),
+        unit_normal=np.column_stack([normal_displacement, normal_load]),
         place_on_loop=np.where(branch_sign > 0, share_of_branch, 1 + share_of_branch),
     )
 
@@ -450,10 +459,10 @@ def distances_from_loop(
 def _distances_from_branch(
     loop: MasingLoop,
     polygon: Array,
-    shift: Array,
+    displacement: Array,
     load: Array,
     branch_sign: Array,
-    sigma: Weights,
+    sigma: RowNoise,
 ) -> Array:
     """Distances of rows from one branch of the loop, (4, n): the distance in sigma, positive where
     U of the row is larger; the components in U and in Q of the unit normal at the nearest point of
@@ -466,7 +475,7 @@ def _distances_from_branch(
     ----------
     polygon
         (2, m) U and Q of the corners of the rising branch, over sigma, at `_PLACES_OF_CORNERS`
-    shift, load
+    displacement, load
         (n,) U and Q of the rows, from the middle of the loop
     branch_sign
         (n,) 1 for rows of the rising branch, -1 for the falling one, which is the rising one turned
@@ -474,7 +483,9 @@ def _distances_from_branch(
     sigma
         standard deviation of the noise of U and of Q
     """
-    row_points = np.array([branch_sign * shift / sigma.shift, branch_sign * load / sigma.load])
+    row_points = np.array(
+        [branch_sign * displacement / sigma.displacement, branch_sign * load / sigma.load]
+    )
     place_on_polygon, _, _, _ = nearest_on_polyline(row_points, polygon)
     place = (place_on_polygon - _CORNERS_BEYOND_TURN) / _CORNERS_PER_PART
     # The branch has no tangent where the slide begins (a kink), nor at the two ends of the polygon,
@@ -485,23 +496,25 @@ def _distances_from_branch(
     if not loop.parameters[SLIDE] > 0:
         has_no_tangent &= place != 1
 
-    shift_of_loop, load_of_loop = loop.points(place)
-    shift_from_loop = row_points[0] - shift_of_loop / sigma.shift
+    displacement_of_loop, load_of_loop = loop.points(place)
+    displacement_from_loop = row_points[0] - displacement_of_loop / sigma.displacement
     load_from_loop = row_points[1] - load_of_loop / sigma.load
-    tangent_shift, tangent_load = loop.tangents(place)
-    tangent_shift = tangent_shift / sigma.shift
+    tangent_displacement, tangent_load = loop.tangents(place)
+    tangent_displacement = tangent_displacement / sigma.displacement
     tangent_load = tangent_load / sigma.load
-    tangent_length = np.hypot(tangent_shift, tangent_load)
-    normal_shift = tangent_load / tangent_length
-    normal_load = -tangent_shift / tangent_length
-    distance = shift_from_loop * normal_shift + load_from_loop * normal_load
+    tangent_length = np.hypot(tangent_displacement, tangent_load)
+    normal_displacement = tangent_load / tangent_length
+    normal_load = -tangent_displacement / tangent_length
+    distance = displacement_from_loop * normal_displacement + load_from_loop * normal_load
 
     # without a tangent: the distance from the point, with the sign that it has across the branch
-    distance_from_point = np.hypot(shift_from_loop, load_from_loop)
+    distance_from_point = np.hypot(displacement_from_loop, load_from_loop)
     has_no_tangent &= distance_from_point > 0
     signed_distance = np.where(distance < 0, -distance_from_point, distance_from_point)
     divisor = np.where(has_no_tangent, signed_distance, 1.0)
-    normal_shift = np.where(has_no_tangent, shift_from_loop / divisor, normal_shift)
+    normal_displacement = np.where(
+        has_no_tangent, displacement_from_loop / divisor, normal_displacement
+    )
     normal_load = np.where(has_no_tangent, load_from_loop / divisor, normal_load)
     distance = np.where(has_no_tangent, signed_distance, distance)
-    return np.array([branch_sign * distance, normal_shift, normal_load, place])
+    return np.array([branch_sign * distance, normal_displacement, normal_load, place])

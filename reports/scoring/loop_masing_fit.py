@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from reports.scoring.loop_branches import row_noise
-from reports.scoring.loop_fit import Weights
+from reports.scoring.loop_fit import RowNoise
 from reports.scoring.loop_masing import (
     COMPLIANCE,
     DRIFT_RATE,
@@ -116,7 +116,7 @@ class MasingFit:
     parameters: Array
     standard_errors: Array
     is_gross: bool
-    sigma: Weights
+    sigma: RowNoise
     distances: Distances
     misfit: Misfit
     influence: Array
@@ -190,7 +190,7 @@ class _Search:
 
     rows: MeasuredRows
     curve: MemoryCurve
-    sigma: Weights
+    sigma: RowNoise
 
     @property
     def parameter_sizes(self) -> Array:
@@ -207,7 +207,7 @@ class _Search:
         """
         distances = distances_from_loop(self.rows, self.curve, parameters, self.sigma)
         misfit_of_turns, derivatives_of_turns = self._turning_points(parameters)
-        inverse_sigma_of_drift = 1 / (_SIGMA_OF_DRIFT * float(np.ptp(self.rows.shift)))
+        inverse_sigma_of_drift = 1 / (_SIGMA_OF_DRIFT * float(np.ptp(self.rows.displacement)))
         derivatives_of_drift = np.zeros((1, 7))
         derivatives_of_drift[0, DRIFT_RATE] = inverse_sigma_of_drift
         return (
@@ -232,32 +232,36 @@ class _Search:
         loop = MasingLoop(self.curve, parameters)
         # the rising branch ends at place 2; the falling one is the same, turned about the middle
         place_of_turn = np.array([2.0])
-        shift_at_end, load_at_end = loop.points(place_of_turn)
-        shift_gradient_at_end, load_gradient_at_end = loop.derivatives(place_of_turn)
-        range_of_shift, range_of_load = rows.ranges
+        displacement_at_end, load_at_end = loop.points(place_of_turn)
+        displacement_gradient_at_end, load_gradient_at_end = loop.derivatives(place_of_turn)
+        range_of_displacement, range_of_load = rows.ranges
         misfit = np.zeros(2)
         derivatives = np.zeros((2, 7))
         turns_of_rows = (rows.branches.highest, rows.branches.lowest)
         for k, (turn_of_rows, sign_of_turn, mean_time) in enumerate(
             zip(turns_of_rows, (1.0, -1.0), rows.mean_times_of_turns, strict=True)
         ):
-            shift_gradient = sign_of_turn * shift_gradient_at_end[0]
-            shift_gradient[ORIGIN] = 1.0
-            shift_gradient[DRIFT_RATE] = mean_time
+            displacement_gradient = sign_of_turn * displacement_gradient_at_end[0]
+            displacement_gradient[ORIGIN] = 1.0
+            displacement_gradient[DRIFT_RATE] = mean_time
             load_gradient = sign_of_turn * load_gradient_at_end[0]
             load_gradient[MIDDLE] = 1.0
-            shift_of_loop = (
-                sign_of_turn * shift_at_end[0]
+            displacement_of_loop = (
+                sign_of_turn * displacement_at_end[0]
                 + parameters[ORIGIN]
                 + parameters[DRIFT_RATE] * mean_time
             )
             load_of_loop = sign_of_turn * load_at_end[0] + parameters[MIDDLE]
-            height_of_loop = shift_of_loop / range_of_shift + load_of_loop / range_of_load
+            height_of_loop = (
+                displacement_of_loop / range_of_displacement + load_of_loop / range_of_load
+            )
             error_of_height = max(turn_of_rows.error, _ERROR_OF_TURN)
             # the branches were found in heights: `load` of their turning points is a height
             height_of_rows = turn_of_rows.load
             misfit[k] = (height_of_loop - height_of_rows) / error_of_height
-            derivatives[k] = shift_gradient / range_of_shift + load_gradient / range_of_load
+            derivatives[k] = (
+                displacement_gradient / range_of_displacement + load_gradient / range_of_load
+            )
             derivatives[k] /= error_of_height
         return misfit, derivatives
 
@@ -353,25 +357,25 @@ class _Search:
         if slide_fraction > 0:
             log_friction = math.log(self.curve.sliding_friction_per_load * range_of_load)
         friction = math.exp(log_friction)
-        range_of_shift = float(np.ptp(np.quantile(rows.shift, [0.01, 0.99])))
-        range_of_theory_shift = (
+        range_of_displacement = float(np.ptp(np.quantile(rows.displacement, [0.01, 0.99])))
+        range_of_theory_displacement = (
             2 * friction * float(self.curve.value(np.array(range_of_load / 2 / friction)))
         )
         compliance = rows.compliance
         if compliance is None:
             compliance = (
-                (1 - slide_fraction) * range_of_shift - range_of_theory_shift
+                (1 - slide_fraction) * range_of_displacement - range_of_theory_displacement
             ) / range_of_load
-        middle_of_shift = float(np.mean(np.quantile(rows.shift, [0.02, 0.98])))
+        middle_of_displacement = float(np.mean(np.quantile(rows.displacement, [0.02, 0.98])))
         return np.array(
             [
                 log_friction,
                 (high_load + low_load) / 2,
                 range_of_load,
                 compliance,
-                middle_of_shift,
+                middle_of_displacement,
                 0.0,
-                slide_fraction * range_of_shift,
+                slide_fraction * range_of_displacement,
             ]
         )
 
@@ -590,11 +594,11 @@ def where_function_reaches_one(
 
 def _noise_of_rows(
     distances: Distances,
-    sigma: Weights,
-    least_noise: Weights,
+    sigma: RowNoise,
+    least_noise: RowNoise,
     degrees_of_freedom: int,
     log_noise_ratio: tuple[float, float],
-) -> Weights:
+) -> RowNoise:
     """Standard deviations (sigma) of U and of Q that make the distances of the rows from a fitted
     loop most likely, and their own ratio too (it scatters about the one that neighbouring rows
     show).
@@ -615,7 +619,7 @@ def _noise_of_rows(
     from scipy.optimize import minimize
 
     # a factor is that by which sigma of U or of Q changes
-    expected_log_ratio = log_noise_ratio[0] - math.log(sigma.shift / sigma.load)
+    expected_log_ratio = log_noise_ratio[0] - math.log(sigma.displacement / sigma.load)
     # a fitted loop lies nearer to the rows than the true one
     squared_distances = (
         distances.signed_distance**2 * len(distances.signed_distance) / degrees_of_freedom
@@ -641,7 +645,7 @@ def _noise_of_rows(
         options={"xatol": 1e-3},
     )
     factors = np.exp(np.maximum(minimum.x, least_log_factors))
-    return Weights(float(factors[0]) * sigma.shift, float(factors[1]) * sigma.load)
+    return RowNoise(float(factors[0]) * sigma.displacement, float(factors[1]) * sigma.load)
 
 
 @dataclass(frozen=True, eq=False)
@@ -749,7 +753,7 @@ class BestLoop:
         return -self.distances.unit_normal * points_at_rows / np.array(self.search.sigma)
 
 
-def _misfit_of_loop(distances: Distances, sigma: Weights, least_noise: Weights) -> Misfit:
+def _misfit_of_loop(distances: Distances, sigma: RowNoise, least_noise: RowNoise) -> Misfit:
     """Whether neighbouring rows lie on the same side of the fitted loop, so that their distances
     are more than scatter: the correlation of neighbours, and the systematic part.
 
@@ -778,8 +782,10 @@ def _misfit_of_loop(distances: Distances, sigma: Weights, least_noise: Weights) 
     distance_to_inside = (
         np.where(distances.place_on_loop > 1, -1.0, 1.0) * distances.signed_distance
     )
-    misfit_in_time = misfit_of(distances.signed_distance, sigma.shift, least_significance)
-    misfit_on_loop = misfit_of(distance_to_inside[order_on_loop], sigma.shift, least_significance)
+    misfit_in_time = misfit_of(distances.signed_distance, sigma.displacement, least_significance)
+    misfit_on_loop = misfit_of(
+        distance_to_inside[order_on_loop], sigma.displacement, least_significance
+    )
     larger_misfit = max(misfit_in_time, misfit_on_loop, key=lambda misfit: misfit.correlation)
     return replace(larger_misfit, systematic_rms=0.0) if digits_explain_all else larger_misfit
 
@@ -792,25 +798,28 @@ def best_loop(rows: MeasuredRows, curve: MemoryCurve) -> BestLoop:
     `curve` is the memory curve of theory at constant P: U over half the change of Q since a turning
     point, from which loops are built (Masing's rule).
     """
-    least_noise = Weights(
+    least_noise = RowNoise(
         *(
             max(step / math.sqrt(12), _LEAST_NOISE * float(np.max(np.abs(values_of_rows))))
-            for step, values_of_rows in zip(rows.resolution, (rows.shift, rows.load), strict=True)
+            for step, values_of_rows in zip(
+                rows.resolution, (rows.displacement, rows.load), strict=True
+            )
         )
     )
-    sigma = Weights(
-        max(row_noise(rows.shift), least_noise.shift), max(row_noise(rows.load), least_noise.load)
+    sigma = RowNoise(
+        max(row_noise(rows.displacement), least_noise.displacement),
+        max(row_noise(rows.load), least_noise.load),
     )
     search = _Search(rows, curve, sigma)
-    degrees_of_freedom = len(rows.shift) - 6 - (rows.compliance is None)
+    degrees_of_freedom = len(rows.displacement) - 6 - (rows.compliance is None)
     fits = search.best_fits()
-    log_noise_ratio = (math.log(sigma.shift / sigma.load), _SCATTER_OF_NOISE_RATIO)
+    log_noise_ratio = (math.log(sigma.displacement / sigma.load), _SCATTER_OF_NOISE_RATIO)
     for times_reweighted in range(_MOST_REWEIGHTINGS):
         distances = distances_from_loop(rows, curve, fits.better_fit.parameters, search.sigma)
         if times_reweighted == 0:
             # Where the first fit leaves what neighbouring rows show, they show noise alone.
             scatter_by_fit = abs(math.log(max(float(np.std(distances.signed_distance)), 1e-9)))
-            least_scatter = _SCATTER_OF_ROW_NOISE / math.sqrt(len(rows.shift))
+            least_scatter = _SCATTER_OF_ROW_NOISE / math.sqrt(len(rows.displacement))
             log_noise_ratio = (
                 log_noise_ratio[0],
                 min(max(scatter_by_fit, least_scatter), _SCATTER_OF_NOISE_RATIO),
@@ -905,7 +914,7 @@ def with_interval(best_loop: BestLoop, error_of_theory: float) -> MasingFit:
     )
 
 
-def _error_by_digits(rows: MeasuredRows, curve: MemoryCurve, sigma: Weights) -> float:
+def _error_by_digits(rows: MeasuredRows, curve: MemoryCurve, sigma: RowNoise) -> float:
     """Error of f (95 %) of a gross loop by the last digit of Q: all rows of a plateau have the same
     digits where no noise moves them. 0 where noise does.
     """

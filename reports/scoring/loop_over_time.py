@@ -19,7 +19,13 @@ import numpy as np
 
 from reports.scoring.loop_fitted import FittedLoop, fit_rig, sentences_on_scale
 from reports.scoring.loop_rows import MeasuredLoop
-from reports.scoring.loop_theory import INSTANTS, SHARES, cycle_loads, least_friction, theory_shift
+from reports.scoring.loop_theory import (
+    INSTANTS,
+    SHARES,
+    cycle_loads,
+    least_friction,
+    theory_displacement,
+)
 from scenes import InputError, Scene
 from scenes.array_types import Array
 
@@ -114,7 +120,7 @@ def fit_over_time(loop: MeasuredLoop, scene: Scene, rig_compliance: float | None
         cycles=cycles,
         scale=scale,
         offset=alignment.offset,
-        shift_noise=noise,
+        displacement_noise=noise,
         load_noise=max(noise_of_load, loop.resolution[1] / math.sqrt(12)),
         sentences=tuple(sentences),
     )
@@ -152,7 +158,7 @@ class _Search:
         scale
             r, the file's Q over the scene's
         """
-        displacement = theory_shift(self.scene, math.exp(log_friction))
+        displacement = theory_displacement(self.scene, math.exp(log_friction))
         load = scale * self.load_of_cycle
         return fit_rig(self.loop, displacement, share_of_cycle, load, scale, self.rig_compliance)
 

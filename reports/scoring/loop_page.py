@@ -45,8 +45,8 @@ def content(score: LoopScore) -> dict[str, Any]:
         "sentence": score.sentence,
         "friction": {
             "value": score.friction,
-            "low": score.low,
-            "high": score.high,
+            "low": score.lowest_friction,
+            "high": score.highest_friction,
             "scene": score.scene.friction.coefficient,
         },
         "rig_compliance": {"value": score.compliance, "fitted": score.compliance_fitted},
@@ -55,10 +55,10 @@ def content(score: LoopScore) -> dict[str, Any]:
         "noise": score.noise,
         "metrics": {
             loop_row.name: {key: value for key, value in vars(loop_row).items() if key != "name"}
-            for loop_row in score.rows
+            for loop_row in score.loops
         },
         "read_as": score.read_as,
-        "notes": list(score.said),
+        "notes": list(score.notes),
         "scene": score.scene.model_dump(mode="json"),
     }
 
@@ -72,9 +72,9 @@ def table(score: LoopScore) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     distance_head = f"mean rows − loop, rms [{unit_of_length}]"
     slope_head = f"slope dU/dQ [1/{unit_of_stress}]"
     heads = ("loop", "f", area_head, "W/measured − 1", slope_head, distance_head)
-    measured_loop = score.rows[0]
+    measured_loop = score.loops[0]
     table_rows: list[tuple[str, ...]] = []
-    for loop in score.rows:
+    for loop in score.loops:
         area_cell = f"{loop.area:.5g}"
         if loop.area_uncertainty:
             area_cell += f" ± {loop.area_uncertainty:.2g}"
@@ -99,7 +99,7 @@ class _Means(NamedTuple):
         number of rows of which a mean is taken
     share_of_cycle
         share of the cycle that is over
-    shift, load
+    displacement, load
         U and Q
     residual
         U minus U of the best fit
@@ -107,7 +107,7 @@ class _Means(NamedTuple):
 
     row_counts: Array
     share_of_cycle: Array
-    shift: Array
+    displacement: Array
     load: Array
     residual: Array
 
@@ -117,8 +117,12 @@ def _plates(score: LoopScore) -> tuple[Plate, ...]:
     means of rows in equal parts of the cycle; the CSV files hold every row.
     """
     best_fit = score.curves[0]
-    residuals = score.shift - np.interp(score.tau, SHARES, best_fit.shift)
-    means = _Means(*means_of_parts(score.tau, score.tau, score.shift, score.load, residuals))
+    residuals = score.displacement - np.interp(score.share_of_cycle, SHARES, best_fit.displacement)
+    means = _Means(
+        *means_of_parts(
+            score.share_of_cycle, score.share_of_cycle, score.displacement, score.load, residuals
+        )
+    )
     caption_numbers: dict[str, Any] = {
         "fewest": f"{means.row_counts.min():.0f}",
         "most": f"{means.row_counts.max():.0f}",
@@ -137,14 +141,14 @@ def _figure_of_loop(score: LoopScore, means: _Means, caption_numbers: dict[str, 
     """
     unit_of_length = units(score.scene)[1]
     unit_of_load = load_unit(score.scene)
-    best_fit = score.rows[1]
+    best_fit = score.loops[1]
     slope = best_fit.slope
-    mean_offset = float(np.mean(score.shift - slope * score.load))
-    dot_heights = means.shift - slope * means.load - mean_offset
+    mean_offset = float(np.mean(score.displacement - slope * score.load))
+    dot_heights = means.displacement - slope * means.load - mean_offset
     curves = [
         Curve(
             curve.load,
-            curve.shift - slope * curve.load - mean_offset,
+            curve.displacement - slope * curve.load - mean_offset,
             f"line-{number}",
             curve.name,
         )
@@ -164,9 +168,9 @@ def _figure_of_loop(score: LoopScore, means: _Means, caption_numbers: dict[str, 
         css="broad",
     )
     columns = {
-        "tau": score.tau,
+        "tau": score.share_of_cycle,
         f"Q [{unit_of_load}]": score.load,
-        f"U [{unit_of_length}]": score.shift,
+        f"U [{unit_of_length}]": score.displacement,
     }
     keys = [Key(curve.css, curve.label) for curve in curves]
     return figure_with_texts(
@@ -203,7 +207,7 @@ def _figure_of_residuals(
     return figure_with_texts(
         "loop_residuals",
         [panel],
-        {"tau": score.tau, f"U - fit [{unit_of_length}]": residuals},
+        {"tau": score.share_of_cycle, f"U - fit [{unit_of_length}]": residuals},
         noise=f"{score.noise:.3g}",
         length=unit_of_length,
         **caption_numbers,
@@ -247,7 +251,7 @@ def write(
             title=f"Measured loop: {Path(score.source).name}",
             scene=score.scene,
             question=question(score.scene),
-            found=score,
+            score=score,
             sentences=sentences,
             source_name=Path(score.source).name,
             stress=units(score.scene)[2],

@@ -21,7 +21,7 @@ from scenes.column_names import ALIASES, plain
 from scenes.measured import ReadAs, layout_in_words, unit_of_column
 from scenes.text_tables import TableKind, TextTable, text_table
 
-_SHIFT_NAMES = (
+_DISPLACEMENT_NAMES = (
     "U",
     "u",
     "displacement",
@@ -41,7 +41,8 @@ _FEWEST_ROWS = 20
 class MeasuredLoop:
     """Rows of a rig, as they were read from a file (`source`).
 
-    shift, load : (n,) relative displacement U and tangential load Q in the units of the scene
+    displacement, load : (n,) relative displacement U and tangential load Q in the units of the
+        scene
     time : (n,) in any unit
     read_as : how the file was read: each column with its heading, unit and factor
     resolution : step of U and of Q that the digits of the rows resolve, 0 where they hold all
@@ -49,7 +50,7 @@ class MeasuredLoop:
     """
 
     source: str
-    shift: Array
+    displacement: Array
     load: Array
     time: Array
     read_as: ReadAs = ()
@@ -79,16 +80,18 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
     )
     names = table.names
     file_name = str(path)
-    shift_name, load_name = _names_of_columns(table, mapping, file_name)
+    displacement_name, load_name = _names_of_columns(table, mapping, file_name)
     time_name = find_column(mapping, "time", names, file_name)
     n_rows = len(table.values)
     if n_rows < _FEWEST_ROWS:
         raise InputError(
             f"{file_name}: {n_rows} rows are too few for a loop: at least {_FEWEST_ROWS} are needed"
         )
-    shift_column = _column_of_loop(file_name, table, mapping, scene, shift_name, "slip")
+    displacement_column = _column_of_loop(
+        file_name, table, mapping, scene, displacement_name, "slip"
+    )
     load_column = _column_of_loop(file_name, table, mapping, scene, load_name, "tangential_load")
-    for column in (shift_column, load_column):
+    for column in (displacement_column, load_column):
         if not np.ptp(column.values) > 0:
             raise InputError(
                 f"{file_name}: {column.name} is the same in every row: there is no loop"
@@ -106,16 +109,16 @@ def read_loop(path: Path, mapping: Mapping, scene: Scene) -> MeasuredLoop:
             f" {instants[row_of_fall]:.6g} does not ascend: rows stand in the order of time"
         )
     read_as = layout_in_words(path, table)
-    read_as.append(("relative displacement U", shift_column.reading_words))
+    read_as.append(("relative displacement U", displacement_column.reading_words))
     read_as.append(("tangential load Q", load_column.reading_words))
     read_as.append(("time", time_in_words))
     return MeasuredLoop(
         source=file_name,
-        shift=shift_column.values,
+        displacement=displacement_column.values,
         load=load_column.values,
         time=instants - instants[0],
         read_as=tuple(read_as),
-        resolution=(shift_column.digit_step, load_column.digit_step),
+        resolution=(displacement_column.digit_step, load_column.digit_step),
     )
 
 
@@ -131,9 +134,9 @@ class _ColumnOfLoop(NamedTuple):
 
 
 def _names_of_columns(table: TextTable, mapping: Mapping, file_name: str) -> tuple[str, str]:
-    """Names of the columns of U (a displacement, "shift") and of Q (a load) in the table of a loop:
-    by the mapping, or by known names. Where the mapping states one of two columns without headings,
-    the other quantity has the other column.
+    """Names of the columns of U and of Q in the table of a loop: by the mapping, or by known names.
+    Where the mapping states one of two columns without headings, the other quantity has the other
+    column.
 
     Raises
     ------
@@ -145,27 +148,29 @@ def _names_of_columns(table: TextTable, mapping: Mapping, file_name: str) -> tup
     load_name = find_column(
         mapping, "tangential_load", names, file_name, needed=not has_two_nameless_columns
     )
-    stated_shift_name = (
+    stated_displacement_name = (
         find_column(mapping, "slip", names, file_name) if mapping.columns.slip is not None else None
     )
-    if has_two_nameless_columns and load_name is None and stated_shift_name is not None:
-        load_name = names[1 - names.index(stated_shift_name)]
-    known_names = [name for alias in _SHIFT_NAMES for name in names if plain(name) == plain(alias)]
-    shift_name = stated_shift_name or next(iter(known_names), None)
-    if has_two_nameless_columns and shift_name is None and load_name is not None:
-        shift_name = names[1 - names.index(load_name)]
-    if shift_name is None or load_name is None:
+    if has_two_nameless_columns and load_name is None and stated_displacement_name is not None:
+        load_name = names[1 - names.index(stated_displacement_name)]
+    known_names = [
+        name for alias in _DISPLACEMENT_NAMES for name in names if plain(name) == plain(alias)
+    ]
+    displacement_name = stated_displacement_name or next(iter(known_names), None)
+    if has_two_nameless_columns and displacement_name is None and load_name is not None:
+        displacement_name = names[1 - names.index(load_name)]
+    if displacement_name is None or load_name is None:
         raise InputError(
             f"{file_name}: no column for the relative displacement (looked for"
-            f" {', '.join(_SHIFT_NAMES[:4])} ...) among {listed(names)}; name it by columns.slip of"
-            " a mapping"
+            f" {', '.join(_DISPLACEMENT_NAMES[:4])} ...) among {listed(names)}; name it by"
+            " columns.slip of a mapping"
         )
-    if shift_name == load_name:
+    if displacement_name == load_name:
         raise InputError(
-            f"{file_name}: the mapping takes {shift_name!r} for U and for Q; state columns.slip and"
-            " columns.tangential_load"
+            f"{file_name}: the mapping takes {displacement_name!r} for U and for Q; state"
+            " columns.slip and columns.tangential_load"
         )
-    return shift_name, load_name
+    return displacement_name, load_name
 
 
 def _column_of_loop(
@@ -246,7 +251,7 @@ def _column_of_loop(
 
 def _is_known_heading(heading: str) -> bool:
     """Whether a heading is one that a loop's table may have."""
-    aliases = (*_SHIFT_NAMES, *ALIASES["tangential_load"], *ALIASES["time"])
+    aliases = (*_DISPLACEMENT_NAMES, *ALIASES["tangential_load"], *ALIASES["time"])
     return plain(heading) in {plain(alias) for alias in aliases}
 
 

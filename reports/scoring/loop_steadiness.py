@@ -74,7 +74,9 @@ class Misfit:
         return math.sqrt((1 + correlation) / (1 - correlation))
 
 
-def misfit_of(distances: Array, shift_noise: float, least_deviations: float = BY_CHANCE) -> Misfit:
+def misfit_of(
+    distances: Array, displacement_noise: float, least_deviations: float = BY_CHANCE
+) -> Misfit:
     """How much of the distances of rows from a fit is no scatter: the correlation of neighbouring
     rows, and the systematic part in units of U. This part follows from that correlation; with many
     rows also from the means of blocks of rows, and the smaller of both is taken.
@@ -83,7 +85,7 @@ def misfit_of(distances: Array, shift_noise: float, least_deviations: float = BY
     ----------
     distances
         (n,) over sigma, the standard deviation of the noise, in the order of neighbours
-    shift_noise
+    displacement_noise
         sigma of U [length]
     least_deviations
         a correlation of fewer standard deviations, 1/sqrt(n), than this is taken for chance; the
@@ -115,7 +117,7 @@ def misfit_of(distances: Array, shift_noise: float, least_deviations: float = BY
         )
         variance_of_blocks = max(float(np.mean(block_means**2)) - variance / rows_of_block, 0.0)
         systematic_variance = min(systematic_variance, variance_of_blocks)
-    return Misfit(correlation, math.sqrt(systematic_variance) * shift_noise)
+    return Misfit(correlation, math.sqrt(systematic_variance) * displacement_noise)
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,7 +195,9 @@ def change_of(distances: Array, derivatives: Array, added_derivatives: Array) ->
     )
 
 
-def drift_of_shift(shift: Array, load: Array, time: Array, branches: Branches) -> float | None:
+def drift_of_displacement(
+    displacement: Array, load: Array, time: Array, branches: Branches
+) -> float | None:
     """Rate at which U drifts from cycle to cycle [length per unit of time].
 
     U of a row is compared with U a cycle later, both minus the slope dU/dQ times Q. Rows near the
@@ -201,7 +205,7 @@ def drift_of_shift(shift: Array, load: Array, time: Array, branches: Branches) -
 
     Parameters
     ----------
-    shift, load, time
+    displacement, load, time
         U, Q and time of the rows, (n,) each
     branches
         branch of each row, and its phase, the number of cycles that have passed
@@ -214,13 +218,13 @@ def drift_of_shift(shift: Array, load: Array, time: Array, branches: Branches) -
     if np.count_nonzero(is_compared) < _FEWEST_PAIRS:
         return None
     phase_a_cycle_later = branches.phase[is_compared] + 1
-    slope = float(np.polyfit(load, shift, 1)[0])
-    shift_beside_line = shift - slope * load
-    shift_a_cycle_later = np.interp(phase_a_cycle_later, phase, shift_beside_line)
+    slope = float(np.polyfit(load, displacement, 1)[0])
+    displacement_beside_line = displacement - slope * load
+    displacement_a_cycle_later = np.interp(phase_a_cycle_later, phase, displacement_beside_line)
     time_a_cycle_later = np.interp(phase_a_cycle_later, phase, time)
-    changes_of_shift = shift_a_cycle_later - shift_beside_line[is_compared]
+    changes_of_displacement = displacement_a_cycle_later - displacement_beside_line[is_compared]
     periods = time_a_cycle_later - time[is_compared]
-    return float(np.mean(changes_of_shift) / np.mean(periods))
+    return float(np.mean(changes_of_displacement) / np.mean(periods))
 
 
 @dataclass(frozen=True)
@@ -285,21 +289,21 @@ def trend_of_sizes(values: Array, load: Array, time: Array, noise: float) -> Tre
 
 
 def lasting_growth(
-    shift: Array, load: Array, time: Array, first_row: int, noise: float
+    displacement: Array, load: Array, time: Array, first_row: int, noise: float
 ) -> Literal["", "grow", "shrink"]:
     """Whether the cycles "grow" or "shrink" over all rows, and may do so at the same rate from the
     row `first_row` on: then the rows before it are no run-in. "" where this is not so.
 
     Parameters
     ----------
-    shift, load, time
+    displacement, load, time
         U, Q and time of the rows, (n,) each
     first_row
         index of the first row behind the supposed run-in
     noise
         standard deviation of the noise of Q
     """
-    for values in (load, shift):
+    for values in (load, displacement):
         trend_of_all_rows = trend_of_sizes(values, load, time, noise)
         trend_of_later_rows = trend_of_sizes(
             values[first_row:], load[first_row:], time[first_row:], noise
@@ -311,19 +315,19 @@ def lasting_growth(
     return ""
 
 
-def differences_of_cycles(shift: Array, load: Array, time: Array, noise: float) -> str:
+def differences_of_cycles(displacement: Array, load: Array, time: Array, noise: float) -> str:
     """How the cycles of a measured loop differ from each other in size, in words: "its cycles grow:
     U of one cycle goes up and down by ... % more than of another". "" where they are alike. The
     size of a cycle is the standard deviation of Q or U through it.
 
     Parameters
     ----------
-    shift, load, time
+    displacement, load, time
         relative tangential displacement U, load Q and time of the rows, (n,) each
     noise
         standard deviation of the noise of Q
     """
-    for name, values in (("Q", load), ("U", shift)):
+    for name, values in (("Q", load), ("U", displacement)):
         sizes = sizes_of_cycles(values, load, time, noise)
         if len(sizes) < 2:
             return ""
@@ -350,15 +354,15 @@ def differences_of_cycles(shift: Array, load: Array, time: Array, noise: float) 
         if len(growths) > _FEWEST_STEPS_OF_PERIOD and is_alternating:
             return f"its period is another, every second cycle is alike: {extent_words}"
         return f"its cycles differ: {extent_words}"
-    return _growth_through_noise(shift, load, time, noise)
+    return _growth_through_noise(displacement, load, time, noise)
 
 
-def _growth_through_noise(shift: Array, load: Array, time: Array, noise: float) -> str:
-    """How the cycles grow or shrink, in words, where the trends of U (`shift`) and Q (`load`)
-    together are beyond their noise though neither is alone; "" where they are not. `noise` is the
-    sigma of Q.
+def _growth_through_noise(displacement: Array, load: Array, time: Array, noise: float) -> str:
+    """How the cycles grow or shrink, in words, where the trends of U and Q together are beyond
+    their noise though neither is alone; "" where they are not. `noise` is the standard deviation of
+    Q.
     """
-    trends = [trend_of_sizes(values, load, time, noise) for values in (load, shift)]
+    trends = [trend_of_sizes(values, load, time, noise) for values in (load, displacement)]
     known_trends = [trend for trend in trends if trend is not None]
     if not known_trends:
         return ""

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from reports.scoring.loop_area import polygon_area
 from reports.scoring.loop_branches import Branches, find_branches, row_noise
-from reports.scoring.loop_fit import LoopRows, LoopsOverFriction, Weights, fit_loop
+from reports.scoring.loop_fit import LoopRows, LoopsOverFriction, RowNoise, fit_loop
 from reports.scoring.loop_fitted import FittedLoop, sentences_on_scale
 from reports.scoring.loop_masing import MasingLoop, MeasuredRows, MemoryCurve, memory_curve
 from reports.scoring.loop_masing_fit import BestLoop, MasingFit, best_loop, with_interval
@@ -31,7 +31,7 @@ from reports.scoring.loop_steadiness import (
     Change,
     Misfit,
     differences_of_cycles,
-    drift_of_shift,
+    drift_of_displacement,
     lasting_growth,
 )
 from reports.scoring.loop_theory import (
@@ -40,7 +40,7 @@ from reports.scoring.loop_theory import (
     cycle_loads,
     has_constant_normal_load,
     least_friction,
-    theory_shift,
+    theory_displacement,
 )
 from reports.units import units
 from scenes import InputError, Scene
@@ -303,7 +303,7 @@ def _candidate(
     loop = remaining_rows.rows
     branches = _branches_by_height(loop)
     rows_to_fit = MeasuredRows(
-        shift=loop.shift,
+        displacement=loop.displacement,
         load=loop.load,
         time=loop.time,
         branches=branches,
@@ -333,7 +333,7 @@ def _candidate(
         change_of_size = fitted_loop.change_of_size_with(phase)
         log_friction_change = fitted_loop.log_friction_change(change_of_size.added_values, phase)
     share_of_opening = _share_of_opening(loop, fitted_loop.misfit, branches.phase)
-    sigma_over_opening = fitted_loop.search.sigma.shift / _mean_opening(loop, branches.phase)
+    sigma_over_opening = fitted_loop.search.sigma.displacement / _mean_opening(loop, branches.phase)
     # noise alone moves the nearest points of the loop by as much
     if share_of_opening < _SIGMAS_OF_NEAREST_POINTS * sigma_over_opening:
         share_of_opening = 0.0
@@ -450,7 +450,7 @@ class _RowsWithoutRunIn:
         loop = self.all_rows
         return replace(
             loop,
-            shift=loop.shift[self.first_row :],
+            displacement=loop.displacement[self.first_row :],
             load=loop.load[self.first_row :],
             time=loop.time[self.first_row :],
         )
@@ -464,7 +464,7 @@ class _RowsWithoutRunIn:
             return ""
         loop = self.all_rows
         return lasting_growth(
-            loop.shift, loop.load, loop.time, self.first_row, _noise_of_load(loop)
+            loop.displacement, loop.load, loop.time, self.first_row, _noise_of_load(loop)
         )
 
 
@@ -501,11 +501,11 @@ def _branches_by_height(loop: MeasuredLoop) -> Branches:
     """Branches of the rows by the height U/(range of U) + Q/(range of Q): it has its turning points
     where the branches have theirs, also where Q stays while the contact slides.
     """
-    range_of_shift = float(np.ptp(loop.shift))
+    range_of_displacement = float(np.ptp(loop.displacement))
     range_of_load = float(np.ptp(loop.load))
-    height = loop.shift / range_of_shift + loop.load / range_of_load
-    step_of_digits = loop.resolution[0] / range_of_shift + loop.resolution[1] / range_of_load
-    return find_branches(loop.shift, height, loop.time, step_of_digits, loop.source)
+    height = loop.displacement / range_of_displacement + loop.load / range_of_load
+    step_of_digits = loop.resolution[0] / range_of_displacement + loop.resolution[1] / range_of_load
+    return find_branches(loop.displacement, height, loop.time, step_of_digits, loop.source)
 
 
 def _share_of_opening(loop: MeasuredLoop, misfit: Misfit, phase: Array) -> float:
@@ -517,13 +517,13 @@ def _mean_opening(loop: MeasuredLoop, phase: Array) -> float:
     """Mean opening of the loop in U [length]: its area over the range of Q. `phase` (n,) are the
     cycles that have passed at each row.
     """
-    area = polygon_area(loop.shift, loop.load, phase, 0.0, 0.0).value
+    area = polygon_area(loop.displacement, loop.load, phase, 0.0, 0.0).value
     return max(abs(area), 1e-300) / float(np.ptp(loop.load))
 
 
 def _differences_of_cycles(loop: MeasuredLoop) -> str:
     """How the cycles of a measured loop differ, in words; "" where they do not."""
-    return differences_of_cycles(loop.shift, loop.load, loop.time, _noise_of_load(loop))
+    return differences_of_cycles(loop.displacement, loop.load, loop.time, _noise_of_load(loop))
 
 
 def _noise_of_load(loop: MeasuredLoop) -> float:
@@ -552,13 +552,15 @@ def _drift_of_cycle(loop: MeasuredLoop) -> float:
     """Drift of U in a cycle, over the range of U, where it is too large for the drift of a gauge;
     else 0.
     """
-    branches = find_branches(loop.shift, loop.load, loop.time, loop.resolution[1], loop.source)
-    drift_rate = drift_of_shift(loop.shift, loop.load, loop.time, branches)
+    branches = find_branches(
+        loop.displacement, loop.load, loop.time, loop.resolution[1], loop.source
+    )
+    drift_rate = drift_of_displacement(loop.displacement, loop.load, loop.time, branches)
     if drift_rate is None:
         return 0.0
-    range_of_shift = float(np.ptp(loop.shift))
-    drift = drift_rate * float(np.ptp(loop.time)) / branches.cycles / range_of_shift
-    drift_by_noise = 2 * row_noise(loop.shift) / range_of_shift
+    range_of_displacement = float(np.ptp(loop.displacement))
+    drift = drift_rate * float(np.ptp(loop.time)) / branches.cycles / range_of_displacement
+    drift_by_noise = 2 * row_noise(loop.displacement) / range_of_displacement
     return drift if abs(drift) > _LARGEST_DRIFT + drift_by_noise else 0.0
 
 
@@ -586,7 +588,9 @@ def _fit_at_constant_load(
         error_of_theory = _ERROR_OF_SLIDING
     fit = with_interval(candidate.best_loop, error_of_theory)
     share_of_time = (loop.time - loop.time[0]) / float(np.ptp(loop.time))
-    rows_without_drift = replace(loop, shift=loop.shift - fit.drift * (share_of_time - 0.5))
+    rows_without_drift = replace(
+        loop, displacement=loop.displacement - fit.drift * (share_of_time - 0.5)
+    )
     load_of_cycle = cycle_loads(scene)[1]
     scale = (fit.highest_load - fit.lowest_load) / float(np.ptp(load_of_cycle))
     which_rows = " that are left" if candidate.run_in_sentence else ""
@@ -600,12 +604,12 @@ def _fit_at_constant_load(
     ]
     if candidate.run_in_sentence:
         sentences.append(candidate.run_in_sentence)
-    range_of_shift = float(np.ptp(loop.shift))
+    range_of_displacement = float(np.ptp(loop.displacement))
     drift_uncertainty = 1.96 * fit.drift_error
-    if abs(fit.drift) > max(drift_uncertainty, _LEAST_DRIFT_STATED * range_of_shift):
+    if abs(fit.drift) > max(drift_uncertainty, _LEAST_DRIFT_STATED * range_of_displacement):
+        drift_of_cycle = fit.drift / range_of_displacement / branches.cycles
         sentences.append(
-            f"U drifts by {100 * fit.drift / range_of_shift / branches.cycles:+.2g} % of its range"
-            " in a cycle: taken out"
+            f"U drifts by {100 * drift_of_cycle:+.2g} % of its range in a cycle: taken out"
         )
     # 0 to 1 on the rising branch, 1 to 2 on the falling one
     place_on_loop = fit.distances.place_on_loop
@@ -630,7 +634,7 @@ def _fit_at_constant_load(
         cycles=branches.cycles,
         scale=scale,
         offset=fit.lowest_load - scale * float(load_of_cycle.min()),
-        shift_noise=fit.sigma.shift,
+        displacement_noise=fit.sigma.displacement,
         load_noise=fit.sigma.load,
         sentences=tuple(sentences),
         misfit=fit.misfit,
@@ -647,17 +651,19 @@ def _fit_where_load_varies(
     and two branches of Q in a cycle: theory's loop between the turning points of Q is fitted to
     the rows. `rig_compliance` is C of the rig [1/stress]; None fits it too.
     """
-    branches = find_branches(loop.shift, loop.load, loop.time, loop.resolution[1], loop.source)
-    rows = LoopRows(loop.shift, loop.load, branches, rig_compliance)
+    branches = find_branches(
+        loop.displacement, loop.load, loop.time, loop.resolution[1], loop.source
+    )
+    rows = LoopRows(loop.displacement, loop.load, branches, rig_compliance)
     load_of_cycle = cycle_loads(scene)[1]
     load_at_fine_instants = cycle_loads(scene, FINE_SHARES)[1]
     loops_of_theory = LoopsOverFriction(
         load_at_fine_instants,
         least_friction(scene),
-        lambda friction: theory_shift(scene, friction, FINE_SHARES),
+        lambda friction: theory_displacement(scene, friction, FINE_SHARES),
     )
     fit = fit_loop(rows, loops_of_theory, loop.resolution, _ERROR_OF_THEORY)
-    sigma = Weights(fit.shift_noise, fit.load_noise)
+    sigma = RowNoise(fit.displacement_noise, fit.load_noise)
     nearest_points = loops_of_theory.nearest_points(rows, fit.friction, fit.terms, sigma)
     scale = (fit.highest - fit.lowest) / float(np.ptp(load_of_cycle))
     sentences = [
@@ -671,15 +677,15 @@ def _fit_where_load_varies(
     return FittedLoop(
         scene=scene,
         friction=fit.friction,
-        lowest_friction=fit.low,
-        highest_friction=fit.high,
+        lowest_friction=fit.lowest_friction,
+        highest_friction=fit.highest_friction,
         compliance=fit.compliance,
         share_of_cycle=np.mod(nearest_points.place / (len(load_at_fine_instants) - 1), 1.0),
         phase=branches.phase,
         cycles=branches.cycles,
         scale=scale,
         offset=fit.lowest - scale * float(load_of_cycle.min()),
-        shift_noise=fit.shift_noise,
+        displacement_noise=fit.displacement_noise,
         load_noise=fit.load_noise,
         sentences=tuple(sentences),
         misfit=fit.misfit,

@@ -52,7 +52,7 @@ def cycle_loads(scene: Scene, shares: Array = SHARES) -> tuple[Array, Array]:
     return np.asarray(normal), np.asarray(tangential)
 
 
-def theory_shift(scene: Scene, friction: float, shares: Array = SHARES) -> Array:
+def theory_displacement(scene: Scene, friction: float, shares: Array = SHARES) -> Array:
     """U of the steady cycle by half-plane theory."""
     asked = scene.vary(friction=friction, cycles=max(scene.cycles, 2))
     solution = semi_analytic.solve(
@@ -65,7 +65,7 @@ def theory_shift(scene: Scene, friction: float, shares: Array = SHARES) -> Array
     return solution.tangential_displacement
 
 
-def finite_element_shift(scene: Scene, friction: float) -> Array:
+def finite_element_displacement(scene: Scene, friction: float) -> Array:
     """The same by the finite elements, whose instants lie between."""
     import halfplane_fe
 

@@ -39,10 +39,10 @@ from reports.scoring.loop_steady_rows import fit_steady_rows
 from reports.scoring.loop_theory import (
     SHARES,
     cycle_loads,
-    finite_element_shift,
+    finite_element_displacement,
     has_two_branches,
     least_friction,
-    theory_shift,
+    theory_displacement,
 )
 from scenes import InputError, Scene
 from scenes.array_types import Array
@@ -91,10 +91,10 @@ class LoopRow:
 
 
 class LoopCurve(NamedTuple):
-    """A computed loop for the figure: `shift` U with the rig, and `load` Q, (n_instants,) each."""
+    """A computed loop for the figure: U with the rig, and Q, (n_instants,) each."""
 
     name: str
-    shift: Array
+    displacement: Array
     load: Array
 
 
@@ -108,8 +108,9 @@ class LoopScore:
         the scene that the loop was scored against
     source
         file of the loop
-    friction, low, high
-        f that fits best and its 95 % interval; high is None where the rows exclude no larger f
+    friction, lowest_friction, highest_friction
+        f that fits best, and the ends of its 95 % interval; the upper one is None where the rows
+        exclude no larger f
     compliance, compliance_fitted
         C of the rig [1/stress], and whether it was fitted
     scale
@@ -118,13 +119,13 @@ class LoopScore:
         number of cycles that the rows cover
     noise
         standard deviation of the noise of U [length]
-    rows
-        the loops as rows of a table: the measured one, then each computed one
+    loops
+        a row of the table of loops each: the measured one first, then the computed ones
     read_as
         how the file was read
-    said
+    notes
         sentences on what was assumed or left out
-    tau, shift, load
+    share_of_cycle, displacement, load
         (n,) share of the cycle that is over, U and Q of the measured rows
     curves
         the computed loops, for the figure
@@ -133,18 +134,18 @@ class LoopScore:
     scene: Scene
     source: str
     friction: float
-    low: float
-    high: float | None
+    lowest_friction: float
+    highest_friction: float | None
     compliance: float
     compliance_fitted: bool
     scale: float
     cycles: float
     noise: float
-    rows: tuple[LoopRow, ...]
+    loops: tuple[LoopRow, ...]
     read_as: ReadAs
-    said: tuple[str, ...]
-    tau: Array
-    shift: Array
+    notes: tuple[str, ...]
+    share_of_cycle: Array
+    displacement: Array
     load: Array
     curves: tuple[LoopCurve, ...]
 
@@ -152,9 +153,9 @@ class LoopScore:
     def agrees(self) -> bool:
         """Whether the scene's own f lies in the interval."""
         return (
-            self.low
+            self.lowest_friction
             <= self.scene.friction.coefficient
-            <= (math.inf if self.high is None else self.high)
+            <= (math.inf if self.highest_friction is None else self.highest_friction)
         )
 
     @property
@@ -163,19 +164,23 @@ class LoopScore:
         lies in it. The best f and the ends of the interval have as many digits as they need to
         differ.
         """
-        frictions = [self.low, self.friction]
-        if self.high is not None:
-            frictions.append(self.high)
+        frictions = [self.lowest_friction, self.friction]
+        if self.highest_friction is not None:
+            frictions.append(self.highest_friction)
         digits = 4
         while digits < 16:
             if len({f"{friction:.{digits}g}" for friction in frictions}) == len(set(frictions)):
                 break
             digits += 1
-        upper_end = "no upper limit" if self.high is None else f"{self.high:.{digits}g}"
+        upper_end = (
+            "no upper limit"
+            if self.highest_friction is None
+            else f"{self.highest_friction:.{digits}g}"
+        )
         verdict = "lies within" if self.agrees else "lies outside"
         return (
             f"The loop is best fitted by f = {self.friction:.{digits}g} (95 %:"
-            f" {self.low:.{digits}g} to {upper_end}); the scene's f ="
+            f" {self.lowest_friction:.{digits}g} to {upper_end}); the scene's f ="
             f" {self.scene.friction.coefficient:.{max(digits, 4)}g} {verdict} this interval."
         )
 
@@ -235,7 +240,7 @@ def score_loop(
     (0.5, 1e-05)
     """
     require_loop(scene)
-    for name, values in (("U", loop.shift), ("Q", loop.load)):
+    for name, values in (("U", loop.displacement), ("Q", loop.load)):
         if not np.ptp(values) > 0:
             raise InputError(f"{loop.source}: {name} is the same in every row: there is no loop")
     # Q rises once and falls once in a cycle: the order of the rows tells their places
@@ -253,21 +258,21 @@ def score_loop(
         scene=fit.scene,
         source=loop.source,
         friction=fit.friction,
-        low=fit.lowest_friction,
-        high=fit.highest_friction,
+        lowest_friction=fit.lowest_friction,
+        highest_friction=fit.highest_friction,
         compliance=fit.compliance,
         compliance_fitted=rig_compliance is None,
         scale=fit.scale,
         cycles=fit.cycles,
-        noise=fit.shift_noise,
-        rows=(measured_row, *(computed.row for computed in computed_loops.loops)),
+        noise=fit.displacement_noise,
+        loops=(measured_row, *(computed.row for computed in computed_loops.loops)),
         read_as=loop.read_as,
-        said=(*fit.sentences, sentence, *computed_loops.sentences),
-        tau=fit.share_of_cycle,
-        shift=loop.shift,
+        notes=(*fit.sentences, sentence, *computed_loops.sentences),
+        share_of_cycle=fit.share_of_cycle,
+        displacement=loop.displacement,
         load=loop.load,
         curves=tuple(
-            LoopCurve(computed.row.name, computed.shift, computed.load)
+            LoopCurve(computed.row.name, computed.displacement, computed.load)
             for computed in computed_loops.loops
         ),
     )
@@ -280,7 +285,9 @@ def _measured_row(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow, str]:
     """
     # only a loop of Masing's rule, at constant P, has an area of its own
     if fit.masing_loop is None or fit.masing_fit is None:
-        area = polygon_area(loop.shift, loop.load, fit.phase, fit.shift_noise, fit.load_noise)
+        area = polygon_area(
+            loop.displacement, loop.load, fit.phase, fit.displacement_noise, fit.load_noise
+        )
         method_words = "the area of the polygon of the rows"
     else:
         area = area_about_fit(fit.masing_loop, fit.masing_fit, float(fit.phase[-1] - fit.phase[0]))
@@ -291,7 +298,7 @@ def _measured_row(loop: MeasuredLoop, fit: FittedLoop) -> tuple[LoopRow, str]:
         friction=None,
         area=area.value,
         area_uncertainty=area.uncertainty,
-        slope=_slope(loop.shift, np.interp(fit.share_of_cycle, SHARES, load_of_cycle)),
+        slope=_slope(loop.displacement, np.interp(fit.share_of_cycle, SHARES, load_of_cycle)),
         distance=math.nan,
         by_distance=area.by_distance,
         by_noise=area.by_noise,
@@ -313,7 +320,7 @@ class _ComputedLoop:
     """
 
     row: LoopRow
-    shift: Array
+    displacement: Array
     load: Array
 
 
@@ -349,14 +356,16 @@ def _partial_loops(
                 " loop"
             )
             continue
-        shifts = {f"theory, {name}": theory_shift(fit.scene, friction_at_scene_q)}
+        displacements = {f"theory, {name}": theory_displacement(fit.scene, friction_at_scene_q)}
         if against == "fe":
-            shifts[f"finite elements, {name}"] = finite_element_shift(
+            displacements[f"finite elements, {name}"] = finite_element_displacement(
                 fit.scene, friction_at_scene_q
             )
         loops += [
-            _loop_with_rig(loop, fit, _LoopOfScene(name_of_loop, friction, shift), rig_compliance)
-            for name_of_loop, shift in shifts.items()
+            _loop_with_rig(
+                loop, fit, _LoopOfScene(name_of_loop, friction, displacement), rig_compliance
+            )
+            for name_of_loop, displacement in displacements.items()
         ]
     return _ComputedLoops(loops, sentences)
 
@@ -368,7 +377,7 @@ class _LoopOfScene(NamedTuple):
 
     name: str
     friction: float
-    shift: Array
+    displacement: Array
 
 
 def _loop_with_rig(
@@ -390,15 +399,15 @@ def _loop_with_rig(
     load_of_scene = cycle_loads(fit.scene)[1]
     load = fit.scale * load_of_scene
     _, compliance, origin = fit_rig(
-        loop, computed.shift, fit.share_of_cycle, load, fit.scale, rig_compliance
+        loop, computed.displacement, fit.share_of_cycle, load, fit.scale, rig_compliance
     )
-    shift = fit.scale * computed.shift + compliance * load + origin
+    displacement = fit.scale * computed.displacement + compliance * load + origin
     # the rig is elastic: it adds nothing to the area
     mean_load = (load_of_scene[1:] + load_of_scene[:-1]) / 2
-    area = fit.scale**2 * float(np.sum(mean_load * np.diff(computed.shift)))
-    slope, distance = _slope_and_distance(loop, fit.share_of_cycle, shift, load)
+    area = fit.scale**2 * float(np.sum(mean_load * np.diff(computed.displacement)))
+    slope, distance = _slope_and_distance(loop, fit.share_of_cycle, displacement, load)
     row = LoopRow(computed.name, computed.friction, area, 0.0, slope, distance)
-    return _ComputedLoop(row, shift, load + fit.offset)
+    return _ComputedLoop(row, displacement, load + fit.offset)
 
 
 def _sliding_loops(
@@ -415,11 +424,11 @@ def _sliding_loops(
     middle_load = float(loop.load.max() + loop.load.min()) / 2
     loops = []
     for name, sliding_loop in sliding_loops.items():
-        shift, load = sliding_loop.closed_curve(SHARES)
+        displacement, load = sliding_loop.closed_curve(SHARES)
         # U has any origin: it is moved to the mean of the measured one
-        shift_at_rows = np.interp(fit.share_of_cycle, SHARES, shift)
-        shift = shift + float(np.mean(loop.shift - shift_at_rows))
-        slope, distance = _slope_and_distance(loop, fit.share_of_cycle, shift, load)
+        displacement_at_rows = np.interp(fit.share_of_cycle, SHARES, displacement)
+        displacement = displacement + float(np.mean(loop.displacement - displacement_at_rows))
+        slope, distance = _slope_and_distance(loop, fit.share_of_cycle, displacement, load)
         row = LoopRow(
             name,
             sliding_loop.friction,
@@ -428,7 +437,7 @@ def _sliding_loops(
             slope=slope,
             distance=distance,
         )
-        loops.append(_ComputedLoop(row, shift, load + middle_load))
+        loops.append(_ComputedLoop(row, displacement, load + middle_load))
     sentences = []
     if against == "fe":
         sentences.append(
@@ -438,7 +447,7 @@ def _sliding_loops(
 
 
 def _slope_and_distance(
-    loop: MeasuredLoop, share_of_cycle: Array, shift: Array, load: Array
+    loop: MeasuredLoop, share_of_cycle: Array, displacement: Array, load: Array
 ) -> tuple[float, float]:
     """Slope dU/dQ of a computed loop, and the root mean square of its distances from the means of
     the rows, along U.
@@ -449,19 +458,19 @@ def _slope_and_distance(
         the measured rows
     share_of_cycle
         (n_rows,) share of the cycle that is over at each row
-    shift, load
+    displacement, load
         (n_instants,) U and Q of the computed loop at `SHARES` of the cycle
     """
-    shift_at_rows = np.interp(share_of_cycle, SHARES, shift)
-    slope = _slope(shift_at_rows, np.interp(share_of_cycle, SHARES, load))
-    _, distances = means_of_parts(share_of_cycle, loop.shift - shift_at_rows)
+    displacement_at_rows = np.interp(share_of_cycle, SHARES, displacement)
+    slope = _slope(displacement_at_rows, np.interp(share_of_cycle, SHARES, load))
+    _, distances = means_of_parts(share_of_cycle, loop.displacement - displacement_at_rows)
     return slope, math.sqrt(float(np.mean(distances**2)))
 
 
-def _slope(shift: Array, load: Array) -> float:
+def _slope(displacement: Array, load: Array) -> float:
     """Slope dU/dQ of the straight line through the rows of a loop, (n,) each [1/stress]."""
     load_from_mean = load - load.mean()
-    return float(load_from_mean @ shift / (load_from_mean @ load_from_mean))
+    return float(load_from_mean @ displacement / (load_from_mean @ load_from_mean))
 
 
 def means_of_parts(share_of_cycle: Array, *row_values: Array) -> tuple[Array, ...]:
